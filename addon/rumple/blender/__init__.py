@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code."""
+from __future__ import annotations
+
+from . import bake, handlers, operators, panels, properties, structure
+
+_MODULES = (properties, operators, bake, panels, handlers)
+
+
+def register() -> None:
+    """Called by the add-on's __init__.py."""
+    for module in _MODULES:
+        module.register()
+    structure.request()  # files that are open already; not now: Blender hides its data while an add-on registers
+
+
+def unregister() -> None:
+    for module in reversed(_MODULES):
+        module.unregister()

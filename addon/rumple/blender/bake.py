@@ -1,0 +1,337 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baking: the played-through clip into a PC2 file that Blender's own Mesh Cache shows, or into shape keys.
+
+A baked carrier needs neither this add-on nor a handler: a render farm shows the clip as any other cache.
+"""
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Iterator
+
+import bpy
+import numpy as np
+
+from . import bake_files, bake_state, modifier, operators, registry, structure, versions
+
+FOLDER = "//rumple"
+STEP_SECONDS = 0.05  # the window stays alive: solve for so long between two redraws
+
+
+class BakeError(RuntimeError):
+    """Why a bake cannot be made or go on, in words."""
+
+
+class Playback:
+    """Plays an object through a range of frames and hands out what was solved."""
+
+    def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, start: int, end: int, samples: int) -> None:
+        if end < start:
+            raise BakeError(f"The last frame ({end}) is before the first ({start})")
+        self.scene, self.obj = context.scene, obj
+        self.start, self.end, self.samples = start, end, samples
+        self.now = self.scene.frame_current, self.scene.frame_subframe
+        self.run_up = list(range(min(self.scene.frame_start, start), start))
+        self.count = len(self.run_up) + (end - start) * samples + 1
+        ours = modifier.find(obj)
+        others = [other for other, _ in modifier.wrinkled_objects() if other != obj]
+        self.passes = 2 if modifier.leans_on(obj, others) else 1  # the other one is solved in the first pass
+        self.was_baked = modifier.is_baked(ours)
+        if self.was_baked:
+            modifier.set_baked(ours, False)
+            registry.runtime(obj).stale = True
+        structure.settle_all()
+
+    def samples_in_order(self) -> Iterator[tuple[bool, np.ndarray, np.ndarray]]:
+        """(wanted, fine positions, coarse positions) of every sample; those of the run-up are not wanted."""
+        for frame in self.run_up:
+            yield False, *self._solve(frame, 0.0)
+        for sample in range((self.end - self.start) * self.samples + 1):
+            whole, part = divmod(sample, self.samples)
+            yield True, *self._solve(self.start + whole, part / self.samples)
+
+    def _solve(self, frame: int, subframe: float) -> tuple[np.ndarray, np.ndarray]:
+        for _ in range(self.passes):
+            self.scene.frame_set(frame, subframe=subframe)
+        entry = registry.runtime(self.obj)
+        if entry.refusal or entry.message:
+            raise BakeError(f"frame {frame + subframe:g}: {entry.refusal or entry.message}")
+        if entry.picture is None or entry.inputs is None or abs(entry.inputs.frame - frame - subframe) > 1e-3:
+            raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: is the modifier switched off?")
+        return entry.picture.positions, entry.inputs.positions
+
+    def end_playback(self, restore_bake: bool) -> None:
+        if restore_bake and self.was_baked:
+            modifier.set_baked(modifier.find(self.obj), True)
+        self.scene.frame_set(self.now[0], subframe=self.now[1])
+
+
+# ---------------------------------------------------------------- the clip
+def clip_file(obj: bpy.types.Object) -> Path:
+    """Where the clip of an object belongs. Raises BakeError."""
+    folder = obj.rumple.bake_folder or FOLDER
+    if folder.startswith("//") and not bpy.data.filepath:
+        raise BakeError("Save the file first: the bake is stored beside it")
+    return Path(bpy.path.abspath(folder)) / f"{bpy.path.clean_name(obj.name)}.pc2"
+
+
+def stored_path(path: Path) -> str:
+    """How the file is written into the blend file: relative where possible, with forward slashes on any system."""
+    text = str(path)
+    if bpy.data.filepath:
+        try:
+            text = bpy.path.relpath(text)
+        except ValueError:
+            pass  # another drive on Windows
+    return text.replace("\\", "/")
+
+
+def attach(obj: bpy.types.Object, manifest: bake_files.Manifest, clip: Path) -> None:
+    """Let the carrier show the clip."""
+    ours = modifier.find(obj)
+    held = modifier.carrier(ours)
+    cache = modifier.cache(held) or held.modifiers.new(modifier.CACHE_NAME, "MESH_CACHE")
+    cache.cache_format, cache.play_mode, cache.time_mode = "PC2", "SCENE", "FRAME"
+    cache.deform_mode, cache.interpolation = "OVERWRITE", "LINEAR"
+    # Mesh Cache takes sample number frame * scale - start.
+    cache.frame_start, cache.frame_scale = float(manifest.start * manifest.samples), float(manifest.samples)
+    cache.filepath = stored_path(clip)
+    modifier.set_baked(ours, True)
+    held.update_tag()
+    registry.runtime(obj).stale = True
+
+
+def free(obj: bpy.types.Object, delete_file: bool) -> None:
+    """Make the wrinkles live again."""
+    ours = modifier.find(obj)
+    held = modifier.carrier(ours)
+    clip = bake_state.clip_path(held) if held is not None else None
+    cache = modifier.cache(held) if held is not None else None
+    if cache is not None:
+        held.modifiers.remove(cache)
+    modifier.set_baked(ours, False)
+    if delete_file and clip is not None:
+        bake_files.delete(clip)
+    entry = registry.runtime(obj)
+    entry.stale = True
+    entry.forget_written()
+    registry.say(entry, "")
+    structure.settle_all()
+
+
+class _Bake:
+    """One running bake: step() until it says that nothing is left."""
+
+    def __init__(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        about = obj.rumple
+        clip = clip_file(obj)
+        self.obj, self.done = obj, 0
+        self.playback = Playback(context, obj, about.bake_start, about.bake_end, about.bake_samples)
+        fine = registry.runtime(obj).fine
+        if fine is None:
+            self.playback.end_playback(restore_bake=True)
+            raise BakeError(registry.message(obj) or f"{obj.name}: there is nothing to bake")
+        manifest = bake_files.Manifest(obj.name, fine.vertex_count, len(obj.data.vertices), about.bake_start, about.bake_end,
+                                       about.bake_samples, bake_state.inputs_fingerprint(obj, context.scene))
+        self.writer = bake_files.ClipWriter(clip, manifest)
+        self.samples = self.playback.samples_in_order()
+
+    def step(self) -> bool:
+        """Solve and write one sample. False after the last."""
+        try:
+            wanted, positions, coarse = next(self.samples)
+        except StopIteration:
+            return False
+        if wanted:
+            self.writer.add(positions, coarse)
+        self.done += 1
+        return True
+
+    def finish(self) -> Path:
+        self.writer.finish()
+        attach(self.obj, self.writer.manifest, self.writer.clip)
+        self.playback.end_playback(restore_bake=False)
+        structure.settle_all()
+        return self.writer.clip
+
+    def cancel(self) -> None:
+        self.writer.discard()
+        self.playback.end_playback(restore_bake=True)
+
+
+# ---------------------------------------------------------------- operators
+class OBJECT_OT_rumple_bake(operators.OnWrinkled, bpy.types.Operator):
+    """Play the clip through and store it in a file beside the blend file. Renders then need neither solve nor add-on"""
+
+    bl_idname = "object.rumple_bake"
+    bl_label = "Bake"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        bake = self._begin(context)
+        if bake is None:
+            return {"CANCELLED"}
+        try:
+            while bake.step():
+                pass
+        except (BakeError, OSError) as error:
+            return self._give_up(bake, error)
+        return self._finish(bake)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        if bpy.app.background:
+            return self.execute(context)
+        self._running = self._begin(context)
+        if self._running is None:
+            return {"CANCELLED"}
+        manager = context.window_manager
+        manager.progress_begin(0, self._running.playback.count)
+        self._timer = manager.event_timer_add(0.01, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type == "ESC":
+            self._end_modal(context)
+            return self._give_up(self._running, BakeError("Bake cancelled: nothing was changed"), "INFO")
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        until = time.perf_counter() + STEP_SECONDS
+        try:
+            while time.perf_counter() < until:
+                if not self._running.step():
+                    self._end_modal(context)
+                    return self._finish(self._running)
+        except (BakeError, OSError) as error:
+            self._end_modal(context)
+            return self._give_up(self._running, error)
+        self._show_progress(context)
+        return {"RUNNING_MODAL"}
+
+    def _show_progress(self, context: bpy.types.Context) -> None:
+        done, count = self._running.done, self._running.playback.count
+        context.window_manager.progress_update(done)
+        if context.workspace is not None:
+            context.workspace.status_text_set(f"Baking wrinkles: {done} of {count} samples. Esc cancels")
+
+    def _end_modal(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+
+    def _begin(self, context: bpy.types.Context) -> _Bake | None:
+        try:
+            return _Bake(context, context.object)
+        except (BakeError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return None
+
+    def _give_up(self, bake: _Bake, error: Exception, kind: str = "ERROR") -> set[str]:
+        bake.cancel()
+        self.report({kind}, str(error))
+        return {"CANCELLED"}
+
+    def _finish(self, bake: _Bake) -> set[str]:
+        try:
+            clip = bake.finish()
+        except OSError as error:
+            return self._give_up(bake, error)
+        self.report({"INFO"}, f"Baked {bake.writer.manifest.sample_count} samples to {clip}")
+        return {"FINISHED"}
+
+
+class OBJECT_OT_rumple_bake_free(operators.OnWrinkled, bpy.types.Operator):
+    """Stop showing the baked clip: the wrinkles are live again. The file stays unless told otherwise"""
+
+    bl_idname = "object.rumple_bake_free"
+    bl_label = "Free Bake"
+
+    delete_file: bpy.props.BoolProperty(name="Delete File", description="Delete the clip too. Undo does not bring it back")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not super().poll(context):
+            return False
+        baked = modifier.is_baked(modifier.find(context.object))
+        if not baked:
+            cls.poll_message_set("Nothing is baked")
+        return baked
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        free(context.object, self.delete_file)
+        return {"FINISHED"}
+
+
+class OBJECT_OT_rumple_bake_shape_keys(operators.OnWrinkled, bpy.types.Operator):
+    """Make a new mesh object with a shape key for every frame, for exporters and other programs"""
+
+    bl_idname = "object.rumple_bake_shape_keys"
+    bl_label = "Bake to Shape Keys"
+
+    start: bpy.props.IntProperty(name="Start", description="First frame; unset: as for the bake", options={"SKIP_SAVE"})
+    end: bpy.props.IntProperty(name="End", description="Last frame; unset: as for the bake", options={"SKIP_SAVE"})
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.object
+        start = self.start if self.properties.is_property_set("start") else obj.rumple.bake_start
+        end = self.end if self.properties.is_property_set("end") else obj.rumple.bake_end
+        playback = None
+        try:
+            playback = Playback(context, obj, start, end, 1)
+            shapes = [positions.copy() for wanted, positions, _ in playback.samples_in_order() if wanted]
+        except BakeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        finally:
+            if playback is not None:
+                playback.end_playback(restore_bake=True)
+        copy = shape_key_object(context, obj, shapes, start)
+        self.report({"INFO"}, f"{copy.name}: {len(shapes)} shape keys")
+        return {"FINISHED"}
+
+
+def shape_key_object(context: bpy.types.Context, obj: bpy.types.Object, shapes: list[np.ndarray], start: int) -> bpy.types.Object:
+    """A copy of obj whose mesh is the fine one, moved by absolute shape keys; later modifiers stay."""
+    mesh = modifier.carrier(modifier.find(obj)).data.copy()
+    copy = obj.copy()
+    mesh.name = copy.name = f"{obj.name} shape keys"
+    last = list(copy.modifiers).index(modifier.find(copy))
+    for name in [m.name for m in copy.modifiers][:last + 1]:
+        copy.modifiers.remove(copy.modifiers[name])
+    copy.data = mesh
+    copy.rumple.method = "NONE"
+    structure.drop_internal_attributes(copy)
+    for collection in obj.users_collection or (context.scene.collection,):
+        collection.objects.link(copy)
+    copy.shape_key_add(name="Rest")
+    keys = mesh.shape_keys
+    keys.use_relative = False
+    for number, shape in enumerate(shapes):
+        key = copy.shape_key_add(name=f"Frame {start + number}", from_mix=False)
+        key.data.foreach_set("co", np.ascontiguousarray(shape, np.float32).ravel())
+    _key_evaluation_time(keys, start)
+    return copy
+
+
+def _key_evaluation_time(keys: bpy.types.Key, start: int) -> None:
+    """One key of evaluation time for every frame: each shows its own shape exactly."""
+    for number, block in enumerate(keys.key_blocks[1:]):
+        block.interpolation = "KEY_LINEAR"
+        keys.eval_time = block.frame
+        keys.keyframe_insert("eval_time", frame=start + number)
+    for curve in versions.action_curves(keys.animation_data.action):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+CLASSES = (OBJECT_OT_rumple_bake, OBJECT_OT_rumple_bake_free, OBJECT_OT_rumple_bake_shape_keys)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether the baked clip of an object is there and still right, in a sentence for panel and console."""
+from __future__ import annotations
+
+import functools
+import hashlib
+from pathlib import Path
+
+import bpy
+
+from . import bake_files, mesh_io, modifier, properties, structure
+from .registry import Runtime
+
+
+def clip_path(carrier: bpy.types.Object) -> Path | None:
+    """The file that the carrier's Mesh Cache reads, absolute."""
+    cache = modifier.cache(carrier)
+    if cache is None or not cache.filepath:
+        return None
+    return Path(bpy.path.abspath(cache.filepath, library=carrier.library))
+
+
+def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
+    """Hash of everything that makes a clip but the animation: meshes, settings, paint, first frame."""
+    digest = hashlib.sha1(structure.sources(obj).shape.encode())
+    digest.update(repr((properties.settings_of(obj, scene), scene.frame_start)).encode())
+    for key, weights in sorted(mesh_io.paint(obj).items()):
+        digest.update(key.encode() + weights.tobytes())
+    return digest.hexdigest()
+
+
+@functools.lru_cache(maxsize=64)
+def _manifest(clip: Path, _modified: int) -> bake_files.Manifest | None:
+    return bake_files.read_manifest(clip)
+
+
+def manifest(clip: Path) -> bake_files.Manifest | None:
+    """The manifest of a clip, read again when the file changed."""
+    try:
+        modified = bake_files.manifest_path(clip).stat().st_mtime_ns
+    except OSError:
+        return None
+    return _manifest(clip, modified)
+
+
+def check(obj: bpy.types.Object, carrier: bpy.types.Object) -> str:
+    """What is wrong with the clip of a baked object; empty when nothing is. The pose is not looked at."""
+    clip = clip_path(carrier)
+    if clip is None or not clip.is_file():
+        return f"{obj.name}: the baked clip {clip or ''} is missing: bake again, or free the bake"
+    about = manifest(clip)
+    if about is None:
+        return f"{obj.name}: the manifest beside {clip.name} is missing: nobody knows what it was baked from"
+    if not bake_files.is_whole(clip, about) or about.vertices != len(carrier.data.vertices):
+        return f"{obj.name}: the baked clip {clip.name} does not fit the fine mesh: bake again"
+    if about.inputs != inputs_fingerprint(obj, structure.scene_of(obj)):
+        return f"{obj.name}: meshes, settings or paint changed since the bake: bake again to see it"
+    return ""
+
+
+def compare_pose(obj: bpy.types.Object, carrier: bpy.types.Object, entry: Runtime, evaluated: bpy.types.Object,
+                 frame: float) -> str:
+    """The note on this frame of a baked object: the animation may have changed, or the frame may be outside the clip."""
+    clip = clip_path(carrier)
+    about = manifest(clip) if clip is not None else None
+    if about is None or entry.bake_note:
+        return entry.bake_note
+    sample = about.sample_of(frame)
+    if sample is None:
+        outside = not about.start <= frame <= about.end
+        return f"{obj.name}: frame {frame:g} is outside the bake ({about.start} to {about.end})" if outside else ""
+    positions = mesh_io.posed_positions(evaluated, about.coarse_vertices)
+    if positions is not None and about.pose_differs(sample, positions):
+        return f"{obj.name}: the pose of frame {frame:g} is not the baked one: bake again"
+    return ""
+
+
+def check_before_render() -> None:
+    """Say on the console what is missing or stale, before hours are spent on it."""
+    for obj, ours in modifier.wrinkled_objects():
+        held = modifier.carrier(ours)
+        if modifier.is_baked(ours) and held is not None:
+            text = check(obj, held)
+            if text:
+                print(f"Rumple: before rendering: {text}")

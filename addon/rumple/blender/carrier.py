@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Making the carrier: the hidden object with the fine mesh and all that it inherits from the coarse one.
+
+Carried: materials and their slots, smooth shading, UV maps, colours and other attributes (points, corners,
+faces), vertex groups, seams, sharp edges, creases and bevel weights, Auto Smooth (3.4).
+Not carried: custom split normals (they belong to the coarse corners only), edge attributes, strings.
+"""
+from __future__ import annotations
+
+import hashlib
+import json
+
+import bpy
+import numpy as np
+
+from ..core import engine
+from . import mesh_io, node_tree, versions
+
+CARRIED_KEY = "rumple_carried"  # custom property on the carrier's mesh: fingerprints of what it inherited, JSON
+SUFFIX = ".wrinkles"
+
+
+def make(obj: bpy.types.Object, fine: engine.WrinkleMesh, source: bpy.types.Object) -> bpy.types.Object:
+    """A new carrier object, in no collection: the modifier's input keeps it alive."""
+    carrier = bpy.data.objects.new(obj.name + SUFFIX, bpy.data.meshes.new(obj.name + SUFFIX))
+    fill(carrier, obj, fine, source)
+    return carrier
+
+
+def fill(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh, source: bpy.types.Object) -> None:
+    """Give the carrier the fine mesh, embedded and at rest, and everything carried.
+
+    source: whose materials, UV maps and attributes it inherits: obj, or the artist's own fine mesh.
+    """
+    mesh = carrier.data
+    mesh.clear_geometry()
+    versions.fill_polygons(mesh, fine.positions_rest, fine.polygon_start, fine.corner_vertex)
+    write_embedding(mesh, fine)
+    carry(carrier, obj, fine, source)
+    mesh.update()
+
+
+def write_embedding(mesh: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+    """The attributes that the node tree reads, with no offset yet."""
+    count = fine.vertex_count
+    for corner, name in enumerate(node_tree.CORNERS):
+        versions.write_attribute(mesh, name, "INT", "POINT", fine.triangle_vertex[:, corner])
+    weights = np.zeros((count, 3), np.float32)
+    weights[:, :2] = fine.barycentric
+    versions.write_attribute(mesh, node_tree.BARYCENTRIC, "FLOAT_VECTOR", "POINT", weights)
+    versions.write_attribute(mesh, node_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", np.zeros((count, 3), np.float32))
+    versions.write_attribute(mesh, node_tree.BASE_INDEX, "INT", "POINT", np.arange(count, dtype=np.int32))
+    for name in node_tree.PUBLIC_FLOATS:
+        versions.write_attribute(mesh, name, "FLOAT", "POINT", np.ones(count, np.float32))
+    for name in node_tree.PUBLIC_VECTORS:
+        versions.write_attribute(mesh, name, "FLOAT_VECTOR", "POINT", np.zeros((count, 3), np.float32))
+
+
+def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.WrinkleMesh) -> bool:
+    """True where the carrier (from a file, perhaps) already is this fine mesh, bound in this way."""
+    if len(mesh.vertices) != fine.vertex_count or len(mesh.loops) != len(fine.corner_vertex):
+        return False
+    corner_vertex = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corner_vertex)
+    if not np.array_equal(corner_vertex, fine.corner_vertex):
+        return False
+    names = (*node_tree.CORNERS, node_tree.BARYCENTRIC, node_tree.LOCAL_OFFSET, node_tree.BASE_INDEX,
+             *node_tree.PUBLIC_FLOATS, *node_tree.PUBLIC_VECTORS)
+    if any(name not in mesh.attributes for name in names):
+        return False
+    stored = np.stack([versions.read_attribute(mesh.attributes[name])[:, 0] for name in node_tree.CORNERS], 1)
+    weights = versions.read_attribute(mesh.attributes[node_tree.BARYCENTRIC])
+    return np.array_equal(stored, fine.triangle_vertex) and np.array_equal(weights[:, :2], fine.barycentric)
+
+
+def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture) -> None:
+    """One frame's result. The only thing that handlers write."""
+    write = versions.write_attribute
+    write(mesh, node_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", picture.local_offset)
+    write(mesh, "rumple_stretch_min", "FLOAT", "POINT", picture.stretch_min)
+    write(mesh, "rumple_stretch_max", "FLOAT", "POINT", picture.stretch_max)
+    write(mesh, "rumple_stretch_direction", "FLOAT_VECTOR", "POINT", picture.stretch_direction)
+    write(mesh, "rumple_offset", "FLOAT_VECTOR", "POINT", picture.offset)
+    mesh.update()
+
+
+# ---------------------------------------------------------------- carrying
+def carry(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh, source: bpy.types.Object) -> None:
+    """Everything inherited, again: called when it changed while the topology did not."""
+    mesh, inherited = carrier.data, source.data
+    _drop_inherited(mesh)
+    _carry_materials(mesh, source)
+    _carry_faces(mesh, inherited, fine)
+    _carry_edges(mesh, inherited, fine)
+    _carry_uv_maps(mesh, inherited, fine)
+    _carry_attributes(mesh, inherited, fine)
+    versions.copy_smoothing(inherited, mesh)
+    carry_vertex_groups(carrier, obj, fine, [group.name for group in obj.vertex_groups])
+    _note_carried(mesh, surface_fingerprint(source), group_fingerprints(obj))
+
+
+def _drop_inherited(mesh: bpy.types.Mesh) -> None:
+    for name in [layer.name for layer in mesh.uv_layers]:
+        mesh.uv_layers.remove(mesh.uv_layers[name])
+    for name in [attribute.name for attribute in versions.generic_attributes(mesh)]:
+        mesh.attributes.remove(mesh.attributes[name])
+
+
+def _carry_materials(mesh: bpy.types.Mesh, source: bpy.types.Object) -> None:
+    """Slots by index. Only the carrier's slots count in the result, and a slot linked to the object wins there."""
+    mesh.materials.clear()
+    for slot in source.material_slots:
+        mesh.materials.append(slot.material)
+
+
+def _carry_faces(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+    parents = fine.polygon_parent
+    for prop, dtype in (("material_index", np.int32), ("use_smooth", bool)):
+        values = np.empty(len(inherited.polygons), dtype)
+        inherited.polygons.foreach_get(prop, values)
+        mesh.polygons.foreach_set(prop, np.ascontiguousarray(values[parents]))
+
+
+def _edge_keys(pairs: np.ndarray, vertex_count: int) -> np.ndarray:
+    """One number for every unordered pair of vertices."""
+    ordered = np.sort(pairs.astype(np.int64), axis=1)
+    return ordered[:, 0] * vertex_count + ordered[:, 1]
+
+
+def _edge_pairs(mesh: bpy.types.Mesh) -> np.ndarray:
+    pairs = np.empty(len(mesh.edges) * 2, np.int32)
+    mesh.edges.foreach_get("vertices", pairs)
+    return pairs.reshape(-1, 2)
+
+
+def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+    marks = versions.edge_marks(inherited)
+    if not marks or not len(fine.edges):
+        return
+    base_keys = _edge_keys(_edge_pairs(inherited), len(inherited.vertices))
+    base_order = np.argsort(base_keys)
+    base_edge = base_order[np.searchsorted(base_keys, _edge_keys(fine.edge_parent, len(inherited.vertices)), sorter=base_order)
+                           .clip(max=len(base_keys) - 1)]
+    fine_keys = _edge_keys(_edge_pairs(mesh), len(mesh.vertices))
+    fine_order = np.argsort(fine_keys)
+    fine_edge = fine_order[np.searchsorted(fine_keys, _edge_keys(fine.edges, len(mesh.vertices)), sorter=fine_order)
+                           .clip(max=len(fine_keys) - 1)]
+    spread = {}
+    for prop, values in marks.items():
+        spread[prop] = np.zeros(len(mesh.edges), values.dtype)
+        spread[prop][fine_edge] = values[base_edge]
+    versions.set_edge_marks(mesh, spread)
+
+
+def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+    active, active_render = "", ""
+    for name in [layer.name for layer in inherited.uv_layers]:
+        layer = inherited.uv_layers[name]
+        active, active_render = (name if layer.active else active), (name if layer.active_render else active_render)
+        flat = np.empty(len(inherited.loops) * 2, np.float32)
+        layer.data.foreach_get("uv", flat)
+        mesh.uv_layers.new(name=name, do_init=False)
+        fine_uv = np.ascontiguousarray(fine.carry_corners(flat.reshape(-1, 2)), np.float32)
+        mesh.uv_layers[name].data.foreach_set("uv", fine_uv.ravel())
+    if active:
+        mesh.uv_layers[active].active = True
+    if active_render:
+        mesh.uv_layers[active_render].active_render = True
+
+
+def _carry_attributes(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+    for name in [attribute.name for attribute in versions.generic_attributes(inherited)]:
+        attribute = inherited.attributes[name]
+        domain, data_type = attribute.domain, attribute.data_type
+        if domain == "EDGE":
+            continue
+        values = _carried_values(fine, domain, versions.read_attribute(attribute))
+        versions.write_attribute(mesh, name, data_type, domain, values)
+    colours, target = inherited.color_attributes, mesh.color_attributes
+    if colours.active_color is not None and colours.active_color.name in target:
+        target.active_color = target[colours.active_color.name]
+        target.render_color_index = target.find(colours[colours.render_color_index].name)
+
+
+def _carried_values(fine: engine.WrinkleMesh, domain: str, values: np.ndarray) -> np.ndarray:
+    """Interpolated; whole numbers and switches rounded, so that a value constant around a point stays itself."""
+    if domain == "FACE":
+        return values[fine.polygon_parent]
+    spread = fine.carry_points if domain == "POINT" else fine.carry_corners
+    result = spread(np.ascontiguousarray(values, np.float32))
+    return result if values.dtype == np.float32 else np.rint(result).astype(values.dtype)
+
+
+def carry_vertex_groups(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh, names: list[str]) -> None:
+    """Weights of the named groups. Every group of obj gets its name: a missing one makes a modifier act on everything."""
+    wanted = [group.name for group in obj.vertex_groups]
+    for group in [group for group in carrier.vertex_groups if group.name not in wanted or group.name in names]:
+        carrier.vertex_groups.remove(group)
+    for name in wanted:
+        if name not in carrier.vertex_groups:
+            carrier.vertex_groups.new(name=name)
+    if not names:
+        return
+    weights = _from_base(fine, mesh_io.group_weights(obj, obj.data, names))
+    for column, name in enumerate(names):
+        _write_group(carrier.vertex_groups[name], weights[:, column])
+
+
+def _from_base(fine: engine.WrinkleMesh, values: np.ndarray) -> np.ndarray:
+    """Point values of the coarse mesh through the embedding: an own mesh has other points than carry_points() takes."""
+    weight_1, weight_2 = fine.barycentric[:, :1], fine.barycentric[:, 1:]
+    corner_0, corner_1, corner_2 = (values[fine.triangle_vertex[:, corner]] for corner in range(3))
+    return (1.0 - weight_1 - weight_2) * corner_0 + weight_1 * corner_1 + weight_2 * corner_2
+
+
+def _write_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
+    """One call for all points of one weight: most are 0 or 1."""
+    inside = np.flatnonzero(weights > 0.0)
+    if not len(inside):
+        return
+    order = inside[np.argsort(weights[inside], kind="stable")]
+    starts = np.flatnonzero(np.diff(weights[order], prepend=-1.0))
+    for members in np.split(order, starts[1:]):
+        group.add(members.tolist(), float(weights[members[0]]), "REPLACE")
+
+
+# ---------------------------------------------------------------- what changed
+def carry_changes(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh, source: bpy.types.Object) -> bool:
+    """Carry again what differs from what the carrier has. True when something did."""
+    mesh = carrier.data
+    surface, groups = surface_fingerprint(source), group_fingerprints(obj)
+    stored = json.loads(mesh.get(CARRIED_KEY, "{}"))
+    stored_groups = stored.get("groups", {})
+    changed = [name for name in groups if groups[name] != stored_groups.get(name)]
+    if surface != stored.get("surface"):
+        carry(carrier, obj, fine, source)
+    elif changed or groups.keys() != stored_groups.keys():
+        carry_vertex_groups(carrier, obj, fine, changed)
+        _note_carried(mesh, surface, groups)
+    else:
+        return False
+    mesh.update()
+    return True
+
+
+def _note_carried(mesh: bpy.types.Mesh, surface: str, groups: dict[str, str]) -> None:
+    mesh[CARRIED_KEY] = json.dumps(dict(surface=surface, groups=groups))
+
+
+def surface_fingerprint(source: bpy.types.Object) -> str:
+    """Hash of all that carry() reads but the vertex groups."""
+    digest = hashlib.sha1()
+    mesh = source.data
+    digest.update(repr([slot.material and slot.material.name_full for slot in source.material_slots]).encode())
+    for prop, dtype in (("material_index", np.int32), ("use_smooth", bool)):
+        values = np.empty(len(mesh.polygons), dtype)
+        mesh.polygons.foreach_get(prop, values)
+        digest.update(values.tobytes())
+    for layer in mesh.uv_layers:
+        flat = np.empty(len(mesh.loops) * 2, np.float32)
+        layer.data.foreach_get("uv", flat)
+        digest.update(f"{layer.name} {layer.active} {layer.active_render}".encode() + flat.tobytes())
+    for attribute in versions.generic_attributes(mesh):
+        digest.update(f"{attribute.name} {attribute.domain}".encode() + versions.read_attribute(attribute).tobytes())
+    for prop, values in versions.edge_marks(mesh).items():
+        digest.update(prop.encode() + values.tobytes())
+    digest.update(repr(versions.smoothing(mesh)).encode())
+    return digest.hexdigest()
+
+
+def group_fingerprints(obj: bpy.types.Object) -> dict[str, str]:
+    """Hash of the weights of every vertex group."""
+    names = [group.name for group in obj.vertex_groups]
+    weights = mesh_io.group_weights(obj, obj.data, names)
+    return {name: hashlib.sha1(weights[:, column].tobytes()).hexdigest() for column, name in enumerate(names)}
+
+
+def copy_for(obj: bpy.types.Object, shared: bpy.types.Object) -> bpy.types.Object:
+    """A carrier of its own for an object that shares one (a duplicate) or whose carrier is linked."""
+    mesh = shared.data.copy()
+    carrier = shared.copy()
+    carrier.data = mesh
+    carrier.name = mesh.name = obj.name + SUFFIX
+    return carrier

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's application handlers: thin, persistent, and they never throw."""
+from __future__ import annotations
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import bake_state, live, modifier, registry, structure
+
+
+@persistent
+def _on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    live.process(scene, depsgraph)
+
+
+@persistent
+def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    live.note_updates(depsgraph)
+    live.process(scene, depsgraph)
+
+
+@persistent
+def _on_load(*_arguments: object) -> None:
+    """Another file: nothing of the former one counts. Structural work is allowed here."""
+    structure.set_rendering(False)
+    registry.forget_all()
+    structure.settle_all()
+
+
+@persistent
+def _on_undo(*_arguments: object) -> None:
+    registry.doubt_all()
+    structure.request()
+
+
+@persistent
+def _on_render_start(*_arguments: object) -> None:
+    if structure.allowed_now():
+        structure.settle_all()  # a script may have changed things since the last update
+    bake_state.check_before_render()
+    structure.set_rendering(True)
+
+
+@persistent
+def _on_render_end(*_arguments: object) -> None:
+    """The carriers hold the last rendered frame: the window needs its own again."""
+    with registry.LOCK:
+        structure.set_rendering(False)
+        for obj, _ours in modifier.wrinkled_objects():
+            registry.runtime(obj).forget_written()
+    if not bpy.app.background and not bpy.app.timers.is_registered(_tag_all):
+        bpy.app.timers.register(_tag_all, first_interval=0.0)
+
+
+def _tag_all() -> None:
+    for obj, _ours in modifier.wrinkled_objects():
+        obj.update_tag()
+
+
+def _pairs() -> tuple:
+    handlers = bpy.app.handlers
+    return ((handlers.frame_change_post, _on_frame), (handlers.depsgraph_update_post, _on_update),
+            (handlers.load_post, _on_load), (handlers.undo_post, _on_undo), (handlers.redo_post, _on_undo),
+            (handlers.render_init, _on_render_start), (handlers.render_complete, _on_render_end),
+            (handlers.render_cancel, _on_render_end))
+
+
+def register() -> None:
+    for functions, function in _pairs():
+        if function not in functions:
+            functions.append(function)
+
+
+def unregister() -> None:
+    for functions, function in _pairs():
+        if function in functions:
+            functions.remove(function)
+    if bpy.app.timers.is_registered(_tag_all):
+        bpy.app.timers.unregister(_tag_all)
+    structure.stop()
+    registry.forget_all()

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The live solve: called between Blender's two evaluation passes, for every depsgraph and every subframe.
+
+The picture is a function of the pose and of stored state (core/history.py), so it does not matter how often,
+for which depsgraph and in which order this is called. Rules that keep Blender alive (../shared/blender-facts.md):
+never update a depsgraph here; while a render runs leave viewport depsgraphs alone; write nothing but attributes of
+the carrier's mesh, and nothing at all when nothing changed; leave baked carriers alone.
+"""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .. import native
+from ..core import engine
+from . import bake_state, carrier as carriers, mesh_io, modifier, properties, registry, structure, versions
+from .registry import LOCK, Inputs, Runtime
+
+_BUSY_MODES = frozenset(("EDIT", "SCULPT"))
+
+
+def settings_changed(obj: bpy.types.Object, affects: str) -> None:
+    """Called by every property. Only says what is due: the work is done by the timer and by the next update."""
+    if obj.rumple.method == "NONE" or modifier.find(obj) is None:
+        return
+    entry = registry.runtime(obj)
+    if entry.fine is not None:
+        entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
+    if affects == "MESH" or modifier.is_baked(modifier.find(obj)):
+        entry.stale = True
+        structure.request(structure.SETTLE_SECONDS)
+    obj.update_tag()
+
+
+# ---------------------------------------------------------------- what an update touched
+def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
+    """Mark what must be read again: painted groups, edited meshes, own meshes, materials."""
+    touched = _touched_ids(depsgraph)
+    if not touched:
+        return
+    with LOCK:
+        for obj, _ours in modifier.wrinkled_objects():
+            entry = registry.known(obj)
+            if entry is None:
+                continue
+            own = obj.rumple.own_mesh
+            edited = versions.session_key(obj.data) in touched
+            if edited or (own is not None and own.data is not None and versions.session_key(own.data) in touched):
+                entry.stale = True
+                entry.paint = None
+                structure.request(structure.SETTLE_SECONDS)
+            elif versions.session_key(obj) in touched and entry.paint:
+                entry.paint = None  # vertex_group.add() from scripts tags the object only
+
+
+def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
+    """Session keys of the original objects and meshes whose geometry changed."""
+    keys = set()
+    for update in depsgraph.updates:
+        if isinstance(update.id, (bpy.types.Mesh, bpy.types.Object, bpy.types.Key)) and update.is_updated_geometry:
+            original = update.id.original
+            keys.add(versions.session_key(original.user if isinstance(original, bpy.types.Key) else original))
+    return keys
+
+
+# ---------------------------------------------------------------- the frame
+def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Solve what this depsgraph shows. Never raises."""
+    if structure.rendering() and depsgraph.mode == "VIEWPORT":
+        return  # unguarded: a wrong frame in 3.4, a crash in 4.3
+    if structure.is_half_done():
+        return
+    with LOCK:
+        objects = list(modifier.wrinkled_objects())
+        for obj, _ours in objects:
+            _note_groups(obj)
+        if structure.allowed_now() and any(_needs_structure(obj, ours) for obj, ours in objects):
+            _rebuild_here(objects, depsgraph)
+        carriers_seen: set[int] = set()
+        written = [obj for obj, ours in objects if _process_guarded(obj, ours, scene, depsgraph, carriers_seen)]
+        for obj, _ours in objects:
+            registry.runtime(obj).pose = None  # it belongs to this call only
+        if written and len(objects) > 1:
+            structure.tag_dependents(written, [obj for obj, _ in objects])
+
+
+def _note_groups(obj: bpy.types.Object) -> None:
+    """Adding and removing vertex groups from scripts tags nothing."""
+    entry = registry.known(obj)
+    if entry is not None and entry.groups is not None and entry.groups != [group.name for group in obj.vertex_groups]:
+        entry.groups, entry.paint, entry.stale = None, None, True
+        structure.request(structure.SETTLE_SECONDS)
+
+
+def _needs_structure(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+    entry = registry.known(obj)
+    return entry is None or entry.stale or modifier.carrier(ours) is None
+
+
+def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
+    """Background mode: rebuild between the passes, with the pose that the old mesh still carries."""
+    poses = {obj.name_full: _posed(obj, depsgraph) for obj, _ in objects}
+    structure.settle_all()
+    for obj, _ours in objects:
+        registry.runtime(obj).pose = poses[obj.name_full]
+
+
+def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
+    """Coarse positions of this frame, from the tree or, where it passed the coarse mesh through, from that."""
+    evaluated = obj.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated or obj.mode in _BUSY_MODES:
+        return None
+    count = len(obj.data.vertices)
+    found = mesh_io.posed_positions(evaluated, count)
+    return mesh_io.plain_positions(evaluated, count) if found is None else found
+
+
+def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene: bpy.types.Scene,
+                     depsgraph: bpy.types.Depsgraph, carriers_seen: set[int]) -> bool:
+    """True when the carrier was written."""
+    entry = registry.runtime(obj)
+    try:
+        held = modifier.carrier(ours)
+        if held is None or held.type != "MESH":
+            structure.request()
+            return False
+        key = versions.session_key(held)
+        if key in carriers_seen or held.library is not None or held.data.library is not None:
+            structure.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
+            return False
+        carriers_seen.add(key)
+        return _process(obj, ours, held, entry, scene, depsgraph)
+    except (engine.Refused, native.NativeMissing) as error:
+        registry.say(entry, str(error))
+    except mesh_io.Reordered as error:
+        registry.say(entry, f"{obj.name}: {error}")
+    except Exception as error:  # handlers must not throw: the last good picture stays, the panel says why
+        registry.say(entry, structure.unexpected(obj, error))
+    return False
+
+
+def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.types.Object, entry: Runtime,
+             scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
+    evaluated = obj.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated or obj.mode in _BUSY_MODES:
+        return False
+    if modifier.is_baked(ours):
+        registry.say(entry, bake_state.compare_pose(obj, held, entry, evaluated, float(scene.frame_current_final)))
+        return False
+    if entry.fine is None:
+        structure.ensure_fine(obj, entry)
+    if not _fits(held, entry):
+        entry.stale = True
+        structure.request()
+        return False
+    inputs = _inputs(obj, ours, entry, evaluated, scene, depsgraph)
+    if inputs is None or (inputs.same_as(entry.inputs) and entry.carrier_key == versions.session_key(held.data)):
+        return False
+    picture = entry.fine.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
+                                     start=scene.frame_start, world_from_object=inputs.world_from_object)
+    entry.inputs = inputs
+    registry.say(entry, "")
+    return _show(held, entry, picture)
+
+
+def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, evaluated: bpy.types.Object,
+            scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Inputs | None:
+    """Everything the picture depends on; None where there is nothing to solve."""
+    positions = _incoming(obj, ours, entry, evaluated, depsgraph)
+    if positions is None:
+        return None
+    if entry.paint is None:
+        entry.paint = mesh_io.paint(obj)
+    # The evaluated copy: animated settings are right there, in renders too.
+    settings = properties.settings_of(evaluated, scene)
+    world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
+    return Inputs(float(scene.frame_current_final), settings, positions, world, entry.paint)
+
+
+def _fits(held: bpy.types.Object, entry: Runtime) -> bool:
+    """Whether the carrier is the fine mesh that is solved. The costly comparison is made once for a carrier."""
+    if entry.carrier_key == versions.session_key(held.data):
+        return len(held.data.vertices) == entry.fine.vertex_count
+    return carriers.is_embedding_of(held.data, entry.fine)
+
+
+def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, evaluated: bpy.types.Object,
+              depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
+    """Coarse positions of this frame; None where the modifier is off or passed the coarse mesh through."""
+    if entry.pose is not None:
+        return entry.pose
+    count = len(entry.fine.base.positions)
+    positions = mesh_io.posed_positions(evaluated, count)
+    shown = ours.show_render if depsgraph.mode == "RENDER" else ours.show_viewport
+    if positions is not None or not shown:
+        return positions
+    if len(obj.data.vertices) != count or modifier.coarse_vertices(ours) != count:
+        entry.stale = True
+        structure.request()  # the topology was edited
+        return None
+    changer = modifier.topology_changer_before(obj)
+    if changer is not None:
+        raise engine.Refused(f"{obj.name}: the modifier \"{changer.name}\" in front of {ours.name} changes the number of "
+                             "vertices: apply it, or move it behind")
+    return None
+
+
+def _show(held: bpy.types.Object, entry: Runtime, picture: engine.Picture) -> bool:
+    """Write the picture, unless the carrier has it already: a write tags the mesh and costs another evaluation."""
+    key = versions.session_key(held.data)
+    last = entry.picture
+    entry.picture = picture
+    if last is not None and entry.carrier_key == key and all(
+            np.array_equal(getattr(last, name), getattr(picture, name))
+            for name in ("local_offset", "offset", "stretch_min", "stretch_max", "stretch_direction")):
+        return False
+    carriers.write_picture(held.data, picture)
+    entry.carrier_key = key
+    return True

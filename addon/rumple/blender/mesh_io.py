@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading coarse meshes, own meshes, painted groups and posed positions as flat arrays."""
+from __future__ import annotations
+
+import hashlib
+
+import bpy
+import numpy as np
+
+from ..core import engine
+from . import node_tree, versions
+
+# Paint: key of the engine -> vertex group on the coarse mesh.
+PAINT_GROUPS: dict[str, str] = {
+    "radius": "Rumple Radius",
+    "prestretch": "Rumple Pre-Stretch",
+    "bending": "Rumple Bending",
+    "inside": "Rumple Inside",
+}
+ATTACHED_GROUP = "Rumple Attached"  # on an own mesh: points below one half stay unattached
+
+
+def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.BaseMesh:
+    """The coarse mesh of an object at rest. Raises engine.Refused with a sentence for the panel."""
+    mesh = obj.data
+    mesh.calc_loop_triangles()
+    return _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
+
+
+def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
+    """An artist's fine mesh in the object space of obj, as its undeformed mesh stands."""
+    mesh = own.data
+    mesh.calc_loop_triangles()
+    into = np.array(obj.matrix_world.inverted_safe() @ own.matrix_world, np.float32)
+    positions = _basis_positions(mesh) @ into[:3, :3].T + into[:3, 3]
+    return _flat_mesh(own.name, mesh, positions)
+
+
+def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine.BaseMesh:
+    polygon_start = np.empty(len(mesh.polygons) + 1, np.int32)
+    starts = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    polygon_start[:-1] = starts
+    polygon_start[-1] = len(mesh.loops)
+    corner_vertex = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corner_vertex)
+    triangle_corner = np.empty(len(mesh.loop_triangles) * 3, np.int32)
+    mesh.loop_triangles.foreach_get("loops", triangle_corner)
+    return engine.BaseMesh(name=name, positions=np.ascontiguousarray(positions, np.float32), polygon_start=polygon_start,
+                           corner_vertex=corner_vertex, triangle_corner=triangle_corner.reshape(-1, 3))
+
+
+# ---------------------------------------------------------------- rest shapes
+def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.ndarray:
+    """Positions that count as unwrinkled, (n, 3) float32."""
+    mesh = obj.data
+    if rest_shape == "FRAME":
+        attribute = mesh.attributes.get(node_tree.REST_POSITION)
+        if attribute is None:
+            raise engine.Refused(f"{obj.name}: no rest shape is captured yet: press Capture")
+        return versions.read_attribute(attribute)
+    if rest_shape == "SHAPE_KEY":
+        blocks = mesh.shape_keys.key_blocks if mesh.shape_keys else {}
+        if rest_key not in blocks:
+            raise engine.Refused(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at")
+        return _key_positions(blocks[rest_key])
+    return _basis_positions(mesh)
+
+
+def _basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
+    keys = mesh.shape_keys
+    return _key_positions(keys.reference_key) if keys else versions.positions(mesh)
+
+
+def _key_positions(key: bpy.types.ShapeKey) -> np.ndarray:
+    flat = np.empty(len(key.data) * 3, np.float32)
+    key.data.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
+# ---------------------------------------------------------------- vertex groups
+def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: list[str]) -> np.ndarray:
+    """Weights of the named vertex groups of obj, (n, groups) float32; 0 where a vertex is in none.
+
+    Deform weights have no fast access in any Blender: this walks all vertices, 1 ms per 1000.
+    """
+    column = {group.index: names.index(group.name) for group in obj.vertex_groups if group.name in names}
+    weights = np.zeros((len(mesh.vertices), len(names)), np.float32)
+    if not column:
+        return weights
+    for index, vertex in enumerate(mesh.vertices):
+        for element in vertex.groups:
+            place = column.get(element.group)
+            if place is not None:
+                weights[index, place] = element.weight
+    return weights
+
+
+def paint(obj: bpy.types.Object) -> dict[str, np.ndarray]:
+    """What is painted for the solver: (n,) float32 for every group that exists."""
+    keys = [key for key, name in PAINT_GROUPS.items() if name in obj.vertex_groups]
+    if not keys:
+        return {}
+    weights = group_weights(obj, obj.data, [PAINT_GROUPS[key] for key in keys])
+    return {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
+
+
+def attached(own: bpy.types.Object) -> np.ndarray | None:
+    """Which points of an own mesh are attached, (n,) bool; None where all are."""
+    if ATTACHED_GROUP not in own.vertex_groups:
+        return None
+    return group_weights(own, own.data, [ATTACHED_GROUP])[:, 0] >= 0.5
+
+
+# ---------------------------------------------------------------- posed positions
+class Reordered(RuntimeError):
+    """A modifier behind the wrinkles removed coarse points."""
+
+
+def posed_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | None:
+    """Incoming coarse positions of this depsgraph's frame, (count, 3); None where the tree did not run.
+
+    The tree stored them on its result. They lie in the first points; where a later modifier shuffled
+    those, the stored indices say where each went.
+    """
+    attributes = evaluated.data.attributes
+    stored, numbers = attributes.get(node_tree.BASE_POSITION), attributes.get(node_tree.BASE_INDEX)
+    if stored is None or numbers is None or stored.domain != "POINT":
+        return None
+    values, index = versions.read_attribute(stored), versions.read_attribute(numbers)[:, 0]
+    expected = np.arange(count, dtype=np.int32)
+    if len(index) >= count and np.array_equal(index[:count], expected):
+        return np.ascontiguousarray(values[:count])
+    where = np.full(count, -1, np.int64)
+    usable = (index >= 0) & (index < count)
+    where[index[usable][::-1]] = np.flatnonzero(usable)[::-1]  # the first of several copies wins
+    if (where < 0).any():
+        raise Reordered("a modifier behind Wrinkle Mesh removes points: move Wrinkle Mesh behind it or apply it")
+    return np.ascontiguousarray(values[where])
+
+
+def plain_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | None:
+    """Positions of an evaluated mesh that is still the coarse one (the modifier passed it through)."""
+    if len(evaluated.data.vertices) != count:
+        return None
+    return versions.positions(evaluated.data)
+
+
+# ---------------------------------------------------------------- fingerprints
+def shape_fingerprint(base: engine.BaseMesh) -> str:
+    """Hash of everything the fine mesh is made from."""
+    digest = hashlib.sha1()
+    for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The modifier "Wrinkle Mesh": adding, finding and removing it, and its carrier object."""
+from __future__ import annotations
+
+from typing import Iterator
+
+import bpy
+
+from . import node_tree, versions
+
+NAME = "Wrinkle Mesh"
+CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on a baked carrier
+
+# Modifiers that move points and keep their number: the wrinkles stand behind the last of them.
+DEFORMING = frozenset((
+    "ARMATURE", "CAST", "CLOTH", "CORRECTIVE_SMOOTH", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LAPLACIANSMOOTH",
+    "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "SOFT_BODY",
+    "SURFACE_DEFORM", "WARP", "WAVE"))
+# Modifiers that leave the number of points alone, wherever they stand.
+NEUTRAL = DEFORMING | frozenset((
+    "COLLISION", "DATA_TRANSFER", "DYNAMIC_PAINT", "NORMAL_EDIT", "PARTICLE_SYSTEM", "SURFACE", "UV_PROJECT", "UV_WARP",
+    "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY", "WEIGHTED_NORMAL"))
+
+
+def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """The Wrinkle Mesh modifier of an object, by its node group: artists may rename it."""
+    for candidate in obj.modifiers:
+        if candidate.type == "NODES" and node_tree.is_ours(candidate.node_group):
+            return candidate
+    return None
+
+
+def wrinkled_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
+    """Every object with the modifier, in the order of their names.
+
+    From bpy.data, not from the scene: scene.objects misses the insides of collection instances.
+    """
+    if not any(node_tree.is_ours(group) for group in bpy.data.node_groups):
+        return  # the common case in big files must cost nothing
+    for obj in bpy.data.objects:
+        if obj.type == "MESH" and len(obj.modifiers):
+            found = find(obj)
+            if found is not None:
+                yield obj, found
+
+
+def changes_topology(modifier: bpy.types.Modifier) -> bool:
+    """True where a modifier may add or remove points. Node groups may do anything; ours does not count."""
+    if not (modifier.show_viewport or modifier.show_render):
+        return False
+    return modifier.type not in NEUTRAL
+
+
+def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
+    """The first modifier in front of the wrinkles (or of where they would stand) that changes the topology."""
+    ours = find(obj)
+    last = list(obj.modifiers).index(ours) if ours is not None else _place(obj)
+    return next((m for m in list(obj.modifiers)[:last] if changes_topology(m)), None)
+
+
+def leans_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bool:
+    """Whether a modifier in front of the wrinkles follows one of the others (Shrinkwrap, Surface Deform, Armature...)."""
+    for modifier in obj.modifiers:
+        if node_tree.is_ours(getattr(modifier, "node_group", None)):
+            return False
+        if any(getattr(modifier, name, None) in others for name in ("target", "object")):
+            return True
+    return False
+
+
+def _place(obj: bpy.types.Object) -> int:
+    """Index behind the last modifier that deforms: in front of Subdivision and Solidify."""
+    place = 0
+    for index, modifier in enumerate(obj.modifiers):
+        if modifier.type in DEFORMING:
+            place = index + 1
+    return place
+
+
+def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
+    """Put the modifier behind the last deforming one. It has no carrier yet and shows the coarse mesh."""
+    place = _place(obj)
+    modifier = obj.modifiers.new(NAME, "NODES")
+    modifier.node_group = node_tree.ensure()
+    last = len(obj.modifiers) - 1
+    if place != last:
+        versions.move_modifier(obj, last, place)
+    return find(obj)
+
+
+def _set(modifier: bpy.types.NodesModifier, name: str, value: object) -> None:
+    identifier = versions.group_sockets(modifier.node_group, "INPUT")[name]
+    versions.set_modifier_input(modifier, identifier, value)
+
+
+def _get(modifier: bpy.types.NodesModifier, name: str) -> object:
+    identifier = versions.group_sockets(modifier.node_group, "INPUT").get(name)
+    return versions.modifier_input(modifier, identifier) if identifier else None
+
+
+def carrier(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    """The hidden object whose mesh the modifier shows."""
+    found = _get(modifier, node_tree.CARRIER)
+    return found if isinstance(found, bpy.types.Object) else None
+
+
+def set_carrier(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None, coarse_vertices: int) -> None:
+    """Point the modifier to a carrier for a coarse mesh of that many vertices."""
+    _set(modifier, node_tree.CARRIER, new)
+    _set(modifier, node_tree.COUNT, coarse_vertices)
+    # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
+    modifier.node_group = modifier.node_group
+    modifier.id_data.update_tag()
+
+
+def coarse_vertices(modifier: bpy.types.NodesModifier) -> int:
+    """The number of incoming vertices that the carrier was made for."""
+    return int(_get(modifier, node_tree.COUNT) or 0)
+
+
+def set_baked(modifier: bpy.types.NodesModifier, baked: bool) -> None:
+    """Take the carrier's own positions (a cache moves them) instead of embedding them."""
+    _set(modifier, node_tree.BAKED, baked)
+    modifier.id_data.update_tag()
+
+
+def is_baked(modifier: bpy.types.NodesModifier) -> bool:
+    return bool(_get(modifier, node_tree.BAKED))
+
+
+def cache(carrier_object: bpy.types.Object) -> bpy.types.MeshCacheModifier | None:
+    """The Mesh Cache modifier of a baked carrier."""
+    return next((m for m in carrier_object.modifiers if m.type == "MESH_CACHE"), None)
+
+
+def delete_carrier(carrier_object: bpy.types.Object) -> None:
+    """Remove a carrier that nothing refers to, and its mesh."""
+    if not versions.is_editable(carrier_object):
+        return
+    mesh = carrier_object.data
+    bpy.data.objects.remove(carrier_object)
+    if mesh is not None and mesh.users == 0 and versions.is_editable(mesh):
+        bpy.data.meshes.remove(mesh)
+
+
+def remove(obj: bpy.types.Object) -> None:
+    """Take the modifier away, and the node group when it was the last. The carrier is left to the caller."""
+    modifier = find(obj)
+    if modifier is None:
+        return
+    group = modifier.node_group
+    _set(modifier, node_tree.CARRIER, None)
+    obj.modifiers.remove(modifier)
+    if group.users == 0 and versions.is_editable(group):
+        bpy.data.node_groups.remove(group)

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node group "Rumple Wrinkle Mesh", built by code.
+
+It shows the fine mesh of a hidden carrier object in place of the coarse mesh that comes in:
+
+    position = p0 + u (p1 - p0) + v (p2 - p0) + t o.x + b o.y + n o.z
+    t = normalize(p1 - p0),  n = normalize((p1 - p0) x (p2 - p0)),  b = n x t
+
+where p0 p1 p2 are incoming points. The offset is orthonormal, not affine, because that stays near
+the cloth where no add-on writes new offsets (../shared/blender-facts.md). A collapsed triangle has
+t = n = b = 0: Blender's Normalize gives zero for zero, so nothing becomes NaN.
+
+Attributes, all starting with "rumple_":
+  on the carrier only, removed from the result
+    rumple_corner_0, _1, _2   INT     incoming points the vertex is embedded in
+    rumple_barycentric        VECTOR  (u, v, 0)
+    rumple_local_offset       VECTOR  (o.x, o.y, o.z), rewritten for every frame
+  on the result, for Rumple itself
+    rumple_base_position      VECTOR  incoming position of point i, on the first N points
+    rumple_base_index         INT     i: tells where later modifiers moved the points to
+  on the result, for shaders and nodes
+    rumple_stretch_min, rumple_stretch_max   FLOAT   principal stretches of the coarse mesh, 1 = rest
+    rumple_stretch_direction                 VECTOR  strongest compression, object space
+    rumple_offset                            VECTOR  way from the coarse surface, object space
+  on the coarse mesh
+    rumple_rest_position      VECTOR  rest shape captured from a frame
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from . import versions
+
+NAME = "Rumple Wrinkle Mesh"
+VERSION = 1  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION_KEY = "rumple_wrinkle_mesh_version"
+
+CORNERS = ("rumple_corner_0", "rumple_corner_1", "rumple_corner_2")
+BARYCENTRIC = "rumple_barycentric"
+LOCAL_OFFSET = "rumple_local_offset"
+BASE_POSITION = "rumple_base_position"
+BASE_INDEX = "rumple_base_index"
+REST_POSITION = "rumple_rest_position"
+PUBLIC_FLOATS = ("rumple_stretch_min", "rumple_stretch_max")
+PUBLIC_VECTORS = ("rumple_stretch_direction", "rumple_offset")
+CARRIER_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET)
+
+CARRIER, COUNT, BAKED = "Carrier", "Coarse Vertices", "Baked"
+_INPUTS = (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
+           (BAKED, "NodeSocketBool"))
+
+
+def is_ours(group: bpy.types.NodeTree | None) -> bool:
+    """True for this node group, whatever its name and version."""
+    return group is not None and VERSION_KEY in group
+
+
+def ensure() -> bpy.types.NodeTree:
+    """The node group of this file, made or upgraded where needed."""
+    for group in bpy.data.node_groups:
+        if is_ours(group) and versions.is_editable(group):
+            upgrade(group)
+            return group
+    group = bpy.data.node_groups.new(NAME, "GeometryNodeTree")
+    group[VERSION_KEY] = 0
+    upgrade(group)
+    return group
+
+
+def upgrade(group: bpy.types.NodeTree) -> bool:
+    """Rebuild the nodes of an older version in place, so that modifiers keep their inputs."""
+    if group[VERSION_KEY] == VERSION or not versions.is_editable(group):
+        return False
+    group.nodes.clear()
+    present = versions.group_sockets(group, "INPUT")
+    for name, socket_type in _INPUTS:
+        if name not in present:
+            versions.new_group_socket(group, name, "INPUT", socket_type)
+    if not versions.group_sockets(group, "OUTPUT"):
+        versions.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
+    versions.mark_as_modifier(group)
+    _Builder(group).build()
+    group[VERSION_KEY] = VERSION
+    return True
+
+
+@dataclass
+class _Builder:
+    """Adds nodes from left to right; every method returns the output socket of what it added."""
+
+    group: bpy.types.NodeTree
+    column: int = 0
+
+    def node(self, kind: str, **properties: object) -> bpy.types.Node:
+        node = self.group.nodes.new(kind)
+        for name, value in properties.items():
+            setattr(node, name, value)
+        node.location = (180.0 * (self.column // 6), -160.0 * (self.column % 6))
+        self.column += 1
+        return node
+
+    def link(self, output: bpy.types.NodeSocket, node: bpy.types.Node, name: str) -> None:
+        self.group.links.new(output, versions.socket(node.inputs, name))
+
+    def named(self, name: str, data_type: str) -> bpy.types.NodeSocket:
+        node = self.node("GeometryNodeInputNamedAttribute", data_type=data_type)
+        node.inputs["Name"].default_value = name
+        return versions.socket(node.outputs, "Attribute")
+
+    def sample(self, geometry: bpy.types.NodeSocket, index: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Incoming position of the point `index`."""
+        position = self.node("GeometryNodeInputPosition")
+        node = self.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="POINT")
+        self.link(geometry, node, "Geometry")
+        self.link(position.outputs[0], node, "Value")
+        self.link(index, node, "Index")
+        return versions.socket(node.outputs, "Value")
+
+    def vector(self, operation: str, a: bpy.types.NodeSocket, b: bpy.types.NodeSocket | None = None) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeVectorMath", operation=operation)
+        self.group.links.new(a, node.inputs[0])
+        if b is not None:
+            self.group.links.new(b, node.inputs["Scale"] if operation == "SCALE" else node.inputs[1])
+        return node.outputs["Vector"]
+
+    def total(self, *terms: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        result = terms[0]
+        for term in terms[1:]:
+            result = self.vector("ADD", result, term)
+        return result
+
+    def components(self, vector: bpy.types.NodeSocket) -> list[bpy.types.NodeSocket]:
+        node = self.node("ShaderNodeSeparateXYZ")
+        self.group.links.new(vector, node.inputs[0])
+        return list(node.outputs)
+
+    def switch(self, condition: bpy.types.NodeSocket, no: bpy.types.NodeSocket, yes: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        node = self.node("GeometryNodeSwitch", input_type="GEOMETRY")
+        self.link(condition, node, "Switch")
+        self.link(no, node, "False")
+        self.link(yes, node, "True")
+        return versions.socket(node.outputs, "Output")
+
+    def embedded_position(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """The formula at the top of this file."""
+        p0, p1, p2 = (self.sample(geometry, self.named(name, "INT")) for name in CORNERS)
+        edge_1, edge_2 = self.vector("SUBTRACT", p1, p0), self.vector("SUBTRACT", p2, p0)
+        tangent = self.vector("NORMALIZE", edge_1)
+        normal = self.vector("NORMALIZE", self.vector("CROSS_PRODUCT", edge_1, edge_2))
+        bitangent = self.vector("CROSS_PRODUCT", normal, tangent)
+        u, v, _ = self.components(self.named(BARYCENTRIC, "FLOAT_VECTOR"))
+        x, y, z = self.components(self.named(LOCAL_OFFSET, "FLOAT_VECTOR"))
+        return self.total(p0, self.vector("SCALE", edge_1, u), self.vector("SCALE", edge_2, v),
+                          self.vector("SCALE", tangent, x), self.vector("SCALE", bitangent, y),
+                          self.vector("SCALE", normal, z))
+
+    def store_base_position(self, geometry: bpy.types.NodeSocket, fine: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        node = self.node("GeometryNodeStoreNamedAttribute", data_type="FLOAT_VECTOR", domain="POINT")
+        self.link(fine, node, "Geometry")
+        node.inputs["Name"].default_value = BASE_POSITION
+        index = self.node("GeometryNodeInputIndex")
+        self.link(self.sample(geometry, index.outputs[0]), node, "Value")
+        return node.outputs[0]
+
+    def without(self, fine: bpy.types.NodeSocket, name: str) -> bpy.types.NodeSocket:
+        """Later modifiers need not carry what only this tree reads."""
+        node = self.node("GeometryNodeRemoveAttribute")
+        self.link(fine, node, "Geometry")
+        node.inputs["Name"].default_value = name
+        return node.outputs[0]
+
+    def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        size = self.node("GeometryNodeAttributeDomainSize", component="MESH")
+        self.group.links.new(geometry, size.inputs[0])
+        compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
+        self.link(size.outputs["Point Count"], compare, "A")
+        self.link(expected, compare, "B")
+        return compare.outputs[0]
+
+    def build(self) -> None:
+        inputs = self.node("NodeGroupInput").outputs
+        info = self.node("GeometryNodeObjectInfo", transform_space="ORIGINAL")
+        self.link(inputs[CARRIER], info, "Object")
+        geometry, carried = inputs["Geometry"], info.outputs["Geometry"]
+        move = self.node("GeometryNodeSetPosition")
+        self.link(carried, move, "Geometry")
+        self.link(self.embedded_position(geometry), move, "Position")
+        # Switches evaluate only the branch they take: a baked clip costs no embedding.
+        fine = self.switch(inputs[BAKED], move.outputs[0], carried)
+        fine = self.store_base_position(geometry, fine)
+        for name in CARRIER_ONLY:
+            fine = self.without(fine, name)
+        shown = self.switch(self.counts_match(geometry, inputs[COUNT]), geometry, fine)
+        output = self.node("NodeGroupOutput")
+        self.group.links.new(shown, output.inputs[0])

@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The buttons: add, remove, apply, preset, capture the rest shape, paint, forget stored frames.
+
+bpy.ops.object.rumple_add(method="MESH"), rumple_remove(), rumple_apply(), rumple_preset(preset="DENIM"),
+rumple_capture_rest(), rumple_paint(group="radius"), rumple_clear_frames().
+"""
+from __future__ import annotations
+
+import bpy
+
+from .. import native
+from ..core.settings import PRESETS
+from . import mesh_io, modifier, node_tree, properties, registry, structure, versions
+
+_KEPT_BY_PRESETS = ("source", "density", "wavelength", "level", "segments", "edge_length", "weld", "rest_shape",
+                    "iterations", "start_iterations", "stateless", "offset_space", "seed")
+
+
+def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
+    """Why an operator cannot run on an object; empty when it can. wrinkled: it must have wrinkles already."""
+    if obj is None or obj.type != "MESH":
+        return "Choose a mesh object first"
+    if not versions.is_editable(obj):
+        return "This object is linked from another file: make a library override or append it"
+    if obj.mode == "EDIT":
+        return "Leave Edit Mode first"
+    found = modifier.find(obj) is not None
+    if wrinkled and not found:
+        return "This object has no wrinkles: add them first"
+    if not wrinkled and found:
+        return "This object has wrinkles already"
+    return ""
+
+
+class OnWrinkled:
+    """Operators for an object that has wrinkles."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        why = refusal(context.object, wrinkled=True)
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+
+class OBJECT_OT_rumple_add(bpy.types.Operator):
+    """Add a fine mesh that folds where the animated mesh is compressed"""
+
+    bl_idname = "object.rumple_add"
+    bl_label = "Wrinkle Mesh"
+    bl_options = {"REGISTER", "UNDO"}
+
+    method: bpy.props.EnumProperty(name="Method", items=properties.METHODS[1:], default="MESH", options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        why = refusal(context.object, wrinkled=False)
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.object
+        try:
+            native.load()
+        except native.NativeMissing as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        registry.forget(obj)
+        self._set_defaults(context, obj)
+        with structure.half_done():
+            ours = modifier.add(obj)
+        # Handlers write while the window draws: without the lock a render in the window may crash (Blender's own advice).
+        context.scene.render.use_lock_interface = True
+        structure.prepare(obj, ours)
+        if modifier.carrier(ours) is None:
+            self.report({"ERROR"}, registry.message(obj) or f"{obj.name}: nothing to wrinkle")
+            modifier.remove(obj)
+            obj.rumple.method = "NONE"
+            return {"CANCELLED"}
+        self._report(obj, ours)
+        return {"FINISHED"}
+
+    def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        """What was set before a former removal stays, except lengths that were never set: those follow the scene's unit."""
+        settings = obj.rumple.mesh
+        lengths = {name for name, f in properties.FIELDS.items()
+                   if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
+        properties.apply_values(obj, context.scene, properties.defaults(lengths))
+        obj.rumple.method = self.method
+        obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
+
+    def _report(self, obj: bpy.types.Object, ours: bpy.types.Modifier) -> None:
+        changer = modifier.topology_changer_before(obj)
+        if changer is not None:
+            self.report({"WARNING"}, f"{changer.name} stands in front of {ours.name} and changes the number of vertices: "
+                                     "apply it, or move it behind")
+            return
+        fine = registry.runtime(obj).fine
+        self.report({"INFO"}, f"{fine.vertex_count} vertices over {len(obj.data.vertices)}")
+
+
+class OBJECT_OT_rumple_remove(OnWrinkled, bpy.types.Operator):
+    """Take the wrinkles away and everything that was made for them"""
+
+    bl_idname = "object.rumple_remove"
+    bl_label = "Remove Wrinkles"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        remove_all(context.object)
+        return {"FINISHED"}
+
+
+def remove_all(obj: bpy.types.Object) -> None:
+    """Modifier, carrier, node group (when the last), attributes and stored frames; the settings stay."""
+    with registry.LOCK:
+        modifier.remove(obj)
+        obj.rumple.method = "NONE"
+        structure.drop_internal_attributes(obj)
+        structure.drop_orphan_carriers()
+        registry.forget(obj)
+
+
+class OBJECT_OT_rumple_apply(OnWrinkled, bpy.types.Operator):
+    """Make the mesh what is seen at this frame, up to the wrinkles: modifiers in front and shape keys are applied too"""
+
+    bl_idname = "object.rumple_apply"
+    bl_label = "Apply Wrinkles"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.object
+        if not modifier.find(obj).show_viewport:
+            self.report({"ERROR"}, "The wrinkles are switched off in the viewport: nothing to apply")
+            return {"CANCELLED"}
+        mesh = evaluated_mesh(context, obj)
+        before = list(obj.modifiers)[:list(obj.modifiers).index(modifier.find(obj))]
+        for name in [m.name for m in before]:
+            obj.modifiers.remove(obj.modifiers[name])
+        former = obj.data
+        if former.shape_keys is not None and former.users == 1:
+            obj.shape_key_clear()
+        name = former.name
+        obj.data = mesh
+        remove_all(obj)
+        if former.users == 0:
+            bpy.data.meshes.remove(former)
+        mesh.name = name
+        return {"FINISHED"}
+
+
+def evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Mesh:
+    """A new mesh: the object of this frame, as the wrinkles hand it to later modifiers."""
+    ours = modifier.find(obj)
+    later = list(obj.modifiers)[list(obj.modifiers).index(ours) + 1:]
+    shown = [m for m in later if m.show_viewport]
+    for m in shown:
+        m.show_viewport = False
+    try:
+        depsgraph = context.evaluated_depsgraph_get()
+        evaluated = obj.evaluated_get(depsgraph)
+        return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    finally:
+        for m in shown:
+            m.show_viewport = True
+
+
+class OBJECT_OT_rumple_preset(OnWrinkled, bpy.types.Operator):
+    """Set the cloth: stiffness, height and fullness of folds. Density, rest shape and paint stay as they are"""
+
+    bl_idname = "object.rumple_preset"
+    bl_label = "Cloth Preset"
+
+    preset: bpy.props.EnumProperty(name="Cloth", items=[(key, *about[:2]) for key, about in PRESETS.items()])
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        names = set(properties.FIELDS) - set(_KEPT_BY_PRESETS)
+        values = {**properties.defaults(names), **PRESETS[self.preset][2]}
+        properties.apply_values(context.object, context.scene, values)
+        context.object.rumple.preset = self.preset
+        return {"FINISHED"}
+
+
+class OBJECT_OT_rumple_capture_rest(OnWrinkled, bpy.types.Operator):
+    """Take the shape of the mesh at the rest frame as the unwrinkled cloth"""
+
+    bl_idname = "object.rumple_capture_rest"
+    bl_label = "Capture Rest Shape"
+
+    frame: bpy.props.IntProperty(name="Frame", description="Frame to capture; unset: the rest frame of the panel",
+                                 default=-(1 << 20), options={"SKIP_SAVE"})
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj, scene = context.object, context.scene
+        if self.properties.is_property_set("frame"):
+            obj.rumple.rest_frame = self.frame
+        now = scene.frame_current, scene.frame_subframe
+        scene.frame_set(obj.rumple.rest_frame)
+        positions = mesh_io.posed_positions(obj.evaluated_get(context.evaluated_depsgraph_get()), len(obj.data.vertices))
+        if positions is not None:
+            versions.write_attribute(obj.data, node_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
+            obj.rumple.mesh.rest_shape = "FRAME"
+            registry.runtime(obj).stale = True
+            structure.settle_all()
+        scene.frame_set(now[0], subframe=now[1])
+        if positions is None:
+            self.report({"ERROR"}, "The wrinkles do not show at that frame: switch the modifier on first")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class OBJECT_OT_rumple_paint(OnWrinkled, bpy.types.Operator):
+    """Paint where this setting acts, from nothing (0) to all of it (1), in Weight Paint mode"""
+
+    bl_idname = "object.rumple_paint"
+    bl_label = "Paint"
+
+    group: bpy.props.EnumProperty(name="Paint", items=[(key, name, "") for key, name in mesh_io.PAINT_GROUPS.items()])
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.object
+        name = mesh_io.PAINT_GROUPS[self.group]
+        if name not in obj.vertex_groups:
+            group = obj.vertex_groups.new(name=name)
+            group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")  # 1: as before the group was there
+        obj.vertex_groups.active_index = obj.vertex_groups[name].index
+        entry = registry.runtime(obj)
+        entry.paint, entry.stale = None, True
+        structure.request()
+        if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
+            bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+        return {"FINISHED"}
+
+
+class OBJECT_OT_rumple_clear_frames(OnWrinkled, bpy.types.Operator):
+    """Forget the stored frames: they are solved anew"""
+
+    bl_idname = "object.rumple_clear_frames"
+    bl_label = "Clear Stored Frames"
+    bl_options = {"REGISTER"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        with registry.LOCK:
+            entry = registry.runtime(context.object)
+            if entry.fine is not None:
+                entry.fine.history.clear()
+            entry.forget_written()
+        context.object.update_tag()
+        return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_apply, OBJECT_OT_rumple_preset,
+           OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_paint, OBJECT_OT_rumple_clear_frames)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

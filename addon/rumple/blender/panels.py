@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel in the modifier tab and the entry in the Add Modifier menu."""
+from __future__ import annotations
+
+import bpy
+
+from . import mesh_io, modifier, operators, registry, versions
+
+BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
+
+
+class _Panel:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.object
+        return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None
+
+
+class DATA_PT_rumple(bpy.types.Panel):
+    bl_label = "Wrinkle Mesh"
+    bl_idname = "DATA_PT_rumple"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+    bl_order = 100
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.object is not None and context.object.type == "MESH"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, obj = self.layout, context.object
+        if modifier.find(obj) is None:
+            layout.operator("object.rumple_add", icon="MOD_CLOTH").method = "MESH"
+            return
+        draw_message(layout, registry.message(obj))
+        row = layout.row(align=True)
+        row.operator_menu_enum("object.rumple_preset", "preset",
+                               text=obj.rumple.bl_rna.properties["preset"].enum_items[obj.rumple.preset].name)
+        row.operator("object.rumple_apply", text="Apply")
+        row.operator("object.rumple_remove", text="", icon="X")
+
+
+def draw_message(layout: bpy.types.UILayout, text: str) -> None:
+    """What is wrong, broken into lines that fit a narrow panel."""
+    if not text:
+        return
+    box = layout.box()
+    box.alert = True
+    for number, line in enumerate(wrapped(text)):
+        box.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
+
+
+def wrapped(text: str, width: int = 46) -> list[str]:
+    """Lines of at most `width` letters: Blender's labels do not wrap."""
+    lines = [""]
+    for word in text.split():
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    return lines
+
+
+class DATA_PT_rumple_fine_mesh(_Panel, bpy.types.Panel):
+    bl_label = "Fine Mesh"
+    bl_parent_id = "DATA_PT_rumple"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = _column(self.layout), context.object
+        settings = obj.rumple.mesh
+        column.prop(settings, "source")
+        if settings.source == "SUBDIVISION":
+            column.prop(settings, "density")
+            column.prop(settings, "wavelength" if settings.density == "WAVELENGTH" else "level")
+        elif settings.source == "REGULAR":
+            column.prop(settings, "segments")
+        elif settings.source == "EDGE_LENGTH":
+            column.prop(settings, "edge_length")
+        else:
+            column.prop(obj.rumple, "own_mesh")
+        column.prop(settings, "display_steps")
+        column.prop(settings, "weld")
+
+
+class DATA_PT_rumple_rest(_Panel, bpy.types.Panel):
+    bl_label = "Rest Shape"
+    bl_parent_id = "DATA_PT_rumple"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = _column(self.layout), context.object
+        settings = obj.rumple.mesh
+        column.prop(settings, "rest_shape")
+        if settings.rest_shape == "FRAME":
+            row = column.row(align=True)
+            row.prop(obj.rumple, "rest_frame")
+            row.operator("object.rumple_capture_rest", text="Capture")
+        elif settings.rest_shape == "SHAPE_KEY":
+            keys = obj.data.shape_keys
+            if keys is None:
+                column.label(text="This mesh has no shape keys", icon="INFO")
+            else:
+                column.prop_search(obj.rumple, "rest_key", keys, "key_blocks")
+
+
+class DATA_PT_rumple_constraints(_Panel, bpy.types.Panel):
+    bl_label = "Attachment & Constraints"
+    bl_parent_id = "DATA_PT_rumple"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = _column(self.layout), context.object
+        settings = obj.rumple.mesh
+        column.prop(settings, "attachment")
+        for name in ("radius", "prestretch", "bending"):
+            _painted(column, obj, name)
+        column.prop(settings, "collision")
+        if settings.collision != "NONE":
+            _painted(column, obj, "inside")
+        column.separator()
+        for name in ("stretch_relief", "compression_limit", "hem_rings"):
+            column.prop(settings, name)
+        if settings.radius > BOUND:
+            for line in wrapped(f"Radius above {BOUND:g} fine edges: higher folds, but they may touch themselves"):
+                column.label(text=line)
+
+
+def _painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
+    """A slider and the button that paints where it acts."""
+    row = column.row(align=True)
+    row.prop(obj.rumple.mesh, name)
+    exists = mesh_io.PAINT_GROUPS[name] in obj.vertex_groups
+    row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = name
+
+
+class DATA_PT_rumple_solver(_Panel, bpy.types.Panel):
+    bl_label = "Solver"
+    bl_parent_id = "DATA_PT_rumple"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = _column(self.layout)
+        for name in ("iterations", "start_iterations", "damping", "stateless", "offset_space", "nudge", "seed"):
+            column.prop(context.object.rumple.mesh, name)
+
+
+class DATA_PT_rumple_frames(_Panel, bpy.types.Panel):
+    bl_label = "Stored Frames"
+    bl_parent_id = "DATA_PT_rumple"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = _column(self.layout), context.object
+        column.prop(obj.rumple, "memory_limit")
+        entry = registry.known(obj)
+        if entry is None or entry.fine is None:
+            return
+        history = entry.fine.history
+        frames = history.frames()
+        for label, final in (("Played through", True), ("After a jump", False)):
+            numbers = [frame for frame, is_final in frames if is_final == final]
+            if numbers:
+                column.label(text=f"{label}: {ranges(numbers)}")
+        column.label(text=f"{len(frames)} frames, {history.bytes / 2**20:.1f} MB")
+        column.operator("object.rumple_clear_frames")
+
+
+def ranges(frames: list[float], most: int = 6) -> str:
+    """1-20, 31, 40-55: whole frames in runs; subframes are left out."""
+    runs: list[list[int]] = []
+    for frame in (int(f) for f in frames if f == int(f)):
+        if runs and frame == runs[-1][1] + 1:
+            runs[-1][1] = frame
+        else:
+            runs.append([frame, frame])
+    words = [f"{a}" if a == b else f"{a}-{b}" for a, b in runs]
+    return ", ".join(words[:most]) + (" ..." if len(words) > most else "")
+
+
+class DATA_PT_rumple_bake(_Panel, bpy.types.Panel):
+    bl_label = "Bake"
+    bl_parent_id = "DATA_PT_rumple"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = _column(self.layout), context.object
+        for name in ("bake_start", "bake_end", "bake_samples", "bake_folder"):
+            column.prop(obj.rumple, name)
+        row = column.row(align=True)
+        row.operator("object.rumple_bake", icon="RENDER_ANIMATION")
+        if modifier.is_baked(modifier.find(obj)):
+            row.operator("object.rumple_bake_free")
+        column.operator("object.rumple_bake_shape_keys")
+
+
+class DATA_PT_rumple_status(_Panel, bpy.types.Panel):
+    bl_label = "Status"
+    bl_parent_id = "DATA_PT_rumple"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        for line, icon in status_lines(context.object):
+            for number, part in enumerate(wrapped(line)):
+                column.label(text=part, icon=icon if number == 0 else "BLANK1")
+
+
+def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
+    """(text, icon) for the Status panel."""
+    entry = registry.known(obj)
+    if modifier.is_baked(modifier.find(obj)):
+        return [("Baked: the clip is shown, nothing is solved", "CHECKMARK")]
+    if entry is None or entry.fine is None:
+        return [("Nothing solved yet", "INFO")]
+    fine, picture, lines = entry.fine, entry.picture, []
+    lines.append((f"{fine.vertex_count} vertices, {fine.solve_vertex_count} of them solved", "MESH_DATA"))
+    lines.append((f"Fine edge {1000.0 * fine.edge_mean:.2f} mm", "BLANK1"))
+    if picture is not None:
+        times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in picture.milliseconds.items())
+        lines.append((f"Milliseconds: {times}" + (" (stored frame)" if picture.replayed else ""), "TIME"))
+        report = picture.report
+        lines.append((f"Edge length error {100 * report.error_before:.1f} % before, {100 * report.error_after:.1f} % after "
+                      f"{report.iterations} iterations", "BLANK1"))
+        if report.collapsed_triangles:
+            lines.append((f"{report.collapsed_triangles} coarse triangles have no area in this pose", "INFO"))
+    return lines + [(note, "INFO") for note in entry.notes]
+
+
+def _column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    return layout.column()
+
+
+def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
+    if not operators.refusal(context.object, wrinkled=False):
+        self.layout.separator()
+        self.layout.operator("object.rumple_add", icon="MOD_CLOTH").method = "MESH"
+
+
+CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver,
+           DATA_PT_rumple_frames, DATA_PT_rumple_bake, DATA_PT_rumple_status)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    if versions.HAS_MODIFIER_MENU:
+        bpy.types.OBJECT_MT_modifier_add.append(_menu_entry)
+    else:
+        bpy.types.DATA_PT_modifiers.prepend(_menu_entry)
+
+
+def unregister() -> None:
+    if versions.HAS_MODIFIER_MENU:
+        bpy.types.OBJECT_MT_modifier_add.remove(_menu_entry)
+    else:
+        bpy.types.DATA_PT_modifiers.remove(_menu_entry)
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is stored on objects: `object.rumple`. The settings are made from core/settings.py, field by field."""
+from __future__ import annotations
+
+from dataclasses import Field, fields
+from typing import Any, Callable
+
+import bpy
+
+from ..core.settings import PRESETS, MeshSettings
+
+METHODS = (
+    ("NONE", "None", "No wrinkles"),
+    ("MESH", "Wrinkle Mesh", "A fine mesh solved over the animated coarse one"),
+)
+DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
+
+FIELDS: dict[str, Field] = {f.name: f for f in fields(MeshSettings)}
+
+
+def _changed(affects: str) -> Callable[[bpy.types.PropertyGroup, bpy.types.Context], None]:
+    def update(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+        from . import live  # live reads these properties: imported late
+        live.settings_changed(group.id_data, affects)
+    return update
+
+
+def _property(f: Field) -> Any:
+    """The Blender property of one field of the settings."""
+    about = f.metadata
+    options = {"ANIMATABLE"} if about["affects"] != "MESH" else set()
+    common = dict(name=about["name"], description=about["tip"], default=f.default, options=options,
+                  update=_changed(about["affects"]))
+    if about["choices"]:
+        return bpy.props.EnumProperty(items=about["choices"], **common)
+    if isinstance(f.default, bool):
+        return bpy.props.BoolProperty(**common)
+    if isinstance(f.default, str):
+        return bpy.props.StringProperty(**common)
+    for key, names in (("low", ("min", "soft_min")), ("high", ("max",)), ("soft", ("soft_max",))):
+        if about[key] is not None:
+            common.update({name: about[key] for name in names})
+    if isinstance(f.default, int):
+        return bpy.props.IntProperty(**common)
+    if about["unit"] == "LENGTH":
+        return bpy.props.FloatProperty(subtype="DISTANCE", unit="LENGTH", precision=4, **common)
+    return bpy.props.FloatProperty(subtype="FACTOR" if about["unit"] == "FACTOR" else "NONE", precision=3, **common)
+
+
+def _settings_group() -> type:
+    annotations = {name: _property(f) for name, f in FIELDS.items()}
+    return type("RUMPLE_MeshSettings", (bpy.types.PropertyGroup,),
+                {"__annotations__": annotations, "__doc__": "Settings of one Wrinkle Mesh."})
+
+
+RUMPLE_MeshSettings = _settings_group()
+
+
+def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
+    return candidate.type == "MESH" and candidate != group.id_data
+
+
+def _message(group: bpy.types.PropertyGroup) -> str:
+    from . import registry
+    return registry.message(group.id_data)
+
+
+class RUMPLE_Object(bpy.types.PropertyGroup):
+    """Everything Rumple keeps with an object."""
+
+    method: bpy.props.EnumProperty(name="Method", items=METHODS, default="NONE", options=set(),
+                                   description="How wrinkles are made; set by adding and removing them")
+    mesh: bpy.props.PointerProperty(type=RUMPLE_MeshSettings)
+    preset: bpy.props.EnumProperty(name="Cloth", default="COTTON", options=set(),
+                                   items=[(key, *about[:2]) for key, about in PRESETS.items()],
+                                   description="The material that was chosen last")
+    own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Own Mesh", poll=_is_own_mesh, update=_changed("MESH"),
+                                        description="Your own fine mesh, in place over the undeformed coarse mesh")
+    rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), update=_changed("MESH"),
+                                       description="The shape key that is the unwrinkled cloth")
+    rest_frame: bpy.props.IntProperty(name="Rest Frame", default=1, options=set(),
+                                      description="The frame whose shape Capture takes as the unwrinkled cloth")
+    memory_limit: bpy.props.IntProperty(name="Memory Limit", default=DEFAULT_MEMORY, min=16, soft_max=8192, max=1 << 20,
+                                        subtype="NONE", options=set(), update=_changed("SHOW"),
+                                        description="Most memory for stored frames, in megabytes. Older frames go first")
+    bake_start: bpy.props.IntProperty(name="Start", default=1, options=set(), description="First frame that is baked")
+    bake_end: bpy.props.IntProperty(name="End", default=250, options=set(), description="Last frame that is baked")
+    bake_samples: bpy.props.IntProperty(name="Samples", default=1, min=1, max=16, options=set(),
+                                        description="Solves for each frame. 1 is right for most; more make motion blur "
+                                                    "follow fast turns")
+    bake_folder: bpy.props.StringProperty(name="Folder", options=set(), subtype="DIR_PATH",
+                                          description="Where baked clips go. Empty: a folder \"rumple\" beside the blend file")
+    message: bpy.props.StringProperty(name="Message", get=_message,
+                                      description="What is wrong, in words; empty when nothing is")
+
+
+def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> MeshSettings:
+    """The settings as the engine wants them.
+
+    obj may be an evaluated copy: there, animated settings are right in renders too. Blender keeps lengths in
+    its own units and multiplies them for display; the engine wants what is displayed: metres.
+    """
+    group = obj.rumple.mesh
+    metres = scene.unit_settings.scale_length
+    values = {}
+    for name, f in FIELDS.items():
+        value = getattr(group, name)
+        values[name] = value * metres if f.metadata["unit"] == "LENGTH" else value
+    return MeshSettings(**values)
+
+
+def apply_values(obj: bpy.types.Object, scene: bpy.types.Scene, values: dict[str, Any]) -> None:
+    """Set some settings from metres and plain numbers (presets, defaults of a scene in centimetres)."""
+    metres = scene.unit_settings.scale_length
+    for name, value in values.items():
+        length = FIELDS[name].metadata["unit"] == "LENGTH"
+        setattr(obj.rumple.mesh, name, value / metres if length else value)
+
+
+def defaults(names: set[str] | None = None) -> dict[str, Any]:
+    """Default values of the settings, all or some."""
+    return {name: f.default for name, f in FIELDS.items() if names is None or name in names}
+
+
+CLASSES = (RUMPLE_MeshSettings, RUMPLE_Object)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Object.rumple = bpy.props.PointerProperty(type=RUMPLE_Object)
+
+
+def unregister() -> None:
+    del bpy.types.Object.rumple
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What lives from frame to frame for every wrinkled object, outside the file.
+
+Nothing here is stored in ID properties: handlers run in a render thread too, where writing them is
+forbidden. Messages are kept here and the panel reads them.
+"""
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from typing import Iterable
+
+import bpy
+import numpy as np
+
+from ..core import engine
+from ..core.settings import MeshSettings
+from . import versions
+
+# Handlers run in the render job's thread while the window's thread draws: one at a time. Never "skip if busy",
+# that would drop a frame.
+LOCK = threading.RLock()
+
+
+@dataclass
+class Inputs:
+    """What the last picture was solved from: equal inputs need no new one."""
+
+    frame: float
+    settings: MeshSettings
+    positions: np.ndarray
+    world_from_object: np.ndarray
+    paint: dict[str, np.ndarray]
+
+    def same_as(self, other: "Inputs | None") -> bool:
+        return (other is not None and self.frame == other.frame and self.settings == other.settings
+                and self.paint is other.paint and np.array_equal(self.positions, other.positions)
+                and np.array_equal(self.world_from_object, other.world_from_object))
+
+
+@dataclass
+class Runtime:
+    """One wrinkled object."""
+
+    fine: engine.WrinkleMesh | None = None
+    shape: str = ""  # fingerprint of what `fine` was made from
+    refused: str = ""  # fingerprint of what could not be made: not tried again until it changes
+    stale: bool = True  # the base, the settings or the carrier may have changed: check before the next structural step
+    paint: dict[str, np.ndarray] | None = None  # None: read again
+    groups: list[str] | None = None  # names of the vertex groups when the carrier was last checked
+    inputs: Inputs | None = None
+    picture: engine.Picture | None = None  # what the carrier holds
+    carrier_key: int = 0  # ... which carrier
+    message: str = ""  # what is wrong with this frame
+    refusal: str = ""  # what is wrong with the meshes and settings: stays until they change
+    notes: list[str] = field(default_factory=list)
+    bake_note: str = ""  # what is wrong with the baked clip, whatever the frame
+    pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it
+
+    def forget_written(self) -> None:
+        """The carrier may hold something else now: write the next picture whatever it is."""
+        self.inputs = self.picture = None
+        self.carrier_key = 0
+
+
+_runtimes: dict[int, Runtime] = {}
+
+
+def runtime(obj: bpy.types.Object) -> Runtime:
+    """The runtime of an original (not evaluated) object, made where there is none."""
+    return _runtimes.setdefault(versions.session_key(obj), Runtime())
+
+
+def known(obj: bpy.types.Object) -> Runtime | None:
+    """The runtime of an object, or None."""
+    return _runtimes.get(versions.session_key(obj))
+
+
+def forget(obj: bpy.types.Object) -> None:
+    _runtimes.pop(versions.session_key(obj), None)
+
+
+def forget_all() -> None:
+    _runtimes.clear()
+
+
+def forget_all_but(objects: Iterable[bpy.types.Object]) -> None:
+    """Deleted objects leave nothing behind; their address may be taken over by others."""
+    keep = {versions.session_key(obj) for obj in objects}
+    for key in [key for key in _runtimes if key not in keep]:
+        del _runtimes[key]
+
+
+def doubt_all() -> None:
+    """After undo and redo: stored frames stay, but everything in the file may be another version of itself."""
+    for entry in _runtimes.values():
+        entry.stale = True
+        entry.paint = None
+        entry.forget_written()
+
+
+def say(entry: Runtime, text: str) -> None:
+    """Set the message on the current frame; a new one goes to the console once."""
+    _print_new(text, entry.message)
+    entry.message = text
+
+
+def refuse(entry: Runtime, text: str) -> None:
+    """Set the message on the structure; empty when it is right again."""
+    _print_new(text, entry.refusal)
+    entry.refusal = text
+
+
+def _print_new(text: str, former: str) -> None:
+    if text and text != former:
+        print(f"Rumple: {text}")
+
+
+def message(obj: bpy.types.Object) -> str:
+    """What is wrong with an object, in words; empty when nothing is."""
+    entry = known(obj)
+    return "" if entry is None else entry.refusal or entry.message

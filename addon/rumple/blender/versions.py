@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every difference between Blender 3.4 and 5.2 that Rumple meets, in one place.
+
+Nothing outside this file asks for the version. Tried on 3.4.1, 4.3.2 and 5.2.2.
+"""
+from __future__ import annotations
+
+from typing import Any, Iterator
+
+import bpy
+import numpy as np
+
+VERSION: tuple[int, int, int] = bpy.app.version
+HAS_MODIFIER_MENU = VERSION >= (4, 0, 0)  # before, the Add Modifier menu is fixed and takes no entries
+HAS_AUTO_SMOOTH = VERSION < (4, 1, 0)
+
+# Attribute data types: property of an element, numbers in it, and what foreach_get fills.
+ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type]] = {
+    "FLOAT": ("value", 1, np.float32),
+    "INT": ("value", 1, np.int32),
+    "INT8": ("value", 1, np.int32),
+    "BOOLEAN": ("value", 1, bool),
+    "FLOAT_VECTOR": ("vector", 3, np.float32),
+    "FLOAT2": ("vector", 2, np.float32),
+    "FLOAT_COLOR": ("color", 4, np.float32),
+    "BYTE_COLOR": ("color", 4, np.float32),
+    "INT16_2D": ("value", 2, np.int32),
+    "INT32_2D": ("value", 2, np.int32),
+    "QUATERNION": ("value", 4, np.float32),
+}
+
+# Attributes that Blender keeps for itself; they are rebuilt or carried by other means.
+_BUILT_IN = frozenset(("position", "material_index", "sharp_face", "sharp_edge", "crease_edge", "crease_vert", "uv_seam",
+                       "bevel_weight_edge", "bevel_weight_vert", "custom_normal", "freestyle_edge", "freestyle_face",
+                       "id", "radius"))
+
+
+# ---------------------------------------------------------------- node groups
+def new_group_socket(group: bpy.types.NodeTree, name: str, in_out: str, socket_type: str) -> None:
+    """Add an input or an output to a node group."""
+    if hasattr(group, "interface"):
+        group.interface.new_socket(name, in_out=in_out, socket_type=socket_type)
+    else:
+        (group.inputs if in_out == "INPUT" else group.outputs).new(socket_type, name)
+
+
+def group_sockets(group: bpy.types.NodeTree, in_out: str) -> dict[str, str]:
+    """Name -> identifier of the inputs or outputs of a node group."""
+    if hasattr(group, "interface"):
+        items = (i for i in group.interface.items_tree if i.item_type == "SOCKET" and i.in_out == in_out)
+    else:
+        items = iter(group.inputs if in_out == "INPUT" else group.outputs)
+    return {item.name: item.identifier for item in items}
+
+
+def socket(sockets: Any, name: str) -> bpy.types.NodeSocket:
+    """The enabled socket of that name: before 4.0 a node has one hidden socket for each data type."""
+    for candidate in sockets:
+        if candidate.enabled and candidate.name == name:
+            return candidate
+    raise KeyError(name)
+
+
+def mark_as_modifier(group: bpy.types.NodeTree) -> None:
+    """From 4.0 on a node group says that it may be used as a modifier."""
+    if hasattr(group, "is_modifier"):
+        group.is_modifier = True
+
+
+def modifier_input(modifier: bpy.types.NodesModifier, identifier: str) -> Any:
+    """Value of an input of a nodes modifier; None where it was never set."""
+    if hasattr(modifier, "properties"):  # 5.2: modifier["Socket_2"] raises TypeError
+        inputs = modifier.properties.inputs
+        return getattr(inputs, identifier).value if hasattr(inputs, identifier) else None
+    return modifier.get(identifier)
+
+
+def set_modifier_input(modifier: bpy.types.NodesModifier, identifier: str, value: Any) -> None:
+    """Set an input of a nodes modifier. The caller tags the object."""
+    if hasattr(modifier, "properties"):
+        getattr(modifier.properties.inputs, identifier).value = value
+    else:
+        modifier[identifier] = value
+
+
+def move_modifier(obj: bpy.types.Object, source: int, target: int) -> None:
+    """Move a modifier within the stack, by index."""
+    if hasattr(obj.modifiers, "move"):
+        obj.modifiers.move(source, target)
+        return
+    with bpy.context.temp_override(object=obj, active_object=obj):
+        bpy.ops.object.modifier_move_to_index(modifier=obj.modifiers[source].name, index=target)
+
+
+# ---------------------------------------------------------------- data-blocks
+def session_key(data_block: bpy.types.ID) -> int:
+    """A number that tells two data-blocks apart within a session.
+
+    3.4 has only the address, which a later data-block may take over: what is found
+    under the key must be checked before it is used (live.py does).
+    """
+    uid = getattr(data_block, "session_uid", None)
+    return uid if uid is not None else data_block.as_pointer()
+
+
+def is_editable(data_block: bpy.types.ID) -> bool:
+    """False for linked data, where writing is silently ignored."""
+    return data_block.library is None
+
+
+def action_curves(action: bpy.types.Action) -> Iterator[bpy.types.FCurve]:
+    """All curves of an action; 5.0 moved them into layers, strips and channel bags."""
+    if hasattr(action, "fcurves"):
+        yield from action.fcurves
+        return
+    for layer in action.layers:
+        for strip in layer.strips:
+            for bag in strip.channelbags:
+                yield from bag.fcurves
+
+
+# ---------------------------------------------------------------- meshes
+def positions(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Vertex positions, (n, 3) float32."""
+    flat = np.empty(len(mesh.vertices) * 3, np.float32)
+    attribute = mesh.attributes.get("position")  # 3.5 on, and much faster there than vertices.co
+    if attribute is not None and len(attribute.data) * 3 == len(flat):
+        attribute.data.foreach_get("vector", flat)
+    else:
+        mesh.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
+def set_positions(mesh: bpy.types.Mesh, values: np.ndarray) -> None:
+    """Write vertex positions, (n, 3). The caller calls mesh.update()."""
+    flat = np.ascontiguousarray(values, np.float32).ravel()
+    attribute = mesh.attributes.get("position")
+    if attribute is not None:
+        attribute.data.foreach_set("vector", flat)
+    else:
+        mesh.vertices.foreach_set("co", flat)
+
+
+def fill_polygons(mesh: bpy.types.Mesh, positions_: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray) -> None:
+    """Give an empty mesh its vertices, polygons and edges."""
+    polygon_count = len(polygon_start) - 1
+    mesh.vertices.add(len(positions_))
+    mesh.loops.add(len(corner_vertex))
+    mesh.polygons.add(polygon_count)
+    set_positions(mesh, positions_)
+    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(corner_vertex, np.int32))
+    mesh.polygons.foreach_set("loop_start", np.ascontiguousarray(polygon_start[:-1], np.int32))
+    if VERSION < (4, 0, 0):  # later the sizes follow from the starts
+        mesh.polygons.foreach_set("loop_total", np.ascontiguousarray(np.diff(polygon_start), np.int32))
+    mesh.update(calc_edges=True)
+
+
+def generic_attributes(mesh: bpy.types.Mesh) -> list[bpy.types.Attribute]:
+    """Attributes that users and modifiers made: no built-in ones, no UV maps, none of Rumple's own."""
+    uv_names = {layer.name for layer in mesh.uv_layers}
+    return [a for a in mesh.attributes if a.name not in _BUILT_IN and a.name not in uv_names
+            and not a.name.startswith((".", "rumple_")) and a.data_type in ATTRIBUTE_LAYOUT]
+
+
+def read_attribute(attribute: bpy.types.Attribute) -> np.ndarray:
+    """Values of an attribute, (elements, numbers)."""
+    prop, width, dtype = ATTRIBUTE_LAYOUT[attribute.data_type]
+    flat = np.empty(len(attribute.data) * width, dtype)
+    attribute.data.foreach_get(prop, flat)
+    return flat.reshape(-1, width)
+
+
+def write_attribute(mesh: bpy.types.Mesh, name: str, data_type: str, domain: str, values: np.ndarray) -> None:
+    """Make or overwrite an attribute. The caller calls mesh.update()."""
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and (attribute.data_type, attribute.domain) != (data_type, domain):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        mesh.attributes.new(name, data_type, domain)
+    prop, _width, dtype = ATTRIBUTE_LAYOUT[data_type]
+    # Looked up again: adding a layer moves the others. Strided arrays are refused by 3.4, float64 is 2 to 37 times slower.
+    mesh.attributes[name].data.foreach_set(prop, np.ascontiguousarray(values, dtype).ravel())
+
+
+_EDGE_FLOATS = (("crease", "crease_edge"), ("bevel_weight", "bevel_weight_edge"))
+
+
+def edge_marks(mesh: bpy.types.Mesh) -> dict[str, np.ndarray]:
+    """What is painted on edges: seams, sharp edges, creases, bevel weights. Only what is used."""
+    count = len(mesh.edges)
+    marks: dict[str, np.ndarray] = {}
+    for prop in ("use_seam", "use_edge_sharp"):
+        values = np.empty(count, bool)
+        mesh.edges.foreach_get(prop, values)
+        marks[prop] = values
+    for prop, attribute_name in _EDGE_FLOATS:
+        values = np.zeros(count, np.float32)
+        if VERSION < (4, 0, 0):
+            mesh.edges.foreach_get(prop, values)
+        elif attribute_name in mesh.attributes:
+            mesh.attributes[attribute_name].data.foreach_get("value", values)
+        marks[prop] = values
+    return {prop: values for prop, values in marks.items() if values.any()}
+
+
+def set_edge_marks(mesh: bpy.types.Mesh, marks: dict[str, np.ndarray]) -> None:
+    """Write what edge_marks() read, one value for every edge of this mesh."""
+    names = dict(_EDGE_FLOATS)
+    for prop, values in marks.items():
+        if prop in names and VERSION >= (4, 0, 0):
+            write_attribute(mesh, names[prop], "FLOAT", "EDGE", values)
+            continue
+        if prop == "crease":
+            _allow_crease_3(mesh)
+        mesh.edges.foreach_set(prop, np.ascontiguousarray(values))
+
+
+def _allow_crease_3(mesh: bpy.types.Mesh) -> None:
+    """3.4 keeps edge creases in a layer of their own that has to be made first."""
+    if not mesh.edge_creases:
+        # There is no call that makes it; writing one value does.
+        mesh.edges[0].crease = 1.0
+        mesh.edges[0].crease = 0.0
+
+
+def copy_smoothing(source: bpy.types.Mesh, target: bpy.types.Mesh) -> None:
+    """Auto Smooth was a switch of the mesh until 4.1; later it is a modifier of the object."""
+    if HAS_AUTO_SMOOTH:
+        target.use_auto_smooth = source.use_auto_smooth
+        target.auto_smooth_angle = source.auto_smooth_angle
+
+
+def smoothing(mesh: bpy.types.Mesh) -> tuple:
+    """What copy_smoothing() copies, for comparing."""
+    return (mesh.use_auto_smooth, mesh.auto_smooth_angle) if HAS_AUTO_SMOOTH else ()
+
+
+def has_custom_normals(mesh: bpy.types.Mesh) -> bool:
+    """Custom split normals, which no fine mesh can inherit."""
+    return bool(mesh.has_custom_normals)

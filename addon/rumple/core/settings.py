@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Everything an artist can set for a Wrinkle Mesh: default, range, unit and tooltip, once.
+
+The Blender properties are made from these fields (blender/properties.py) and the native settings
+are filled from them (core/engine.py), so a setting is written in one place.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+
+def setting(default: Any, name: str, tip: str, *, low: float | None = None, high: float | None = None,
+            soft: float | None = None, unit: str = "NONE", choices: tuple = (), affects: str = "SOLVE") -> Any:
+    """A dataclass field that knows its name, tooltip, range and Blender unit.
+
+    affects: what must be made anew when it changes. MESH: the fine mesh; SOLVE: the stored frames;
+    SHOW: nothing but the picture of the current frame.
+    """
+    return field(default=default, metadata=dict(name=name, tip=tip, low=low, high=high, soft=soft, unit=unit,
+                                                choices=choices, affects=affects))
+
+
+SOURCES = (
+    ("SUBDIVISION", "Subdivision", "Refine the mesh smoothly: Catmull-Clark for quads, Loop for triangles"),
+    ("REGULAR", "Regular Split", "Split every triangle into a regular grid of triangles"),
+    ("EDGE_LENGTH", "Edge Length", "Split the longest edges until all are short enough"),
+    ("OBJECT", "Own Mesh", "Your own fine mesh, of any topology, bound to the closest points at rest"),
+)
+DENSITIES = (
+    ("WAVELENGTH", "Wavelength", "The fold width you want chooses the density"),
+    ("LEVEL", "Level", "The density is set by hand"),
+)
+ATTACHMENTS = (
+    ("LIMIT", "Smooth Surface", "Folds ride on the smooth subdivision surface of the mesh: no facets"),
+    ("PN", "PN Triangles", "Folds ride on curved PN triangles, as in the paper: cheap, nearly smooth"),
+    ("LINEAR", "Flat Triangles", "Folds ride on the flat triangles: shows the facets of a coarse mesh"),
+)
+REST_SHAPES = (
+    ("REST_POSE", "Rest Pose", "The mesh without its modifiers is the unwrinkled cloth"),
+    ("FRAME", "Frame", "The shape captured at a chosen frame is the unwrinkled cloth"),
+    ("SHAPE_KEY", "Shape Key", "A shape key is the unwrinkled cloth"),
+)
+OFFSET_SPACES = (
+    ("TRIANGLE", "Surface", "Folds turn with the surface: a spinning dancer keeps hers"),
+    ("WORLD", "World", "Folds keep their direction in the world, as the paper has it"),
+)
+COLLISIONS = (
+    ("PLANE", "Plane", "Folds stay outside a plane just inside the surface: fast"),
+    ("NEIGHBOURHOOD", "Neighbourhood", "Folds stay outside the nearby triangles of the mesh: better in tight bends"),
+    ("NONE", "None", "Folds may go inward as far as outward"),
+)
+
+
+@dataclass
+class MeshSettings:
+    """Settings of one Wrinkle Mesh. Lengths are metres in world scale unless the unit says otherwise."""
+
+    # The fine mesh (section 3 of the paper)
+    source: str = setting("SUBDIVISION", "Fine Mesh", "How the fine mesh is made", choices=SOURCES, affects="MESH")
+    density: str = setting("WAVELENGTH", "Density By", "What chooses the density", choices=DENSITIES, affects="MESH")
+    wavelength: float = setting(0.04, "Wavelength", "Distance from fold to fold. Halving it makes the solve four "
+                                "times as heavy", low=0.0001, high=10.0, unit="LENGTH", affects="MESH")
+    level: int = setting(2, "Level", "Subdivisions that are solved. Each makes folds half as wide and the solve four "
+                         "times as heavy", low=0, high=5, affects="MESH")
+    segments: int = setting(4, "Segments", "Pieces along each edge of a triangle", low=1, high=32, affects="MESH")
+    edge_length: float = setting(0.01, "Longest Edge", "No edge of the fine mesh is longer", low=0.0001, high=10.0,
+                                 unit="LENGTH", affects="MESH")
+    display_steps: int = setting(1, "Smoothing Steps", "Subdivisions of the solved mesh that are shown, not solved. "
+                                 "One turns crumbs into cloth; more cost memory", low=0, high=2, affects="MESH")
+    weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that no seam of "
+                         "a game mesh tears", affects="MESH")
+    # The rest shape
+    rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=REST_SHAPES,
+                              affects="MESH")
+    # Attachment (section 4)
+    attachment: str = setting("LIMIT", "Attach To", "The surface that folds ride on", choices=ATTACHMENTS,
+                              affects="MESH")
+    # Constraints (sections 3.1 and 4.1)
+    radius: float = setting(1.0, "Attachment Radius", "How far a point may leave the surface, in lengths of the fine "
+                            "edges around it. Higher folds; above 0.5 folds may touch themselves",
+                            low=0.0, high=10.0, soft=3.0)
+    prestretch: float = setting(1.02, "Pre-Stretch", "Rest length of the fine edges over their true length. Below 1 "
+                                "only strong compression folds; above 1 the cloth is wrinkled even at rest",
+                                low=0.5, high=1.5)
+    bending: float = setting(0.7, "Bend Stiffness", "0 crumples like paper tissue, 1 makes broad round folds",
+                             low=0.0, high=1.0)
+    collision: str = setting("PLANE", "Collision", "What keeps folds out of the body", choices=COLLISIONS)
+    inside: float = setting(0.4, "Inward Room", "How far folds may go inward, as a share of the attachment radius. "
+                            "0 looks like rubber; 1 may show skin", low=0.0, high=1.0, unit="FACTOR")
+    stretch_relief: float = setting(0.3, "Stretch Relief", "Share of the stretch of the mesh that the cloth gives in "
+                                    "to. 0 pulls diagonal folds strongest, 1 never pulls", low=0.0, high=1.0,
+                                    unit="FACTOR")
+    compression_limit: float = setting(1.3, "Fullness Limit", "The most cloth that folds are made from, per length "
+                                       "of the compressed mesh. Tames collapsed knees and elbows", low=1.0, high=10.0)
+    hem_rings: int = setting(3, "Hem Fade", "Rings of fine vertices at open borders over which folds fade out",
+                             low=0, high=20)
+    # The solver
+    iterations: int = setting(10, "Iterations", "Passes of the solver a frame. More are crisper, slower, and jump more",
+                              low=0, high=200)
+    start_iterations: int = setting(20, "Iterations From Start", "Passes where there is no frame before to go on from",
+                                    low=0, high=500)
+    damping: float = setting(0.3, "Damping", "Share of the last frame's folds that is kept. Calms fast motion",
+                             low=0.0, high=0.95, unit="FACTOR")
+    stateless: bool = setting(False, "Independent Frames", "Every frame is solved on its own: repeats exactly on any "
+                              "machine and in any order, but folds jump more")
+    offset_space: str = setting("TRIANGLE", "Folds Turn With", "What folds keep their direction to",
+                                choices=OFFSET_SPACES)
+    nudge: float = setting(0.02, "Nudge", "Random push, in fine edges, that lets a flat compressed sheet choose a side",
+                           low=0.0, high=1.0)
+    seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
+
+    def differing(self, other: "MeshSettings") -> set[str]:
+        """What must be made anew to go from other to self: a subset of {MESH, SOLVE, SHOW}."""
+        return {f.metadata["affects"] for f in fields(self) if getattr(self, f.name) != getattr(other, f.name)}
+
+
+PAPER = dict(attachment="PN", radius=0.45, prestretch=1.0, bending=0.0, inside=0.0, stretch_relief=0.0,
+             compression_limit=10.0, hem_rings=0, display_steps=0, damping=0.0, collision="PLANE")
+
+PRESETS: dict[str, tuple[str, str, dict[str, Any]]] = {
+    "COTTON": ("Cotton", "Soft everyday folds: a shirt", {}),
+    "DENIM": ("Denim", "Fewer, broader, stiffer folds: jeans", dict(bending=1.0, radius=1.1, prestretch=1.01,
+                                                                   compression_limit=1.25)),
+    "LEATHER": ("Leather", "Only where it must: few round folds", dict(bending=1.0, radius=0.9, prestretch=0.98,
+                                                                      stretch_relief=0.6, compression_limit=1.2)),
+    "SILK": ("Silk", "Many fine, sharp folds", dict(bending=0.35, radius=1.1, prestretch=1.04, stretch_relief=0.15)),
+    "SKIN": ("Skin", "Low creases that never leave the body", dict(bending=0.5, radius=0.5, prestretch=1.0, inside=0.8,
+                                                                 stretch_relief=1.0, compression_limit=1.15)),
+    "PAPER": ("As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: for dense or simulated meshes", PAPER),
+}

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baked clips: shown without handlers, whole or not at all, and stale ones are said."""
+import os
+import struct
+import tempfile
+import unittest
+
+import bpy
+import numpy as np
+import sleeve
+from rumple.blender import bake_state, handlers, modifier, registry
+
+
+class Baked(unittest.TestCase):
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.obj = sleeve.scene()
+        self.blend = os.path.join(self.folder.name, "scene.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=self.blend)
+
+    def clip(self):
+        return bake_state.clip_path(sleeve.carrier(self.obj))
+
+    def test_is_the_played_through_clip_and_needs_no_handlers(self):
+        sleeve.play()
+        live = {}
+        for frame in (1, 9, 20):
+            sleeve.at(frame)
+            live[frame] = sleeve.shown(self.obj)
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+        handlers.unregister()
+        try:
+            for frame in (20, 1, 9):
+                sleeve.at(frame)
+                np.testing.assert_allclose(sleeve.shown(self.obj), live[frame], atol=1e-6)
+        finally:
+            handlers.register()
+
+    def test_a_bake_that_starts_late_is_played_through_too(self):
+        sleeve.play()
+        sleeve.at(15)
+        live = sleeve.shown(self.obj)
+        bpy.ops.object.rumple_clear_frames()
+        self.obj.rumple.bake_start = 12
+        bpy.ops.object.rumple_bake()
+        sleeve.at(15)
+        np.testing.assert_allclose(sleeve.shown(self.obj), live, atol=1e-6)
+
+    def test_subframes(self):
+        self.obj.rumple.bake_samples = 2
+        sleeve.play()
+        sleeve.at(13, 0.5)
+        live = sleeve.shown(self.obj)
+        bpy.ops.object.rumple_bake()
+        sleeve.at(13, 0.5)
+        np.testing.assert_allclose(sleeve.shown(self.obj), live, atol=1e-6)
+
+    def test_the_path_is_relative_and_the_file_is_a_whole_pc2(self):
+        bpy.ops.object.rumple_bake()
+        self.assertEqual(modifier.cache(sleeve.carrier(self.obj)).filepath, "//rumple/Sleeve.pc2")
+        data = self.clip().read_bytes()
+        signature, version, points, start, step, samples = struct.unpack("<12siiffi", data[:32])
+        self.assertEqual((signature, version, start, step, samples), (b"POINTCACHE2\0", 1, 1.0, 1.0, 20))
+        self.assertEqual(len(data), 32 + 12 * points * samples)
+        self.assertEqual(sleeve.names(self.entries()), ["Sleeve.json", "Sleeve.pc2"])
+
+    def entries(self):
+        return os.scandir(self.clip().parent)
+
+    def test_a_failed_bake_leaves_the_former_clip(self):
+        bpy.ops.object.rumple_bake()
+        before = self.clip().read_bytes()
+        modifier.find(self.obj).show_viewport = False
+        with self.assertRaises(RuntimeError):
+            bpy.ops.object.rumple_bake()
+        self.assertEqual(self.clip().read_bytes(), before)
+        self.assertTrue(modifier.is_baked(modifier.find(self.obj)))
+        self.assertEqual(len(list(self.entries())), 2)
+
+    def test_an_unsaved_file_is_told_to_be_saved(self):
+        sleeve.scene()
+        with self.assertRaises(RuntimeError) as caught:
+            bpy.ops.object.rumple_bake()
+        self.assertIn("Save the file first", str(caught.exception))
+
+    def test_the_frame_stays(self):
+        sleeve.at(7)
+        bpy.ops.object.rumple_bake()
+        self.assertEqual(bpy.context.scene.frame_current, 7)
+
+    def test_changed_settings_missing_files_and_other_poses_are_said(self):
+        bpy.ops.object.rumple_bake()
+        sleeve.at(9)
+        self.assertEqual(self.obj.rumple.message, "")
+        self.obj.rumple.mesh.bending = 0.1
+        sleeve.at(10)
+        self.assertIn("since the bake", self.obj.rumple.message)
+        bpy.ops.object.rumple_bake()
+        self.assertEqual(self.obj.rumple.message, "")
+        sleeve.at(25)
+        self.assertIn("outside the bake", self.obj.rumple.message)
+        bend = bpy.data.objects["Arm"].pose.bones["lower"]
+        bend.rotation_euler.z = -1.0
+        bend.keyframe_insert("rotation_euler", frame=10)
+        sleeve.at(9)
+        self.assertIn("not the baked one", self.obj.rumple.message)
+        self.clip().unlink()
+        self.assertIn("missing", bake_state.check(self.obj, sleeve.carrier(self.obj)))
+
+    def test_freed_it_is_live_again(self):
+        bpy.ops.object.rumple_bake()
+        clip = self.clip()
+        bpy.ops.object.rumple_bake_free()
+        sleeve.at(20)
+        np.testing.assert_allclose(sleeve.shown(self.obj), sleeve.picture(self.obj).positions, atol=1e-6)
+        self.assertTrue(clip.is_file())
+        self.assertFalse(bpy.ops.object.rumple_bake_free.poll())
+
+    def test_opened_again_it_shows_the_clip(self):
+        bpy.ops.object.rumple_bake()
+        sleeve.at(20)
+        seen = sleeve.shown(self.obj)
+        bpy.ops.wm.save_mainfile()
+        bpy.ops.wm.open_mainfile(filepath=self.blend)
+        self.obj = bpy.data.objects["Sleeve"]
+        sleeve.at(20)
+        np.testing.assert_allclose(sleeve.shown(self.obj), seen, atol=1e-6)
+        self.assertEqual(self.obj.rumple.message, "")
+        self.assertIsNone(registry.runtime(self.obj).fine)
+
+    def test_shape_keys_show_every_frame(self):
+        sleeve.play()
+        bpy.ops.object.rumple_bake_shape_keys(start=4, end=9)
+        copy = bpy.data.objects["Sleeve shape keys"]
+        for frame in (4, 7, 9):
+            sleeve.at(frame)
+            np.testing.assert_allclose(sleeve.shown(copy), sleeve.shown(self.obj), atol=1e-5)
+        self.assertEqual(len(copy.modifiers), 0)
+        self.assertEqual(copy.rumple.method, "NONE")

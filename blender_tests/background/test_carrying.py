@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the fine mesh inherits from the coarse one."""
+import unittest
+
+import bpy
+import numpy as np
+import sleeve
+from rumple.blender import carrier as carriers
+from rumple.blender import mesh_io, modifier, registry, structure, versions
+
+
+class Carrying(unittest.TestCase):
+
+    def test_materials_by_face(self):
+        obj = sleeve.scene()
+        mesh = sleeve.evaluated(obj).data
+        self.assertEqual([m.name for m in mesh.materials], ["Outside", "Cuff"])
+        indices = np.empty(len(mesh.polygons), np.int32)
+        mesh.polygons.foreach_get("material_index", indices)
+        coarse = np.empty(len(obj.data.polygons), np.int32)
+        obj.data.polygons.foreach_get("material_index", coarse)
+        np.testing.assert_array_equal(indices, coarse[registry.runtime(obj).fine.polygon_parent])
+
+    def test_a_changed_material_is_carried_again(self):
+        obj = sleeve.scene()
+        obj.data.materials[0] = bpy.data.materials.new("Other")
+        obj.data.update_tag()
+        bpy.context.view_layer.update()
+        self.assertEqual([m.name for m in sleeve.evaluated(obj).data.materials], ["Other", "Cuff"])
+
+    def test_slots_linked_to_the_object(self):
+        obj = sleeve.scene(wrinkles=False)
+        obj.material_slots[0].link = "OBJECT"
+        obj.material_slots[0].material = bpy.data.materials.new("OfObject")
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertEqual(sleeve.carrier(obj).data.materials[0].name, "OfObject")
+
+    def test_smooth_shading(self):
+        obj = sleeve.scene()
+        self.assertTrue(all(polygon.use_smooth for polygon in sleeve.evaluated(obj).data.polygons))
+
+    def test_uv_corners_stay_on_the_map_of_their_face(self):
+        obj = sleeve.scene()
+        fine, mesh = registry.runtime(obj).fine, sleeve.carrier(obj).data
+        coarse_uv, fine_uv = self.uv(obj.data), self.uv(mesh)
+        for polygon, parent in zip(mesh.polygons, fine.polygon_parent):
+            within = coarse_uv[list(obj.data.polygons[parent].loop_indices)]
+            inside = fine_uv[list(polygon.loop_indices)]
+            self.assertTrue((inside >= within.min(0) - 1e-5).all() and (inside <= within.max(0) + 1e-5).all())
+
+    def uv(self, mesh):
+        flat = np.empty(len(mesh.loops) * 2, np.float32)
+        mesh.uv_layers["UVMap"].data.foreach_get("uv", flat)
+        return flat.reshape(-1, 2)
+
+    def test_vertex_groups_by_name_and_weight(self):
+        obj = sleeve.scene()
+        held = sleeve.carrier(obj)
+        self.assertEqual(sleeve.names(held.vertex_groups), sleeve.names(obj.vertex_groups))
+        weights = mesh_io.group_weights(held, held.data, ["upper", "lower"])
+        np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-4)
+
+    def test_an_empty_group_is_there_too(self):
+        obj = sleeve.scene()
+        obj.vertex_groups.new(name="empty")
+        bpy.context.view_layer.update()
+        sleeve.at(2)
+        self.assertIn("empty", sleeve.carrier(obj).vertex_groups)
+
+    def test_attributes_of_all_domains(self):
+        obj = sleeve.scene(wrinkles=False)
+        mesh = obj.data
+        versions.write_attribute(mesh, "height", "FLOAT", "POINT", versions.positions(mesh)[:, 0])
+        versions.write_attribute(mesh, "tint", "FLOAT_COLOR", "CORNER", np.full((len(mesh.loops), 4), 0.25, np.float32))
+        versions.write_attribute(mesh, "panel", "INT", "FACE", np.arange(len(mesh.polygons)))
+        versions.write_attribute(mesh, "all", "BOOLEAN", "POINT", np.ones(len(mesh.vertices), bool))
+        obj.rumple.mesh.source, obj.rumple.mesh.segments = "REGULAR", 3
+        bpy.ops.object.rumple_add(method="MESH")
+        fine, carried = registry.runtime(obj).fine, sleeve.carrier(obj).data.attributes
+        values = {name: versions.read_attribute(carried[name]) for name in ("height", "tint", "panel", "all")}
+        self.assertGreaterEqual(values["height"].min(), -1e-6)
+        self.assertLessEqual(values["height"].max(), sleeve.LENGTH + 1e-6)
+        np.testing.assert_allclose(values["tint"], 0.25, atol=1e-6)
+        np.testing.assert_array_equal(values["panel"][:, 0], fine.polygon_parent)
+        self.assertTrue(values["all"].all())
+
+    def test_edge_marks_lie_on_their_coarse_edges(self):
+        obj = sleeve.scene(wrinkles=False)
+        mesh = obj.data
+        marked = [edge.index for edge in mesh.edges if max(edge.vertices) < sleeve.AROUND]
+        for index in marked:
+            mesh.edges[index].use_seam = mesh.edges[index].use_edge_sharp = True
+        obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 2, 0
+        bpy.ops.object.rumple_add(method="MESH")
+        marks = versions.edge_marks(sleeve.carrier(obj).data)
+        self.assertEqual(int(marks["use_seam"].sum()), 4 * len(marked))
+        self.assertEqual(int(marks["use_edge_sharp"].sum()), 4 * len(marked))
+
+    def test_nothing_is_carried_twice(self):
+        obj = sleeve.scene()
+        fine = registry.runtime(obj).fine
+        self.assertFalse(carriers.carry_changes(sleeve.carrier(obj), obj, fine, obj))
+        self.assertFalse(structure.prepare(obj, modifier.find(obj)))
+
+    def test_an_own_mesh_brings_its_own_looks_and_the_groups_of_the_coarse_one(self):
+        obj = sleeve.scene(wrinkles=False)
+        own = sleeve.skinned(self.denser(), bpy.data.objects["Arm"], "Own")
+        own.modifiers.clear()
+        own.data.materials.clear()
+        own.data.materials.append(bpy.data.materials.new("OwnMaterial"))
+        obj.rumple.mesh.source, obj.rumple.own_mesh, obj.rumple.mesh.display_steps = "OBJECT", own, 0
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.at(15)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertEqual(len(sleeve.shown(obj)), len(own.data.vertices))
+        self.assertEqual([m.name for m in sleeve.carrier(obj).data.materials], ["OwnMaterial"])
+        self.assertEqual(sleeve.names(sleeve.carrier(obj).vertex_groups), ["lower", "upper"])
+
+    def denser(self):
+        """The tube, subdivided twice by Blender."""
+        coarse = bpy.data.objects.new("Denser", sleeve.tube("Denser"))
+        bpy.context.scene.collection.objects.link(coarse)
+        subdivision = coarse.modifiers.new("Subdivision", "SUBSURF")
+        subdivision.levels = 2
+        mesh = bpy.data.meshes.new_from_object(sleeve.evaluated(coarse))
+        bpy.data.objects.remove(coarse)
+        return mesh

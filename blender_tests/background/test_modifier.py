@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The modifier in the stack: added, removed, applied, embedded."""
+import math
+import unittest
+
+import bpy
+import numpy as np
+import sleeve
+from rumple.blender import modifier, node_tree, versions
+
+
+class Stack(unittest.TestCase):
+
+    def test_stands_behind_the_last_deformer_and_before_subdivision(self):
+        obj = sleeve.scene(wrinkles=False)
+        obj.modifiers.new("Subdivision", "SUBSURF")
+        obj.modifiers.new("Solidify", "SOLIDIFY")
+        self.assertEqual(bpy.ops.object.rumple_add(method="MESH"), {"FINISHED"})
+        self.assertEqual([m.name for m in obj.modifiers], ["Armature", "Wrinkle Mesh", "Subdivision", "Solidify"])
+        self.assertEqual(obj.rumple.method, "MESH")
+        self.assertEqual(obj.rumple.message, "")
+
+    def test_adding_twice_is_refused(self):
+        sleeve.scene()
+        self.assertFalse(bpy.ops.object.rumple_add.poll())
+
+    def test_shows_more_points_than_the_coarse_mesh(self):
+        obj = sleeve.scene()
+        self.assertGreater(len(sleeve.shown(obj)), 3 * len(obj.data.vertices))
+
+    def test_off_shows_the_coarse_mesh(self):
+        obj = sleeve.scene()
+        modifier.find(obj).show_viewport = False
+        self.assertEqual(len(sleeve.shown(obj)), len(obj.data.vertices))
+
+    def test_removing_leaves_nothing(self):
+        obj = sleeve.scene(wrinkles=False)
+        before = [sleeve.names(getattr(bpy.data, kind)) for kind in ("objects", "meshes", "node_groups", "materials")]
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.at(9)
+        bpy.ops.object.rumple_capture_rest(frame=1)
+        bpy.ops.object.rumple_remove()
+        after = [sleeve.names(getattr(bpy.data, kind)) for kind in ("objects", "meshes", "node_groups", "materials")]
+        self.assertEqual(after, before)
+        self.assertEqual([m.name for m in obj.modifiers], ["Armature"])
+        self.assertEqual([a.name for a in obj.data.attributes if a.name.startswith("rumple")], [])
+        self.assertEqual(obj.rumple.method, "NONE")
+
+    def test_applying_keeps_what_is_seen(self):
+        obj = sleeve.scene()
+        obj.modifiers.new("Subdivision", "SUBSURF").show_viewport = False
+        sleeve.at(15)
+        seen = sleeve.shown(obj)
+        bpy.ops.object.rumple_apply()
+        np.testing.assert_array_equal(versions.positions(obj.data), seen)
+        self.assertEqual([m.name for m in obj.modifiers], ["Subdivision"])
+        self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve"])
+        self.assertEqual(sleeve.names(obj.vertex_groups), ["lower", "upper"])
+        self.assertEqual([m.name for m in obj.data.materials], ["Outside", "Cuff"])
+
+    def test_applying_with_shape_keys(self):
+        obj = sleeve.scene(wrinkles=False)
+        obj.shape_key_add(name="Basis")
+        obj.shape_key_add(name="Wide").value = 1.0
+        obj.rumple.mesh.display_steps = 0
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.at(15)
+        seen = sleeve.shown(obj)
+        bpy.ops.object.rumple_apply()
+        self.assertIsNone(obj.data.shape_keys)
+        np.testing.assert_array_equal(versions.positions(obj.data), seen)
+
+    def test_blenders_own_apply_is_tidied(self):
+        obj = sleeve.scene()
+        sleeve.at(15)
+        bpy.ops.object.modifier_apply(modifier="Wrinkle Mesh")
+        bpy.context.view_layer.update()
+        from rumple.blender import structure
+        structure.settle_all()
+        self.assertEqual(obj.rumple.method, "NONE")
+        self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve"])
+        left = [a.name for a in obj.data.attributes if a.name.startswith("rumple_base")]
+        self.assertEqual(left, [])
+
+
+class Embedding(unittest.TestCase):
+
+    def test_shows_exactly_what_was_solved(self):
+        obj = sleeve.scene()
+        for frame in (20, 3, 11):
+            sleeve.at(frame)
+            np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
+
+    def test_coarse_positions_come_back_to_the_bit(self):
+        obj = sleeve.scene()
+        twin = sleeve.skinned(obj.data, bpy.data.objects["Arm"], "Twin")
+        modifier.find(obj).show_viewport = True
+        for later in (False, True):
+            if later:
+                obj.modifiers.new("Subdivision", "SUBSURF")
+                obj.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.01
+            sleeve.at(14)
+            count = len(obj.data.vertices)
+            np.testing.assert_array_equal(sleeve.attribute(obj, node_tree.BASE_POSITION)[:count], sleeve.shown(twin))
+
+    def test_a_rigid_turn_of_the_armature_turns_the_folds(self):
+        obj = sleeve.scene()
+        sleeve.at(20)
+        before, folds = sleeve.shown(obj), sleeve.picture(obj).local_offset.copy()
+        root = bpy.data.objects["Arm"].pose.bones["upper"]
+        root.rotation_mode = "AXIS_ANGLE"
+        root.rotation_axis_angle = (math.radians(140.0), 1.0, 2.0, 3.0)
+        bpy.context.view_layer.update()
+        turn = np.array(root.matrix @ root.bone.matrix_local.inverted(), np.float32)
+        expected = before @ turn[:3, :3].T + turn[:3, 3]
+        np.testing.assert_allclose(sleeve.shown(obj), expected, atol=2e-3)
+        self.assertGreater(np.abs(folds).max(), 1e-3)
+
+    def test_without_handlers_the_mesh_follows_the_pose(self):
+        obj = sleeve.scene()
+        sleeve.at(10)
+        tree_only = self.without_handlers()
+        try:
+            sleeve.at(11)
+            shown = sleeve.shown(obj)
+        finally:
+            tree_only()
+        sleeve.at(10)
+        sleeve.at(11)
+        self.assertLess(np.abs(shown - sleeve.shown(obj)).max(), 0.02)
+
+    def without_handlers(self):
+        from rumple.blender import handlers
+        handlers.unregister()
+        return handlers.register
+
+    def test_collapsed_triangles_stay_finite(self):
+        obj = sleeve.scene()
+        key = obj.shape_key_add(name="Basis")
+        flat = obj.shape_key_add(name="Flat")
+        for point in flat.data:
+            point.co = (0.1, 0.0, 0.0)
+        flat.value = 1.0
+        bpy.context.view_layer.update()
+        self.assertEqual(len(key.data), len(obj.data.vertices))
+        self.assertTrue(np.isfinite(sleeve.shown(obj)).all())
+
+    def test_a_modifier_that_removes_points_is_named(self):
+        obj = sleeve.scene()
+        obj.vertex_groups.new(name="hidden").add([0, 1, 2], 1.0, "REPLACE")
+        mask = obj.modifiers.new("Mask", "MASK")
+        mask.vertex_group, mask.invert_vertex_group = "hidden", True
+        sleeve.at(8)
+        sleeve.at(9)
+        self.assertIn("removes points", obj.rumple.message)
+        obj.modifiers.remove(mask)
+        sleeve.at(10)
+        self.assertEqual(obj.rumple.message, "")
+
+    def test_a_modifier_in_front_that_adds_points_is_named(self):
+        obj = sleeve.scene(wrinkles=False)
+        obj.modifiers.new("Mirror", "MIRROR")
+        versions.move_modifier(obj, 1, 0)
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.at(8)
+        self.assertIn("Mirror", obj.rumple.message)
+        obj.modifiers["Mirror"].show_viewport = obj.modifiers["Mirror"].show_render = False
+        sleeve.at(9)
+        self.assertEqual(obj.rumple.message, "")
+
+
+class Tree(unittest.TestCase):
+
+    def test_an_older_tree_is_rebuilt_in_place(self):
+        obj = sleeve.scene()
+        sleeve.at(12)
+        seen = sleeve.shown(obj)
+        group = modifier.find(obj).node_group
+        group[node_tree.VERSION_KEY] = 0
+        group.nodes.clear()
+        self.assertTrue(node_tree.upgrade(group))
+        self.assertIsNotNone(sleeve.carrier(obj))
+        bpy.context.view_layer.update()
+        np.testing.assert_allclose(sleeve.shown(obj), seen, atol=1e-6)
+
+    def test_one_tree_serves_all_objects(self):
+        obj = sleeve.scene()
+        other = sleeve.skinned(sleeve.tube("Other"), bpy.data.objects["Arm"], "Other")
+        sleeve.make_active(other)
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertEqual(modifier.find(obj).node_group, modifier.find(other).node_group)

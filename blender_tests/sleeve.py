@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene that most tests use: a skinned sleeve on an arm that bends from frame 1 to 20, in an empty file."""
+import math
+
+import bpy
+import numpy as np
+from rumple.blender import modifier, registry, versions
+
+AROUND, ALONG, LENGTH, RADIUS = 16, 12, 0.6, 0.06
+LAST = 20
+
+
+def tube(name="Sleeve"):
+    """A tube of quads along x, with a UV map (one seam), two materials and smooth shading."""
+    vertices = [(LENGTH * j / (ALONG - 1), RADIUS * math.cos(a), RADIUS * math.sin(a))
+                for j in range(ALONG) for a in np.linspace(0.0, 2.0 * math.pi, AROUND, endpoint=False)]
+    quads = [(j * AROUND + i, (j + 1) * AROUND + i, (j + 1) * AROUND + (i + 1) % AROUND, j * AROUND + (i + 1) % AROUND)
+             for j in range(ALONG - 1) for i in range(AROUND)]
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(vertices, [], quads)
+    corners = [(i + (corner in (2, 3)), j + (corner in (1, 2))) for j in range(ALONG - 1) for i in range(AROUND)
+               for corner in range(4)]
+    uv = np.array(corners, np.float32) / (AROUND, ALONG - 1)
+    mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", np.ascontiguousarray(uv, np.float32).ravel())
+    mesh.polygons.foreach_set("use_smooth", np.ones(len(quads), bool))
+    for material in ("Outside", "Cuff"):
+        mesh.materials.append(bpy.data.materials.new(material))
+    mesh.polygons.foreach_set("material_index", np.array([k >= len(quads) - AROUND for k in range(len(quads))], np.int32))
+    mesh.update()
+    return mesh
+
+
+def arm():
+    """An armature of two bones; the lower one bends about z by 100 degrees."""
+    rig = bpy.data.objects.new("Arm", bpy.data.armatures.new("Arm"))
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    upper, lower = (rig.data.edit_bones.new(name) for name in ("upper", "lower"))
+    upper.head, upper.tail = (0.0, 0.0, 0.0), (LENGTH / 2, 0.0, 0.0)
+    lower.head, lower.tail, lower.parent = upper.tail, (LENGTH, 0.0, 0.0), upper
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bend = rig.pose.bones["lower"]
+    bend.rotation_mode = "XYZ"
+    for frame, degrees in ((1, 0.0), (LAST, 100.0)):
+        bend.rotation_euler = (0.0, 0.0, math.radians(degrees))
+        bend.keyframe_insert("rotation_euler", frame=frame)
+    return rig
+
+
+def skinned(mesh, rig, name="Sleeve"):
+    """An object with that mesh that follows the arm."""
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    upper, lower = (obj.vertex_groups.new(name=name) for name in ("upper", "lower"))
+    for vertex in mesh.vertices:
+        share = min(max((vertex.co.x / LENGTH - 0.35) / 0.3, 0.0), 1.0)
+        upper.add([vertex.index], 1.0 - share, "REPLACE")
+        lower.add([vertex.index], share, "REPLACE")
+    obj.modifiers.new("Armature", "ARMATURE").object = rig
+    return obj
+
+
+def make_active(obj):
+    bpy.context.view_layer.update()     # selecting an object that was just linked is silently ignored
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    bpy.context.view_layer.objects.active = obj
+
+
+def empty_file():
+    """A file with one empty scene, frames 1 to 20. The add-on stays on: read_homefile would load preferences."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, LAST
+    return scene
+
+
+def scene(wrinkles=True, level=1):
+    """Everything. level: solved subdivisions, low so that tests are quick."""
+    empty_file()
+    obj = skinned(tube(), arm())
+    make_active(obj)
+    if wrinkles:
+        obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", level, 0
+        bpy.ops.object.rumple_add(method="MESH")
+    bpy.context.view_layer.update()
+    return obj
+
+
+# ---------------------------------------------------------------- what is seen
+def evaluated(obj):
+    return obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+
+
+def shown(obj):
+    """Positions of what the viewport shows of an object, (n, 3) float32."""
+    return versions.positions(evaluated(obj).data).copy()
+
+
+def attribute(obj, name):
+    """Values of an attribute of the evaluated mesh."""
+    return versions.read_attribute(evaluated(obj).data.attributes[name])
+
+
+def picture(obj):
+    """What was solved last."""
+    return registry.runtime(obj).picture
+
+
+def carrier(obj):
+    return modifier.carrier(modifier.find(obj))
+
+
+def at(frame, subframe=0.0):
+    bpy.context.scene.frame_set(frame, subframe=subframe)
+
+
+def play(first=1, last=LAST):
+    for frame in range(first, last + 1):
+        at(frame)
+
+
+def names(collection):
+    return sorted(item.name for item in collection)

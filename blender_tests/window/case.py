@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The base class of tests that need a window.
+
+A test method that yields is a generator: each `yield` lets Blender handle events and redraw once, `yield 0.5`
+lets it run for half a second.
+
+    class Panel(WindowCase):
+        def test_panel_draws(self):
+            with self.area("PROPERTIES"):
+                bpy.ops.object.rumple_add(method="MESH")
+            yield
+            self.screenshot("panel")
+"""
+import os
+import struct
+import unittest
+import zlib
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+
+class WindowCase(unittest.TestCase):
+
+    def area(self, kind="VIEW_3D"):
+        """A context override with the first area of this kind: timers have no window in their context."""
+        window = bpy.context.window_manager.windows[0]
+        area = next(area for area in window.screen.areas if area.type == kind)
+        region = next(region for region in area.regions if region.type == "WINDOW")
+        return bpy.context.temp_override(window=window, area=area, region=region)
+
+    def pixels(self):
+        """What the screen shows, (height, width, 3) uint8, the top row first. Yield once before: it is the last redraw."""
+        data = Path(os.environ["RUMPLE_FRAMEBUFFER"]).read_bytes()     # an XWD file
+        header = struct.unpack(">25I", data[:100])
+        header_size, width, height, row_bytes, colors = header[0], header[4], header[5], header[12], header[19]
+        rows = np.frombuffer(data, np.uint8, row_bytes * height, header_size + 12 * colors).reshape(height, row_bytes)
+        return rows[:, :4 * width].reshape(height, width, 4)[:, :, 2::-1]
+
+    def screenshot(self, name):
+        """Saves it as RUMPLE_OUT/name.png and returns the path."""
+        path = Path(os.environ["RUMPLE_OUT"]) / f"{name}.png"
+        path.write_bytes(png(self.pixels()))
+        return path
+
+
+def png(pixels):
+    """(height, width, 3) uint8 as a PNG file."""
+    height, width, _ = pixels.shape
+    rows = np.zeros((height, 1 + 3 * width), np.uint8)      # each row begins with its filter: 0, none
+    rows[:, 1:] = pixels.reshape(height, -1)
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(rows.tobytes())) + chunk(b"IEND", b""))

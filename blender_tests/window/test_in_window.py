@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""With a window: panels draw, the viewport plays, timers rebuild, undo works, F12 renders in another thread."""
+import os
+
+import bpy
+import numpy as np
+import sleeve
+from case import WindowCase
+from rumple.blender import modifier, panels, registry
+
+PARTS = (panels.DATA_PT_rumple_fine_mesh, panels.DATA_PT_rumple_rest, panels.DATA_PT_rumple_constraints,
+         panels.DATA_PT_rumple_solver, panels.DATA_PT_rumple_frames, panels.DATA_PT_rumple_bake, panels.DATA_PT_rumple_status)
+
+
+def big_properties():
+    """Turns the biggest area into the modifier tab, so that every panel is drawn."""
+    areas = bpy.context.window_manager.windows[0].screen.areas
+    area = max(areas, key=lambda a: a.width * a.height)
+    area.type = "PROPERTIES"
+    yield
+    area.spaces.active.context = "MODIFIER"
+
+
+class Panels(WindowCase):
+
+    def make(self, wrinkles=True):
+        window = bpy.context.window_manager.windows[0]
+        with bpy.context.temp_override(window=window, scene=window.scene):
+            return sleeve.scene(wrinkles=wrinkles)
+
+    def test_every_panel_draws(self):
+        obj = self.make()
+        yield from big_properties()
+        yield 0.3
+        self.screenshot("panel_closed")
+        for source, rest in (("REGULAR", "FRAME"), ("EDGE_LENGTH", "SHAPE_KEY"), ("OBJECT", "REST_POSE")):
+            obj.rumple.mesh.source, obj.rumple.mesh.rest_shape = source, rest
+            yield 0.5
+        self.screenshot("panel_refusal")
+        self.assertNotEqual(obj.rumple.message, "")
+        obj.rumple.mesh.source = "SUBDIVISION"
+        yield 0.6
+        self.assertEqual(obj.rumple.message, "")
+
+    def test_button_draws_without_wrinkles(self):
+        self.make(wrinkles=False)
+        yield from big_properties()
+        yield 0.3
+        self.screenshot("panel_button")
+
+
+class Viewport(WindowCase):
+
+    def view(self):
+        areas = bpy.context.window_manager.windows[0].screen.areas
+        area = max(areas, key=lambda a: a.width * a.height)
+        area.type = "VIEW_3D"
+
+    def make(self):
+        self.view()
+        window = bpy.context.window_manager.windows[0]
+        with bpy.context.temp_override(window=window, scene=window.scene):
+            return sleeve.scene()
+
+    def test_settings_rebuild_from_a_timer(self):
+        obj = self.make()
+        yield 0.3
+        coarse = registry.runtime(obj).fine.vertex_count
+        obj.rumple.mesh.level = 2
+        yield 0.8
+        self.assertGreater(registry.runtime(obj).fine.vertex_count, 3 * coarse)
+        np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
+
+    def test_playback_solves_every_frame_it_shows(self):
+        obj = self.make()
+        yield 0.2
+        with self.area("VIEW_3D"):
+            bpy.ops.screen.animation_play()
+        yield 1.5
+        with self.area("VIEW_3D"):
+            bpy.ops.screen.animation_cancel(restore_frame=False)
+        yield 0.2
+        self.assertGreater(len(registry.runtime(obj).fine.history.frames()), 3)
+        np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
+
+    def test_duplicates_are_split_by_the_timer(self):
+        obj = self.make()
+        yield 0.3
+        with self.area("VIEW_3D"):
+            bpy.ops.object.duplicate()
+        yield 0.5
+        copy = next(o for o in bpy.data.objects if o != obj and modifier.find(o))
+        self.assertNotEqual(sleeve.carrier(copy), sleeve.carrier(obj))
+
+    def test_undo_and_redo_of_adding_and_removing(self):
+        obj = self.make()
+        yield 0.3
+        for _ in range(2):
+            with self.area("VIEW_3D"):
+                bpy.ops.ed.undo_push(message="before")
+                bpy.ops.object.rumple_remove()
+                bpy.ops.ed.undo_push(message="removed")
+            yield 0.3
+            with self.area("VIEW_3D"):
+                bpy.ops.ed.undo()
+            yield 0.4
+            obj = bpy.data.objects["Sleeve"]
+            self.assertIsNotNone(modifier.find(obj))
+            sleeve.at(15)
+            self.assertEqual(obj.rumple.message, "")
+            with self.area("VIEW_3D"):
+                bpy.ops.ed.redo()
+            yield 0.3
+            obj = bpy.data.objects["Sleeve"]
+            self.assertIsNone(modifier.find(obj))
+            with self.area("VIEW_3D"):
+                bpy.ops.ed.undo()
+            yield 0.4
+            obj = bpy.data.objects["Sleeve"]
+        sleeve.at(12)
+        np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
+
+    def test_weight_paint_with_the_modifier_on(self):
+        obj = self.make()
+        yield 0.3
+        with self.area("VIEW_3D"):
+            bpy.ops.object.rumple_paint(group="radius")
+        yield 0.6
+        self.assertEqual(obj.mode, "WEIGHT_PAINT")
+        self.assertIn("Rumple Radius", sleeve.carrier(obj).vertex_groups)
+        self.screenshot("weight_paint")
+        obj.vertex_groups["Rumple Radius"].add(range(len(obj.data.vertices)), 0.0, "REPLACE")
+        obj.data.update()
+        sleeve.at(20)
+        yield 0.5
+        np.testing.assert_allclose(sleeve.attribute(obj, "rumple_offset"), 0.0, atol=1e-6)
+        with self.area("VIEW_3D"):
+            bpy.ops.object.mode_set(mode="OBJECT")
+
+    def test_bake_runs_modal_and_can_be_cancelled(self):
+        obj = self.make()
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.join(os.environ["RUMPLE_OUT"], "window_bake.blend"))
+        yield 0.3
+        with self.area("VIEW_3D"):
+            self.assertEqual(bpy.ops.object.rumple_bake("INVOKE_DEFAULT"), {"RUNNING_MODAL"})
+        window = bpy.context.window_manager.windows[0]
+        for _ in range(100):
+            yield 0.05
+            if modifier.is_baked(modifier.find(obj)):
+                break
+        self.assertTrue(modifier.is_baked(modifier.find(obj)))
+        obj.rumple.bake_end = 5000
+        with self.area("VIEW_3D"):
+            bpy.ops.object.rumple_bake("INVOKE_DEFAULT")
+        yield 0.2
+        window.event_simulate("ESC", "PRESS", x=400, y=400)
+        window.event_simulate("ESC", "RELEASE", x=400, y=400)
+        yield 0.5
+        self.assertTrue(modifier.is_baked(modifier.find(obj)))
+        sleeve.at(20)
+        yield 0.2
+        self.assertEqual(obj.rumple.message, "")
+
+
+class Render(WindowCase):
+
+    def test_f12_shows_the_frame_of_the_viewport(self):
+        window = bpy.context.window_manager.windows[0]
+        with bpy.context.temp_override(window=window, scene=window.scene):
+            obj = sleeve.scene()
+        scene = bpy.context.scene
+        camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        camera.location, camera.data.type, camera.data.ortho_scale = (0.3, 0.0, 3.0), "ORTHO", 1.5
+        scene.collection.objects.link(camera)
+        scene.camera = camera
+        scene.render.engine, scene.render.resolution_x, scene.render.resolution_y = "BLENDER_WORKBENCH", 64, 64
+        sleeve.at(10)
+        yield 0.2
+        before = sleeve.shown(obj)
+        finished = []
+        bpy.app.handlers.render_complete.append(lambda *_: finished.append(1))
+        scene.render.filepath = os.path.join(os.environ["RUMPLE_OUT"], "f12_")
+        with self.area("VIEW_3D"):
+            bpy.ops.render.render("INVOKE_DEFAULT", animation=True)
+        for _ in range(600):
+            yield 0.1
+            if finished:
+                break
+        self.assertTrue(finished)
+        yield 0.5
+        sleeve.at(10)
+        yield 0.2
+        self.assertEqual(obj.rumple.message, "")
+        self.assertEqual(sleeve.shown(obj).shape, before.shape)
+        np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Flat arrays are the language between rooms.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+namespace rumple {
+
+using Vec2 = glm::vec2;
+using Vec3 = glm::vec3;
+using Index = std::int32_t;
+
+inline constexpr Index kNone = -1;
+
+// Rows of a sparse matrix (CSR). Row r owns entries [start[r], start[r + 1]).
+// Used for every linear map between meshes: subdivision stencils, barycentric
+// interpolation, painted weights. Evaluate with apply().
+struct SparseRows {
+    std::vector<Index> start{0};
+    std::vector<Index> index;
+    std::vector<float> weight;
+
+    Index rows() const { return static_cast<Index>(start.size()) - 1; }
+
+    void add(Index column, float value) {
+        index.push_back(column);
+        weight.push_back(value);
+    }
+    void end_row() { start.push_back(static_cast<Index>(index.size())); }
+};
+
+// out[r] = sum of weight x values[index] over row r. values is indexed by
+// column and must cover every column. Cost: one multiply-add an entry.
+template <typename T>
+void apply(const SparseRows& rows, std::span<const T> values, std::span<T> out) {
+    for (Index r = 0; r < rows.rows(); ++r) {
+        T sum{};
+        for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k) {
+            sum += rows.weight[k] * values[rows.index[k]];
+        }
+        out[r] = sum;
+    }
+}
+
+// The product outer x inner: first inner, then outer. Entries of one column
+// are summed; exact zeros are dropped. Columns of a row are sorted.
+SparseRows compose(const SparseRows& outer, const SparseRows& inner);
+
+}  // namespace rumple

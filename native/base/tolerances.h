@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every epsilon of the house: name, unit, why.
+#pragma once
+
+namespace rumple {
+
+// Unit: bounding box diagonals. Vertices of a seam that lie closer than this
+// are one vertex. Exporters write both sides of a seam from one float; 1e-6
+// forgives a few roundings (2 micrometres on a garment of 2 m) and is far below
+// any gap that an artist models.
+inline constexpr double kWeldDistance = 1e-6;
+
+// Unit: bounding box diagonals. An edge shorter than this has no direction worth
+// trusting in single precision. Only warned about.
+inline constexpr double kZeroLength = 1e-6;
+
+// Unit: squares of the triangle's longest edge. Twice the area below this means
+// an altitude below a millionth of the edge: no normal worth trusting in single
+// precision. Only warned about.
+inline constexpr double kZeroArea = 1e-6;
+
+// Unit: none (weights of rows that sum to 1). Below it a linear weight is a
+// rounding of zero; real weights of eight subdivision levels are above 1e-5.
+inline constexpr float kZeroWeight = 1e-6f;
+
+// Unit: metres over metres. An edge may exceed the longest length asked for by
+// this, so that a length equal but for rounding is not split once more.
+inline constexpr double kLengthSlack = 1e-6;
+
+// Unit: none, relative to a squared distance. A box of the hierarchy is opened
+// although it is farther than the best triangle by this: both distances are
+// rounded (doubles, about 1e-15), and a tie must reach the lowest triangle.
+inline constexpr double kTieSlack = 1e-12;
+
+// Unit: metres. Edges shorter than this, and triangles of less than its square,
+// have no direction: their frames are zero vectors. Far below any cloth, far
+// above the smallest float whose square is still a float.
+inline constexpr float kShortestEdge = 1e-12f;
+
+// Unit: none (length of a sum of unit normals, or of a projected unit tangent).
+// Below it the direction is noise.
+inline constexpr float kShortestNormal = 1e-3f;
+
+// Unit: none (cosine). Two normals so far apart have no smallest rotation.
+inline constexpr float kOppositeNormals = -0.999f;
+
+// Unit: none (strain). A vertex whose pairs changed their attachment length by
+// less than kHeldStrain since they were last solved is held; from kFreeStrain on
+// it is solved in full. Bone matrices in single precision jitter by about 1e-6;
+// a fold starts to show at about 1e-2.
+inline constexpr float kHeldStrain = 2e-4f;
+inline constexpr float kFreeStrain = 4e-3f;
+
+}  // namespace rumple

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace rumple::bindings {
+
+void bind_surface(pybind11::module_& module);
+void bind_wrinkle_mesh(pybind11::module_& module);
+
+}  // namespace rumple::bindings

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/attachments.h"
+
+#include "base/tolerances.h"
+
+namespace rumple {
+
+void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std::span<Vec3> normals) {
+    for (Vec3& n : normals) n = Vec3(0.0f);
+    for (const Triangle& triangle : surface.triangles) {
+        Index v[3];
+        for (int k = 0; k < 3; ++k) v[k] = surface.welded.corner_vertex[triangle.corner[k]];
+        const Vec3 twice_area =
+            glm::cross(positions[v[1]] - positions[v[0]], positions[v[2]] - positions[v[0]]);
+        for (int k = 0; k < 3; ++k) normals[v[k]] += twice_area;
+    }
+    for (Vec3& n : normals) {
+        const float length = glm::length(n);
+        n = length > kShortestEdge * kShortestEdge ? n / length : Vec3(0.0f);
+    }
+}
+
+void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
+                     std::span<TriangleFrame> frames) {
+    for (size_t t = 0; t < surface.triangles.size(); ++t) {
+        const Index* corner = surface.triangles[t].corner;
+        const auto at = [&](int k) { return positions[surface.welded.corner_vertex[corner[k]]]; };
+        frames[t] = triangle_frame(at(0), at(1), at(2));
+    }
+}
+
+Vec3 pn_triangle(const Vec3 p[3], const Vec3 n[3], float b0, float b1) {
+    const float w = 1.0f - b0 - b1;  // weight of corner 0
+    const float u = b0;
+    const float v = b1;
+    // b_ij: a third of the way from corner i to corner j, dropped onto the tangent plane at i.
+    const auto control = [&](int i, int j) {
+        return (2.0f * p[i] + p[j] - glm::dot(p[j] - p[i], n[i]) * n[i]) / 3.0f;
+    };
+    const Vec3 b01 = control(0, 1), b10 = control(1, 0);
+    const Vec3 b12 = control(1, 2), b21 = control(2, 1);
+    const Vec3 b20 = control(2, 0), b02 = control(0, 2);
+    const Vec3 edge_mean = (b01 + b10 + b12 + b21 + b20 + b02) / 6.0f;
+    const Vec3 corner_mean = (p[0] + p[1] + p[2]) / 3.0f;
+    const Vec3 centre = edge_mean + (edge_mean - corner_mean) / 2.0f;
+    return w * w * w * p[0] + u * u * u * p[1] + v * v * v * p[2] +
+           3.0f * (w * w * u * b01 + w * u * u * b10 + u * u * v * b12 + u * v * v * b21 + v * v * w * b20 +
+                   v * w * w * b02) +
+           6.0f * w * u * v * centre;
+}
+
+void attach(const Surface& surface, const Attachments& attachments, std::span<const Vec3> positions,
+            std::span<const Vec3> normals, std::span<Vec3> out, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+        const SurfacePoint& place = attachments.places[i];
+        if (place.triangle == kNone) {
+            out[i] = Vec3(0.0f);
+        } else if (attachments.kind == AttachmentKind::kLinear) {
+            out[i] = interpolate(surface, place, positions);
+        } else if (attachments.kind == AttachmentKind::kPnTriangle) {
+            Vec3 p[3], n[3];
+            for (int k = 0; k < 3; ++k) {
+                const Index v = surface.welded.corner_vertex[surface.triangles[place.triangle].corner[k]];
+                p[k] = positions[v];
+                n[k] = normals[v];
+            }
+            out[i] = pn_triangle(p, n, place.b0, place.b1);
+        } else {
+            Vec3 sum(0.0f);
+            for (Index k = attachments.limit.start[i]; k < attachments.limit.start[i + 1]; ++k) {
+                sum += attachments.limit.weight[k] * positions[attachments.limit.index[k]];
+            }
+            out[i] = sum;
+        }
+    }
+}
+
+}  // namespace rumple

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The coarse base mesh: checked once, then flat arrays.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/array.h"
+
+namespace rumple {
+
+// Polygons as Blender stores them. Polygon p owns the corners
+// [polygon_start[p], polygon_start[p + 1]).
+struct PolygonMesh {
+    Index vertex_count = 0;
+    std::vector<Index> polygon_start{0};
+    std::vector<Index> corner_vertex;
+
+    Index polygons() const { return static_cast<Index>(polygon_start.size()) - 1; }
+    Index corners() const { return static_cast<Index>(corner_vertex.size()); }
+    Index polygon_size(Index p) const { return polygon_start[p + 1] - polygon_start[p]; }
+};
+
+// An undirected edge (a < b) and up to two polygons beside it.
+struct Edge {
+    Index a = kNone;
+    Index b = kNone;
+    Index left = kNone;   // first polygon that uses the edge
+    Index right = kNone;  // second one; kNone on a boundary
+};
+
+// Every edge once, sorted by (a, b): the order does not depend on the order of
+// the polygons. An edge used by more than two polygons keeps the first two.
+std::vector<Edge> collect_edges(const PolygonMesh& mesh);
+
+// Triangles of a base mesh, as corner indices of `mesh`, and their polygon.
+struct Triangle {
+    Index corner[3];
+    Index polygon;
+};
+
+// The base surface at rest, built by build_surface() and never changed.
+//   display  the mesh as the artist has it
+//   welded   the same polygons over welded vertices: what is refined and solved
+// Both share polygons and corners; only corner_vertex differs.
+struct Surface {
+    PolygonMesh display;
+    PolygonMesh welded;
+    std::vector<Index> welded_of;       // display vertex -> welded vertex
+    std::vector<Index> representative;  // welded vertex -> its first display vertex
+    std::vector<Vec3> positions_rest;   // per welded vertex, object space, metres
+    std::vector<Triangle> triangles;    // of every polygon, as given
+    std::vector<Edge> edges;            // of the welded mesh
+    std::vector<bool> boundary_vertex;  // per welded vertex
+    std::vector<std::string> warnings;  // what was tolerated: loose vertices, zero-area triangles, ...
+};
+
+struct SurfaceInput {
+    std::span<const Vec3> positions_rest;    // per vertex, object space, metres
+    std::span<const Index> polygon_start;    // polygons + 1, ascending from 0
+    std::span<const Index> corner_vertex;    // per corner
+    std::span<const Index> triangle_corner;  // 3 per triangle: corner indices of one polygon
+    bool weld_seams = true;                  // join boundary vertices that stand at one place
+};
+
+// Checks the mesh (through OpenMesh: every polygon must be addable to a
+// manifold), welds it, and collects its edges.
+// Welding joins boundary edges that lie on one another (both ends within
+// kWeldDistance x bounding box diagonal) in opposite directions, as the two
+// sides of a cut do, unless that makes an edge non-manifold, a polygon degenerate
+// or two polygons equal; what stays apart for that reason is a warning.
+// Tolerated with a warning: loose vertices (they keep a welded vertex, without
+// polygons), bow ties (a vertex at which two fans of polygons touch: it is
+// refined as a sharp corner), zero-area triangles, zero-length edges. Loose edges
+// are not part of the input.
+// Throws InvalidInput (not finite, an index out of range, no faces, all vertices
+// at one place, a face whose triangles are not its own or not as many as its
+// corners less two) and TopologyError (an edge with three polygons, neighbours
+// of opposite winding, polygons over the same vertices, a vertex twice in a
+// polygon), naming the first bad element in the caller's numbering.
+// Cost: O(corners log corners).
+Surface build_surface(const SurfaceInput& input);
+
+// Deformed positions of the display vertices -> of the welded vertices: the mean
+// of those that were joined (equal ones give themselves to the bit).
+void weld_positions(const Surface& surface, std::span<const Vec3> display, std::span<Vec3> welded);
+
+}  // namespace rumple

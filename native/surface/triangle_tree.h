@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Closest points on the triangles of a surface at rest. Internal to surface.
+#pragma once
+
+#include "surface/bounds.h"
+#include "surface/refinement.h"
+
+namespace rumple {
+
+struct TrianglePoint {
+    SurfacePoint place;
+    double squared_distance = 0.0;
+};
+
+// The point of one triangle closest to p. A triangle of zero area is its edges.
+TrianglePoint closest_point(const Surface& surface, Index triangle, const Vec3& p);
+
+// A bounding volume hierarchy over all triangles: built in O(n log^2 n),
+// asked in O(log n). The surface must outlive it.
+class TriangleTree {
+  public:
+    explicit TriangleTree(const Surface& surface);
+
+    // Ties go to the lowest triangle.
+    TrianglePoint closest(const Vec3& p) const;
+
+  private:
+    struct Node {
+        Bounds bounds;
+        Index first = 0;  // leaf: first of order_; else: the left child, the right one follows it
+        Index count = 0;  // triangles of a leaf; 0 for an inner node
+    };
+
+    void split(Index node, Index begin, Index end, const std::vector<Bounds>& boxes);
+
+    const Surface& surface_;
+    std::vector<Node> nodes_;
+    std::vector<Index> order_;  // triangles, leaf by leaf
+};
+
+}  // namespace rumple

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_mesh_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rumple::wrinkle_mesh {
+namespace {
+
+Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+    // Ericson 2005, Real-Time Collision Detection, 5.1.5: by the Voronoi regions of the triangle.
+    const Vec3 ab = b - a, ac = c - a, ap = p - a;
+    const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+    if (d1 <= 0.0f && d2 <= 0.0f) return a;
+    const Vec3 bp = p - b;
+    const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+    if (d3 >= 0.0f && d4 <= d3) return b;
+    const float vc = d1 * d4 - d3 * d2;
+    if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) return a + ab * (d1 / (d1 - d3));
+    const Vec3 cp = p - c;
+    const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+    if (d6 >= 0.0f && d5 <= d6) return c;
+    const float vb = d5 * d2 - d1 * d6;
+    if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) return a + ac * (d2 / (d2 - d6));
+    const float va = d3 * d6 - d5 * d4;
+    if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    const float scale = 1.0f / (va + vb + vc);
+    return a + ab * (vb * scale) + ac * (vc * scale);
+}
+
+}  // namespace
+
+Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose)
+    : model_(model), pose_(pose), collision_(settings.collision), radii_(attachment_radii(model, settings, paint)) {
+    depth_.resize(radii_.size());
+    for (size_t v = 0; v < radii_.size(); ++v) depth_[v] = settings.inside * painted(paint.inside, v) * radii_[v];
+    if (collision_ != Collision::kNeighbourhood) return;
+    // The attachments of curved patches may lie below the flat triangles already.
+    for (size_t v = 0; v < radii_.size(); ++v) {
+        floor_.push_back(std::min(side_of(v, pose.attachment[v]).height, 0.0f) - depth_[v]);
+    }
+}
+
+void Bounds::project(size_t v, Vec3& p) const {
+    if (!model_.attached[v]) return;
+    const Vec3& a = pose_.attachment[v];
+    if (collision_ == Collision::kPlane) {
+        const float height = glm::dot(p - a, pose_.normal[v]);
+        if (height < -depth_[v]) p += (-depth_[v] - height) * pose_.normal[v];
+    } else if (collision_ == Collision::kNeighbourhood) {
+        const Side side = side_of(v, p);
+        if (side.height < floor_[v]) p += (floor_[v] - side.height) * side.normal;
+    }
+    const Vec3 offset = p - a;
+    const float length = std::sqrt(glm::dot(offset, offset));
+    if (length > radii_[v]) p = a + offset * (radii_[v] / length);  // (7)
+}
+
+Bounds::Side Bounds::side_of(size_t v, const Vec3& p) const {
+    const Index home = model_.attachments.places[v].triangle;
+    float best = -1.0f;
+    Side side{0.0f, Vec3(0.0f)};
+    for (Index k = model_.near_start[home]; k < model_.near_start[home + 1]; ++k) {
+        const Index t = model_.near_triangle[k];
+        const Index* corner = model_.base.triangles[t].corner;
+        const auto at = [&](int i) { return pose_.base[model_.base.welded.corner_vertex[corner[i]]]; };
+        const Vec3 from = p - closest_on_triangle(p, at(0), at(1), at(2));
+        const float distance = glm::dot(from, from);
+        if (best >= 0.0f && distance >= best) continue;
+        best = distance;
+        side = {glm::dot(from, pose_.frames[t].normal), pose_.frames[t].normal};
+    }
+    return side;
+}
+
+}  // namespace rumple::wrinkle_mesh

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "systems/wrinkle_mesh_pose.h"
+
+namespace rumple::wrinkle_mesh {
+
+// Where one vertex may be: section 3.1 (attachment, equation 7) and 4.2 (collision).
+class Bounds {
+  public:
+    // model and pose must outlive it.
+    Bounds(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose);
+
+    // Collision first, then the ball around the attachment: shrinking towards
+    // the attachment never crosses a plane that lies below it, so both hold.
+    void project(size_t v, Vec3& p) const;
+
+  private:
+    struct Side {
+        float height;
+        Vec3 normal;
+    };
+    // Signed distance to the closest of the base triangles around the vertex.
+    Side side_of(size_t v, const Vec3& p) const;
+
+    const Model& model_;
+    const Pose& pose_;
+    Collision collision_;
+    std::vector<float> radii_;
+    std::vector<float> depth_;  // how far below the surface a vertex may be
+    std::vector<float> floor_;  // kNeighbourhood: the lowest signed distance
+};
+
+}  // namespace rumple::wrinkle_mesh

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Section 3 of Mueller and Chentanez 2010: the fine mesh, its references to
+// the base, and its constraints.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <string>
+
+#include "base/errors.h"
+#include "base/tolerances.h"
+#include "surface/coloring.h"
+#include "systems/wrinkle_mesh.h"
+#include "systems/wrinkle_mesh_pose.h"
+
+namespace rumple::wrinkle_mesh {
+namespace {
+
+FineMesh refine(const Surface& base, const Source& source) {
+    switch (source.kind) {
+        case Source::Kind::kSubdivision: return refine_subdivision(base.welded, source.level);
+        case Source::Kind::kRegular: return refine_regular(base, source.segments);
+        case Source::Kind::kLongestEdge: return refine_longest_edge(base, source.longest_edge, source.most_vertices);
+        case Source::Kind::kOwn: return refine_subdivision(source.own->welded, 0);
+    }
+    return {};
+}
+
+// How many vertices subdivision or splitting would make, before making them.
+void refuse_too_many(const Surface& base, const Source& source, Index display_steps) {
+    double per_corner = 1.0;
+    if (source.kind == Source::Kind::kSubdivision) per_corner = std::pow(4.0, source.level);
+    if (source.kind == Source::Kind::kRegular) per_corner = double(source.segments) * source.segments;
+    const double estimate = base.welded.corners() / 4.0 * per_corner * std::pow(4.0, display_steps);
+    if (estimate > source.most_vertices) {
+        throw InvalidInput("the fine mesh would have about " + std::to_string(static_cast<long long>(estimate)) +
+                           " vertices, more than " + std::to_string(source.most_vertices));
+    }
+}
+
+// Constraints act on triangles, as in the paper: polygons are cut along their
+// shorter diagonal (quads) or in a fan.
+std::vector<std::array<Index, 3>> triangulate(const PolygonMesh& mesh, std::span<const Vec3> rest) {
+    std::vector<std::array<Index, 3>> triangles;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        const Index size = mesh.polygon_size(p);
+        const auto vertex = [&](Index k) { return mesh.corner_vertex[mesh.polygon_start[p] + k % size]; };
+        const bool turn = size == 4 && glm::distance(rest[vertex(1)], rest[vertex(3)]) <
+                                           glm::distance(rest[vertex(0)], rest[vertex(2)]);
+        const Index first = turn ? 1 : 0;
+        for (Index k = 1; k + 1 < size; ++k) {
+            triangles.push_back({vertex(first), vertex(first + k), vertex(first + k + 1)});
+        }
+    }
+    return triangles;
+}
+
+using Pair = std::array<Index, 2>;
+
+Pair sorted_pair(Index a, Index b) { return a < b ? Pair{a, b} : Pair{b, a}; }
+
+struct PairSets {
+    std::vector<Pair> edges;     // of the triangles
+    std::vector<Pair> opposite;  // the two vertices across an edge of two triangles
+    std::vector<Pair> border;    // edges of one triangle
+};
+
+PairSets collect_pairs(const std::vector<std::array<Index, 3>>& triangles) {
+    std::map<Pair, std::vector<Index>> across;  // edge -> the third vertex of each triangle beside it
+    for (const auto& t : triangles) {
+        for (int k = 0; k < 3; ++k) across[sorted_pair(t[k], t[(k + 1) % 3])].push_back(t[(k + 2) % 3]);
+    }
+    PairSets sets;
+    for (const auto& [edge, thirds] : across) {
+        sets.edges.push_back(edge);
+        if (thirds.size() == 1) sets.border.push_back(edge);
+        if (thirds.size() < 2 || thirds[0] == thirds[1]) continue;
+        const Pair pair = sorted_pair(thirds[0], thirds[1]);
+        if (!across.contains(pair)) sets.opposite.push_back(pair);
+    }
+    std::sort(sets.opposite.begin(), sets.opposite.end());
+    sets.opposite.erase(std::unique(sets.opposite.begin(), sets.opposite.end()), sets.opposite.end());
+    return sets;
+}
+
+// Pairs ordered by colour, each colour in the order given.
+Pairs coloured(const std::vector<Pair>& pairs, std::span<const Vec3> rest) {
+    std::vector<Index> a, b;
+    for (const Pair& pair : pairs) {
+        a.push_back(pair[0]);
+        b.push_back(pair[1]);
+    }
+    const std::vector<Index> colour = color_constraints(static_cast<Index>(rest.size()), a, b);
+    std::vector<Index> order(pairs.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return colour[i] < colour[j]; });
+    Pairs out;
+    for (const Index i : order) {
+        if (out.colour_start.empty() || colour[i] != colour[order[out.size() - 1]]) {
+            out.colour_start.push_back(static_cast<Index>(out.size()));
+        }
+        out.a.push_back(a[i]);
+        out.b.push_back(b[i]);
+        out.rest.push_back(glm::distance(rest[a[i]], rest[b[i]]));
+    }
+    out.colour_start.push_back(static_cast<Index>(out.size()));
+    return out;
+}
+
+std::vector<float> mean_edge_around(const Pairs& edges, size_t vertices) {
+    std::vector<float> sum(vertices, 0.0f);
+    std::vector<int> count(vertices, 0);
+    for (size_t i = 0; i < edges.size(); ++i) {
+        for (const Index v : {edges.a[i], edges.b[i]}) {
+            sum[v] += edges.rest[i];
+            ++count[v];
+        }
+    }
+    for (size_t v = 0; v < vertices; ++v) sum[v] = count[v] ? sum[v] / static_cast<float>(count[v]) : 0.0f;
+    return sum;
+}
+
+// Rings from the open borders, by breadth-first search over the edges.
+std::vector<Index> rings_from_border(const PairSets& sets, size_t vertices) {
+    std::vector<std::vector<Index>> neighbours(vertices);
+    for (const Pair& e : sets.edges) {
+        neighbours[e[0]].push_back(e[1]);
+        neighbours[e[1]].push_back(e[0]);
+    }
+    std::vector<Index> ring(vertices, kNone);
+    std::vector<Index> front;
+    for (const Pair& e : sets.border) {
+        for (const Index v : e) {
+            if (ring[v] == kNone) front.push_back(v);
+            ring[v] = 0;
+        }
+    }
+    while (!front.empty()) {
+        std::vector<Index> next;
+        for (const Index v : front) {
+            for (const Index n : neighbours[v]) {
+                if (ring[n] != kNone) continue;
+                ring[n] = ring[v] + 1;
+                next.push_back(n);
+            }
+        }
+        front.swap(next);
+    }
+    return ring;
+}
+
+void collect_near_triangles(Model& model) {
+    const Surface& base = model.base;
+    std::vector<std::vector<Index>> around(base.welded.vertex_count);
+    const auto vertex = [&](Index t, int k) { return base.welded.corner_vertex[base.triangles[t].corner[k]]; };
+    const Index triangles = static_cast<Index>(base.triangles.size());
+    for (Index t = 0; t < triangles; ++t) {
+        for (int k = 0; k < 3; ++k) around[vertex(t, k)].push_back(t);
+    }
+    model.near_start = {0};
+    for (Index t = 0; t < triangles; ++t) {
+        std::vector<Index> near;
+        for (int k = 0; k < 3; ++k) {
+            near.insert(near.end(), around[vertex(t, k)].begin(), around[vertex(t, k)].end());
+        }
+        std::sort(near.begin(), near.end());
+        near.erase(std::unique(near.begin(), near.end()), near.end());
+        model.near_triangle.insert(model.near_triangle.end(), near.begin(), near.end());
+        model.near_start.push_back(static_cast<Index>(model.near_triangle.size()));
+    }
+}
+
+// Fine edges whose both ends are made from the same two source vertices only
+// lie on the edge between those two.
+void collect_edge_sources(Display& display, const PolygonMesh& source) {
+    const std::vector<Edge> source_edges = collect_edges(source);
+    std::vector<Pair> known;
+    for (const Edge& e : source_edges) known.push_back({e.a, e.b});
+    const SparseRows& from = display.vertex_from_source;
+    const auto support = [&](Index v, std::vector<Index>& out) {
+        for (Index k = from.start[v]; k < from.start[v + 1]; ++k) {
+            if (from.weight[k] > kZeroWeight) out.push_back(from.index[k]);
+        }
+    };
+    std::vector<Index> both;
+    for (const Edge& e : collect_edges(display.mesh)) {
+        both.clear();
+        support(e.a, both);
+        support(e.b, both);
+        std::sort(both.begin(), both.end());
+        both.erase(std::unique(both.begin(), both.end()), both.end());
+        if (both.size() != 2 || !std::binary_search(known.begin(), known.end(), Pair{both[0], both[1]})) continue;
+        display.edges.push_back({e.a, e.b});
+        display.edge_sources.push_back({both[0], both[1]});
+    }
+}
+
+Display build_display(const Model& model, const Surface& source, const FineMesh& fine, const Source& kind,
+                      Index steps, std::span<const Vec3> solved_rest) {
+    const FineMesh step = refine_subdivision(fine.mesh, steps);
+    const FineMesh shown = compose(step, fine);
+    const Unwelded open = unweld(source, shown);
+    const SparseRows smooth = subdivision_stencils(fine.mesh, steps, false);
+    Display display;
+    display.mesh = open.mesh;
+    display.vertex_from_source = open.vertex_from_display;
+    display.corner_from_source = shown.corner_from_parent;
+    display.polygon_source = shown.polygon_parent;
+    for (const Index v : open.fine_vertex) {
+        for (Index k = smooth.start[v]; k < smooth.start[v + 1]; ++k) {
+            display.from_solved.add(smooth.index[k], smooth.weight[k]);
+        }
+        display.from_solved.end_row();
+    }
+    display.positions_rest.resize(open.fine_vertex.size());
+    apply<Vec3>(display.from_solved, solved_rest, display.positions_rest);
+    if (kind.kind == Source::Kind::kOwn) {
+        std::vector<float> distance(display.positions_rest.size());
+        display.places = closest_points(model.base, display.positions_rest, distance);
+    } else {
+        const std::vector<SurfacePoint> places = locate_on_parents(model.base, shown);
+        for (const Index v : open.fine_vertex) display.places.push_back(places[v]);
+    }
+    collect_edge_sources(display, source.display);
+    return display;
+}
+
+// The artist's mesh: closest points, and what is left between them and the mesh.
+void bind_own(Model& model, const Source& source) {
+    const std::span<const Vec3> own = source.own->positions_rest;
+    model.unattached_distance.resize(own.size());
+    model.attachments.places = closest_points(model.base, own, model.unattached_distance);
+    for (size_t v = 0; v < own.size(); ++v) {
+        if (source.farthest > 0.0f && model.unattached_distance[v] > source.farthest) {
+            throw InvalidInput("vertex " + std::to_string(source.own->representative[v]) + " of the own mesh is " +
+                               std::to_string(model.unattached_distance[v]) + " away from the base, farther than " +
+                               std::to_string(source.farthest));
+        }
+        if (!source.attached.empty()) model.attached[v] = source.attached[source.own->representative[v]];
+    }
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
+                                   Index display_steps) {
+    refuse_too_many(base, source, display_steps);
+    auto model = std::make_shared<Model>();
+    model->base = std::move(base);
+    const FineMesh fine = refine(model->base, source);
+    model->solved = fine.mesh;
+    const size_t vertices = fine.mesh.vertex_count;
+    model->attached.assign(vertices, 1);
+    model->attachments.kind = attachment;
+    const bool own = source.kind == Source::Kind::kOwn;
+    if (own) {
+        bind_own(*model, source);
+    } else {
+        model->attachments.places = locate_on_parents(model->base, fine);
+    }
+    if (attachment == AttachmentKind::kLimit) {
+        model->attachments.limit = source.kind == Source::Kind::kSubdivision
+                                       ? subdivision_stencils(model->base.welded, source.level, true)
+                                       : limit_stencils(model->base, model->attachments.places);
+    }
+    std::vector<Vec3> rest(vertices), normals(model->base.welded.vertex_count);
+    vertex_normals(model->base, model->base.positions_rest, normals);
+    attach(model->base, model->attachments, model->base.positions_rest, normals, rest, 0, vertices);
+    if (own) {
+        std::vector<TriangleFrame> frames(model->base.triangles.size());
+        triangle_frames(model->base, model->base.positions_rest, frames);
+        for (size_t v = 0; v < vertices; ++v) {
+            const Vec3 left = source.own->positions_rest[v] - rest[v];
+            const SurfacePoint& place = model->attachments.places[v];
+            model->rest_offset.push_back(
+                smooth_frame(frames[place.triangle], interpolate(model->base, place, normals)).to_local(left));
+        }
+        rest = source.own->positions_rest;
+    }
+    model->positions_rest = rest;
+    model->triangles = triangulate(fine.mesh, rest);
+    const PairSets sets = collect_pairs(model->triangles);
+    model->distance = coloured(sets.edges, rest);
+    model->bending = coloured(sets.opposite, rest);
+    model->local_edge = mean_edge_around(model->distance, vertices);
+    model->boundary_ring = rings_from_border(sets, vertices);
+    model->stretch = build_stretch(model->base);
+    collect_near_triangles(*model);
+    model->display = build_display(*model, own ? *source.own : model->base, fine, source, display_steps, rest);
+    return model;
+}
+
+std::vector<float> carry_paint(const Model& model, std::span<const float> base_values) {
+    std::vector<float> out;
+    out.reserve(model.attachments.places.size());
+    for (const SurfacePoint& place : model.attachments.places) {
+        const Triangle& triangle = model.base.triangles[place.triangle];
+        const auto value = [&](int k) { return base_values[model.base.display.corner_vertex[triangle.corner[k]]]; };
+        out.push_back((1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2));
+    }
+    return out;
+}
+
+}  // namespace rumple::wrinkle_mesh

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_mesh_pose.h"
+
+#include <cmath>
+#include <string>
+
+#include "base/errors.h"
+
+namespace rumple::wrinkle_mesh {
+namespace {
+
+void check(const Model& model, const Input& input) {
+    const size_t expected = static_cast<size_t>(model.base.display.vertex_count);
+    if (input.positions.size() != expected) {
+        throw InvalidInput("positions: expected " + std::to_string(expected) + " vertices, got " +
+                           std::to_string(input.positions.size()));
+    }
+    for (size_t v = 0; v < expected; ++v) {
+        const Vec3& p = input.positions[v];
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+            throw InvalidInput("positions: vertex " + std::to_string(v) + " is not finite");
+        }
+    }
+}
+
+// The length that a pair is asked to keep in this pose. The paper asks for s l0
+// always; we give in to a part of the stretch of the base, and make no more
+// cloth from a collapsed base than compression_limit allows.
+float target_length(const Settings& settings, float prestretch_paint, float rest, float at_attachments) {
+    const float s = 1.0f + (settings.prestretch - 1.0f) * prestretch_paint;
+    float target = s * rest;
+    target += settings.stretch_relief * std::max(at_attachments - target, 0.0f);
+    return std::min(target, settings.compression_limit * at_attachments);
+}
+
+}  // namespace
+
+TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal) {
+    const float normal_length = glm::length(interpolated_normal);
+    if (normal_length < kShortestNormal) return triangle;
+    TriangleFrame frame;
+    frame.normal = interpolated_normal / normal_length;
+    const Vec3 tangent = triangle.tangent - glm::dot(triangle.tangent, frame.normal) * frame.normal;
+    const float tangent_length = glm::length(tangent);
+    if (tangent_length < kShortestNormal) return triangle;
+    frame.tangent = tangent / tangent_length;
+    frame.bitangent = glm::cross(frame.normal, frame.tangent);
+    return frame;
+}
+
+Pose make_pose(const Model& model, const Input& input) {
+    check(model, input);
+    Pose pose;
+    pose.base.resize(model.base.welded.vertex_count);
+    weld_positions(model.base, input.positions, pose.base);
+    pose.base_normals.resize(pose.base.size());
+    vertex_normals(model.base, pose.base, pose.base_normals);
+    pose.frames.resize(model.base.triangles.size());
+    triangle_frames(model.base, pose.base, pose.frames);
+    for (const TriangleFrame& frame : pose.frames) pose.collapsed += frame.normal == Vec3(0.0f);
+    const size_t vertices = model.attached.size();
+    pose.attachment.resize(vertices);
+    attach(model.base, model.attachments, pose.base, pose.base_normals, pose.attachment, 0, vertices);
+    pose.normal.resize(vertices);
+    for (size_t v = 0; v < vertices; ++v) {
+        const SurfacePoint& place = model.attachments.places[v];
+        const Vec3 normal = interpolate(model.base, place, pose.base_normals);
+        const float length = glm::length(normal);
+        pose.normal[v] = length > kShortestNormal ? normal / length : Vec3(0.0f);
+        if (!model.rest_offset.empty()) {
+            pose.attachment[v] += smooth_frame(pose.frames[place.triangle], normal).to_object(model.rest_offset[v]);
+        }
+    }
+    return pose;
+}
+
+OffsetFrames::OffsetFrames(const Model& model, const Settings& settings, const Input& input, const Pose& pose)
+    : model_(model),
+      pose_(pose),
+      world_(settings.offset_space == OffsetSpace::kWorld),
+      world_from_object_(input.world_from_object),
+      object_from_world_(glm::inverse(input.world_from_object)) {}
+
+Vec3 OffsetFrames::stored(size_t v, const Vec3& offset) const {
+    if (world_) return world_from_object_ * offset;
+    return pose_.frames[model_.attachments.places[v].triangle].to_local(offset);
+}
+
+Vec3 OffsetFrames::in_object(size_t v, const Vec3& stored) const {
+    if (world_) return object_from_world_ * stored;
+    return pose_.frames[model_.attachments.places[v].triangle].to_object(stored);
+}
+
+std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint) {
+    std::vector<float> radii(model.local_edge.size());
+    for (size_t v = 0; v < radii.size(); ++v) {
+        float fade = 1.0f;
+        if (settings.hem_rings > 0 && model.boundary_ring[v] != kNone) {
+            const float x = std::min(1.0f, float(model.boundary_ring[v]) / float(settings.hem_rings));
+            fade = x * x * (3.0f - 2.0f * x);
+        }
+        radii[v] = settings.radius * model.local_edge[v] * painted(paint.radius, v) * fade;
+    }
+    return radii;
+}
+
+std::vector<float> attachment_lengths(const Model& model, const Pose& pose) {
+    std::vector<float> lengths;
+    lengths.reserve(model.distance.size() + model.bending.size());
+    for (const Pairs* pairs : {&model.distance, &model.bending}) {
+        for (size_t i = 0; i < pairs->size(); ++i) {
+            lengths.push_back(glm::distance(pose.attachment[pairs->a[i]], pose.attachment[pairs->b[i]]));
+        }
+    }
+    return lengths;
+}
+
+Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
+                     std::span<const float> lengths) {
+    Targets targets;
+    const auto both = [](const std::vector<float>& values, Index a, Index b) {
+        return 0.5f * (painted(values, a) + painted(values, b));
+    };
+    const auto fill = [&](const Pairs& pairs, std::span<const float> at, std::vector<float>& out) {
+        for (size_t i = 0; i < pairs.size(); ++i) {
+            out.push_back(target_length(settings, both(paint.prestretch, pairs.a[i], pairs.b[i]), pairs.rest[i], at[i]));
+        }
+    };
+    fill(model.distance, lengths.first(model.distance.size()), targets.distance);
+    fill(model.bending, lengths.subspan(model.distance.size()), targets.bending);
+    for (size_t i = 0; i < model.bending.size(); ++i) {
+        targets.stiffness.push_back(settings.bending * both(paint.bending, model.bending.a[i], model.bending.b[i]));
+    }
+    return targets;
+}
+
+LengthError length_error(const Pairs& pairs, std::span<const float> target, std::span<const Vec3> positions) {
+    double sum = 0.0;
+    LengthError error;
+    for (size_t i = 0; i < pairs.size(); ++i) {
+        const float wanted = std::max(target[i], kShortestEdge);
+        const float relative = std::abs(glm::distance(positions[pairs.a[i]], positions[pairs.b[i]]) - target[i]) / wanted;
+        if (target[i] < kShortestEdge) continue;  // a collapsed pair asks for nothing
+        sum += double(relative) * relative;
+        error.largest = std::max(error.largest, relative);
+    }
+    error.rms = pairs.size() ? static_cast<float>(std::sqrt(sum / double(pairs.size()))) : 0.0f;
+    return error;
+}
+
+}  // namespace rumple::wrinkle_mesh

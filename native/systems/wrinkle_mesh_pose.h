@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One frame of the base as the solver of the Wrinkle Mesh sees it. Inside this
+// system only.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/tolerances.h"
+#include "systems/wrinkle_mesh.h"
+
+namespace rumple::wrinkle_mesh {
+
+// The deformed base and the attachments of one frame.
+struct Pose {
+    std::vector<Vec3> base;               // welded vertices
+    std::vector<Vec3> base_normals;
+    std::vector<TriangleFrame> frames;    // per base triangle
+    std::vector<Vec3> attachment;         // a_i
+    std::vector<Vec3> normal;             // interpolated base normals at the attachments, unit or zero
+    Index collapsed = 0;
+};
+
+// Throws InvalidInput when positions do not match the model or are not finite.
+Pose make_pose(const Model& model, const Input& input);
+
+// A triangle's frame tilted onto the interpolated normal, so that what rides in
+// it does not jump from triangle to triangle. The triangle's own frame where
+// the normal is lost; zero where the triangle has collapsed.
+TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal);
+
+// An offset of object space, as State stores it, and back.
+class OffsetFrames {
+  public:
+    OffsetFrames(const Model& model, const Settings& settings, const Input& input, const Pose& pose);
+    Vec3 stored(size_t v, const Vec3& offset) const;
+    Vec3 in_object(size_t v, const Vec3& stored) const;
+
+  private:
+    const Model& model_;
+    const Pose& pose_;
+    bool world_;
+    glm::mat3 world_from_object_;
+    glm::mat3 object_from_world_;
+};
+
+// A painted factor: 1 where nothing was painted.
+inline float painted(const std::vector<float>& paint, size_t v) { return paint.empty() ? 1.0f : paint[v]; }
+
+// r_i (section 3.1), object units: relative to the local edge, painted, faded at hems.
+std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint);
+
+// Length at the attachments of every pair: distance, then bending.
+std::vector<float> attachment_lengths(const Model& model, const Pose& pose);
+
+// What every pair is asked for in this pose.
+struct Targets {
+    std::vector<float> distance;
+    std::vector<float> bending;
+    std::vector<float> stiffness;  // k_bending per bending pair
+};
+
+Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
+                     std::span<const float> lengths);
+
+// Relative errors of the lengths of pairs.
+struct LengthError {
+    float rms = 0.0f;
+    float largest = 0.0f;
+};
+
+LengthError length_error(const Pairs& pairs, std::span<const float> target, std::span<const Vec3> positions);
+
+}  // namespace rumple::wrinkle_mesh
