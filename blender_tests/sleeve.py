@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene that most tests use: a skinned sleeve on an arm that bends from frame 1 to 20, in an empty file."""
+import contextlib
 import math
 
 import bpy
@@ -76,15 +77,24 @@ def empty_file():
     return scene
 
 
+def context():
+    """Timers have no window in their context, and opening a file makes other windows."""
+    if bpy.app.background:
+        return contextlib.nullcontext()
+    window = bpy.context.window_manager.windows[0]
+    return bpy.context.temp_override(window=window, scene=window.scene, view_layer=window.view_layer)
+
+
 def scene(wrinkles=True, level=1):
     """Everything. level: solved subdivisions, low so that tests are quick."""
     empty_file()
-    obj = skinned(tube(), arm())
-    make_active(obj)
-    if wrinkles:
-        obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", level, 0
-        bpy.ops.object.rumple_add(method="MESH")
-    bpy.context.view_layer.update()
+    with context():
+        obj = skinned(tube(), arm())
+        make_active(obj)
+        if wrinkles:
+            obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", level, 0
+            bpy.ops.object.rumple_add(method="MESH")
+        bpy.context.view_layer.update()
     return obj
 
 

@@ -24,9 +24,7 @@ def big_properties():
 class Panels(WindowCase):
 
     def make(self, wrinkles=True):
-        window = bpy.context.window_manager.windows[0]
-        with bpy.context.temp_override(window=window, scene=window.scene):
-            return sleeve.scene(wrinkles=wrinkles)
+        return sleeve.scene(wrinkles=wrinkles)
 
     def test_every_panel_draws(self):
         obj = self.make()
@@ -57,10 +55,9 @@ class Viewport(WindowCase):
         area.type = "VIEW_3D"
 
     def make(self):
+        obj = sleeve.scene()
         self.view()
-        window = bpy.context.window_manager.windows[0]
-        with bpy.context.temp_override(window=window, scene=window.scene):
-            return sleeve.scene()
+        return obj
 
     def test_settings_rebuild_from_a_timer(self):
         obj = self.make()
@@ -165,9 +162,7 @@ class Viewport(WindowCase):
 class Render(WindowCase):
 
     def test_f12_shows_the_frame_of_the_viewport(self):
-        window = bpy.context.window_manager.windows[0]
-        with bpy.context.temp_override(window=window, scene=window.scene):
-            obj = sleeve.scene()
+        obj = sleeve.scene()
         scene = bpy.context.scene
         camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         camera.location, camera.data.type, camera.data.ortho_scale = (0.3, 0.0, 3.0), "ORTHO", 1.5

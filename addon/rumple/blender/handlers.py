@@ -10,6 +10,7 @@ from . import bake_state, live, modifier, registry, structure
 
 @persistent
 def _on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    live.note_updates(depsgraph)
     live.process(scene, depsgraph)
 
 

@@ -35,6 +35,8 @@ def settings_changed(obj: bpy.types.Object, affects: str) -> None:
 # ---------------------------------------------------------------- what an update touched
 def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
     """Mark what must be read again: painted groups, edited meshes, own meshes, materials."""
+    if structure.rendering():
+        return
     touched = _touched_ids(depsgraph)
     if not touched:
         return
@@ -49,8 +51,12 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
                 entry.stale = True
                 entry.paint = None
                 structure.request(structure.SETTLE_SECONDS)
-            elif versions.session_key(obj) in touched and entry.paint:
-                entry.paint = None  # vertex_group.add() from scripts tags the object only
+            elif entry.paint and versions.session_key(obj) in touched and not _is_playing():
+                entry.paint = None  # vertex_group.add() from scripts tags the object only, as every animated frame does
+
+
+def _is_playing() -> bool:
+    return any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
 
 
 def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
