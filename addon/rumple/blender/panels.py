@@ -6,6 +6,7 @@ import bpy
 
 from . import mesh_io, modifier, operators, registry, versions
 
+LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
 
 
@@ -55,8 +56,10 @@ def draw_message(layout: bpy.types.UILayout, text: str) -> None:
         box.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
 
 
-def wrapped(text: str, width: int = 46) -> list[str]:
-    """Lines of at most `width` letters: Blender's labels do not wrap."""
+def wrapped(text: str) -> list[str]:
+    """Lines that fit the region that is drawn: Blender's labels do not wrap."""
+    region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
+    width = max(24, int(region.width / (LETTER_PIXELS * scale))) if region is not None else 60
     lines = [""]
     for word in text.split():
         if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
@@ -124,8 +127,9 @@ class DATA_PT_rumple_constraints(_Panel, bpy.types.Panel):
         for name in ("stretch_relief", "compression_limit", "hem_rings"):
             column.prop(settings, name)
         if settings.radius > BOUND:
-            for line in wrapped(f"Radius above {BOUND:g} fine edges: higher folds, but they may touch themselves"):
-                column.label(text=line)
+            lines = wrapped(f"Radius above {BOUND:g} fine edges: higher folds, but they may touch themselves")
+            for number, line in enumerate(lines):
+                column.label(text=line, icon="INFO" if number == 0 else "BLANK1")
 
 
 def _painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:

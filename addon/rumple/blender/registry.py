@@ -34,7 +34,9 @@ class Inputs:
 
     def same_as(self, other: "Inputs | None") -> bool:
         return (other is not None and self.frame == other.frame and self.settings == other.settings
-                and self.paint is other.paint and np.array_equal(self.positions, other.positions)
+                and self.paint.keys() == other.paint.keys()
+                and all(np.array_equal(self.paint[key], other.paint[key]) for key in self.paint)
+                and np.array_equal(self.positions, other.positions)
                 and np.array_equal(self.world_from_object, other.world_from_object))
 
 

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Laws of the engine: what a frame looks like does not depend on how one got there."""
+from __future__ import annotations
+
+import unittest
+from dataclasses import replace
+
+import numpy as np
+from meshes import compressed, quad_mesh, rotated, sheet, tube
+from rumple.core.engine import Refused, WrinkleMesh, level_for, wavelength_of
+from rumple.core.settings import PRESETS, MeshSettings
+
+SETTINGS = MeshSettings(density="LEVEL", level=2)
+FRAMES = range(1, 9)
+
+
+def clip(base) -> dict[int, np.ndarray]:
+    """A tube squeezed more from frame to frame, then let go."""
+    return {f: compressed(base.positions, 1.0 - 0.06 * min(f - 1, 9 - f)) for f in FRAMES}
+
+
+class FrameLaws(unittest.TestCase):
+    def setUp(self) -> None:
+        self.base = tube(12, 12)
+        self.mesh = WrinkleMesh.build(self.base, SETTINGS)
+        self.clip = clip(self.base)
+
+    def solve(self, frame: int, mesh: WrinkleMesh | None = None, settings: MeshSettings = SETTINGS):
+        return (mesh or self.mesh).solve_frame(float(frame), self.clip[frame], settings, {}, start=1)
+
+    def play(self, mesh: WrinkleMesh | None = None) -> list[np.ndarray]:
+        return [self.solve(f, mesh).positions for f in FRAMES]
+
+    def test_a_played_clip_replays_to_the_bit_in_any_order(self) -> None:
+        played = self.play()
+        for frame in (5, 2, 8, 1, 7, 3, 6, 4):
+            picture = self.solve(frame)
+            self.assertTrue(picture.replayed)
+            np.testing.assert_array_equal(picture.positions, played[frame - 1])
+
+    def test_playing_through_gives_the_same_bits_whatever_was_jumped_to_before(self) -> None:
+        fresh = self.play()
+        other = WrinkleMesh.build(self.base, SETTINGS)
+        for frame in (6, 7, 3, 8, 2):
+            self.solve(frame, other)
+        for one, two in zip(fresh, self.play(other)):
+            np.testing.assert_array_equal(one, two)
+
+    def test_a_jump_starts_canonically_and_is_provisional(self) -> None:
+        self.solve(5)
+        self.assertEqual(self.mesh.history.frames(), [(5.0, False)])
+        self.play()
+        self.assertTrue(all(final for _, final in self.mesh.history.frames()))
+
+    def test_independent_frames_do_not_know_their_neighbours(self) -> None:
+        alone = replace(SETTINGS, stateless=True)
+        forward = [self.solve(f, settings=alone).positions for f in FRAMES]
+        other = WrinkleMesh.build(self.base, SETTINGS)
+        for frame in reversed(FRAMES):
+            np.testing.assert_array_equal(self.solve(frame, other, alone).positions, forward[frame - 1])
+
+    def test_a_changed_pose_is_solved_again_and_so_are_the_frames_after_it(self) -> None:
+        first = self.play()
+        kept = self.clip[3]
+        self.clip[3] = compressed(self.base.positions, 0.7)
+        changed = self.play()
+        self.assertTrue((changed[2] != first[2]).any())
+        self.assertTrue((changed[3] != first[3]).any())
+        self.clip[3] = kept
+        for one, two in zip(first, self.play()):
+            np.testing.assert_array_equal(one, two)
+
+    def test_changed_settings_and_paint_forget_the_stored_frames(self) -> None:
+        self.play()
+        self.solve(1, settings=replace(SETTINGS, radius=0.5))
+        self.assertEqual(len(self.mesh.history.frames()), 1)
+        weights = np.zeros(len(self.base.positions), np.float32)
+        flat = self.mesh.solve_frame(5.0, self.clip[5], SETTINGS, {"radius": weights}, start=1)
+        self.assertEqual(float(np.abs(flat.offset).max()), 0.0)
+
+    def test_a_held_pose_stays_to_the_bit(self) -> None:
+        self.play()
+        self.clip.update({f: self.clip[5] for f in range(6, 12)})
+        self.solve(5)
+        held = [self.solve(f).positions for f in range(6, 12)]
+        for later in held[1:]:
+            np.testing.assert_array_equal(later, held[0])
+
+    def test_the_memory_limit_holds_and_drops_provisional_frames_first(self) -> None:
+        self.solve(6)
+        size = self.mesh.history.bytes
+        self.mesh.history.limit_bytes = 3 * size
+        for frame in (1, 2, 3):
+            self.solve(frame)
+        self.assertEqual(self.mesh.history.frames(), [(1.0, True), (2.0, True), (3.0, True)])
+
+    def test_folds_ride_with_a_rigid_motion(self) -> None:
+        here = self.solve(5)
+        self.clip[5] = rotated(self.clip[5], 70.0)
+        there = self.solve(5)
+        np.testing.assert_allclose(there.positions, rotated(here.positions, 70.0), atol=2e-4)
+        self.assertGreater(float(np.linalg.norm(here.offset, axis=1).max()), 1e-3)
+
+
+class PictureLaws(unittest.TestCase):
+    def test_the_rest_pose_has_stretch_one_and_stays_at_rest(self) -> None:
+        base = tube(16, 8)
+        settings = replace(SETTINGS, prestretch=1.0)
+        picture = WrinkleMesh.build(base, settings).solve_frame(1.0, base.positions, settings, {}, start=1)
+        np.testing.assert_allclose(picture.stretch_min, 1.0, atol=1e-5)
+        np.testing.assert_allclose(picture.stretch_max, 1.0, atol=1e-5)
+        self.assertLess(float(np.abs(picture.offset).max()), 1e-6)
+
+    def test_stretch_of_a_squeezed_sheet_is_its_squeeze_and_direction(self) -> None:
+        base = sheet(6, 6)
+        squeezed = compressed(compressed(base.positions, 0.8, axis=0), 1.1, axis=1)
+        picture = WrinkleMesh.build(base, SETTINGS).solve_frame(1.0, squeezed, SETTINGS, {}, start=1)
+        np.testing.assert_allclose(picture.stretch_min, 0.8, atol=1e-5)
+        np.testing.assert_allclose(picture.stretch_max, 1.1, atol=1e-5)
+        np.testing.assert_allclose(np.abs(picture.stretch_direction[:, 0]), 1.0, atol=1e-4)
+
+    def test_local_offsets_rebuild_the_positions_as_the_node_tree_does(self) -> None:
+        base = tube(12, 10)
+        mesh = WrinkleMesh.build(base, SETTINGS)
+        pose = rotated(compressed(base.positions, 0.75), 40.0)
+        picture = mesh.solve_frame(1.0, pose, SETTINGS, {}, start=1)
+        p0, p1, p2 = (pose[mesh.triangle_vertex[:, k]].astype(np.float64) for k in range(3))
+        unit = lambda v: v / np.linalg.norm(v, axis=1, keepdims=True)
+        tangent, normal = unit(p1 - p0), unit(np.cross(p1 - p0, p2 - p0))
+        frame = np.stack([tangent, np.cross(normal, tangent), normal], 1)
+        b0, b1 = mesh.barycentric[:, :1], mesh.barycentric[:, 1:]
+        rebuilt = p0 + b0 * (p1 - p0) + b1 * (p2 - p0) + np.einsum("vi,vij->vj", picture.local_offset, frame)
+        np.testing.assert_allclose(rebuilt, picture.positions, atol=2e-6)
+
+    def test_every_preset_makes_finite_folds_on_a_squeezed_tube(self) -> None:
+        base = tube(16, 16)
+        for name, (_, _, changes) in PRESETS.items():
+            settings = replace(SETTINGS, **changes)
+            mesh = WrinkleMesh.build(base, settings)
+            picture = mesh.solve_frame(1.0, compressed(base.positions, 0.75), settings, {}, start=1)
+            self.assertTrue(np.isfinite(picture.positions).all(), name)
+            self.assertGreater(float(np.linalg.norm(picture.offset, axis=1).max()), 1e-4, name)
+
+
+class FineMesh(unittest.TestCase):
+    def test_the_wavelength_asked_for_chooses_the_level(self) -> None:
+        base = tube(12, 12)
+        for level in range(4):
+            self.assertEqual(level_for(base, wavelength_of(base, level, 1.0), 1.0), level)
+        self.assertEqual(level_for(base, wavelength_of(base, 2, 0.01), 0.01), 2, "in metres, whatever the object's scale")
+
+    def test_corner_values_keep_their_seam(self) -> None:
+        base = tube(8, 2)
+        mesh = WrinkleMesh.build(base, SETTINGS)
+        u = np.tile(np.array([0, 1, 1, 0], np.float32), 16) + np.repeat(np.tile(np.arange(8), 2), 4)
+        fine = mesh.carry_corners(u.reshape(-1, 1).astype(np.float32))[:, 0]
+        self.assertEqual((fine.min(), fine.max()), (0.0, 8.0))
+        spans = np.ptp(fine.reshape(-1, 4), axis=1)
+        np.testing.assert_allclose(spans, 1 / 8, atol=1e-6)  # no face reaches over the seam
+
+    def test_own_mesh_keeps_its_rest_shape(self) -> None:
+        base, own = tube(12, 6), tube(40, 30, radius=0.052)
+        settings = replace(SETTINGS, source="OBJECT", prestretch=1.0)
+        mesh = WrinkleMesh.build(base, settings, own=own)
+        picture = mesh.solve_frame(1.0, base.positions, settings, {}, start=1)
+        np.testing.assert_allclose(picture.positions, mesh.positions_rest, atol=1e-6)
+
+    def test_own_mesh_says_how_many_vertices_are_not_attached(self) -> None:
+        base, own = tube(12, 6), tube(20, 12)
+        attached = np.ones(len(own.positions), bool)
+        attached[:3] = False
+        mesh = WrinkleMesh.build(base, replace(SETTINGS, source="OBJECT"), own=own, attached=attached)
+        self.assertIn("Tube: 3 vertices are not attached", mesh.warnings)
+
+
+class BadInput(unittest.TestCase):
+    def refused(self, base, settings=SETTINGS, **arguments) -> str:
+        with self.assertRaises(Refused) as caught:
+            WrinkleMesh.build(base, settings, **arguments)
+        return str(caught.exception)
+
+    def test_messages_name_the_object_and_the_first_bad_element(self) -> None:
+        base = sheet(4, 4)
+        base.positions[7, 1] = np.nan
+        self.assertRegex(self.refused(base), r"^Sheet: .*\b7\b")
+        quads = np.array([[0, 1, 2, 3], [0, 1, 4, 5], [1, 0, 6, 7]])
+        fan = quad_mesh("Fan", np.random.default_rng(0).random((8, 3)), quads)
+        self.assertRegex(self.refused(fan), r"^Fan: ")
+        self.assertRegex(self.refused(quad_mesh("Empty", np.zeros((0, 3)), np.zeros((0, 4), int))), r"^Empty: ")
+
+    def test_a_scale_of_zero_and_a_missing_own_mesh_are_refused(self) -> None:
+        self.assertIn("scale is zero", self.refused(sheet(2, 2), unit_scale=0.0))
+        self.assertIn("choose your own", self.refused(sheet(2, 2), replace(SETTINGS, source="OBJECT")))
+
+    def test_an_own_mesh_far_away_names_its_vertex(self) -> None:
+        own = sheet(4, 4)
+        own.positions += 5.0
+        self.assertRegex(self.refused(sheet(2, 2), replace(SETTINGS, source="OBJECT"), own=own), r"vertex \d+ .* away")
+
+    def test_too_many_vertices_are_refused_before_they_are_made(self) -> None:
+        self.assertIn("vertices, more than", self.refused(sheet(60, 60), replace(SETTINGS, level=5, display_steps=2)))
+
+    def test_a_bad_pose_is_refused_and_the_stored_frames_stay(self) -> None:
+        base = sheet(4, 4)
+        mesh = WrinkleMesh.build(base, SETTINGS)
+        mesh.solve_frame(1.0, base.positions, SETTINGS, {}, start=1)
+        bad = base.positions.copy()
+        bad[3, 0] = np.inf
+        with self.assertRaisesRegex(Refused, r"^Sheet: .*\b3\b"):
+            mesh.solve_frame(2.0, bad, SETTINGS, {}, start=1)
+        self.assertEqual(mesh.history.frames(), [(1.0, True)])
+
+
+if __name__ == "__main__":
+    unittest.main()
