@@ -327,3 +327,12 @@ class Files(unittest.TestCase):
         sleeve.at(20)
         self.assertEqual(override.rumple.message, "")
         self.assertGreater(np.abs(sleeve.attribute(override, "rumple_offset")).max(), 1e-3)
+        override.rumple.mesh.radius = 0.0
+        sleeve.at(19)
+        np.testing.assert_allclose(sleeve.attribute(override, "rumple_offset"), 0.0, atol=1e-6)
+        bpy.ops.wm.save_as_mainfile(filepath=self.path("shot.blend"))
+        bpy.ops.wm.open_mainfile(filepath=self.path("shot.blend"))
+        override = next(o for o in bpy.data.objects if o.override_library and modifier.find(o))
+        self.assertEqual(override.rumple.mesh.radius, 0.0)
+        sleeve.at(18)
+        self.assertEqual(override.rumple.message, "")

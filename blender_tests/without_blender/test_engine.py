@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from meshes import compressed, quad_mesh, rotated, sheet, tube
-from rumple.core.engine import Refused, WrinkleMesh, level_for, wavelength_of
+from rumple.core.engine import Refused, WrinkleMesh, fitting_wavelength, level_for, wavelength_of
 from rumple.core.settings import PRESETS, MeshSettings
 
 SETTINGS = MeshSettings(density="LEVEL", level=2)
@@ -148,6 +148,13 @@ class FineMesh(unittest.TestCase):
         for level in range(4):
             self.assertEqual(level_for(base, wavelength_of(base, level, 1.0), 1.0), level)
         self.assertEqual(level_for(base, wavelength_of(base, 2, 0.01), 0.01), 2, "in metres, whatever the object's scale")
+
+    def test_the_fitting_wavelength_suits_dolls_and_giants_and_spares_dense_meshes(self) -> None:
+        for unit_scale in (0.05, 1.0, 20.0):
+            base = tube(12, 12)
+            self.assertEqual(level_for(base, fitting_wavelength(base, unit_scale), unit_scale), 2)
+        dense = tube(160, 160)
+        self.assertEqual(level_for(dense, fitting_wavelength(dense, 1.0), 1.0), 0)
 
     def test_corner_values_keep_their_seam(self) -> None:
         base = tube(8, 2)

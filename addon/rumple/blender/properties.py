@@ -18,6 +18,9 @@ DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
 FIELDS: dict[str, Field] = {f.name: f for f in fields(MeshSettings)}
 
 
+_OVERRIDE = {"LIBRARY_OVERRIDABLE"}  # else a linked character's garments could not be tuned
+
+
 def _changed(affects: str) -> Callable[[bpy.types.PropertyGroup, bpy.types.Context], None]:
     def update(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
         from . import live  # live reads these properties: imported late
@@ -29,7 +32,7 @@ def _property(f: Field) -> Any:
     """The Blender property of one field of the settings."""
     about = f.metadata
     options = {"ANIMATABLE"} if about["affects"] != "MESH" else set()
-    common = dict(name=about["name"], description=about["tip"], default=f.default, options=options,
+    common = dict(name=about["name"], description=about["tip"], default=f.default, options=options, override=_OVERRIDE,
                   update=_changed(about["affects"]))
     if about["choices"]:
         return bpy.props.EnumProperty(items=about["choices"], **common)
@@ -68,27 +71,27 @@ def _message(group: bpy.types.PropertyGroup) -> str:
 class RUMPLE_Object(bpy.types.PropertyGroup):
     """Everything Rumple keeps with an object."""
 
-    method: bpy.props.EnumProperty(name="Method", items=METHODS, default="NONE", options=set(),
+    method: bpy.props.EnumProperty(name="Method", items=METHODS, default="NONE", options=set(), override=_OVERRIDE,
                                    description="How wrinkles are made; set by adding and removing them")
-    mesh: bpy.props.PointerProperty(type=RUMPLE_MeshSettings)
-    preset: bpy.props.EnumProperty(name="Cloth", default="COTTON", options=set(),
+    mesh: bpy.props.PointerProperty(type=RUMPLE_MeshSettings, override=_OVERRIDE)
+    preset: bpy.props.EnumProperty(name="Cloth", default="COTTON", options=set(), override=_OVERRIDE,
                                    items=[(key, *about[:2]) for key, about in PRESETS.items()],
                                    description="The material that was chosen last")
-    own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Own Mesh", poll=_is_own_mesh, update=_changed("MESH"),
+    own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Own Mesh", override=_OVERRIDE, poll=_is_own_mesh, update=_changed("MESH"),
                                         description="Your own fine mesh, in place over the undeformed coarse mesh")
-    rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), update=_changed("MESH"),
+    rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), override=_OVERRIDE, update=_changed("MESH"),
                                        description="The shape key that is the unwrinkled cloth")
-    rest_frame: bpy.props.IntProperty(name="Rest Frame", default=1, options=set(),
+    rest_frame: bpy.props.IntProperty(name="Rest Frame", default=1, options=set(), override=_OVERRIDE,
                                       description="The frame whose shape Capture takes as the unwrinkled cloth")
     memory_limit: bpy.props.IntProperty(name="Memory Limit", default=DEFAULT_MEMORY, min=16, soft_max=8192, max=1 << 20,
-                                        subtype="NONE", options=set(), update=_changed("SHOW"),
+                                        subtype="NONE", options=set(), override=_OVERRIDE, update=_changed("SHOW"),
                                         description="Most memory for stored frames, in megabytes. Older frames go first")
-    bake_start: bpy.props.IntProperty(name="Start", default=1, options=set(), description="First frame that is baked")
-    bake_end: bpy.props.IntProperty(name="End", default=250, options=set(), description="Last frame that is baked")
-    bake_samples: bpy.props.IntProperty(name="Samples", default=1, min=1, max=16, options=set(),
+    bake_start: bpy.props.IntProperty(name="Start", default=1, options=set(), override=_OVERRIDE, description="First frame that is baked")
+    bake_end: bpy.props.IntProperty(name="End", default=250, options=set(), override=_OVERRIDE, description="Last frame that is baked")
+    bake_samples: bpy.props.IntProperty(name="Samples", default=1, min=1, max=16, options=set(), override=_OVERRIDE,
                                         description="Solves for each frame. 1 is right for most; more make motion blur "
                                                     "follow fast turns")
-    bake_folder: bpy.props.StringProperty(name="Folder", options=set(), subtype="DIR_PATH",
+    bake_folder: bpy.props.StringProperty(name="Folder", options=set(), override=_OVERRIDE, subtype="DIR_PATH",
                                           description="Where baked clips go. Empty: a folder \"rumple\" beside the blend file")
     message: bpy.props.StringProperty(name="Message", get=_message,
                                       description="What is wrong, in words; empty when nothing is")
@@ -128,7 +131,7 @@ CLASSES = (RUMPLE_MeshSettings, RUMPLE_Object)
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    bpy.types.Object.rumple = bpy.props.PointerProperty(type=RUMPLE_Object)
+    bpy.types.Object.rumple = bpy.props.PointerProperty(type=RUMPLE_Object, override=_OVERRIDE)
 
 
 def unregister() -> None:

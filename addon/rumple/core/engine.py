@@ -16,6 +16,7 @@ from .settings import MeshSettings
 
 MOST_VERTICES = 4_000_000
 MOST_LEVEL = 5
+MOST_PLAYABLE = 60_000  # solved vertices that still play live on a few cores
 EDGES_PER_WAVELENGTH = 5.0  # measured on garments with bend stiffness of 0.7 and more
 FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the base's diagonal is refused
 
@@ -68,6 +69,18 @@ def level_for(base: BaseMesh, wavelength: float, unit_scale: float) -> int:
 def wavelength_of(base: BaseMesh, level: int, unit_scale: float) -> float:
     """The fold width, in metres, that `level` subdivisions give: the inverse of level_for."""
     return base.mean_edge() * unit_scale * EDGES_PER_WAVELENGTH / 2**level
+
+
+def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
+    """Fold width, in metres, that suits a mesh as it is: level 2, or less where that would be too heavy to play.
+
+    Two significant digits, so that the slider shows a round number. The default of a doll, a giant or a dense mesh.
+    """
+    level = 2
+    while level > 0 and len(base.corner_vertex) / 4 * 4**level > MOST_PLAYABLE:
+        level -= 1
+    wavelength = wavelength_of(base, level, unit_scale)
+    return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
 
 
 @dataclass

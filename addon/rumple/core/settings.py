@@ -127,5 +127,7 @@ PRESETS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "SILK": ("Silk", "Many fine, sharp folds", dict(bending=0.35, radius=1.1, prestretch=1.04, stretch_relief=0.15)),
     "SKIN": ("Skin", "Low creases that never leave the body", dict(bending=0.5, radius=0.5, prestretch=1.0, inside=0.8,
                                                                  stretch_relief=1.0, compression_limit=1.15)),
+    "SIMULATED": ("Simulated Cloth", "For a mesh that Cloth has folded already: only what is compressed wrinkles",
+                  dict(prestretch=1.0)),
     "PAPER": ("As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: for dense or simulated meshes", PAPER),
 }
