@@ -81,8 +81,7 @@ def context():
     """Timers have no window in their context, and opening a file makes other windows."""
     if bpy.app.background:
         return contextlib.nullcontext()
-    window = bpy.context.window_manager.windows[0]
-    return bpy.context.temp_override(window=window, scene=window.scene, view_layer=window.view_layer)
+    return bpy.context.temp_override(window=bpy.context.window_manager.windows[0])
 
 
 def scene(wrinkles=True, level=1):

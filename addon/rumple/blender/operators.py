@@ -15,6 +15,8 @@ from . import mesh_io, modifier, node_tree, properties, registry, structure, ver
 _KEPT_BY_PRESETS = ("source", "density", "wavelength", "level", "segments", "edge_length", "weld", "rest_shape",
                     "iterations", "start_iterations", "stateless", "offset_space", "seed")
 
+_NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
+
 
 def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
     """Why an operator cannot run on an object; empty when it can. wrinkled: it must have wrinkles already."""
@@ -131,10 +133,11 @@ class OBJECT_OT_rumple_apply(OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
-        if not modifier.find(obj).show_viewport:
-            self.report({"ERROR"}, "The wrinkles are switched off in the viewport: nothing to apply")
-            return {"CANCELLED"}
         mesh = evaluated_mesh(context, obj)
+        if node_tree.BASE_POSITION not in mesh.attributes:
+            bpy.data.meshes.remove(mesh)
+            self.report({"ERROR"}, registry.message(obj) or _NOT_SHOWN)
+            return {"CANCELLED"}
         before = list(obj.modifiers)[:list(obj.modifiers).index(modifier.find(obj))]
         for name in [m.name for m in before]:
             obj.modifiers.remove(obj.modifiers[name])
@@ -205,7 +208,7 @@ class OBJECT_OT_rumple_capture_rest(OnWrinkled, bpy.types.Operator):
             structure.settle_all()
         scene.frame_set(now[0], subframe=now[1])
         if positions is None:
-            self.report({"ERROR"}, "The wrinkles do not show at that frame: switch the modifier on first")
+            self.report({"ERROR"}, registry.message(obj) or _NOT_SHOWN)
             return {"CANCELLED"}
         return {"FINISHED"}
 

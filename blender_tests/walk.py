@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A random walk through everything an artist may do to wrinkled objects, with a law checked at every step."""
+import os
+import random
+
+import bmesh
+import bpy
+import numpy as np
+import sleeve
+from rumple.blender import mesh_io, modifier, structure
+
+MOST_OBJECTS = 4
+PAINT = "Rumple Radius"
+
+
+class Walk:
+    """steps() yields after each step, so that a window can redraw in between."""
+
+    def __init__(self, seed, folder):
+        self.random = random.Random(seed)
+        self.path = os.path.join(folder, "walk.blend")
+        self.done = []
+
+    def steps(self, count):
+        obj = sleeve.scene()
+        with sleeve.context():
+            bpy.ops.object.rumple_paint(group="radius")
+            obj.vertex_groups[PAINT].add(range(20), 0.25, "REPLACE")
+            self.leave_mode()
+            bpy.ops.wm.save_as_mainfile(filepath=self.path)
+            bpy.ops.ed.undo_push(message="start")
+        actions = [getattr(self, name) for name in dir(self) if name.startswith("do_")] + [self.do_add, self.do_free]
+        for _ in range(count):
+            action = self.random.choice(actions) if any(modifier.wrinkled_objects()) else self.do_add
+            self.done.append(action.__name__)
+            if self.random.random() < 0.02:
+                self.save_and_open()
+            with sleeve.context():
+                self.leave_mode()
+                action()
+                if bpy.context.view_layer.objects.active and action not in (self.do_undo, self.do_redo):
+                    bpy.ops.ed.undo_push(message=action.__name__)
+            yield
+            with sleeve.context():
+                self.check()
+
+    # --- the law
+    def check(self):
+        sleeve.at(self.random.randint(1, sleeve.LAST))
+        structure.settle_all()
+        sleeve.at(self.random.randint(1, sleeve.LAST))
+        carriers = set()
+        for obj, ours in list(modifier.wrinkled_objects()):
+            trail = f"{obj.name} after {self.done[-8:]}"
+            held = modifier.carrier(ours)
+            assert held is not None and held.name not in carriers, f"{trail}: carrier {held}"
+            carriers.add(held.name)
+            assert obj.rumple.message == "" or modifier.is_baked(ours), f"{trail}: {obj.rumple.message}"
+            if obj.name in bpy.context.view_layer.objects and not modifier.is_baked(ours):
+                off = np.abs(sleeve.shown(obj)[:len(held.data.vertices)] - sleeve.picture(obj).positions).max()
+                assert len(obj.modifiers) > 2 or off < 1e-5, f"{trail}: shows something else, {off}"
+            if PAINT in obj.vertex_groups:
+                weights = mesh_io.group_weights(obj, obj.data, [PAINT])
+                assert np.isclose(weights, 0.25).sum() >= 20, f"{trail}: paint is lost"
+
+    # --- helpers
+    def leave_mode(self):
+        active = bpy.context.view_layer.objects.active
+        if active is not None and active.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+
+    def save_and_open(self):
+        """Outside any context override: the windows of the file before are gone."""
+        bpy.ops.wm.save_as_mainfile(filepath=self.path)
+        bpy.ops.wm.open_mainfile(filepath=self.path)
+
+    def pick(self, wrinkled=True):
+        """Makes one mesh object active; None where there is none."""
+        found = [o for o in bpy.context.scene.objects if o.type == "MESH" and bool(modifier.find(o)) == wrinkled]
+        if not found:
+            return None
+        sleeve.make_active(self.random.choice(found))
+        return bpy.context.view_layer.objects.active
+
+    # --- the steps
+    def do_frame(self):
+        sleeve.at(self.random.randint(1, sleeve.LAST), self.random.choice((0.0, 0.0, 0.5)))
+
+    def do_pose(self):
+        bend = bpy.data.objects["Arm"].pose.bones["lower"]
+        bend.rotation_euler.z = self.random.uniform(0.0, 1.5)
+        bpy.context.view_layer.update()
+
+    def do_setting(self):
+        obj = self.pick()
+        if obj:
+            name, value = self.random.choice((("radius", 0.5), ("bending", 0.2), ("level", 0), ("level", 1), ("hem_rings", 0),
+                                              ("attachment", "PN"), ("attachment", "LIMIT"), ("source", "REGULAR"),
+                                              ("source", "SUBDIVISION"), ("display_steps", 1), ("collision", "NONE")))
+            setattr(obj.rumple.mesh, name, value)
+
+    def do_preset(self):
+        if self.pick():
+            bpy.ops.object.rumple_preset(preset=self.random.choice(("DENIM", "SILK", "COTTON")))
+
+    def do_duplicate(self):
+        if len(bpy.context.scene.objects) < MOST_OBJECTS + 1 and self.pick():
+            bpy.ops.object.duplicate(linked=self.random.random() < 0.5)
+
+    def do_delete(self):
+        if len([o for o in bpy.context.scene.objects if o.type == "MESH"]) > 1 and self.pick():
+            bpy.ops.object.delete()
+
+    def do_rename(self):
+        obj = self.pick()
+        if obj:
+            obj.name = self.random.choice(("Shirt", "Coat", "Sleeve"))
+
+    def do_remove(self):
+        if self.pick():
+            bpy.ops.object.rumple_remove()
+
+    def do_add(self):
+        obj = self.pick(wrinkled=False)
+        if obj and len(obj.data.vertices) < 1500:
+            obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+            bpy.ops.object.rumple_add(method="MESH")
+
+    def do_apply(self):
+        if len([o for o in bpy.context.scene.objects if o.type == "MESH"]) > 2:
+            obj = self.pick()
+            if obj and len(obj.data.vertices) < 300 and not modifier.is_baked(modifier.find(obj)):
+                bpy.ops.object.rumple_apply()
+
+    def do_paint(self):
+        if self.pick():
+            bpy.ops.object.rumple_paint(group=self.random.choice(("bending", "inside")))
+
+    def do_topology(self):
+        obj = self.pick()
+        if obj and len(obj.data.polygons) > 100:
+            edit = bmesh.new()
+            edit.from_mesh(obj.data)
+            edit.faces.ensure_lookup_table()
+            bmesh.ops.delete(edit, geom=edit.faces[-3:], context="FACES")
+            edit.to_mesh(obj.data)
+            edit.free()
+            obj.data.update()
+
+    def do_edit_mode(self):
+        if self.pick():
+            bpy.ops.object.mode_set(mode="EDIT")
+            sleeve.at(self.random.randint(1, sleeve.LAST))
+            bpy.ops.object.mode_set(mode="OBJECT")
+
+    def do_subdivision(self):
+        obj = self.pick()
+        if obj:
+            former = obj.modifiers.get("Subdivision")
+            if former:
+                obj.modifiers.remove(former)
+            else:
+                obj.modifiers.new("Subdivision", "SUBSURF")
+
+    def do_switch_off_and_on(self):
+        obj = self.pick()
+        if obj:
+            modifier.find(obj).show_viewport = False
+            sleeve.at(3)
+            modifier.find(obj).show_viewport = True
+
+    def do_capture(self):
+        obj = self.pick()
+        if obj and not modifier.is_baked(modifier.find(obj)):
+            bpy.ops.object.rumple_capture_rest(frame=self.random.randint(1, 5))
+            obj.rumple.mesh.rest_shape = "REST_POSE"
+
+    def do_bake(self):
+        obj = self.pick()
+        if obj:
+            obj.rumple.bake_start, obj.rumple.bake_end = 3, 6
+            bpy.ops.object.rumple_bake()
+
+    def do_free(self):
+        if self.pick() and bpy.ops.object.rumple_bake_free.poll():
+            bpy.ops.object.rumple_bake_free()
+
+    def do_undo(self):
+        for _ in range(self.random.randint(1, 3)):
+            if bpy.ops.ed.undo.poll():
+                bpy.ops.ed.undo()
+
+    def do_redo(self):
+        if bpy.ops.ed.redo.poll():
+            bpy.ops.ed.redo()
+
+    def do_render(self):
+        if self.random.random() < 0.3:
+            scene = bpy.context.scene
+            if scene.camera is None:
+                scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+                scene.collection.objects.link(scene.camera)
+            scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
+            scene.render.resolution_x = scene.render.resolution_y = 16
+            bpy.ops.render.render()

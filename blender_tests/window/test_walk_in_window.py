@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The random walk with a viewport that draws, timers that rebuild, and real undo."""
+import os
+
+import bpy
+import walk
+from case import WindowCase
+
+
+class RandomWalk(WindowCase):
+
+    def test_many_steps(self):
+        areas = bpy.context.window_manager.windows[0].screen.areas
+        max(areas, key=lambda a: a.width * a.height).type = "VIEW_3D"
+        for seed in (11, 12):
+            for _ in walk.Walk(seed, os.environ["RUMPLE_OUT"]).steps(75):
+                yield 0.05
