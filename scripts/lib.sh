@@ -47,9 +47,13 @@ take_chroot() {
     send_tree "$1"
 }
 
-# enter CHROOT COMMAND...: runs a command in the chroot's copy of this tree.
+# build_in CHROOT: the module, for the Python there.
+build_in() { enter "$1" scripts/build release -DRUMPLE_TESTS=OFF -DRUMPLE_BENCHMARKS=OFF; }
+
+# enter CHROOT COMMAND...: runs a command in the chroot's copy of this tree, where build_in has built.
 enter() {
     as_root chroot "$1" /usr/bin/env -u RUMPLE_DATA -u RUMPLE_OUT -u TMPDIR -u PYTHONPATH \
         PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
+        RUMPLE_NATIVE=/work/main/build/release/python \
         sh -c 'cd /work/main && exec "$@"' sh "${@:2}" 9>&-
 }

@@ -23,7 +23,7 @@ enum class OffsetSpace { kTriangle, kWorld };
 // What the user sets for every solve. Lengths are relative to the fine mesh.
 struct Settings {
     float radius = 1.0f;             // r: attachment radius, in mean lengths of the rest edges around a vertex, >= 0
-    float prestretch = 1.02f;        // s: rest length over measured length, > 0
+    float prestretch = 1.0f;         // s: rest length over measured length, > 0
     float bending = 0.7f;            // k_bending, 0..1
     Collision collision = Collision::kPlane;
     float inside = 0.4f;             // depth of the collision plane below the surface, in radii, 0..1

@@ -80,7 +80,7 @@ class MeshSettings:
     radius: float = setting(1.0, "Attachment Radius", "How far a point may leave the surface, in lengths of the fine "
                             "edges around it. Higher folds; above 0.5 folds may touch themselves",
                             low=0.0, high=10.0, soft=3.0)
-    prestretch: float = setting(1.02, "Pre-Stretch", "Rest length of the fine edges over their true length. Below 1 "
+    prestretch: float = setting(1.0, "Pre-Stretch", "Rest length of the fine edges over their true length. Below 1 "
                                 "only strong compression folds; above 1 the cloth is wrinkled even at rest",
                                 low=0.5, high=1.5)
     bending: float = setting(0.7, "Bend Stiffness", "0 crumples like paper tissue, 1 makes broad round folds",
@@ -115,19 +115,17 @@ class MeshSettings:
         return {f.metadata["affects"] for f in fields(self) if getattr(self, f.name) != getattr(other, f.name)}
 
 
-PAPER = dict(attachment="PN", radius=0.45, prestretch=1.0, bending=0.0, inside=0.0, stretch_relief=0.0,
+PAPER = dict(attachment="PN", radius=0.45, bending=0.0, inside=0.0, stretch_relief=0.0,
              compression_limit=10.0, hem_rings=0, display_steps=0, damping=0.0, collision="PLANE")
 
 PRESETS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "COTTON": ("Cotton", "Soft everyday folds: a shirt", {}),
-    "DENIM": ("Denim", "Fewer, broader, stiffer folds: jeans", dict(bending=1.0, radius=1.1, prestretch=1.01,
+    "DENIM": ("Denim", "Fewer, broader, stiffer folds: jeans", dict(bending=1.0, radius=1.1,
                                                                    compression_limit=1.25)),
     "LEATHER": ("Leather", "Only where it must: few round folds", dict(bending=1.0, radius=0.9, prestretch=0.98,
                                                                       stretch_relief=0.6, compression_limit=1.2)),
-    "SILK": ("Silk", "Many fine, sharp folds", dict(bending=0.35, radius=1.1, prestretch=1.04, stretch_relief=0.15)),
-    "SKIN": ("Skin", "Low creases that never leave the body", dict(bending=0.5, radius=0.5, prestretch=1.0, inside=0.8,
+    "SILK": ("Silk", "Many fine, sharp folds", dict(bending=0.35, radius=1.1, prestretch=1.02, stretch_relief=0.15)),
+    "SKIN": ("Skin", "Low creases that never leave the body", dict(bending=0.5, radius=0.5, inside=0.8,
                                                                  stretch_relief=1.0, compression_limit=1.15)),
-    "SIMULATED": ("Simulated Cloth", "For a mesh that Cloth has folded already: only what is compressed wrinkles",
-                  dict(prestretch=1.0)),
     "PAPER": ("As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: for dense or simulated meshes", PAPER),
 }

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The demo inside Blender: add the modifier, play, measure, render before and after. Started by scripts/demo."""
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+
+import bpy
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE"]]
+import rumple  # noqa: E402
+from contact_sheet import compose, frame_camera, studio  # noqa: E402
+from demo_report import Report  # noqa: E402
+
+SHEET_FRAMES = 5
+MOST_FRAMES = 250
+CLIP_PERCENT = 60
+
+
+def say(text: str) -> None:
+    """A line for the screen; scripts/demo lets only these through."""
+    print(f"| {text}", flush=True)
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="scripts/demo")
+    parser.add_argument("--object")
+    parser.add_argument("--frames")
+    parser.add_argument("--out", type=Path, required=True)
+    return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+
+
+def find_garment(name: str | None) -> bpy.types.Object:
+    """The named mesh object, or the demo's shirt."""
+    if name is None:
+        import demo_scene
+        say("making the demo scene")
+        return demo_scene.build_demo_scene()
+    garment = bpy.data.objects.get(name)
+    if garment is None or garment.type != "MESH":
+        meshes = ", ".join(sorted(o.name for o in bpy.data.objects if o.type == "MESH")) or "none"
+        say(f"there is no mesh object named {name}; this file has: {meshes}")
+        raise SystemExit(1)
+    return garment
+
+
+def frame_range(text: str | None) -> range:
+    scene = bpy.context.scene
+    first, last = scene.frame_start, scene.frame_end
+    if text:
+        first, last = (int(part) for part in text.split("-"))
+    return range(first, min(last, first + MOST_FRAMES - 1) + 1)
+
+
+def add_wrinkles(garment: bpy.types.Object) -> bpy.types.Modifier:
+    bpy.context.view_layer.objects.active = garment
+    if bpy.ops.object.rumple_add(method="MESH") != {"FINISHED"}:
+        say(garment.rumple.message)
+        raise SystemExit(1)
+    from rumple.blender import modifier
+    return modifier.find(garment)
+
+
+def play(garment: bpy.types.Object, frames: range) -> Report:
+    """Every frame once, in order, measured."""
+    from rumple.blender import properties, registry, structure
+    scene = bpy.context.scene
+    fine = registry.runtime(garment).fine
+    scale = structure.metres_per_unit(garment, scene)
+    report = Report(dict(object=garment.name, blender=bpy.app.version_string, base_vertices=len(garment.data.vertices),
+                         solved_vertices=fine.solve_vertex_count, shown_vertices=fine.vertex_count, level=fine.level,
+                         mean_fine_edge=fine.edge_mean, units="metres, milliseconds, shares of 1"))
+    say(f"{garment.name}: {len(garment.data.vertices)} vertices, {fine.solve_vertex_count} solved, "
+        f"{fine.vertex_count} shown, fine edge {fine.edge_mean * 1e3:.1f} mm")
+    for number, frame in enumerate(frames):
+        began = time.perf_counter()
+        scene.frame_set(frame)
+        spent = 1e3 * (time.perf_counter() - began)
+        entry = registry.runtime(garment)
+        if entry.message or entry.inputs is None:
+            say(f"frame {frame}: {entry.message or 'nothing was solved'}")
+            raise SystemExit(1)
+        measures = fine.measure_frame(float(frame), entry.inputs.positions, properties.settings_of(garment, scene))
+        report.add(frame, measures, entry.picture.milliseconds, spent, scale)
+        if number % 10 == 0:
+            say(f"solving frame {frame} of {frames[-1]}")
+    return report
+
+
+def render(path: Path, percent: int = 100) -> None:
+    scene = bpy.context.scene
+    scene.render.resolution_percentage = percent
+    scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+
+
+def render_sheet(garment: bpy.types.Object, wrinkles: bpy.types.Modifier, frames: range, out: Path) -> None:
+    """Before and after, side by side, for a few frames."""
+    step = max(1, (len(frames) - 1) // (SHEET_FRAMES - 1))
+    chosen = frames[::step][:SHEET_FRAMES]
+    tiles = []
+    for frame in chosen:
+        say(f"contact sheet: frame {frame}")
+        bpy.context.scene.frame_set(frame)
+        for shown, label in ((False, "before"), (True, "after")):
+            wrinkles.show_render = shown
+            path = out / f".tile_{frame}_{label}.png"
+            render(path)
+            tiles.append((f"frame {frame}, {label}", path))
+    wrinkles.show_render = True
+    compose(tiles, 2, out / "contact_sheet.png")
+    for _, path in tiles:
+        path.unlink()
+
+
+def render_clip(frames: range, out: Path) -> None:
+    folder = out / "frames"
+    folder.mkdir(exist_ok=True)
+    for old in folder.glob("*.png"):
+        old.unlink()
+    for number, frame in enumerate(frames):
+        bpy.context.scene.frame_set(frame)
+        render(folder / f"{frame:04d}.png", CLIP_PERCENT)
+        if number % 10 == 0:
+            say(f"rendering frame {frame} of {frames[-1]}")
+    (out / "fps").write_text(str(bpy.context.scene.render.fps))
+
+
+def main() -> None:
+    options = arguments()
+    out = options.out.resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "report.json").unlink(missing_ok=True)
+    rumple.register()
+    garment = find_garment(options.object)
+    frames = frame_range(options.frames)
+    bpy.context.scene.frame_start = frames[0]
+    wrinkles = add_wrinkles(garment)
+    report = play(garment, frames)
+    bpy.context.scene.frame_set(frames[0])
+    bpy.ops.wm.save_as_mainfile(filepath=str(out / "wrinkled.blend"))
+    studio(bpy.context.scene)
+    if options.object is not None:
+        frame_camera(garment, frames)
+    render_sheet(garment, wrinkles, frames, out)
+    render_clip(frames, out)
+    report.write(out / "report.json")
+    for line in report.table():
+        say(line)
+
+
+if __name__ == "__main__":
+    main()
