@@ -11,6 +11,7 @@ from mathutils import Vector
 TILE = (560, 640)
 VIEW = Vector((-0.55, -1.0, 0.22)).normalized()  # from the target to the camera: half from the side, a little above
 LENS = 85.0
+BACKGROUND = (0.30, 0.32, 0.35)
 
 
 def studio(scene: bpy.types.Scene) -> None:
@@ -25,7 +26,10 @@ def studio(scene: bpy.types.Scene) -> None:
     if "paint.sl" in {light.name for light in bpy.context.preferences.studio_lights}:
         shading.studio_light = "paint.sl"
     shading.show_cavity = shading.show_object_outline = False
-    shading.show_shadows, shading.shadow_intensity = True, 0.4
+    shading.show_shadows, shading.shadow_intensity = True, 0.35
+    scene.display.light_direction = Vector((-0.45, 0.55, 0.70)).normalized()
+    scene.world = bpy.data.worlds.new("Contact Sheet")
+    scene.world.color = BACKGROUND
     scene.display.render_aa = "8"
 
 
