@@ -26,7 +26,7 @@ def tube(name="Sleeve"):
     mesh.polygons.foreach_set("use_smooth", np.ones(len(quads), bool))
     for material in ("Outside", "Cuff"):
         mesh.materials.append(bpy.data.materials.new(material))
-    mesh.polygons.foreach_set("material_index", np.array([k >= len(quads) - AROUND for k in range(len(quads))], np.int32))
+    mesh.polygons.foreach_set("material_index", (np.arange(len(quads)) >= len(quads) - AROUND).astype(np.int32))
     mesh.update()
     return mesh
 

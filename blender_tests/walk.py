@@ -95,9 +95,10 @@ class Walk:
     def do_setting(self):
         obj = self.pick()
         if obj:
-            name, value = self.random.choice((("radius", 0.5), ("bending", 0.2), ("level", 0), ("level", 1), ("hem_rings", 0),
-                                              ("attachment", "PN"), ("attachment", "LIMIT"), ("source", "REGULAR"),
-                                              ("source", "SUBDIVISION"), ("display_steps", 1), ("collision", "NONE")))
+            name, value = self.random.choice((
+                ("radius", 0.5), ("bending", 0.2), ("level", 0), ("level", 1), ("hem_rings", 0), ("attachment", "PN"),
+                ("attachment", "LIMIT"), ("source", "REGULAR"), ("source", "SUBDIVISION"), ("display_steps", 1),
+                ("collision", "NONE")))
             setattr(obj.rumple.mesh, name, value)
 
     def do_preset(self):

@@ -48,7 +48,8 @@ class Render(unittest.TestCase):
         obj.cycles.use_motion_blur = False
         unblurred = shots.still(12)
         scene.render.use_motion_blur = False
-        moments = [shots.frozen(obj, frame, part) for frame, part in ((11, 0.5), (11, 0.75), (12, 0.0), (12, 0.25), (12, 0.5))]
+        times = ((11, 0.5), (11, 0.75), (12, 0.0), (12, 0.25), (12, 0.5))
+        moments = [shots.frozen(obj, frame, part) for frame, part in times]
         coverage = [picture[..., 3] for picture in (sharp, blurred, unblurred, np.mean(moments, axis=0))]
         blur = shots.difference(coverage[0], coverage[1])
         self.assertGreater(blur, 5.0 * shots.difference(coverage[0], coverage[2]))

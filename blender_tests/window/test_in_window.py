@@ -6,10 +6,7 @@ import bpy
 import numpy as np
 import sleeve
 from case import WindowCase
-from rumple.blender import modifier, panels, registry
-
-PARTS = (panels.DATA_PT_rumple_fine_mesh, panels.DATA_PT_rumple_rest, panels.DATA_PT_rumple_constraints,
-         panels.DATA_PT_rumple_solver, panels.DATA_PT_rumple_frames, panels.DATA_PT_rumple_bake, panels.DATA_PT_rumple_status)
+from rumple.blender import modifier, registry
 
 
 def big_properties():

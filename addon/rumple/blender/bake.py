@@ -57,7 +57,7 @@ class Playback:
         if entry.refusal or entry.message:
             raise BakeError(f"frame {frame + subframe:g}: {entry.refusal or entry.message}")
         if entry.picture is None or entry.inputs is None or abs(entry.inputs.frame - frame - subframe) > 1e-3:
-            raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: is the modifier switched off?")
+            raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: is the modifier off?")
         return entry.picture.positions, entry.inputs.positions
 
     def end_playback(self, restore_bake: bool) -> None:
@@ -131,8 +131,9 @@ class _Bake:
         if fine is None:
             self.playback.end_playback(restore_bake=True)
             raise BakeError(registry.message(obj) or f"{obj.name}: there is nothing to bake")
-        manifest = bake_files.Manifest(obj.name, fine.vertex_count, len(obj.data.vertices), about.bake_start, about.bake_end,
-                                       about.bake_samples, bake_state.inputs_fingerprint(obj, context.scene))
+        manifest = bake_files.Manifest(
+            object=obj.name, vertices=fine.vertex_count, coarse_vertices=len(obj.data.vertices), start=about.bake_start,
+            end=about.bake_end, samples=about.bake_samples, inputs=bake_state.inputs_fingerprint(obj, context.scene))
         self.writer = bake_files.ClipWriter(clip, manifest)
         self.samples = self.playback.samples_in_order()
 
@@ -246,7 +247,8 @@ class OBJECT_OT_rumple_bake_free(operators.OnWrinkled, bpy.types.Operator):
     bl_idname = "object.rumple_bake_free"
     bl_label = "Free Bake"
 
-    delete_file: bpy.props.BoolProperty(name="Delete File", description="Delete the clip too. Undo does not bring it back")
+    delete_file: bpy.props.BoolProperty(name="Delete File",
+                                        description="Delete the clip too. Undo does not bring it back")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -290,7 +292,8 @@ class OBJECT_OT_rumple_bake_shape_keys(operators.OnWrinkled, bpy.types.Operator)
         return {"FINISHED"}
 
 
-def shape_key_object(context: bpy.types.Context, obj: bpy.types.Object, shapes: list[np.ndarray], start: int) -> bpy.types.Object:
+def shape_key_object(context: bpy.types.Context, obj: bpy.types.Object, shapes: list[np.ndarray],
+                     start: int) -> bpy.types.Object:
     """A copy of obj whose mesh is the fine one, moved by absolute shape keys; later modifiers stay."""
     mesh = modifier.carrier(modifier.find(obj)).data.copy()
     copy = obj.copy()

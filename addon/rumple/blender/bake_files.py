@@ -92,8 +92,8 @@ class ClipWriter:
         self.clip, self.manifest = clip, manifest
         self.temporary = clip.with_name(f".{clip.name}.{os.getpid()}.part")
         self.file = open(self.temporary, "wb")
-        self.file.write(_HEADER.pack(b"POINTCACHE2\0", 1, manifest.vertices, float(manifest.start), 1.0 / manifest.samples,
-                                     manifest.sample_count))
+        self.file.write(_HEADER.pack(b"POINTCACHE2\0", 1, manifest.vertices, float(manifest.start),
+                                     1.0 / manifest.samples, manifest.sample_count))
 
     def add(self, positions: np.ndarray, coarse: np.ndarray) -> None:
         """One sample: the fine positions, and the coarse pose they belong to."""

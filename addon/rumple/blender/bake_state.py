@@ -60,7 +60,7 @@ def check(obj: bpy.types.Object, carrier: bpy.types.Object) -> str:
 
 def compare_pose(obj: bpy.types.Object, carrier: bpy.types.Object, entry: Runtime, evaluated: bpy.types.Object,
                  frame: float) -> str:
-    """The note on this frame of a baked object: the animation may have changed, or the frame may be outside the clip."""
+    """The note on this frame of a baked object: its animation may have changed, or the clip may not have it."""
     clip = clip_path(carrier)
     about = manifest(clip) if clip is not None else None
     if about is None or entry.bake_note:

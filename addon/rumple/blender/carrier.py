@@ -70,7 +70,8 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.WrinkleMesh) -> bool:
         return False
     stored = np.stack([versions.read_attribute(mesh.attributes[name])[:, 0] for name in node_tree.CORNERS], 1)
     weights = versions.read_attribute(mesh.attributes[node_tree.BARYCENTRIC])
-    return np.array_equal(stored, fine.triangle_vertex) and np.array_equal(weights[:, :2], fine.barycentric)
+    return np.array_equal(stored, fine.triangle_vertex) and np.array_equal(weights[:, :2], fine.barycentric,
+                                                                              equal_nan=True)
 
 
 def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture) -> None:
@@ -133,18 +134,20 @@ def _edge_pairs(mesh: bpy.types.Mesh) -> np.ndarray:
     return pairs.reshape(-1, 2)
 
 
+def _find_edges(mesh: bpy.types.Mesh, pairs: np.ndarray) -> np.ndarray:
+    """Index of the edge between each pair of vertices; every pair is an edge of the mesh."""
+    keys = _edge_keys(_edge_pairs(mesh), len(mesh.vertices))
+    order = np.argsort(keys)
+    place = np.searchsorted(keys, _edge_keys(pairs, len(mesh.vertices)), sorter=order)
+    return order[place]
+
+
 def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
     marks = versions.edge_marks(inherited)
     if not marks or not len(fine.edges):
         return
-    base_keys = _edge_keys(_edge_pairs(inherited), len(inherited.vertices))
-    base_order = np.argsort(base_keys)
-    base_edge = base_order[np.searchsorted(base_keys, _edge_keys(fine.edge_parent, len(inherited.vertices)), sorter=base_order)
-                           .clip(max=len(base_keys) - 1)]
-    fine_keys = _edge_keys(_edge_pairs(mesh), len(mesh.vertices))
-    fine_order = np.argsort(fine_keys)
-    fine_edge = fine_order[np.searchsorted(fine_keys, _edge_keys(fine.edges, len(mesh.vertices)), sorter=fine_order)
-                           .clip(max=len(fine_keys) - 1)]
+    base_edge = _find_edges(inherited, fine.edge_parent)
+    fine_edge = _find_edges(mesh, fine.edges)
     spread = {}
     for prop, values in marks.items():
         spread[prop] = np.zeros(len(mesh.edges), values.dtype)
@@ -191,8 +194,9 @@ def _carried_values(fine: engine.WrinkleMesh, domain: str, values: np.ndarray) -
     return result if values.dtype == np.float32 else np.rint(result).astype(values.dtype)
 
 
-def carry_vertex_groups(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh, names: list[str]) -> None:
-    """Weights of the named groups. Every group of obj gets its name: a missing one makes a modifier act on everything."""
+def carry_vertex_groups(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh,
+                        names: list[str]) -> None:
+    """Weights of the named groups. All groups of obj get their names: a missing one makes a modifier act on everything."""
     wanted = [group.name for group in obj.vertex_groups]
     for group in [group for group in carrier.vertex_groups if group.name not in wanted or group.name in names]:
         carrier.vertex_groups.remove(group)
@@ -225,7 +229,8 @@ def _write_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
 
 
 # ---------------------------------------------------------------- what changed
-def carry_changes(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh, source: bpy.types.Object) -> bool:
+def carry_changes(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh,
+                  source: bpy.types.Object) -> bool:
     """Carry again what differs from what the carrier has. True when something did."""
     mesh = carrier.data
     surface, groups = surface_fingerprint(source), group_fingerprints(obj)

@@ -206,8 +206,8 @@ def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runti
         return None
     changer = modifier.topology_changer_before(obj)
     if changer is not None:
-        raise engine.Refused(f"{obj.name}: the modifier \"{changer.name}\" in front of {ours.name} changes the number of "
-                             "vertices: apply it, or move it behind")
+        raise engine.Refused(f"{obj.name}: the modifier \"{changer.name}\" in front of {ours.name} changes the number "
+                             "of vertices: apply it, or move it behind")
     return None
 
 

@@ -46,8 +46,9 @@ def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine
     mesh.loops.foreach_get("vertex_index", corner_vertex)
     triangle_corner = np.empty(len(mesh.loop_triangles) * 3, np.int32)
     mesh.loop_triangles.foreach_get("loops", triangle_corner)
-    return engine.BaseMesh(name=name, positions=np.ascontiguousarray(positions, np.float32), polygon_start=polygon_start,
-                           corner_vertex=corner_vertex, triangle_corner=triangle_corner.reshape(-1, 3))
+    return engine.BaseMesh(name=name, positions=np.ascontiguousarray(positions, np.float32),
+                           polygon_start=polygon_start, corner_vertex=corner_vertex,
+                           triangle_corner=triangle_corner.reshape(-1, 3))
 
 
 # ---------------------------------------------------------------- rest shapes

@@ -59,7 +59,7 @@ def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
 
 
 def leans_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bool:
-    """Whether a modifier in front of the wrinkles follows one of the others (Shrinkwrap, Surface Deform, Armature...)."""
+    """Whether a modifier in front of the wrinkles follows one of the others (Shrinkwrap, Surface Deform, ...)."""
     for modifier in obj.modifiers:
         if node_tree.is_ours(getattr(modifier, "node_group", None)):
             return False

@@ -118,7 +118,8 @@ class _Builder:
         self.link(index, node, "Index")
         return versions.socket(node.outputs, "Value")
 
-    def vector(self, operation: str, a: bpy.types.NodeSocket, b: bpy.types.NodeSocket | None = None) -> bpy.types.NodeSocket:
+    def vector(self, operation: str, a: bpy.types.NodeSocket,
+               b: bpy.types.NodeSocket | None = None) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeVectorMath", operation=operation)
         self.group.links.new(a, node.inputs[0])
         if b is not None:
@@ -136,7 +137,8 @@ class _Builder:
         self.group.links.new(vector, node.inputs[0])
         return list(node.outputs)
 
-    def switch(self, condition: bpy.types.NodeSocket, no: bpy.types.NodeSocket, yes: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    def switch(self, condition: bpy.types.NodeSocket, no: bpy.types.NodeSocket,
+               yes: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         node = self.node("GeometryNodeSwitch", input_type="GEOMETRY")
         self.link(condition, node, "Switch")
         self.link(no, node, "False")

@@ -74,7 +74,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         self._set_defaults(context, obj)
         with structure.half_done():
             ours = modifier.add(obj)
-        # Handlers write while the window draws: without the lock a render in the window may crash (Blender's own advice).
+        # Handlers write while the window draws: without the lock a render in the window may crash.
         context.scene.render.use_lock_interface = True
         structure.prepare(obj, ours)
         if modifier.carrier(ours) is None:
@@ -86,7 +86,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         return {"FINISHED"}
 
     def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """What was set before a former removal stays, except lengths that were never set: those follow the scene's unit."""
+        """What was set before a removal stays; lengths that were never set follow the scene's unit."""
         settings = obj.rumple.mesh
         lengths = {name for name, f in properties.FIELDS.items()
                    if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
@@ -97,8 +97,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     def _report(self, obj: bpy.types.Object, ours: bpy.types.Modifier) -> None:
         changer = modifier.topology_changer_before(obj)
         if changer is not None:
-            self.report({"WARNING"}, f"{changer.name} stands in front of {ours.name} and changes the number of vertices: "
-                                     "apply it, or move it behind")
+            self.report({"WARNING"}, f"{changer.name} stands in front of {ours.name} and changes the number of "
+                                     "vertices: apply it, or move it behind")
             return
         fine = registry.runtime(obj).fine
         self.report({"INFO"}, f"{fine.vertex_count} vertices over {len(obj.data.vertices)}")
@@ -126,7 +126,7 @@ def remove_all(obj: bpy.types.Object) -> None:
 
 
 class OBJECT_OT_rumple_apply(OnWrinkled, bpy.types.Operator):
-    """Make the mesh what is seen at this frame, up to the wrinkles: modifiers in front and shape keys are applied too"""
+    """Make the mesh what is seen now, up to the wrinkles. Modifiers in front and shape keys are applied too"""
 
     bl_idname = "object.rumple_apply"
     bl_label = "Apply Wrinkles"
@@ -200,7 +200,8 @@ class OBJECT_OT_rumple_capture_rest(OnWrinkled, bpy.types.Operator):
             obj.rumple.rest_frame = self.frame
         now = scene.frame_current, scene.frame_subframe
         scene.frame_set(obj.rumple.rest_frame)
-        positions = mesh_io.posed_positions(obj.evaluated_get(context.evaluated_depsgraph_get()), len(obj.data.vertices))
+        evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+        positions = mesh_io.posed_positions(evaluated, len(obj.data.vertices))
         if positions is not None:
             versions.write_attribute(obj.data, node_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
             obj.rumple.mesh.rest_shape = "FRAME"

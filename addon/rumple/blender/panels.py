@@ -225,8 +225,9 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in picture.milliseconds.items())
         lines.append((f"Milliseconds: {times}" + (" (stored frame)" if picture.replayed else ""), "TIME"))
         report = picture.report
-        lines.append((f"Edge length error {100 * report.error_before:.1f} % before, {100 * report.error_after:.1f} % after "
-                      f"{report.iterations} iterations", "BLANK1"))
+        before, after = 100.0 * report.error_before, 100.0 * report.error_after
+        lines.append((f"Edge length error {before:.1f} % before, {after:.1f} % after {report.iterations} iterations",
+                      "BLANK1"))
         if report.collapsed_triangles:
             lines.append((f"{report.collapsed_triangles} coarse triangles have no area in this pose", "INFO"))
     return lines + [(note, "INFO") for note in entry.notes]
@@ -244,8 +245,8 @@ def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
         self.layout.operator("object.rumple_add", icon="MOD_CLOTH").method = "MESH"
 
 
-CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver,
-           DATA_PT_rumple_frames, DATA_PT_rumple_bake, DATA_PT_rumple_status)
+CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_rest, DATA_PT_rumple_constraints,
+           DATA_PT_rumple_solver, DATA_PT_rumple_frames, DATA_PT_rumple_bake, DATA_PT_rumple_status)
 
 
 def register() -> None:

@@ -77,7 +77,8 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     preset: bpy.props.EnumProperty(name="Cloth", default="COTTON", options=set(), override=_OVERRIDE,
                                    items=[(key, *about[:2]) for key, about in PRESETS.items()],
                                    description="The material that was chosen last")
-    own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Own Mesh", override=_OVERRIDE, poll=_is_own_mesh, update=_changed("MESH"),
+    own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Own Mesh", override=_OVERRIDE,
+                                        poll=_is_own_mesh, update=_changed("MESH"),
                                         description="Your own fine mesh, in place over the undeformed coarse mesh")
     rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), override=_OVERRIDE, update=_changed("MESH"),
                                        description="The shape key that is the unwrinkled cloth")
@@ -85,14 +86,17 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                       description="The frame whose shape Capture takes as the unwrinkled cloth")
     memory_limit: bpy.props.IntProperty(name="Memory Limit", default=DEFAULT_MEMORY, min=16, soft_max=8192, max=1 << 20,
                                         subtype="NONE", options=set(), override=_OVERRIDE, update=_changed("SHOW"),
-                                        description="Most memory for stored frames, in megabytes. Older frames go first")
-    bake_start: bpy.props.IntProperty(name="Start", default=1, options=set(), override=_OVERRIDE, description="First frame that is baked")
-    bake_end: bpy.props.IntProperty(name="End", default=250, options=set(), override=_OVERRIDE, description="Last frame that is baked")
+                                        description="Most memory for stored frames, in megabytes. The farthest frames "
+                                                    "go first")
+    bake_start: bpy.props.IntProperty(name="Start", default=1, options=set(), override=_OVERRIDE,
+                                      description="First frame that is baked")
+    bake_end: bpy.props.IntProperty(name="End", default=250, options=set(), override=_OVERRIDE,
+                                    description="Last frame that is baked")
     bake_samples: bpy.props.IntProperty(name="Samples", default=1, min=1, max=16, options=set(), override=_OVERRIDE,
                                         description="Solves for each frame. 1 is right for most; more make motion blur "
                                                     "follow fast turns")
     bake_folder: bpy.props.StringProperty(name="Folder", options=set(), override=_OVERRIDE, subtype="DIR_PATH",
-                                          description="Where baked clips go. Empty: a folder \"rumple\" beside the blend file")
+                                          description="Where baked clips go. Empty: the folder rumple beside the file")
     message: bpy.props.StringProperty(name="Message", get=_message,
                                       description="What is wrong, in words; empty when nothing is")
 

@@ -161,7 +161,8 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
 def unexpected(obj: bpy.types.Object, error: Exception) -> str:
     """A mistake of ours in one line, with the place for the report."""
     place = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{obj.name}: unexpected {type(error).__name__} in {place.filename.rsplit('/', 1)[-1]}:{place.lineno}: {error}"
+    file = place.filename.replace("\\", "/").rsplit("/", 1)[-1]
+    return f"{obj.name}: unexpected {type(error).__name__} in {file}:{place.lineno}: {error}"
 
 
 def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> bool:
@@ -239,7 +240,8 @@ def ensure_fine(obj: bpy.types.Object, entry: Runtime) -> None:
 
 
 def _build(obj: bpy.types.Object, now: Sources) -> engine.WrinkleMesh:
-    fine = engine.WrinkleMesh.build(now.base, now.settings, unit_scale=now.unit_scale, own=now.own, attached=now.attached)
+    fine = engine.WrinkleMesh.build(now.base, now.settings, unit_scale=now.unit_scale, own=now.own,
+                                    attached=now.attached)
     coarse = len(now.base.positions)
     if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
         raise engine.Refused(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
@@ -315,7 +317,9 @@ def _split_shared_carriers(objects: list[tuple[bpy.types.Object, bpy.types.Nodes
 def _tidy_removed(wrinkled: set[str]) -> None:
     """Where the modifier was applied or removed by Blender's own buttons, clean up as our operators do."""
     for obj in bpy.data.objects:
-        if obj.type == "MESH" and obj.rumple.method == "MESH" and obj.name_full not in wrinkled and versions.is_editable(obj):
+        if obj.type != "MESH" or obj.name_full in wrinkled or not versions.is_editable(obj):
+            continue
+        if obj.rumple.method == "MESH":
             obj.rumple.method = "NONE"
             drop_internal_attributes(obj)
     drop_orphan_carriers()

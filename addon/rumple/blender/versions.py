@@ -30,9 +30,9 @@ ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type]] = {
 }
 
 # Attributes that Blender keeps for itself; they are rebuilt or carried by other means.
-_BUILT_IN = frozenset(("position", "material_index", "sharp_face", "sharp_edge", "crease_edge", "crease_vert", "uv_seam",
-                       "bevel_weight_edge", "bevel_weight_vert", "custom_normal", "freestyle_edge", "freestyle_face",
-                       "id", "radius"))
+_BUILT_IN = frozenset((
+    "position", "material_index", "sharp_face", "sharp_edge", "crease_edge", "crease_vert", "uv_seam", "bevel_weight_edge",
+    "bevel_weight_vert", "custom_normal", "freestyle_edge", "freestyle_face", "id", "radius"))
 
 
 # ---------------------------------------------------------------- node groups
@@ -141,7 +141,8 @@ def set_positions(mesh: bpy.types.Mesh, values: np.ndarray) -> None:
         mesh.vertices.foreach_set("co", flat)
 
 
-def fill_polygons(mesh: bpy.types.Mesh, positions_: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray) -> None:
+def fill_polygons(mesh: bpy.types.Mesh, positions_: np.ndarray, polygon_start: np.ndarray,
+                  corner_vertex: np.ndarray) -> None:
     """Give an empty mesh its vertices, polygons and edges."""
     polygon_count = len(polygon_start) - 1
     mesh.vertices.add(len(positions_))
@@ -179,7 +180,7 @@ def write_attribute(mesh: bpy.types.Mesh, name: str, data_type: str, domain: str
     if attribute is None:
         mesh.attributes.new(name, data_type, domain)
     prop, _width, dtype = ATTRIBUTE_LAYOUT[data_type]
-    # Looked up again: adding a layer moves the others. Strided arrays are refused by 3.4, float64 is 2 to 37 times slower.
+    # Looked up again: adding a layer moves the others. 3.4 refuses strided arrays; float64 is 2 to 37 times slower.
     mesh.attributes[name].data.foreach_set(prop, np.ascontiguousarray(values, dtype).ravel())
 
 
