@@ -9,6 +9,7 @@ from __future__ import annotations
 import bpy
 
 from .. import native
+from ..core import engine
 from ..core.settings import PRESETS
 from . import mesh_io, modifier, node_tree, properties, registry, structure, versions
 
@@ -86,11 +87,15 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         return {"FINISHED"}
 
     def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """What was set before a removal stays; lengths that were never set follow the scene's unit."""
+        """What was set before a removal stays; lengths that were never set suit the mesh and the scene's unit."""
         settings = obj.rumple.mesh
         lengths = {name for name, f in properties.FIELDS.items()
                    if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
-        properties.apply_values(obj, context.scene, properties.defaults(lengths))
+        values = properties.defaults(lengths)
+        if "wavelength" in lengths and len(obj.data.polygons):
+            base = mesh_io.base_mesh(obj, "REST_POSE", "")
+            values["wavelength"] = engine.fitting_wavelength(base, structure.metres_per_unit(obj, context.scene))
+        properties.apply_values(obj, context.scene, values)
         obj.rumple.method = self.method
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
 
