@@ -26,17 +26,17 @@ missing_packages() {
         awk '$1 == "installed" {print $2}' | sort -u | comm -13 - <(printf '%s\n' "${names[@]}" | sort -u)
 }
 
-# send_tree CHROOT: this tree, and shared/data beside it, as /work in the chroot; its build folder is kept.
+# send_tree CHROOT: this tree, and shared/data beside it, as /rumple in the chroot; its build folder is kept.
 send_tree() {
-    local work=$1/work
-    as_root mkdir -p "$work/main"
-    as_root find "$work" -mindepth 1 ! -path "$work/main" ! -path "$work/main/build" ! -path "$work/main/build/*" -delete
+    local home=$1/rumple
+    as_root mkdir -p "$home/main"
+    as_root find "$home" -mindepth 1 ! -path "$home/main" ! -path "$home/main/build" ! -path "$home/main/build/*" -delete
     # Exit status 1 is a file that changed while it was read: somebody is at work in the tree.
     { tar -C "$ROOT" -c --exclude=./{build,dist,out,.git} --exclude=__pycache__ . || [[ $? == 1 ]]; } |
-        as_root tar -C "$work/main" -x --no-same-owner
+        as_root tar -C "$home/main" -x --no-same-owner
     if [[ -d $ROOT/../shared/data ]]; then
-        as_root mkdir -p "$work/shared"
-        as_root cp -r "$ROOT/../shared/data" "$work/shared/"
+        as_root mkdir -p "$home/shared"
+        as_root cp -r "$ROOT/../shared/data" "$home/shared/"
     fi
 }
 
@@ -54,6 +54,6 @@ build_in() { enter "$1" scripts/build release -DRUMPLE_TESTS=OFF -DRUMPLE_BENCHM
 enter() {
     as_root chroot "$1" /usr/bin/env -u RUMPLE_DATA -u RUMPLE_OUT -u TMPDIR -u PYTHONPATH \
         PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
-        RUMPLE_NATIVE=/work/main/build/release/python \
-        sh -c 'cd /work/main && exec "$@"' sh "${@:2}" 9>&-
+        RUMPLE_NATIVE=/rumple/main/build/release/python \
+        sh -c 'cd /rumple/main && exec "$@"' sh "${@:2}" 9>&-
 }

@@ -116,7 +116,8 @@ class Settings(unittest.TestCase):
         obj = sleeve.scene(wrinkles=False)
         bpy.context.scene.unit_settings.scale_length = 0.01
         bpy.ops.object.rumple_add(method="MESH")
-        self.assertAlmostEqual(obj.rumple.mesh.wavelength, 4.0, places=5)
+        self.assertAlmostEqual(obj.rumple.mesh.edge_length, 1.0, places=5)
+        self.assertEqual(registry.runtime(obj).fine.level, 2, "the fold width suits a doll as well")
 
     def test_paint_keeps_folds_away(self):
         obj = sleeve.scene()
