@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "base/errors.h"
 #include "base/parallel.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_mesh_bounds.h"
@@ -13,8 +15,9 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// Below this many triangles the meetings of threads cost more than they save.
-constexpr size_t kTrianglesForThreads = 8000;
+// Below this many triangles threads are not worth it: alone a frame takes a few milliseconds, and on a machine
+// that is busy (a render beside it) every one of some hundred meetings may wait for the scheduler.
+constexpr size_t kTrianglesForThreads = 100'000;
 constexpr int kMostThreads = 4;
 
 int choose_threads(const Model& model, const Settings& settings) {
@@ -185,6 +188,7 @@ using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, int, st
 
 State solve_with(Relax relax, const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                  const State* before, Report& report) {
+    check(settings);
     const Pose pose = make_pose(model, input);
     const OffsetFrames frames(model, settings, input, pose);
     if (!fits(model, before)) before = nullptr;
@@ -222,6 +226,26 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
 }
 
 }  // namespace
+
+void check(const Settings& settings) {
+    const auto within = [](const char* name, double value, double low, double high) {
+        if (value >= low && value <= high) return;  // not a number is never within
+        throw InvalidInput(std::string(name) + ": expected " + std::to_string(low) + " to " + std::to_string(high) +
+                           ", got " + std::to_string(value));
+    };
+    within("radius", settings.radius, 0.0, 1e6);
+    within("prestretch", settings.prestretch, 1e-3, 1e3);
+    within("bending", settings.bending, 0.0, 1.0);
+    within("inside", settings.inside, 0.0, 1.0);
+    within("stretch_relief", settings.stretch_relief, 0.0, 1.0);
+    within("compression_limit", settings.compression_limit, 1.0, 1e6);
+    within("hem_rings", settings.hem_rings, 0, 1e6);
+    within("iterations", settings.iterations, 0, 1e6);
+    within("start_iterations", settings.start_iterations, 0, 1e6);
+    within("damping", settings.damping, 0.0, 1.0);
+    within("nudge", settings.nudge, 0.0, 1e3);
+    within("threads", settings.threads, 0, 1024);
+}
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input, const State* state,
             Report& report) {

@@ -39,6 +39,9 @@ struct Settings {
     int threads = 0;                 // 0: chosen by size; the result does not depend on it
 };
 
+// Throws InvalidInput naming the first setting out of its range. solve() calls it.
+void check(const Settings& settings);
+
 // Painted factors per solved vertex, each 0..1. Empty means 1 everywhere.
 struct Paint {
     std::vector<float> radius;      // r x value

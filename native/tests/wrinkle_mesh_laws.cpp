@@ -307,6 +307,22 @@ TEST(WrinkleMeshLaws, NeighbourhoodCollisionStaysAboveItsFloor) {
     EXPECT_LT(deepest, 0.0f);
 }
 
+TEST(WrinkleMeshInput, SettingsOutOfRangeAreNamed) {
+    const Cloth cloth(grid(2, 2, 0.1f));
+    Settings settings;
+    settings.bending = std::numeric_limits<float>::quiet_NaN();
+    try {
+        cloth.solve(cloth.mesh.positions, settings);
+        FAIL();
+    } catch (const InvalidInput& error) {
+        EXPECT_NE(std::string(error.what()).find("bending"), std::string::npos) << error.what();
+    }
+    settings = {};
+    settings.compression_limit = 0.5f;
+    EXPECT_THROW(check(settings), InvalidInput);
+    EXPECT_NO_THROW(check(Settings{}));
+}
+
 TEST(WrinkleMeshInput, BadPosesNameTheVertex) {
     const Cloth cloth(grid(2, 2, 0.1f));
     std::vector<Vec3> pose = cloth.mesh.positions;
