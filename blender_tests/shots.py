@@ -8,7 +8,6 @@ import numpy as np
 import sleeve
 from rumple.blender import operators
 
-ENGINES = ("BLENDER_WORKBENCH", "CYCLES", "EEVEE")
 SIZE = 96
 
 
@@ -106,3 +105,18 @@ def frozen(obj, frame, subframe=0.0):
 
 def difference(a, b):
     return float(np.abs(a - b).mean())
+
+
+def check(case, engine):
+    """Whether the frame rendered is the frame solved: in an animation, as a still, and not one frame late."""
+    if engine != "CYCLES" and not can_draw():
+        case.skipTest("this Blender needs a screen to draw; the window suite does it")
+    obj = stage(engine)
+    pictures = clip(1, 6)
+    right, before = frozen(obj, 6), frozen(obj, 5)
+    late = difference(right, before)
+    case.assertGreater(late, 0.0)
+    case.assertLess(difference(pictures[6], right), 0.1 * late)
+    case.assertLess(difference(pictures[5], before), 0.1 * late)
+    case.assertLess(difference(still(5), before), 0.1 * late)
+    case.assertEqual(obj.rumple.message, "")

@@ -10,27 +10,14 @@ import sleeve
 
 class Render(unittest.TestCase):
 
-    def check(self, engine):
-        if engine != "CYCLES" and not shots.can_draw():
-            self.skipTest("this Blender needs a screen to draw")
-        obj = shots.stage(engine)
-        pictures = shots.clip(1, 6)
-        right, before = shots.frozen(obj, 6), shots.frozen(obj, 5)
-        late = shots.difference(right, before)
-        self.assertGreater(late, 0.0)
-        self.assertLess(shots.difference(pictures[6], right), 0.1 * late)
-        self.assertLess(shots.difference(pictures[5], before), 0.1 * late)
-        self.assertLess(shots.difference(shots.still(5), before), 0.1 * late)
-        self.assertEqual(obj.rumple.message, "")
-
     def test_workbench(self):
-        self.check("BLENDER_WORKBENCH")
+        shots.check(self, "BLENDER_WORKBENCH")
 
     def test_cycles(self):
-        self.check("CYCLES")
+        shots.check(self, "CYCLES")
 
     def test_eevee(self):
-        self.check("EEVEE")
+        shots.check(self, "EEVEE")
 
     def test_a_jump_renders_what_it_shows(self):
         obj = shots.stage("CYCLES")

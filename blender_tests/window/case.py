@@ -13,6 +13,7 @@ lets it run for half a second.
 """
 import os
 import struct
+import time
 import unittest
 import zlib
 from pathlib import Path
@@ -29,6 +30,12 @@ class WindowCase(unittest.TestCase):
         area = next(area for area in window.screen.areas if area.type == kind)
         region = next(region for region in area.regions if region.type == "WINDOW")
         return bpy.context.temp_override(window=window, area=area, region=region)
+
+    def until(self, condition, seconds=30.0):
+        """Yields until it holds: a busy machine takes its time. `yield from self.until(lambda: ...)`."""
+        ends = time.monotonic() + seconds
+        while not condition() and time.monotonic() < ends:
+            yield 0.1
 
     def pixels(self):
         """What the screen shows, (height, width, 3) uint8, the top row first. Yield once before: it is the last redraw."""

@@ -61,7 +61,7 @@ class Viewport(WindowCase):
         yield 0.3
         coarse = registry.runtime(obj).fine.vertex_count
         obj.rumple.mesh.level = 2
-        yield 0.8
+        yield from self.until(lambda: registry.runtime(obj).fine.vertex_count > 3 * coarse)
         self.assertGreater(registry.runtime(obj).fine.vertex_count, 3 * coarse)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
@@ -70,7 +70,7 @@ class Viewport(WindowCase):
         yield 0.2
         with self.area("VIEW_3D"):
             bpy.ops.screen.animation_play()
-        yield 1.5
+        yield from self.until(lambda: len(registry.runtime(obj).fine.history.frames()) > 3)
         with self.area("VIEW_3D"):
             bpy.ops.screen.animation_cancel(restore_frame=False)
         yield 0.2
@@ -82,8 +82,8 @@ class Viewport(WindowCase):
         yield 0.3
         with self.area("VIEW_3D"):
             bpy.ops.object.duplicate()
-        yield 0.5
         copy = next(o for o in bpy.data.objects if o != obj and modifier.find(o))
+        yield from self.until(lambda: sleeve.carrier(copy) != sleeve.carrier(obj))
         self.assertNotEqual(sleeve.carrier(copy), sleeve.carrier(obj))
 
     def test_undo_and_redo_of_adding_and_removing(self):
@@ -119,14 +119,14 @@ class Viewport(WindowCase):
         yield 0.3
         with self.area("VIEW_3D"):
             bpy.ops.object.rumple_paint(group="radius")
-        yield 0.6
+        yield from self.until(lambda: "Rumple Radius" in sleeve.carrier(obj).vertex_groups)
         self.assertEqual(obj.mode, "WEIGHT_PAINT")
         self.assertIn("Rumple Radius", sleeve.carrier(obj).vertex_groups)
         self.screenshot("weight_paint")
         obj.vertex_groups["Rumple Radius"].add(range(len(obj.data.vertices)), 0.0, "REPLACE")
         obj.data.update()
         sleeve.at(20)
-        yield 0.5
+        yield from self.until(lambda: np.abs(sleeve.attribute(obj, "rumple_offset")).max() < 1e-6)
         np.testing.assert_allclose(sleeve.attribute(obj, "rumple_offset"), 0.0, atol=1e-6)
         with self.area("VIEW_3D"):
             bpy.ops.object.mode_set(mode="OBJECT")

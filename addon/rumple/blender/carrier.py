@@ -196,7 +196,7 @@ def _carried_values(fine: engine.WrinkleMesh, domain: str, values: np.ndarray) -
 
 def carry_vertex_groups(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh,
                         names: list[str]) -> None:
-    """Weights of the named groups. All groups of obj get their names: a missing one makes a modifier act on everything."""
+    """Weights of the named groups. Every group gets its name: a missing one makes a modifier act on everything."""
     wanted = [group.name for group in obj.vertex_groups]
     for group in [group for group in carrier.vertex_groups if group.name not in wanted or group.name in names]:
         carrier.vertex_groups.remove(group)

@@ -31,8 +31,8 @@ ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type]] = {
 
 # Attributes that Blender keeps for itself; they are rebuilt or carried by other means.
 _BUILT_IN = frozenset((
-    "position", "material_index", "sharp_face", "sharp_edge", "crease_edge", "crease_vert", "uv_seam", "bevel_weight_edge",
-    "bevel_weight_vert", "custom_normal", "freestyle_edge", "freestyle_face", "id", "radius"))
+    "position", "material_index", "sharp_face", "sharp_edge", "crease_edge", "crease_vert", "uv_seam",
+    "bevel_weight_edge", "bevel_weight_vert", "custom_normal", "freestyle_edge", "freestyle_face", "id", "radius"))
 
 
 # ---------------------------------------------------------------- node groups

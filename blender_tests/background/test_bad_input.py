@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes as artists have them: what is wrong is said in words that name object and element, what can be handled is."""
+from __future__ import annotations
+
+import math
+import unittest
+
+import bpy
+import numpy as np
+import sleeve
+from rumple.blender import modifier, registry
+
+SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+
+
+class BadInput(unittest.TestCase):
+
+    def add(self, vertices, faces, edges=(), scale=1.0) -> bpy.types.Object:
+        """A mesh object of that name with wrinkles asked for; nothing raises."""
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        mesh = bpy.data.meshes.new("Rag")
+        mesh.from_pydata(vertices, list(edges), faces)
+        obj = bpy.data.objects.new("Rag", mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        obj.scale = (scale, scale, scale)
+        bpy.context.view_layer.objects.active = obj
+        bpy.context.view_layer.update()
+        try:
+            self.answer = ""
+            bpy.ops.object.rumple_add(method="MESH")
+        except RuntimeError as error:  # how bpy.ops hands on an operator's error report
+            self.answer = str(error)
+        return obj
+
+    def refused(self, words, *arguments, **options) -> None:
+        obj = self.add(*arguments, **options)
+        self.assertRegex(self.answer, words)
+        self.assertIn("Rag", self.answer)
+        self.assertIsNone(modifier.find(obj), "a refused mesh is left as it was")
+
+    def handled(self, *arguments, **options) -> bpy.types.Object:
+        obj = self.add(*arguments, **options)
+        self.assertEqual(self.answer, "")
+        self.assertEqual(obj.rumple.message, "")
+        self.assertTrue(np.isfinite(sleeve.shown(obj)).all())
+        self.assertGreater(len(sleeve.shown(obj)), len(obj.data.vertices))
+        return obj
+
+    def test_empty(self):
+        self.refused("no faces|empty|no vert", [], [])
+
+    def test_an_edge_with_three_faces_is_named(self):
+        vertices = SQUARE + [(0, 0, 1), (1, 0, 1), (0, -1, 1), (1, -1, 1)]
+        self.refused(r"0.*1", vertices, [(0, 1, 2, 3), (1, 0, 4, 5), (0, 1, 7, 6)])
+
+    def test_duplicate_faces_are_named(self):
+        self.refused(r"[Ff]ace", SQUARE, [(0, 1, 2, 3), (0, 1, 2, 3)])
+
+    def test_a_coordinate_that_is_not_finite_is_named(self):
+        self.refused(r"\b2\b", [(0, 0, 0), (1, 0, 0), (1, math.nan, 0), (0, 1, 0)], [(0, 1, 2, 3)])
+
+    def test_a_scale_of_zero_is_refused(self):
+        self.refused("scale is zero", SQUARE, [(0, 1, 2, 3)], scale=0.0)
+
+    def test_a_negative_scale_is_handled(self):
+        self.handled(SQUARE, [(0, 1, 2, 3)], scale=-1.0)
+
+    def test_ngons_and_triangles_are_handled(self):
+        around = [(math.cos(a), math.sin(a), 0) for a in np.linspace(0, 2 * math.pi, 7, endpoint=False)]
+        self.handled(around + [(2, 0, 0)], [tuple(range(7)), (0, 7, 1)])
+
+    def test_loose_vertices_and_edges_are_handled_and_noted(self):
+        obj = self.handled(SQUARE + [(5, 5, 5), (6, 5, 5), (7, 7, 7)], [(0, 1, 2, 3)], edges=[(4, 5)])
+        self.assertRegex(" ".join(registry.runtime(obj).notes), r"without a face: 3, the first is vertex 4")
+
+    def test_zero_length_edges_and_flat_triangles_are_handled(self):
+        self.handled([(0, 0, 0), (1, 0, 0), (1, 0, 0), (0, 1, 0), (2, 0, 0)], [(0, 1, 2, 3), (1, 4, 2)])
+
+    def test_an_own_mesh_far_away_names_its_vertex_and_keeps_the_last_mesh(self):
+        obj = self.handled(SQUARE, [(0, 1, 2, 3)])
+        count = len(sleeve.shown(obj))
+        far = bpy.data.objects.new("Far", obj.data.copy())
+        far.location.x = 50.0
+        bpy.context.scene.collection.objects.link(far)
+        bpy.context.view_layer.update()
+        obj.rumple.own_mesh = far
+        obj.rumple.mesh.source = "OBJECT"
+        sleeve.at(2)
+        self.assertRegex(obj.rumple.message, r"^Rag: vertex \d+ of the own mesh")
+        self.assertEqual(len(sleeve.shown(obj)), count)
+
+
+if __name__ == "__main__":
+    unittest.main()
