@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The paper's scene: 2,048 base triangles, 32,768 fine ones, 10 iterations, attachments and normals included.
 // Mueller and Chentanez report 5 ms on one core of a Core 2 at 2.4 GHz (2010).
-#include <cmath>
+#include "systems/wrinkle_mesh.h"
 
 #include <benchmark/benchmark.h>
 
-#include "systems/wrinkle_mesh.h"
+#include <cmath>
+
 #include "tests/meshes.h"
 
 namespace rumple {
@@ -52,7 +53,11 @@ void solve_step(benchmark::State& bench, AttachmentKind kind) {
     bench.SetLabel("paper, 2010: 5 ms");
 }
 BENCHMARK_CAPTURE(solve_step, linear, AttachmentKind::kLinear)->Arg(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(solve_step, limit, AttachmentKind::kLimit)->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(solve_step, limit, AttachmentKind::kLimit)
+    ->Arg(1)
+    ->Arg(2)
+    ->Arg(4)
+    ->Unit(benchmark::kMillisecond);
 
 void build_step(benchmark::State& bench) {
     for (auto _ : bench) benchmark::DoNotOptimize(Scene(AttachmentKind::kLinear).model.get());

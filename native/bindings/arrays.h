@@ -3,13 +3,13 @@
 // silently copied on the way in; owned by NumPy on the way out.
 #pragma once
 
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
 #include <cstring>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
 
 #include "base/array.h"
 #include "base/errors.h"
@@ -34,8 +34,8 @@ std::span<const Scalar> scalars(const py::array& array, const char* name, py::ss
     if (!shape_fits || !type_fits || !(array.flags() & py::array::c_style)) {
         const std::string wanted = columns == 0 ? "(n,)" : "(n, " + std::to_string(columns) + ")";
         throw InvalidInput(std::string(name) + ": expected a C-contiguous " +
-                           std::string(py::str(py::dtype::of<Scalar>())) + " array of shape " + wanted + ", got " +
-                           describe(array));
+                           std::string(py::str(py::dtype::of<Scalar>())) + " array of shape " + wanted +
+                           ", got " + describe(array));
     }
     return {static_cast<const Scalar*>(array.data()), static_cast<size_t>(array.size())};
 }
@@ -59,6 +59,8 @@ py::array_t<Scalar> to_numpy(const std::vector<T>& values, py::ssize_t columns) 
     return out;
 }
 
-inline py::array_t<float> to_numpy(const std::vector<Vec3>& values) { return to_numpy<float>(values, 3); }
+inline py::array_t<float> to_numpy(const std::vector<Vec3>& values) {
+    return to_numpy<float>(values, 3);
+}
 
 }  // namespace rumple::bindings

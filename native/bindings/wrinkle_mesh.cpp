@@ -13,7 +13,8 @@ using namespace wrinkle_mesh;
 using ModelHandle = std::shared_ptr<const Model>;
 
 template <typename Value>
-Value chosen(const std::string& name, const char* argument, std::initializer_list<std::pair<const char*, Value>> from) {
+Value chosen(const std::string& name, const char* argument,
+             std::initializer_list<std::pair<const char*, Value>> from) {
     std::string known;
     for (const auto& [key, value] : from) {
         if (name == key) return value;
@@ -22,9 +23,10 @@ Value chosen(const std::string& name, const char* argument, std::initializer_lis
     throw InvalidInput(std::string(argument) + ": expected one of " + known + ", got " + name);
 }
 
-ModelHandle make_model(const Surface& base, const std::string& source, Index level, Index segments, float longest_edge,
-                       Index most_vertices, const Surface* own, const std::optional<py::array>& attached,
-                       float farthest, const std::string& attachment, Index display_steps) {
+ModelHandle make_model(const Surface& base, const std::string& source, Index level, Index segments,
+                       float longest_edge, Index most_vertices, const Surface* own,
+                       const std::optional<py::array>& attached, float farthest,
+                       const std::string& attachment, Index display_steps) {
     Source from;
     from.kind = chosen<Source::Kind>(source, "source",
                                      {{"SUBDIVISION", Source::Kind::kSubdivision},
@@ -41,8 +43,8 @@ ModelHandle make_model(const Surface& base, const std::string& source, Index lev
     if (attached) {
         from.attached = scalars<std::uint8_t>(*attached, "attached", 0);
         if (own && from.attached.size() != size_t(own->display.vertex_count)) {
-            throw InvalidInput("attached: expected " + std::to_string(own->display.vertex_count) + " values, got " +
-                               std::to_string(from.attached.size()));
+            throw InvalidInput("attached: expected " + std::to_string(own->display.vertex_count) +
+                               " values, got " + std::to_string(from.attached.size()));
         }
     }
     const auto kind = chosen<AttachmentKind>(attachment, "attachment",
@@ -76,7 +78,8 @@ glm::mat3 make_matrix(const std::optional<py::array>& rows) {
     glm::mat3 matrix(1.0f);
     if (!rows) return matrix;
     const auto flat = scalars<float>(*rows, "world_from_object", 3);
-    if (flat.size() != 9) throw InvalidInput("world_from_object: expected shape (3, 3), got " + describe(*rows));
+    if (flat.size() != 9)
+        throw InvalidInput("world_from_object: expected shape (3, 3), got " + describe(*rows));
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) matrix[c][r] = flat[3 * r + c];
     }
@@ -88,8 +91,9 @@ struct Solved {
     Report report;
 };
 
-Solved solve_frame(const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,
-                   const State* state, const std::optional<py::array>& world_from_object, bool reference) {
+Solved solve_frame(const Model& model, const Settings& settings, const Paint& paint,
+                   const py::array& positions, const State* state,
+                   const std::optional<py::array>& world_from_object, bool reference) {
     const Input input{vectors(positions, "positions"), make_matrix(world_from_object)};
     const py::gil_scoped_release release;
     Solved out;
@@ -97,8 +101,8 @@ Solved solve_frame(const Model& model, const Settings& settings, const Paint& pa
     return out;
 }
 
-Picture show_frame(const Model& model, const Settings& settings, const py::array& positions, const State& state,
-                   const std::optional<py::array>& world_from_object) {
+Picture show_frame(const Model& model, const Settings& settings, const py::array& positions,
+                   const State& state, const std::optional<py::array>& world_from_object) {
     const Input input{vectors(positions, "positions"), make_matrix(world_from_object)};
     const py::gil_scoped_release release;
     Picture picture;
@@ -106,8 +110,9 @@ Picture show_frame(const Model& model, const Settings& settings, const py::array
     return picture;
 }
 
-Measures measure_frame(const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,
-                       const State& state, const std::optional<py::array>& world_from_object) {
+Measures measure_frame(const Model& model, const Settings& settings, const Paint& paint,
+                       const py::array& positions, const State& state,
+                       const std::optional<py::array>& world_from_object) {
     const Input input{vectors(positions, "positions"), make_matrix(world_from_object)};
     const py::gil_scoped_release release;
     return measure(model, settings, paint, input, state);
@@ -116,8 +121,8 @@ Measures measure_frame(const Model& model, const Settings& settings, const Paint
 // (rows, k) values through a linear map whose columns are `expected` values of `what`.
 py::array_t<float> carry(const SparseRows& rows, const py::array& values, size_t expected, const char* what) {
     if (values.ndim() != 2 || values.shape(0) != py::ssize_t(expected)) {
-        throw InvalidInput(std::string(what) + ": expected shape (" + std::to_string(expected) + ", k), got " +
-                           describe(values));
+        throw InvalidInput(std::string(what) + ": expected shape (" + std::to_string(expected) +
+                           ", k), got " + describe(values));
     }
     const py::ssize_t width = values.shape(1);
     const auto from = scalars<float>(values, what, width);
@@ -154,16 +159,20 @@ py::array_t<float> barycentrics(const Model& model) {
 }
 
 void bind_settings(py::module_& module) {
-    py::class_<Settings>(module, "WrinkleMeshSettings",
-                         "Settings of a solve; see docs/wrinkle_mesh.md. Lengths are relative to the fine edges.")
+    py::class_<Settings>(
+        module, "WrinkleMeshSettings",
+        "Settings of a solve; see docs/wrinkle_mesh.md. Lengths are relative to the fine edges.")
         .def(py::init<>())
-        .def_readwrite("radius", &Settings::radius, "r in mean lengths of the fine edges around a vertex, >= 0")
+        .def_readwrite("radius", &Settings::radius,
+                       "r in mean lengths of the fine edges around a vertex, >= 0")
         .def_readwrite("prestretch", &Settings::prestretch, "s: rest length over measured length, > 0")
         .def_readwrite("bending", &Settings::bending, "k_bending, 0..1")
         .def_property(
             "collision",
             [](const Settings& s) {
-                return s.collision == Collision::kNone ? "NONE" : s.collision == Collision::kPlane ? "PLANE" : "NEIGHBOURHOOD";
+                return s.collision == Collision::kNone    ? "NONE"
+                       : s.collision == Collision::kPlane ? "PLANE"
+                                                          : "NEIGHBOURHOOD";
             },
             [](Settings& s, const std::string& name) {
                 s.collision = chosen<Collision>(name, "collision",
@@ -173,8 +182,10 @@ void bind_settings(py::module_& module) {
             },
             "NONE, PLANE or NEIGHBOURHOOD")
         .def_readwrite("inside", &Settings::inside, "depth of the collision floor in radii, 0..1")
-        .def_readwrite("stretch_relief", &Settings::stretch_relief, "share of the base's stretch given in to, 0..1")
-        .def_readwrite("compression_limit", &Settings::compression_limit, "most rest length per length of the base, >= 1")
+        .def_readwrite("stretch_relief", &Settings::stretch_relief,
+                       "share of the base's stretch given in to, 0..1")
+        .def_readwrite("compression_limit", &Settings::compression_limit,
+                       "most rest length per length of the base, >= 1")
         .def_readwrite("hem_rings", &Settings::hem_rings, "rings over which r fades at open borders, >= 0")
         .def_readwrite("iterations", &Settings::iterations, "passes from a given state")
         .def_readwrite("start_iterations", &Settings::start_iterations, "passes from the canonical start")
@@ -184,66 +195,82 @@ void bind_settings(py::module_& module) {
             [](const Settings& s) { return s.offset_space == OffsetSpace::kTriangle ? "TRIANGLE" : "WORLD"; },
             [](Settings& s, const std::string& name) {
                 s.offset_space = chosen<OffsetSpace>(
-                    name, "offset_space", {{"TRIANGLE", OffsetSpace::kTriangle}, {"WORLD", OffsetSpace::kWorld}});
+                    name, "offset_space",
+                    {{"TRIANGLE", OffsetSpace::kTriangle}, {"WORLD", OffsetSpace::kWorld}});
             },
             "TRIANGLE or WORLD")
-        .def_readwrite("nudge", &Settings::nudge, "size of the random push of unbuckled vertices, in fine edges")
+        .def_readwrite("nudge", &Settings::nudge,
+                       "size of the random push of unbuckled vertices, in fine edges")
         .def_readwrite("seed", &Settings::seed, "of that push")
         .def_readwrite("threads", &Settings::threads, "0: chosen by size; never changes the result");
 }
 
 void bind_model(py::module_& module) {
-    py::class_<Model, std::shared_ptr<Model>>(module, "WrinkleMeshModel",
-                                              "A fine mesh attached to a base at rest. Made by build_wrinkle_mesh.")
-        .def_property_readonly("vertex_count", [](const Model& m) { return m.display.mesh.vertex_count; },
-                               "Vertices of the shown mesh.")
+    py::class_<Model, std::shared_ptr<Model>>(
+        module, "WrinkleMeshModel", "A fine mesh attached to a base at rest. Made by build_wrinkle_mesh.")
+        .def_property_readonly(
+            "vertex_count", [](const Model& m) { return m.display.mesh.vertex_count; },
+            "Vertices of the shown mesh.")
         .def_property_readonly("solved_vertex_count", [](const Model& m) { return m.solved.vertex_count; })
-        .def_property_readonly("pair_count", [](const Model& m) { return m.distance.size() + m.bending.size(); },
-                               "Distance and bending constraints.")
-        .def_property_readonly("polygon_start", [](const Model& m) { return to_numpy<Index>(m.display.mesh.polygon_start, 0); },
-                               "(q + 1,) int32 of the shown mesh.")
-        .def_property_readonly("corner_vertex", [](const Model& m) { return to_numpy<Index>(m.display.mesh.corner_vertex, 0); },
-                               "(k,) int32 of the shown mesh.")
-        .def_property_readonly("polygon_source", [](const Model& m) { return to_numpy<Index>(m.display.polygon_source, 0); },
-                               "(q,) int32: polygon of the base, or of the own mesh.")
-        .def_property_readonly("edges", [](const Model& m) { return to_numpy<Index>(m.display.edges, 2); },
-                               "(e, 2) int32: shown edges that lie on a source edge.")
-        .def_property_readonly("edge_sources", [](const Model& m) { return to_numpy<Index>(m.display.edge_sources, 2); },
-                               "(e, 2) int32: the vertices of that source edge.")
-        .def_property_readonly("positions_rest", [](const Model& m) { return to_numpy(m.display.positions_rest); },
-                               "(d, 3) float32, object space.")
+        .def_property_readonly(
+            "pair_count", [](const Model& m) { return m.distance.size() + m.bending.size(); },
+            "Distance and bending constraints.")
+        .def_property_readonly(
+            "polygon_start", [](const Model& m) { return to_numpy<Index>(m.display.mesh.polygon_start, 0); },
+            "(q + 1,) int32 of the shown mesh.")
+        .def_property_readonly(
+            "corner_vertex", [](const Model& m) { return to_numpy<Index>(m.display.mesh.corner_vertex, 0); },
+            "(k,) int32 of the shown mesh.")
+        .def_property_readonly(
+            "polygon_source", [](const Model& m) { return to_numpy<Index>(m.display.polygon_source, 0); },
+            "(q,) int32: polygon of the base, or of the own mesh.")
+        .def_property_readonly(
+            "edges", [](const Model& m) { return to_numpy<Index>(m.display.edges, 2); },
+            "(e, 2) int32: shown edges that lie on a source edge.")
+        .def_property_readonly(
+            "edge_sources", [](const Model& m) { return to_numpy<Index>(m.display.edge_sources, 2); },
+            "(e, 2) int32: the vertices of that source edge.")
+        .def_property_readonly(
+            "positions_rest", [](const Model& m) { return to_numpy(m.display.positions_rest); },
+            "(d, 3) float32, object space.")
         .def_property_readonly("triangle_vertex", &triangle_vertices,
                                "(d, 3) int32: the base vertices that every shown vertex is embedded in.")
-        .def_property_readonly("barycentric", &barycentrics, "(d, 2) float32: weights of the second and third of them.")
-        .def_property_readonly("local_edge", [](const Model& m) { return to_numpy<float>(m.local_edge, 0); },
-                               "Per solved vertex: mean rest length of its edges.")
-        .def_property_readonly("unattached_distance", [](const Model& m) { return to_numpy<float>(m.unattached_distance, 0); },
-                               "Own mesh: distance of its vertices to the base at rest.")
+        .def_property_readonly("barycentric", &barycentrics,
+                               "(d, 2) float32: weights of the second and third of them.")
+        .def_property_readonly(
+            "local_edge", [](const Model& m) { return to_numpy<float>(m.local_edge, 0); },
+            "Per solved vertex: mean rest length of its edges.")
+        .def_property_readonly(
+            "unattached_distance", [](const Model& m) { return to_numpy<float>(m.unattached_distance, 0); },
+            "Own mesh: distance of its vertices to the base at rest.")
         .def("carry_points", &carry_points, py::arg("values"), py::arg("source_vertices"),
              "(n, k) float32 of the source's vertices -> (d, k), linear.")
-        .def("carry_corners",
-             [](const Model& m, const py::array& values, size_t corners) {
-                 return carry(m.display.corner_from_source, values, corners, "corner values");
-             },
-             py::arg("values"), py::arg("source_corners"),
-             "(c, k) float32 of the source's corners -> corners of the shown mesh; seams stay sharp.");
+        .def(
+            "carry_corners",
+            [](const Model& m, const py::array& values, size_t corners) {
+                return carry(m.display.corner_from_source, values, corners, "corner values");
+            },
+            py::arg("values"), py::arg("source_corners"),
+            "(c, k) float32 of the source's corners -> corners of the shown mesh; seams stay sharp.");
 
-    module.def("build_wrinkle_mesh", [](const Surface& base, const std::string& source, Index level, Index segments,
-                                        float longest_edge, Index most_vertices, const Surface* own,
-                                        const std::optional<py::array>& attached, float farthest,
-                                        const std::string& attachment, Index display_steps) {
-                   return std::const_pointer_cast<Model>(make_model(base, source, level, segments, longest_edge,
-                                                                    most_vertices, own, attached, farthest, attachment,
-                                                                    display_steps));
-               },
-               py::arg("base"), py::arg("source") = "SUBDIVISION", py::arg("level") = 2, py::arg("segments") = 4,
-               py::arg("longest_edge") = 0.01f, py::arg("most_vertices") = 4'000'000, py::arg("own") = nullptr,
-               py::arg("attached") = py::none(), py::arg("farthest") = 0.0f, py::arg("attachment") = "LIMIT",
-               py::arg("display_steps") = 1,
-               "Make the fine mesh and its constraints (Mueller and Chentanez 2010, section 3).\n\n"
-               "source: SUBDIVISION (level), REGULAR (segments), EDGE_LENGTH (longest_edge) or OBJECT (own: a Surface at\n"
-               "rest in the base's space; attached: (n,) uint8; farthest: refuse a mesh farther away, 0 any).\n"
-               "attachment: LINEAR, PN or LIMIT. display_steps: unsolved subdivisions of the shown mesh.");
+    module.def(
+        "build_wrinkle_mesh",
+        [](const Surface& base, const std::string& source, Index level, Index segments, float longest_edge,
+           Index most_vertices, const Surface* own, const std::optional<py::array>& attached, float farthest,
+           const std::string& attachment, Index display_steps) {
+            return std::const_pointer_cast<Model>(make_model(base, source, level, segments, longest_edge,
+                                                             most_vertices, own, attached, farthest,
+                                                             attachment, display_steps));
+        },
+        py::arg("base"), py::arg("source") = "SUBDIVISION", py::arg("level") = 2, py::arg("segments") = 4,
+        py::arg("longest_edge") = 0.01f, py::arg("most_vertices") = 4'000'000, py::arg("own") = nullptr,
+        py::arg("attached") = py::none(), py::arg("farthest") = 0.0f, py::arg("attachment") = "LIMIT",
+        py::arg("display_steps") = 1,
+        "Make the fine mesh and its constraints (Mueller and Chentanez 2010, section 3).\n\n"
+        "source: SUBDIVISION (level), REGULAR (segments), EDGE_LENGTH (longest_edge) or OBJECT (own: a "
+        "Surface at\n"
+        "rest in the base's space; attached: (n,) uint8; farthest: refuse a mesh farther away, 0 any).\n"
+        "attachment: LINEAR, PN or LIMIT. display_steps: unsolved subdivisions of the shown mesh.");
 }
 
 }  // namespace
@@ -253,7 +280,8 @@ void bind_wrinkle_mesh(py::module_& module) {
     bind_model(module);
     py::class_<Paint>(module, "WrinkleMeshPaint", "Painted factors, carried to the solved vertices.")
         .def(py::init(&make_paint), py::arg("model"), py::arg("painted") = py::dict(),
-             "painted: any of radius, prestretch, bending, inside -> (n,) float32 of the base's vertices, 0..1.");
+             "painted: any of radius, prestretch, bending, inside -> (n,) float32 of the base's vertices, "
+             "0..1.");
     py::class_<State>(module, "WrinkleMeshState", "What lives from frame to frame.")
         .def(py::init([](const py::array& offset, const py::array& lengths) {
                  const auto o = vectors(offset, "offset");
@@ -261,8 +289,10 @@ void bind_wrinkle_mesh(py::module_& module) {
                  return State{{o.begin(), o.end()}, {l.begin(), l.end()}};
              }),
              py::arg("offset"), py::arg("solved_length"))
-        .def_property_readonly("offset", [](const State& s) { return to_numpy(s.offset); }, "(v, 3) float32")
-        .def_property_readonly("solved_length", [](const State& s) { return to_numpy<float>(s.solved_length, 0); })
+        .def_property_readonly(
+            "offset", [](const State& s) { return to_numpy(s.offset); }, "(v, 3) float32")
+        .def_property_readonly("solved_length",
+                               [](const State& s) { return to_numpy<float>(s.solved_length, 0); })
         .def_property_readonly("nbytes", [](const State& s) {
             return s.offset.size() * sizeof(Vec3) + s.solved_length.size() * sizeof(float);
         });
@@ -277,9 +307,12 @@ void bind_wrinkle_mesh(py::module_& module) {
         .def_property_readonly("positions", [](const Picture& p) { return to_numpy(p.positions); })
         .def_property_readonly("local_offset", [](const Picture& p) { return to_numpy(p.local_offset); })
         .def_property_readonly("offset", [](const Picture& p) { return to_numpy(p.offset); })
-        .def_property_readonly("stretch_min", [](const Picture& p) { return to_numpy<float>(p.stretch.minimum, 0); })
-        .def_property_readonly("stretch_max", [](const Picture& p) { return to_numpy<float>(p.stretch.maximum, 0); })
-        .def_property_readonly("stretch_direction", [](const Picture& p) { return to_numpy(p.stretch.direction); });
+        .def_property_readonly("stretch_min",
+                               [](const Picture& p) { return to_numpy<float>(p.stretch.minimum, 0); })
+        .def_property_readonly("stretch_max",
+                               [](const Picture& p) { return to_numpy<float>(p.stretch.maximum, 0); })
+        .def_property_readonly("stretch_direction",
+                               [](const Picture& p) { return to_numpy(p.stretch.direction); });
     py::class_<Measures>(module, "WrinkleMeshMeasures", "How good a frame is.")
         .def_readonly("edge_error_before_rms", &Measures::edge_error_before_rms)
         .def_readonly("edge_error_before_max", &Measures::edge_error_before_max)
@@ -291,21 +324,26 @@ void bind_wrinkle_mesh(py::module_& module) {
         .def_readonly("largest_offset", &Measures::largest_offset)
         .def_property_readonly("offsets", [](const Measures& m) { return to_numpy(m.offsets); });
 
-    module.def("solve_wrinkle_mesh",
-               [](const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,
-                  const State* state, const std::optional<py::array>& world_from_object, bool reference) {
-                   Solved solved = solve_frame(model, settings, paint, positions, state, world_from_object, reference);
-                   return py::make_tuple(std::move(solved.state), solved.report);
-               },
-               py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"),
-               py::arg("state") = nullptr, py::arg("world_from_object") = py::none(), py::arg("reference") = false,
-               "Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.\n"
-               "state: of the frame before, or None for the canonical start. world_from_object: (3, 3) float32, used\n"
-               "when offsets ride in world space. reference: the printed sequential sweeps, for tests.");
+    module.def(
+        "solve_wrinkle_mesh",
+        [](const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,
+           const State* state, const std::optional<py::array>& world_from_object, bool reference) {
+            Solved solved =
+                solve_frame(model, settings, paint, positions, state, world_from_object, reference);
+            return py::make_tuple(std::move(solved.state), solved.report);
+        },
+        py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"),
+        py::arg("state") = nullptr, py::arg("world_from_object") = py::none(), py::arg("reference") = false,
+        "Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.\n"
+        "state: of the frame before, or None for the canonical start. world_from_object: (3, 3) float32, "
+        "used\n"
+        "when offsets ride in world space. reference: the printed sequential sweeps, for tests.");
     module.def("show_wrinkle_mesh", &show_frame, py::arg("model"), py::arg("settings"), py::arg("positions"),
-               py::arg("state"), py::arg("world_from_object") = py::none(), "The shown mesh for a frame and its state.");
-    module.def("measure_wrinkle_mesh", &measure_frame, py::arg("model"), py::arg("settings"), py::arg("paint"),
-               py::arg("positions"), py::arg("state"), py::arg("world_from_object") = py::none(),
+               py::arg("state"), py::arg("world_from_object") = py::none(),
+               "The shown mesh for a frame and its state.");
+    module.def("measure_wrinkle_mesh", &measure_frame, py::arg("model"), py::arg("settings"),
+               py::arg("paint"), py::arg("positions"), py::arg("state"),
+               py::arg("world_from_object") = py::none(),
                "Edge-length errors, areas and attachment violation of a frame.");
 }
 

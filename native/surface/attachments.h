@@ -24,7 +24,8 @@ struct Attachments {
 void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std::span<Vec3> normals);
 
 // The frame of every triangle of the deformed base. Cost: O(triangles).
-void triangle_frames(const Surface& surface, std::span<const Vec3> positions, std::span<TriangleFrame> frames);
+void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
+                     std::span<TriangleFrame> frames);
 
 // The cubic Bezier triangle of Vlachos et al. 2001, section 3.1, at weight b0
 // of corner 1 and b1 of corner 2. normals: unit, at the corners.

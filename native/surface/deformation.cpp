@@ -12,8 +12,7 @@ namespace {
 Tensor2 rotated(const Tensor2& t, const Vec2& turn) {
     const float c = turn.x;
     const float s = turn.y;
-    return {c * c * t.xx - 2.0f * c * s * t.xy + s * s * t.yy,
-            c * s * (t.xx - t.yy) + (c * c - s * s) * t.xy,
+    return {c * c * t.xx - 2.0f * c * s * t.xy + s * s * t.yy, c * s * (t.xx - t.yy) + (c * c - s * s) * t.xy,
             s * s * t.xx + 2.0f * c * s * t.xy + c * c * t.yy};
 }
 
@@ -150,7 +149,8 @@ void measure_stretch(const Surface& surface, const StretchModel& model, std::spa
     for (Index v = 0; v < surface.welded.vertex_count; ++v) {
         for (Index k = model.corner_start[v]; k < model.corner_start[v + 1]; ++k) {
             const StretchModel::Corner& corner = model.corners[k];
-            add_scaled(vertex_tensor[v], rotated(triangle_tensor[corner.triangle], corner.transport), corner.weight);
+            add_scaled(vertex_tensor[v], rotated(triangle_tensor[corner.triangle], corner.transport),
+                       corner.weight);
         }
     }
     out.minimum.resize(places.size());

@@ -15,8 +15,8 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// Below this many triangles threads are not worth it: alone a frame takes a few milliseconds, and on a machine
-// that is busy (a render beside it) every one of some hundred meetings may wait for the scheduler.
+// Below this many triangles threads are not worth it: alone a frame takes a few milliseconds, and on a
+// machine that is busy (a render beside it) every one of some hundred meetings may wait for the scheduler.
 constexpr size_t kTrianglesForThreads = 100'000;
 constexpr int kMostThreads = 4;
 
@@ -74,7 +74,8 @@ void nudge(const Model& model, const Settings& settings, const Pose& pose, std::
     std::vector<float> compression(positions.size(), 0.0f);
     for (size_t i = 0; i < model.distance.size(); ++i) {
         const float c = 1.0f - lengths[i] / std::max(targets.distance[i], kShortestEdge);
-        for (const Index v : {model.distance.a[i], model.distance.b[i]}) compression[v] = std::max(compression[v], c);
+        for (const Index v : {model.distance.a[i], model.distance.b[i]})
+            compression[v] = std::max(compression[v], c);
     }
     for (size_t v = 0; v < positions.size(); ++v) {
         const float full_at = 0.1f;  // a tenth of compression gets the whole push
@@ -98,17 +99,19 @@ inline void project_pair(Vec3& p1, Vec3& p2, float target, float stiffness) {
 void sweep_pairs(const Pairs& pairs, std::span<const float> target, std::span<const float> stiffness,
                  std::span<Vec3> positions, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-        project_pair(positions[pairs.a[i]], positions[pairs.b[i]], target[i], stiffness.empty() ? 1.0f : stiffness[i]);
+        project_pair(positions[pairs.a[i]], positions[pairs.b[i]], target[i],
+                     stiffness.empty() ? 1.0f : stiffness[i]);
     }
 }
 
 // Gauss-Seidel colour by colour (section 4.1). Pairs of one colour share no
 // vertex, so their order, and the number of threads, cannot change a bit.
-void relax_coloured(const Model& model, const Targets& targets, const Bounds& bounds, int iterations, int threads,
-                    std::span<Vec3> positions) {
+void relax_coloured(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
+                    int threads, std::span<Vec3> positions) {
     Team team(threads);
     team.run([&](int thread) {
-        const auto sweep = [&](const Pairs& pairs, std::span<const float> target, std::span<const float> stiffness) {
+        const auto sweep = [&](const Pairs& pairs, std::span<const float> target,
+                               std::span<const float> stiffness) {
             for (size_t c = 0; c + 1 < pairs.colour_start.size(); ++c) {
                 const Team::Range part = team.share(pairs.colour_start[c], pairs.colour_start[c + 1], thread);
                 sweep_pairs(pairs, target, stiffness, positions, part.begin, part.end);
@@ -136,10 +139,12 @@ void relax_sequential(const Model& model, const Targets& targets, const Bounds& 
         });
         return order;
     };
-    const std::vector<size_t> distance = natural_order(model.distance), bending = natural_order(model.bending);
+    const std::vector<size_t> distance = natural_order(model.distance),
+                              bending = natural_order(model.bending);
     for (int i = 0; i < iterations; ++i) {
         for (const size_t c : distance) {
-            project_pair(positions[model.distance.a[c]], positions[model.distance.b[c]], targets.distance[c], 1.0f);
+            project_pair(positions[model.distance.a[c]], positions[model.distance.b[c]], targets.distance[c],
+                         1.0f);
         }
         for (const size_t c : bending) {
             project_pair(positions[model.bending.a[c]], positions[model.bending.b[c]], targets.bending[c],
@@ -186,8 +191,8 @@ void remember_lengths(const Model& model, std::span<const float> active, const S
 
 using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, int, std::span<Vec3>);
 
-State solve_with(Relax relax, const Model& model, const Settings& settings, const Paint& paint, const Input& input,
-                 const State* before, Report& report) {
+State solve_with(Relax relax, const Model& model, const Settings& settings, const Paint& paint,
+                 const Input& input, const State* before, Report& report) {
     check(settings);
     const Pose pose = make_pose(model, input);
     const OffsetFrames frames(model, settings, input, pose);
@@ -198,7 +203,8 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
                                              : std::vector<float>(pose.attachment.size(), 1.0f);
 
     std::vector<Vec3> positions = pose.attachment;  // p_i = a_i + o_i (2)
-    for (size_t v = 0; before && v < positions.size(); ++v) positions[v] += frames.in_object(v, before->offset[v]);
+    for (size_t v = 0; before && v < positions.size(); ++v)
+        positions[v] += frames.in_object(v, before->offset[v]);
     const std::vector<Vec3> start = positions;
 
     report = {};
@@ -230,8 +236,8 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
 void check(const Settings& settings) {
     const auto within = [](const char* name, double value, double low, double high) {
         if (value >= low && value <= high) return;  // not a number is never within
-        throw InvalidInput(std::string(name) + ": expected " + std::to_string(low) + " to " + std::to_string(high) +
-                           ", got " + std::to_string(value));
+        throw InvalidInput(std::string(name) + ": expected " + std::to_string(low) + " to " +
+                           std::to_string(high) + ", got " + std::to_string(value));
     };
     within("radius", settings.radius, 0.0, 1e6);
     within("prestretch", settings.prestretch, 1e-3, 1e3);
@@ -247,15 +253,15 @@ void check(const Settings& settings) {
     within("threads", settings.threads, 0, 1024);
 }
 
-State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input, const State* state,
-            Report& report) {
+State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+            const State* state, Report& report) {
     return solve_with(relax_coloured, model, settings, paint, input, state, report);
 }
 
 State solve_reference(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                       const State* state, Report& report) {
-    const Relax printed = [](const Model& m, const Targets& targets, const Bounds& bounds, int iterations, int,
-                             std::span<Vec3> positions) {
+    const Relax printed = [](const Model& m, const Targets& targets, const Bounds& bounds, int iterations,
+                             int, std::span<Vec3> positions) {
         relax_sequential(m, targets, bounds, iterations, positions);
     };
     return solve_with(printed, model, settings, paint, input, state, report);

@@ -22,9 +22,9 @@ enum class OffsetSpace { kTriangle, kWorld };
 
 // What the user sets for every solve. Lengths are relative to the fine mesh.
 struct Settings {
-    float radius = 1.0f;             // r: attachment radius, in mean lengths of the rest edges around a vertex, >= 0
-    float prestretch = 1.0f;         // s: rest length over measured length, > 0
-    float bending = 0.7f;            // k_bending, 0..1
+    float radius = 1.0f;      // r: attachment radius, in mean lengths of the rest edges around a vertex, >= 0
+    float prestretch = 1.0f;  // s: rest length over measured length, > 0
+    float bending = 0.7f;     // k_bending, 0..1
     Collision collision = Collision::kPlane;
     float inside = 0.4f;             // depth of the collision plane below the surface, in radii, 0..1
     float stretch_relief = 0.3f;     // share of the base's excess length that is given in to, 0..1
@@ -34,9 +34,9 @@ struct Settings {
     int start_iterations = 20;       // from the canonical start, >= 0
     float damping = 0.3f;            // share of the former offset that is kept, 0..1
     OffsetSpace offset_space = OffsetSpace::kTriangle;
-    float nudge = 0.02f;             // size of the random push of unbuckled vertices, in fine edges, >= 0
-    std::uint32_t seed = 0;          // of that push
-    int threads = 0;                 // 0: chosen by size; the result does not depend on it
+    float nudge = 0.02f;     // size of the random push of unbuckled vertices, in fine edges, >= 0
+    std::uint32_t seed = 0;  // of that push
+    int threads = 0;         // 0: chosen by size; the result does not depend on it
 };
 
 // Throws InvalidInput naming the first setting out of its range. solve() calls it.
@@ -65,12 +65,12 @@ struct Pairs {
 // seams opened again as on the source (the base, or the artist's own mesh).
 struct Display {
     PolygonMesh mesh;
-    SparseRows from_solved;                 // smooth positions <- solved vertices
-    SparseRows vertex_from_source;          // linear, source vertices (as the artist has them)
-    SparseRows corner_from_source;          // linear, source corners: UV seams stay sharp
-    std::vector<Index> polygon_source;      // source polygon
-    std::vector<SurfacePoint> places;       // on the base
-    std::vector<Vec3> positions_rest;       // object space
+    SparseRows from_solved;                          // smooth positions <- solved vertices
+    SparseRows vertex_from_source;                   // linear, source vertices (as the artist has them)
+    SparseRows corner_from_source;                   // linear, source corners: UV seams stay sharp
+    std::vector<Index> polygon_source;               // source polygon
+    std::vector<SurfacePoint> places;                // on the base
+    std::vector<Vec3> positions_rest;                // object space
     std::vector<std::array<Index, 2>> edges;         // fine edges that lie on a source edge ...
     std::vector<std::array<Index, 2>> edge_sources;  // ... and that edge's vertices
 };
@@ -78,11 +78,12 @@ struct Display {
 // Built once at rest, then immutable; may be shared between objects.
 struct Model {
     Surface base;
-    PolygonMesh solved;                // the fine mesh that is solved
-    Attachments attachments;           // per solved vertex
+    PolygonMesh solved;                  // the fine mesh that is solved
+    Attachments attachments;             // per solved vertex
     std::vector<std::uint8_t> attached;  // 0: no attachment and no collision constraint
     std::vector<Vec3> positions_rest;    // per solved vertex, object space
-    std::vector<Vec3> rest_offset;     // own mesh: from surface to rest position, in the smooth frame; else empty
+    std::vector<Vec3>
+        rest_offset;  // own mesh: from surface to rest position, in the smooth frame; else empty
     Pairs distance;
     Pairs bending;
     std::vector<float> local_edge;     // per solved vertex: mean rest length of the edges around it
@@ -102,9 +103,9 @@ struct Source {
     Index segments = 4;          // kRegular
     float longest_edge = 0.01f;  // kLongestEdge, object units
     Index most_vertices = 4'000'000;
-    const Surface* own = nullptr;          // kOwn: the artist's mesh, at rest, in the base's object space
+    const Surface* own = nullptr;            // kOwn: the artist's mesh, at rest, in the base's object space
     std::span<const std::uint8_t> attached;  // kOwn: per display vertex of own; empty: all attached
-    float farthest = 0.0f;                 // kOwn: refuse a mesh farther than this from the base; 0: any
+    float farthest = 0.0f;                   // kOwn: refuse a mesh farther than this from the base; 0: any
 };
 
 // Section 3. Throws InvalidInput (a fine mesh of more than most_vertices, an own
@@ -117,8 +118,9 @@ std::vector<float> carry_paint(const Model& model, std::span<const float> base_v
 
 // What lives from frame to frame (section 4: "we store o_i instead of p_i").
 struct State {
-    std::vector<Vec3> offset;         // o_i: in the frame of the base triangle, or in object space (kWorld)
-    std::vector<float> solved_length; // attachment length of every pair when it was last solved: distance, then bending
+    std::vector<Vec3> offset;  // o_i: in the frame of the base triangle, or in object space (kWorld)
+    std::vector<float>
+        solved_length;  // attachment length of every pair when it was last solved: distance, then bending
 };
 
 // One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
@@ -129,12 +131,12 @@ struct Input {
 };
 
 struct Report {
-    int iterations = 0;            // 0: the pose was held, nothing was solved
-    float error_before = 0.0f;     // RMS relative length error of the distance constraints at the attachments
-    float error_after = 0.0f;      // ... of the solved mesh
-    float largest_error = 0.0f;    // largest relative length error after
-    float active = 0.0f;           // share of the vertices that were solved; the rest was held
-    Index collapsed_triangles = 0; // base triangles without area in this pose
+    int iterations = 0;          // 0: the pose was held, nothing was solved
+    float error_before = 0.0f;   // RMS relative length error of the distance constraints at the attachments
+    float error_after = 0.0f;    // ... of the solved mesh
+    float largest_error = 0.0f;  // largest relative length error after
+    float active = 0.0f;         // share of the vertices that were solved; the rest was held
+    Index collapsed_triangles = 0;  // base triangles without area in this pose
 };
 
 // Section 4.1. Solves one frame from `state` (the frame before), or from the
@@ -151,24 +153,28 @@ State solve_reference(const Model& model, const Settings& settings, const Paint&
 
 // The shown mesh for a frame and its state.
 struct Picture {
-    std::vector<Vec3> positions;     // object space
-    std::vector<Vec3> local_offset;  // from the linear embedding (eq. 1), in the frame of the deformed base triangle
-    std::vector<Vec3> offset;        // from the attachment point, object space
-    StretchField stretch;            // of the base
+    std::vector<Vec3> positions;  // object space
+    std::vector<Vec3>
+        local_offset;  // from the linear embedding (eq. 1), in the frame of the deformed base triangle
+    std::vector<Vec3> offset;  // from the attachment point, object space
+    StretchField stretch;      // of the base
 };
-void show(const Model& model, const Settings& settings, const Input& input, const State& state, Picture& picture);
+void show(const Model& model, const Settings& settings, const Input& input, const State& state,
+          Picture& picture);
 
 // How good a frame is: for reports and tests, not for playback.
 struct Measures {
     float edge_error_before_rms = 0.0f;  // |length - s l0| / (s l0), fine mesh at its attachments
     float edge_error_before_max = 0.0f;
-    float edge_error_after_rms = 0.0f;   // ... solved
+    float edge_error_after_rms = 0.0f;  // ... solved
     float edge_error_after_max = 0.0f;
-    float compressed_area_before = 1.0f;  // area / rest area where base triangles are below 0.9 of their rest area
+    float compressed_area_before =
+        1.0f;  // area / rest area where base triangles are below 0.9 of their rest area
     float compressed_area_after = 1.0f;
-    float attachment_violation = 0.0f;    // largest (|o| - r) / r over attached vertices with r > 0, not below 0
-    float largest_offset = 0.0f;          // object units
-    std::vector<Vec3> offsets;            // o_i, per solved vertex, in the triangle frame
+    float attachment_violation =
+        0.0f;                     // largest (|o| - r) / r over attached vertices with r > 0, not below 0
+    float largest_offset = 0.0f;  // object units
+    std::vector<Vec3> offsets;    // o_i, per solved vertex, in the triangle frame
 };
 Measures measure(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                  const State& state);

@@ -23,7 +23,8 @@ Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
     const float vb = d5 * d2 - d1 * d6;
     if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) return a + ac * (d2 / (d2 - d6));
     const float va = d3 * d6 - d5 * d4;
-    if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f)
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
     const float scale = 1.0f / (va + vb + vc);
     return a + ab * (vb * scale) + ac * (vc * scale);
 }
@@ -31,9 +32,13 @@ Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
 }  // namespace
 
 Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose)
-    : model_(model), pose_(pose), collision_(settings.collision), radii_(attachment_radii(model, settings, paint)) {
+    : model_(model),
+      pose_(pose),
+      collision_(settings.collision),
+      radii_(attachment_radii(model, settings, paint)) {
     depth_.resize(radii_.size());
-    for (size_t v = 0; v < radii_.size(); ++v) depth_[v] = settings.inside * painted(paint.inside, v) * radii_[v];
+    for (size_t v = 0; v < radii_.size(); ++v)
+        depth_[v] = settings.inside * painted(paint.inside, v) * radii_[v];
     if (collision_ != Collision::kNeighbourhood) return;
     // The attachments of curved patches may lie below the flat triangles already.
     for (size_t v = 0; v < radii_.size(); ++v) {

@@ -18,10 +18,14 @@ namespace {
 
 FineMesh refine(const Surface& base, const Source& source) {
     switch (source.kind) {
-        case Source::Kind::kSubdivision: return refine_subdivision(base.welded, source.level);
-        case Source::Kind::kRegular: return refine_regular(base, source.segments);
-        case Source::Kind::kLongestEdge: return refine_longest_edge(base, source.longest_edge, source.most_vertices);
-        case Source::Kind::kOwn: return refine_subdivision(source.own->welded, 0);
+        case Source::Kind::kSubdivision:
+            return refine_subdivision(base.welded, source.level);
+        case Source::Kind::kRegular:
+            return refine_regular(base, source.segments);
+        case Source::Kind::kLongestEdge:
+            return refine_longest_edge(base, source.longest_edge, source.most_vertices);
+        case Source::Kind::kOwn:
+            return refine_subdivision(source.own->welded, 0);
     }
     return {};
 }
@@ -33,8 +37,9 @@ void refuse_too_many(const Surface& base, const Source& source, Index display_st
     if (source.kind == Source::Kind::kRegular) per_corner = double(source.segments) * source.segments;
     const double estimate = base.welded.corners() / 4.0 * per_corner * std::pow(4.0, display_steps);
     if (estimate > source.most_vertices) {
-        throw InvalidInput("the fine mesh would have about " + std::to_string(static_cast<long long>(estimate)) +
-                           " vertices, more than " + std::to_string(source.most_vertices));
+        throw InvalidInput("the fine mesh would have about " +
+                           std::to_string(static_cast<long long>(estimate)) + " vertices, more than " +
+                           std::to_string(source.most_vertices));
     }
 }
 
@@ -57,7 +62,9 @@ std::vector<std::array<Index, 3>> triangulate(const PolygonMesh& mesh, std::span
 
 using Pair = std::array<Index, 2>;
 
-Pair sorted_pair(Index a, Index b) { return a < b ? Pair{a, b} : Pair{b, a}; }
+Pair sorted_pair(Index a, Index b) {
+    return a < b ? Pair{a, b} : Pair{b, a};
+}
 
 struct PairSets {
     std::vector<Pair> edges;     // of the triangles
@@ -152,7 +159,9 @@ std::vector<Index> rings_from_border(const PairSets& sets, size_t vertices) {
 void collect_near_triangles(Model& model) {
     const Surface& base = model.base;
     std::vector<std::vector<Index>> around(base.welded.vertex_count);
-    const auto vertex = [&](Index t, int k) { return base.welded.corner_vertex[base.triangles[t].corner[k]]; };
+    const auto vertex = [&](Index t, int k) {
+        return base.welded.corner_vertex[base.triangles[t].corner[k]];
+    };
     const Index triangles = static_cast<Index>(base.triangles.size());
     for (Index t = 0; t < triangles; ++t) {
         for (int k = 0; k < 3; ++k) around[vertex(t, k)].push_back(t);
@@ -189,7 +198,8 @@ void collect_edge_sources(Display& display, const PolygonMesh& source) {
         support(e.b, both);
         std::sort(both.begin(), both.end());
         both.erase(std::unique(both.begin(), both.end()), both.end());
-        if (both.size() != 2 || !std::binary_search(known.begin(), known.end(), Pair{both[0], both[1]})) continue;
+        if (both.size() != 2 || !std::binary_search(known.begin(), known.end(), Pair{both[0], both[1]}))
+            continue;
         display.edges.push_back({e.a, e.b});
         display.edge_sources.push_back({both[0], both[1]});
     }
@@ -232,9 +242,9 @@ void bind_own(Model& model, const Source& source) {
     model.attachments.places = closest_points(model.base, own, model.unattached_distance);
     for (size_t v = 0; v < own.size(); ++v) {
         if (source.farthest > 0.0f && model.unattached_distance[v] > source.farthest) {
-            throw InvalidInput("vertex " + std::to_string(source.own->representative[v]) + " of the own mesh is " +
-                               std::to_string(model.unattached_distance[v]) + " away from the base, farther than " +
-                               std::to_string(source.farthest));
+            throw InvalidInput("vertex " + std::to_string(source.own->representative[v]) +
+                               " of the own mesh is " + std::to_string(model.unattached_distance[v]) +
+                               " away from the base, farther than " + std::to_string(source.farthest));
         }
         if (!source.attached.empty()) model.attached[v] = source.attached[source.own->representative[v]];
     }
@@ -273,7 +283,8 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
             const Vec3 left = source.own->positions_rest[v] - rest[v];
             const SurfacePoint& place = model->attachments.places[v];
             model->rest_offset.push_back(
-                smooth_frame(frames[place.triangle], interpolate(model->base, place, normals)).to_local(left));
+                smooth_frame(frames[place.triangle], interpolate(model->base, place, normals))
+                    .to_local(left));
         }
         rest = source.own->positions_rest;
     }
@@ -286,7 +297,8 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
     model->boundary_ring = rings_from_border(sets, vertices);
     model->stretch = build_stretch(model->base);
     collect_near_triangles(*model);
-    model->display = build_display(*model, own ? *source.own : model->base, fine, source, display_steps, rest);
+    model->display =
+        build_display(*model, own ? *source.own : model->base, fine, source, display_steps, rest);
     return model;
 }
 
@@ -295,7 +307,9 @@ std::vector<float> carry_paint(const Model& model, std::span<const float> base_v
     out.reserve(model.attachments.places.size());
     for (const SurfacePoint& place : model.attachments.places) {
         const Triangle& triangle = model.base.triangles[place.triangle];
-        const auto value = [&](int k) { return base_values[model.base.display.corner_vertex[triangle.corner[k]]]; };
+        const auto value = [&](int k) {
+            return base_values[model.base.display.corner_vertex[triangle.corner[k]]];
+        };
         out.push_back((1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2));
     }
     return out;

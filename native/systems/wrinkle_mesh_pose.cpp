@@ -68,7 +68,8 @@ Pose make_pose(const Model& model, const Input& input) {
         const float length = glm::length(normal);
         pose.normal[v] = length > kShortestNormal ? normal / length : Vec3(0.0f);
         if (!model.rest_offset.empty()) {
-            pose.attachment[v] += smooth_frame(pose.frames[place.triangle], normal).to_object(model.rest_offset[v]);
+            pose.attachment[v] +=
+                smooth_frame(pose.frames[place.triangle], normal).to_object(model.rest_offset[v]);
         }
     }
     return pose;
@@ -123,13 +124,15 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
     };
     const auto fill = [&](const Pairs& pairs, std::span<const float> at, std::vector<float>& out) {
         for (size_t i = 0; i < pairs.size(); ++i) {
-            out.push_back(target_length(settings, both(paint.prestretch, pairs.a[i], pairs.b[i]), pairs.rest[i], at[i]));
+            out.push_back(target_length(settings, both(paint.prestretch, pairs.a[i], pairs.b[i]),
+                                        pairs.rest[i], at[i]));
         }
     };
     fill(model.distance, lengths.first(model.distance.size()), targets.distance);
     fill(model.bending, lengths.subspan(model.distance.size()), targets.bending);
     for (size_t i = 0; i < model.bending.size(); ++i) {
-        targets.stiffness.push_back(settings.bending * both(paint.bending, model.bending.a[i], model.bending.b[i]));
+        targets.stiffness.push_back(settings.bending *
+                                    both(paint.bending, model.bending.a[i], model.bending.b[i]));
     }
     return targets;
 }
@@ -139,7 +142,8 @@ LengthError length_error(const Pairs& pairs, std::span<const float> target, std:
     LengthError error;
     for (size_t i = 0; i < pairs.size(); ++i) {
         const float wanted = std::max(target[i], kShortestEdge);
-        const float relative = std::abs(glm::distance(positions[pairs.a[i]], positions[pairs.b[i]]) - target[i]) / wanted;
+        const float relative =
+            std::abs(glm::distance(positions[pairs.a[i]], positions[pairs.b[i]]) - target[i]) / wanted;
         if (target[i] < kShortestEdge) continue;  // a collapsed pair asks for nothing
         sum += double(relative) * relative;
         error.largest = std::max(error.largest, relative);

@@ -13,11 +13,11 @@ namespace rumple::wrinkle_mesh {
 
 // The deformed base and the attachments of one frame.
 struct Pose {
-    std::vector<Vec3> base;               // welded vertices
+    std::vector<Vec3> base;  // welded vertices
     std::vector<Vec3> base_normals;
-    std::vector<TriangleFrame> frames;    // per base triangle
-    std::vector<Vec3> attachment;         // a_i
-    std::vector<Vec3> normal;             // interpolated base normals at the attachments, unit or zero
+    std::vector<TriangleFrame> frames;  // per base triangle
+    std::vector<Vec3> attachment;       // a_i
+    std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
     Index collapsed = 0;
 };
 
@@ -45,7 +45,9 @@ class OffsetFrames {
 };
 
 // A painted factor: 1 where nothing was painted.
-inline float painted(const std::vector<float>& paint, size_t v) { return paint.empty() ? 1.0f : paint[v]; }
+inline float painted(const std::vector<float>& paint, size_t v) {
+    return paint.empty() ? 1.0f : paint[v];
+}
 
 // r_i (section 3.1), object units: relative to the local edge, painted, faded at hems.
 std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint);

@@ -16,7 +16,8 @@ float compressed_area(const Model& model, std::span<const Vec3> base, std::span<
     std::vector<bool> compressed;
     for (const Triangle& t : model.base.triangles) {
         const auto v = [&](int k) { return model.base.welded.corner_vertex[t.corner[k]]; };
-        compressed.push_back(area(base, v(0), v(1), v(2)) < 0.9 * area(model.base.positions_rest, v(0), v(1), v(2)));
+        compressed.push_back(area(base, v(0), v(1), v(2)) <
+                             0.9 * area(model.base.positions_rest, v(0), v(1), v(2)));
     }
     double now = 0.0, rest = 0.0;
     for (const auto& t : model.triangles) {
@@ -30,7 +31,8 @@ float compressed_area(const Model& model, std::span<const Vec3> base, std::span<
 
 }  // namespace
 
-void show(const Model& model, const Settings& settings, const Input& input, const State& state, Picture& picture) {
+void show(const Model& model, const Settings& settings, const Input& input, const State& state,
+          Picture& picture) {
     const Pose pose = make_pose(model, input);
     const size_t vertices = pose.attachment.size();
     const OffsetFrames frames(model, settings, input, pose);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Small cases of the Wrinkle Mesh worked by hand.
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "surface/attachments.h"
 #include "surface/deformation.h"
@@ -17,8 +17,8 @@ void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-6f) {
 }
 
 // Vlachos et al. 2001: p0 = 0, p1 = 3x, p2 = 3y, normals z but at p1, where it leans by 45 degrees towards x.
-// b011 etc. by hand: on the edge p0 p1, b01 = (1,0,0); b10 = p1 + (p0 - p1)/3 - w n with w = (-1,0,0).n = -1/sqrt 2,
-// so b10 = (2,0,0) + (1/2, 0, 1/2). The cubic at 1/2 is (p0 + 3 b01 + 3 b10 + p1) / 8.
+// b011 etc. by hand: on the edge p0 p1, b01 = (1,0,0); b10 = p1 + (p0 - p1)/3 - w n with w = (-1,0,0).n =
+// -1/sqrt 2, so b10 = (2,0,0) + (1/2, 0, 1/2). The cubic at 1/2 is (p0 + 3 b01 + 3 b10 + p1) / 8.
 TEST(PnTriangle, FollowsItsControlPointsOnAnEdge) {
     const Vec3 p[3] = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}};
     const Vec3 n[3] = {{0, 0, 1}, glm::normalize(Vec3(1, 0, 1)), {0, 0, 1}};
@@ -76,9 +76,9 @@ TEST(Principal, OfEqualEigenvaluesHasADirection) {
     EXPECT_EQ(p.small_direction, Vec2(1.0f, 0.0f));
 }
 
-// One square metre, not refined: corners attached linearly, no fade, no bending, no nudge. Squeezed to 0.8 along x.
-// Equations (3) to (5) by hand for a pair of rest length 1 at distance 0.8: dp = (0.8 - 1), each end moves by 0.1;
-// equation (7) then pulls an end that is farther than r = 0.05 back to r.
+// One square metre, not refined: corners attached linearly, no fade, no bending, no nudge. Squeezed to 0.8
+// along x. Equations (3) to (5) by hand for a pair of rest length 1 at distance 0.8: dp = (0.8 - 1), each end
+// moves by 0.1; equation (7) then pulls an end that is farther than r = 0.05 back to r.
 TEST(Equations, ThreeToFiveAndSevenOnAPair) {
     using namespace wrinkle_mesh;
     const MeshData mesh = grid(1, 1, 1.0f);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Laws of the Wrinkle Mesh: what must hold on any mesh and in any pose.
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstring>
 #include <limits>
-
-#include <gtest/gtest.h>
 
 #include "base/errors.h"
 #include "systems/wrinkle_mesh.h"
@@ -21,7 +21,8 @@ struct Cloth {
     MeshData mesh;
     ModelHandle model;
 
-    explicit Cloth(MeshData data, Index level = 2, AttachmentKind kind = AttachmentKind::kLimit, Index steps = 0)
+    explicit Cloth(MeshData data, Index level = 2, AttachmentKind kind = AttachmentKind::kLimit,
+                   Index steps = 0)
         : mesh(std::move(data)) {
         Source source;
         source.level = level;
@@ -44,7 +45,8 @@ struct Cloth {
         for (Vec3& p : pose) {
             p.x *= factor;
             const float angle = bend * p.x;
-            p = {p.x * std::cos(angle) - p.y * std::sin(angle), p.x * std::sin(angle) + p.y * std::cos(angle), p.z};
+            p = {p.x * std::cos(angle) - p.y * std::sin(angle), p.x * std::sin(angle) + p.y * std::cos(angle),
+                 p.z};
         }
         return pose;
     }
@@ -71,7 +73,8 @@ constexpr float kRounding = 2e-6f;  // metres, on bodies of about a metre
 class EveryAttachment : public testing::TestWithParam<AttachmentKind> {};
 
 TEST_P(EveryAttachment, RestStaysAtRest) {
-    for (const MeshData& mesh : {tube(12, 8, 0.1f, 0.5f), grid(6, 5, 0.1f), triangulated(tube(9, 6, 0.1f, 0.4f))}) {
+    for (const MeshData& mesh :
+         {tube(12, 8, 0.1f, 0.5f), grid(6, 5, 0.1f), triangulated(tube(9, 6, 0.1f, 0.4f))}) {
         const Cloth cloth(mesh, 2, GetParam());
         const State state = cloth.solve(mesh.positions, unstretched());
         EXPECT_LT(largest(state.offset), kRounding);
@@ -92,12 +95,14 @@ TEST_P(EveryAttachment, RigidMotionCarriesTheFoldsAlong) {
     const Picture before = cloth.show(here, Settings{}, folded), after = cloth.show(there, Settings{}, moved);
     for (size_t v = 0; v < before.positions.size(); ++v) {
         const Vec3& p = before.positions[v];
-        EXPECT_LT(glm::distance(after.positions[v], Vec3(-p.y, p.x, p.z) + Vec3(0.5f, -0.25f, 1.0f)), kRounding);
+        EXPECT_LT(glm::distance(after.positions[v], Vec3(-p.y, p.x, p.z) + Vec3(0.5f, -0.25f, 1.0f)),
+                  kRounding);
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(WrinkleMesh, EveryAttachment,
-                         testing::Values(AttachmentKind::kLinear, AttachmentKind::kPnTriangle, AttachmentKind::kLimit));
+                         testing::Values(AttachmentKind::kLinear, AttachmentKind::kPnTriangle,
+                                         AttachmentKind::kLimit));
 
 TEST(WrinkleMeshLaws, NoVertexLeavesItsRadiusOrItsPlane) {
     const Cloth cloth(tube(12, 10, 0.1f, 0.5f), 2, AttachmentKind::kLinear);
@@ -112,7 +117,8 @@ TEST(WrinkleMeshLaws, NoVertexLeavesItsRadiusOrItsPlane) {
         std::vector<Vec3> normals(cloth.model->base.welded.vertex_count);
         vertex_normals(cloth.model->base, pose, normals);
         for (size_t v = 0; v < picture.offset.size(); ++v) {
-            const Vec3 normal = glm::normalize(interpolate(cloth.model->base, cloth.model->display.places[v], normals));
+            const Vec3 normal =
+                glm::normalize(interpolate(cloth.model->base, cloth.model->display.places[v], normals));
             const float depth = -glm::dot(picture.offset[v], normal);
             EXPECT_LE(depth, settings.inside * cloth.model->local_edge[v] + kRounding);
         }
@@ -176,7 +182,8 @@ TEST(WrinkleMeshLaws, TheNumberOfThreadsChangesNoBit) {
     const State alone = cloth.solve(cloth.squeezed(0.8f, 1.0f), settings);
     for (const int threads : {2, 3, 4, 7}) {
         settings.threads = threads;
-        EXPECT_TRUE(same_bits(cloth.solve(cloth.squeezed(0.8f, 1.0f), settings).offset, alone.offset)) << threads;
+        EXPECT_TRUE(same_bits(cloth.solve(cloth.squeezed(0.8f, 1.0f), settings).offset, alone.offset))
+            << threads;
     }
 }
 
@@ -231,7 +238,7 @@ TEST(WrinkleMeshLaws, AFlatSheetBucklesByTheNudgeOnlyAndTheSeedChoosesTheFolds) 
 TEST(WrinkleMeshLaws, CollapsedPosesGiveFiniteResults) {
     const Cloth cloth(grid(4, 4, 0.1f), 2, AttachmentKind::kLimit, 1);
     std::vector<Vec3> pinched = cloth.mesh.positions, flat = cloth.mesh.positions;
-    pinched[6] = pinched[7];  // a zero-length edge
+    pinched[6] = pinched[7];                          // a zero-length edge
     for (Vec3& p : flat) p = Vec3(1.0f, 2.0f, 3.0f);  // all in one point
     for (const std::vector<Vec3>& pose : {pinched, flat}) {
         State state = cloth.solve(pose, Settings{});
