@@ -72,11 +72,35 @@ class FrameLaws(unittest.TestCase):
 
     def test_changed_settings_and_paint_forget_the_stored_frames(self) -> None:
         self.play()
-        self.solve(1, settings=replace(SETTINGS, radius=0.5))
+        self.solve(8, settings=replace(SETTINGS, radius=0.5))
         self.assertEqual(len(self.mesh.history.frames()), 1)
         weights = np.zeros(len(self.base.positions), np.float32)
         flat = self.mesh.solve_frame(5.0, self.clip[5], SETTINGS, {"radius": weights}, start=1)
         self.assertEqual(float(np.abs(flat.offset).max()), 0.0)
+
+    def test_an_animated_setting_keeps_the_frames_and_their_order_does_not_matter(self) -> None:
+        growing = {f: replace(SETTINGS, radius=0.4 + 0.1 * f) for f in FRAMES}
+        played = [self.solve(f, settings=growing[f]).positions for f in FRAMES]
+        self.assertTrue(all(final for _, final in self.mesh.history.frames()))
+        for frame in (6, 2, 8, 3):
+            picture = self.solve(frame, settings=growing[frame])
+            self.assertTrue(picture.replayed)
+            np.testing.assert_array_equal(picture.positions, played[frame - 1])
+
+    def test_an_animated_setting_counts_while_the_pose_is_held(self) -> None:
+        self.solve(1)
+        self.clip[2] = self.clip[3] = self.clip[5]
+        self.solve(2)
+        gone = self.solve(3, settings=replace(SETTINGS, radius=0.0))
+        self.assertEqual(float(np.abs(gone.offset).max()), 0.0)
+
+    def test_a_setting_changed_between_two_frames_is_right_after_playing_through(self) -> None:
+        self.play()
+        other = replace(SETTINGS, radius=0.6)
+        again = [self.solve(f, settings=other).positions for f in FRAMES]
+        fresh = WrinkleMesh.build(self.base, SETTINGS)
+        for one, two in zip(again, [self.solve(f, fresh, other).positions for f in FRAMES]):
+            np.testing.assert_array_equal(one, two)
 
     def test_a_held_pose_stays_to_the_bit(self) -> None:
         self.play()

@@ -293,6 +293,7 @@ void bind_wrinkle_mesh(py::module_& module) {
             "offset", [](const State& s) { return to_numpy(s.offset); }, "(v, 3) float32")
         .def_property_readonly("solved_length",
                                [](const State& s) { return to_numpy<float>(s.solved_length, 0); })
+        .def("woken", &woken, "The same offsets with no vertex held: for a solve with other settings.")
         .def_property_readonly("nbytes", [](const State& s) {
             return s.offset.size() * sizeof(Vec3) + s.solved_length.size() * sizeof(float);
         });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "base/errors.h"
@@ -251,6 +252,11 @@ void check(const Settings& settings) {
     within("damping", settings.damping, 0.0, 1.0);
     within("nudge", settings.nudge, 0.0, 1e3);
     within("threads", settings.threads, 0, 1024);
+}
+
+State woken(const State& state) {
+    // No attachment has infinite length: every pair has changed.
+    return {state.offset, std::vector<float>(state.solved_length.size(), std::numeric_limits<float>::infinity())};
 }
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,

@@ -123,6 +123,9 @@ struct State {
         solved_length;  // attachment length of every pair when it was last solved: distance, then bending
 };
 
+// The same offsets with no vertex held: for a solve with other settings than the state was solved with.
+State woken(const State& state);
+
 // One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
 // world_from_object is used by OffsetSpace::kWorld only.
 struct Input {

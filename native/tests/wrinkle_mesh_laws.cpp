@@ -204,6 +204,16 @@ TEST(WrinkleMeshLaws, AHeldPoseStaysToTheBitAndADriftIsSolvedInTheEnd) {
     EXPECT_FALSE(same_bits(drifting.offset, first.offset));
 }
 
+TEST(WrinkleMeshLaws, AWokenStateTakesOtherSettingsInAHeldPose) {
+    const Cloth cloth(tube(12, 10, 0.1f, 0.5f));
+    const State folded = cloth.solve(cloth.squeezed(0.8f), Settings{});
+    Settings none;
+    none.radius = 0.0f;
+    const State awake = woken(folded);
+    EXPECT_EQ(largest(cloth.solve(cloth.squeezed(0.8f), none, &awake).offset), 0.0f);
+    EXPECT_GT(largest(cloth.solve(cloth.squeezed(0.8f), none, &folded).offset), 1e-3f);
+}
+
 TEST(WrinkleMeshLaws, ColouredSweepsReachTheResidualOfThePrintedOnes) {
     const Cloth cloth(tube(16, 12, 0.1f, 0.5f));
     const std::vector<Vec3> pose = cloth.squeezed(0.8f);

@@ -109,7 +109,8 @@ class WrinkleMesh:
         self.edge_mean = edge_mean
         self.level = level
         self.history = History()
-        self._inputs = b""
+        self._painted = self._chosen = b""  # digests of the paint and the settings of the last solve ...
+        self._frame = math.nan  # ... and its frame
         self._source_vertices = 0
         self._source_corners = 0
         self._paint: Any = None
@@ -217,11 +218,11 @@ class WrinkleMesh:
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: MeshSettings, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None) -> Picture:
         kernels = native.load()
-        self._take_inputs(settings, paint, start)
+        chosen = self._take_inputs(frame, settings, paint, start)
         options = native_settings(settings)
         world = settings.offset_space == "WORLD" and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
-        digest = _digest(positions, matrix)
+        digest = _digest(chosen, positions, matrix)
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
         entry = self.history.get(frame)
@@ -229,8 +230,8 @@ class WrinkleMesh:
         replayed = entry is not None and entry.inputs == digest and (entry.final or not final)
         if not replayed:
             state, report = kernels.solve_wrinkle_mesh(self.model, options, self._paint, positions,
-                                                      None if before is None else before.state, matrix)
-            entry = Entry(state, digest, final, report)
+                                                      _state_for(before, chosen), matrix)
+            entry = Entry(state, digest, chosen, final, report)
             self.history.put(frame, entry)
         solved = time.perf_counter()
         shown = kernels.show_wrinkle_mesh(self.model, options, positions, entry.state, matrix)
@@ -250,17 +251,23 @@ class WrinkleMesh:
         """The stored whole frame that a frame goes on from: the one before it, or the one a subframe is in."""
         return self.history.get(float(math.ceil(frame) - 1))
 
-    def _take_inputs(self, settings: MeshSettings, paint: dict[str, np.ndarray], start: int) -> None:
-        """Forget stored frames when the settings, the paint or the first frame changed."""
-        digest = hashlib.blake2b(repr((settings, start)).encode(), digest_size=16)
+    def _take_inputs(self, frame: float, settings: MeshSettings, paint: dict[str, np.ndarray], start: int) -> bytes:
+        """A digest of the settings. Forgets stored frames when the artist changed them, or the paint.
+
+        Settings that differ at another frame are animated: then every frame has its own, and stays stored.
+        """
+        painted = hashlib.blake2b(digest_size=16)
         for key in sorted(paint):
-            digest.update(key.encode())
-            digest.update(np.ascontiguousarray(paint[key], np.float32))
-        if digest.digest() == self._inputs:
-            return
-        self._paint = native.load().WrinkleMeshPaint(self.model, paint)
-        self._inputs = digest.digest()
-        self.history.clear()
+            painted.update(key.encode())
+            painted.update(np.ascontiguousarray(paint[key], np.float32))
+        chosen = hashlib.blake2b(repr((settings, start)).encode(), digest_size=16).digest()
+        repainted = self._paint is None or painted.digest() != self._painted
+        if repainted:
+            self._paint = native.load().WrinkleMeshPaint(self.model, paint)
+        if repainted or (chosen != self._chosen and frame == self._frame):
+            self.history.clear()
+        self._painted, self._chosen, self._frame = painted.digest(), chosen, frame
+        return chosen
 
 
 def native_settings(settings: MeshSettings) -> Any:
@@ -272,8 +279,16 @@ def native_settings(settings: MeshSettings) -> Any:
     return options
 
 
-def _digest(positions: np.ndarray, matrix: np.ndarray | None) -> bytes:
-    digest = hashlib.blake2b(positions, digest_size=16)
+def _state_for(before: Entry | None, chosen: bytes) -> Any:
+    """The state to go on from. Under other settings nothing of it may be held."""
+    if before is None:
+        return None
+    return before.state if before.chosen == chosen else before.state.woken()
+
+
+def _digest(chosen: bytes, positions: np.ndarray, matrix: np.ndarray | None) -> bytes:
+    digest = hashlib.blake2b(chosen, digest_size=16)
+    digest.update(positions)
     if matrix is not None:
         digest.update(matrix)
     return digest.digest()

@@ -16,7 +16,8 @@ class Entry:
     """One solved frame: the solver's state, what it was solved for, and whether it is final."""
 
     state: Any
-    inputs: bytes  # digest of the deformed base positions (and matrix, if the solve reads it)
+    inputs: bytes  # digest of the settings and the deformed base positions (and matrix, if the solve reads it)
+    chosen: bytes  # digest of the settings alone
     final: bool
     report: Any
 
