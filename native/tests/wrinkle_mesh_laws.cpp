@@ -3,127 +3,135 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
+#include <cstdio>
 #include <limits>
+#include <map>
 
 #include "base/errors.h"
 #include "systems/wrinkle_mesh.h"
-#include "tests/meshes.h"
+#include "tests/wrinkle_mesh_cloth.h"
 
 namespace rumple::tests {
 namespace {
 
 using namespace wrinkle_mesh;
-using ModelHandle = std::shared_ptr<const Model>;
-
-// A base and its fine mesh, ready to be posed.
-struct Cloth {
-    MeshData mesh;
-    ModelHandle model;
-
-    explicit Cloth(MeshData data, Index level = 2, AttachmentKind kind = AttachmentKind::kLimit,
-                   Index steps = 0)
-        : mesh(std::move(data)) {
-        Source source;
-        source.level = level;
-        model = wrinkle_mesh::build(tests::build(mesh), source, kind, steps);
-    }
-
-    State solve(const std::vector<Vec3>& pose, const Settings& settings, const State* before = nullptr,
-                Report* report = nullptr) const {
-        Report unused;
-        return wrinkle_mesh::solve(*model, settings, {}, {pose}, before, report ? *report : unused);
-    }
-    Picture show(const std::vector<Vec3>& pose, const Settings& settings, const State& state) const {
-        Picture picture;
-        wrinkle_mesh::show(*model, settings, {pose}, state, picture);
-        return picture;
-    }
-    // The base squeezed along x and bent about z.
-    std::vector<Vec3> squeezed(float factor, float bend = 0.0f) const {
-        std::vector<Vec3> pose = mesh.positions;
-        for (Vec3& p : pose) {
-            p.x *= factor;
-            const float angle = bend * p.x;
-            p = {p.x * std::cos(angle) - p.y * std::sin(angle), p.x * std::sin(angle) + p.y * std::cos(angle),
-                 p.z};
-        }
-        return pose;
-    }
-};
-
-float largest(const std::vector<Vec3>& vectors) {
-    float most = 0.0f;
-    for (const Vec3& v : vectors) most = std::max(most, glm::length(v));
-    return most;
-}
-
-bool same_bits(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
-}
-
 Settings unstretched() {
     Settings settings;
     settings.prestretch = 1.0f;
     return settings;
 }
 
-constexpr float kRounding = 2e-6f;  // metres, on bodies of about a metre
-
 class EveryAttachment : public testing::TestWithParam<AttachmentKind> {};
 
-TEST_P(EveryAttachment, RestStaysAtRest) {
-    for (const MeshData& mesh :
-         {tube(12, 8, 0.1f, 0.5f), grid(6, 5, 0.1f), triangulated(tube(9, 6, 0.1f, 0.4f))}) {
-        const Cloth cloth(mesh, 2, GetParam());
-        const State state = cloth.solve(mesh.positions, unstretched());
-        EXPECT_LT(largest(state.offset), kRounding);
+// A ring of faces around the z axis through `centre`: of genus one, unlike any base here.
+MeshData torus(Index around, Index across, float major, float minor, const Vec3& centre) {
+    MeshData mesh;
+    for (Index i = 0; i < around; ++i) {
+        const float a = 2.0f * std::numbers::pi_v<float> * float(i) / float(around);
+        for (Index j = 0; j < across; ++j) {
+            const float b = 2.0f * std::numbers::pi_v<float> * float(j) / float(across);
+            const float radius = major + minor * std::cos(b);
+            mesh.positions.push_back(centre + Vec3(radius * std::cos(a), radius * std::sin(a), minor * std::sin(b)));
+        }
+    }
+    for (Index i = 0; i < around; ++i) {
+        for (Index j = 0; j < across; ++j) {
+            const Index next = (i + 1) % around * across, here = i * across, up = (j + 1) % across;
+            mesh.add_polygon({here + j, next + j, next + up, here + up});
+        }
+    }
+    return mesh;
+}
+
+Source subdivided(Index level) {
+    Source source;
+    source.level = level;
+    return source;
+}
+
+Source split(Index segments) {
+    Source source;
+    source.kind = Source::Kind::kRegular;
+    source.segments = segments;
+    return source;
+}
+
+Source split_below(float longest) {
+    Source source;
+    source.kind = Source::Kind::kLongestEdge;
+    source.longest_edge = longest;
+    return source;
+}
+
+Source own_mesh(const Surface& own, std::span<const std::uint8_t> attached = {}) {
+    Source source;
+    source.kind = Source::Kind::kOwn;
+    source.own = &own;
+    source.attached = attached;
+    return source;
+}
+
+TEST_P(EveryAttachment, RestStaysAtRestFromEverySource) {
+    const Surface loop = tests::build(torus(24, 8, 0.1f, 0.03f, {0.25f, 0.0f, 0.0f}));
+    const Surface finer = tests::build(tube(30, 20, 0.104f, 0.5f));
+    for (const MeshData& mesh : {tube(12, 8, 0.1f, 0.5f), grid(6, 5, 0.1f), triangulated(tube(9, 6, 0.1f, 0.4f))}) {
+        for (const Source& source : {subdivided(0), subdivided(2), split(3), split_below(0.03f), own_mesh(loop),
+                                     own_mesh(finer)}) {
+            const Cloth cloth(mesh, source, GetParam());
+            Report report;
+            State state = cloth.solve(mesh.positions, unstretched(), nullptr, &report);
+            EXPECT_GT(report.iterations, 0);
+            EXPECT_LT(largest(state.offset), kRounding);
+            state = cloth.solve(mesh.positions, unstretched(), &state);
+            EXPECT_LT(largest(state.offset), kRounding);
+            const Picture picture = cloth.show(mesh.positions, unstretched(), state);
+            for (size_t v = 0; v < picture.positions.size(); ++v) {
+                EXPECT_LT(glm::distance(picture.positions[v], cloth.model->display.positions_rest[v]), kRounding);
+            }
+        }
+    }
+}
+
+Vec3 turned(const Vec3& p) {
+    const Vec3 axis = glm::normalize(Vec3(1, 2, 3));
+    const float angle = 1.1f;
+    return std::cos(angle) * p + std::sin(angle) * glm::cross(axis, p) +
+           (1.0f - std::cos(angle)) * glm::dot(axis, p) * axis;
+}
+
+void expect_rigid(const Cloth& cloth) {
+    const Vec3 shift(0.5f, -0.25f, 1.0f);
+    const Pose3 here = cloth.squeezed(0.75f);
+    const State folded = cloth.solve(here, Settings{});
+    ASSERT_GT(largest(folded.offset), 1e-3f);
+    Pose3 there = here;
+    for (Vec3& p : there) p = turned(p) + shift;
+    Report report;
+    const State moved = cloth.solve(there, Settings{}, &folded, &report);
+    EXPECT_EQ(report.iterations, 0);
+    EXPECT_TRUE(same_bits(moved, folded));
+    const Picture before = cloth.show(here, Settings{}, folded), after = cloth.show(there, Settings{}, moved);
+    for (size_t v = 0; v < before.positions.size(); ++v) {
+        ASSERT_LT(glm::distance(after.positions[v], turned(before.positions[v]) + shift), kRounding) << v;
+    }
+    // Solved anew over there, the folds are the same but for roundings, which buckling enlarges.
+    const State anew = cloth.solve(there, Settings{});
+    for (size_t v = 0; v < anew.offset.size(); ++v) {
+        ASSERT_LT(glm::distance(anew.offset[v], folded.offset[v]), 0.01f * cloth.model->local_edge[v]) << v;
     }
 }
 
 TEST_P(EveryAttachment, RigidMotionCarriesTheFoldsAlong) {
-    const Cloth cloth(tube(12, 10, 0.1f, 0.5f), 2, GetParam());
-    const std::vector<Vec3> here = cloth.squeezed(0.75f);
-    const State folded = cloth.solve(here, Settings{});
-    ASSERT_GT(largest(folded.offset), 1e-3f);
-    std::vector<Vec3> there = here;
-    for (Vec3& p : there) p = Vec3(-p.y, p.x, p.z) + Vec3(0.5f, -0.25f, 1.0f);  // a quarter turn
-    Report report;
-    const State moved = cloth.solve(there, Settings{}, &folded, &report);
-    EXPECT_EQ(report.iterations, 0);
-    EXPECT_TRUE(same_bits(moved.offset, folded.offset));
-    const Picture before = cloth.show(here, Settings{}, folded), after = cloth.show(there, Settings{}, moved);
-    for (size_t v = 0; v < before.positions.size(); ++v) {
-        const Vec3& p = before.positions[v];
-        EXPECT_LT(glm::distance(after.positions[v], Vec3(-p.y, p.x, p.z) + Vec3(0.5f, -0.25f, 1.0f)),
-                  kRounding);
+    const MeshData mesh = tube(12, 10, 0.1f, 0.5f);
+    const Surface own = tests::build(tube(30, 40, 0.104f, 0.5f));
+    for (const Source& source : {subdivided(2), split(4), own_mesh(own)}) {
+        expect_rigid(Cloth(mesh, source, GetParam()));
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(WrinkleMesh, EveryAttachment,
                          testing::Values(AttachmentKind::kLinear, AttachmentKind::kPnTriangle,
                                          AttachmentKind::kLimit));
-
-TEST(WrinkleMeshLaws, NoVertexLeavesItsRadiusOrItsPlane) {
-    const Cloth cloth(tube(12, 10, 0.1f, 0.5f), 2, AttachmentKind::kLinear);
-    Settings settings;
-    State state;
-    for (int frame = 0; frame < 6; ++frame) {
-        const std::vector<Vec3> pose = cloth.squeezed(1.0f - 0.08f * float(frame), 0.8f * float(frame));
-        state = cloth.solve(pose, settings, frame ? &state : nullptr);
-        const Measures measures = measure(*cloth.model, settings, {}, {pose}, state);
-        EXPECT_LT(measures.attachment_violation, 1e-4f);
-        const Picture picture = cloth.show(pose, settings, state);
-        std::vector<Vec3> normals(cloth.model->base.welded.vertex_count);
-        vertex_normals(cloth.model->base, pose, normals);
-        for (size_t v = 0; v < picture.offset.size(); ++v) {
-            const Vec3 normal =
-                glm::normalize(interpolate(cloth.model->base, cloth.model->display.places[v], normals));
-            const float depth = -glm::dot(picture.offset[v], normal);
-            EXPECT_LE(depth, settings.inside * cloth.model->local_edge[v] + kRounding);
-        }
-    }
-}
 
 TEST(WrinkleMeshLaws, TheResidualFallsWithTheIterations) {
     const Cloth cloth(tube(16, 12, 0.1f, 0.5f));
@@ -156,23 +164,41 @@ TEST(WrinkleMeshLaws, PreStretchBelowOneKeepsRestSmoothAndAboveOneWrinklesIt) {
     EXPECT_GT(height(1.1f), 1e-3f);
 }
 
+// Mean distance between every second change of side, along all rows of the strip.
+float wavelength(const Cloth& cloth, const Settings& settings, const Pose3& pose) {
+    const Picture picture = cloth.show(pose, settings, cloth.solve(pose, settings));
+    std::map<float, std::vector<std::pair<float, float>>> rows;  // y -> (x, height)
+    for (size_t v = 0; v < picture.positions.size(); ++v) {
+        const Vec3& at = cloth.model->display.positions_rest[v];
+        rows[std::round(1e4f * at.y)].push_back({at.x, picture.offset[v].z});
+    }
+    float length = 0.0f, crossings = 0.0f;
+    for (auto& [y, row] : rows) {
+        std::sort(row.begin(), row.end());
+        length += row.back().first - row.front().first;
+        for (size_t i = 1; i < row.size(); ++i) crossings += row[i].second * row[i - 1].second < 0.0f;
+    }
+    return 2.0f * length / crossings;
+}
+
 TEST(WrinkleMeshLaws, StifferClothFoldsMoreBroadly) {
-    const Cloth cloth(grid(24, 8, 0.02f));
-    const auto crossings = [&](float stiffness) {
+    const Cloth strip(grid(64, 6, 0.02f), 1, AttachmentKind::kLinear);
+    const auto mean_wavelength = [&](float stiffness) {
         Settings settings;
         settings.bending = stiffness;
+        settings.hem_rings = 0;
         settings.start_iterations = 60;
-        const std::vector<Vec3> pose = cloth.squeezed(0.85f);
-        const Picture picture = cloth.show(pose, settings, cloth.solve(pose, settings));
-        int count = 0;  // edges whose ends lie on different sides of the sheet
-        for (const Edge& e : collect_edges(cloth.model->display.mesh)) {
-            count += picture.offset[e.a].z * picture.offset[e.b].z < 0.0f;
+        float sum = 0.0f;
+        for (settings.seed = 0; settings.seed < 4; ++settings.seed) {
+            sum += wavelength(strip, settings, strip.squeezed(0.85f));
         }
-        return count;
+        return sum / 4.0f;
     };
-    const int soft = crossings(0.0f), middle = crossings(0.5f), stiff = crossings(1.0f);
-    EXPECT_GT(soft, middle);
-    EXPECT_GE(middle, stiff);
+    const float soft = mean_wavelength(0.0f), middle = mean_wavelength(0.1f), stiff = mean_wavelength(1.0f);
+    RecordProperty("soft_mm", int(1e3f * soft));
+    std::printf("%g %g %g %g %g\n", soft, middle, mean_wavelength(0.3f), mean_wavelength(0.6f), stiff);
+    EXPECT_GT(middle, 1.05f * soft);
+    EXPECT_GT(stiff, 1.05f * middle);
 }
 
 TEST(WrinkleMeshLaws, TheNumberOfThreadsChangesNoBit) {
@@ -185,23 +211,6 @@ TEST(WrinkleMeshLaws, TheNumberOfThreadsChangesNoBit) {
         EXPECT_TRUE(same_bits(cloth.solve(cloth.squeezed(0.8f, 1.0f), settings).offset, alone.offset))
             << threads;
     }
-}
-
-TEST(WrinkleMeshLaws, AHeldPoseStaysToTheBitAndADriftIsSolvedInTheEnd) {
-    const Cloth cloth(tube(12, 10, 0.1f, 0.5f));
-    const State first = cloth.solve(cloth.squeezed(0.8f), Settings{});
-    const State held = cloth.solve(cloth.squeezed(0.8f), Settings{}, &first);
-    EXPECT_TRUE(same_bits(held.offset, first.offset));
-    State drifting = first;
-    int solves = 0;
-    for (int step = 1; step <= 100; ++step) {
-        Report report;
-        drifting = cloth.solve(cloth.squeezed(0.8f - 5e-5f * float(step)), Settings{}, &drifting, &report);
-        solves += report.iterations > 0;
-    }
-    EXPECT_GT(solves, 0);
-    EXPECT_LT(solves, 100);
-    EXPECT_FALSE(same_bits(drifting.offset, first.offset));
 }
 
 TEST(WrinkleMeshLaws, AWokenStateTakesOtherSettingsInAHeldPose) {
@@ -245,31 +254,6 @@ TEST(WrinkleMeshLaws, AFlatSheetBucklesByTheNudgeOnlyAndTheSeedChoosesTheFolds) 
     EXPECT_TRUE(same_bits(offsets(0.02f, 1), offsets(0.02f, 1)));
 }
 
-TEST(WrinkleMeshLaws, CollapsedPosesGiveFiniteResults) {
-    const Cloth cloth(grid(4, 4, 0.1f), 2, AttachmentKind::kLimit, 1);
-    std::vector<Vec3> pinched = cloth.mesh.positions, flat = cloth.mesh.positions;
-    pinched[6] = pinched[7];                          // a zero-length edge
-    for (Vec3& p : flat) p = Vec3(1.0f, 2.0f, 3.0f);  // all in one point
-    for (const std::vector<Vec3>& pose : {pinched, flat}) {
-        State state = cloth.solve(pose, Settings{});
-        state = cloth.solve(cloth.mesh.positions, Settings{}, &state);
-        for (const Vec3& p : cloth.show(cloth.mesh.positions, Settings{}, state).positions) {
-            ASSERT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
-        }
-    }
-}
-
-TEST(WrinkleMeshLaws, PaintOfZeroHoldsAVertexAtItsAttachment) {
-    const Cloth cloth(tube(12, 10, 0.1f, 0.5f));
-    Paint paint;
-    paint.radius.assign(cloth.model->attached.size(), 1.0f);
-    paint.radius[40] = 0.0f;
-    Report report;
-    const State state = solve(*cloth.model, Settings{}, paint, {cloth.squeezed(0.75f)}, nullptr, report);
-    EXPECT_EQ(glm::length(state.offset[40]), 0.0f);
-    EXPECT_GT(largest(state.offset), 1e-3f);
-}
-
 TEST(WrinkleMeshLaws, AWeldedSeamDoesNotTear) {
     const Cloth cloth(seam_split_cube(), 3, AttachmentKind::kLimit, 1);
     std::vector<Vec3> pose = cloth.mesh.positions;
@@ -289,69 +273,54 @@ TEST(WrinkleMeshLaws, AWeldedSeamDoesNotTear) {
 
 TEST(WrinkleMeshLaws, AnOwnMeshKeepsItsDetailsAndItsLooseVerticesFollow) {
     const MeshData base = tube(12, 8, 0.1f, 0.5f);
-    const MeshData own = tube(30, 20, 0.104f, 0.5f);
+    MeshData own = tube(30, 20, 0.104f, 0.5f);
     const Surface own_surface = tests::build(own);
     std::vector<std::uint8_t> attached(own.positions.size(), 1);
     attached[100] = 0;
-    Source source;
-    source.kind = Source::Kind::kOwn;
-    source.own = &own_surface;
-    source.attached = attached;
-    const ModelHandle model = wrinkle_mesh::build(tests::build(base), source, AttachmentKind::kLimit, 0);
-    Report report;
-    const State state = solve(*model, unstretched(), {}, {base.positions}, nullptr, report);
-    Picture picture;
-    show(*model, unstretched(), {base.positions}, state, picture);
+    const Cloth cloth(base, own_mesh(own_surface, attached), AttachmentKind::kLimit);
+    const Pose3 aside = cloth.moved([](const Vec3& p) { return p + Vec3(0.0f, 2.0f, 0.0f); });
+    const State state = cloth.solve(base.positions, unstretched());
+    const Picture picture = cloth.show(aside, unstretched(), cloth.solve(aside, unstretched(), &state));
     for (size_t v = 0; v < own.positions.size(); ++v) {
-        EXPECT_LT(glm::distance(picture.positions[v], own_surface.positions_rest[v]), kRounding);
+        EXPECT_LT(glm::distance(picture.positions[v], own.positions[v] + Vec3(0.0f, 2.0f, 0.0f)), kRounding);
     }
-    source.farthest = 1e-4f;
-    EXPECT_THROW(wrinkle_mesh::build(tests::build(base), source, AttachmentKind::kLimit, 0), InvalidInput);
 }
 
-TEST(WrinkleMeshLaws, NeighbourhoodCollisionStaysAboveItsFloor) {
-    const Cloth cloth(grid(8, 8, 0.05f), 2, AttachmentKind::kLinear);
+TEST(WrinkleMeshLaws, AnUnattachedVertexKnowsNoRadius) {
+    const MeshData base = tube(12, 8, 0.1f, 0.5f);
+    const MeshData own = tube(24, 16, 0.1f, 0.5f);
+    const Surface own_surface = tests::build(own);
+    std::vector<std::uint8_t> attached(own.positions.size(), 1);
+    attached[200] = 0;
     Settings settings;
-    settings.collision = Collision::kNeighbourhood;
-    settings.inside = 0.2f;
-    const std::vector<Vec3> pose = cloth.squeezed(0.8f);
-    const State state = cloth.solve(pose, settings);
-    float deepest = 0.0f;
-    for (size_t v = 0; v < state.offset.size(); ++v) {
-        EXPECT_GE(state.offset[v].z, -0.2f * cloth.model->local_edge[v] - kRounding);
-        deepest = std::min(deepest, state.offset[v].z);
-    }
-    EXPECT_LT(deepest, 0.0f);
+    settings.radius = 0.1f;
+    const auto beyond = [&](std::span<const std::uint8_t> marks) {
+        const Cloth cloth(base, own_mesh(own_surface, marks), AttachmentKind::kLimit);
+        const State state = cloth.solve(cloth.squeezed(0.7f), settings);
+        return glm::length(state.offset[200]) / (settings.radius * cloth.model->local_edge[200]);
+    };
+    EXPECT_LE(beyond({}), 1.001f);
+    EXPECT_GT(beyond(attached), 1.5f);
 }
 
-TEST(WrinkleMeshInput, SettingsOutOfRangeAreNamed) {
-    const Cloth cloth(grid(2, 2, 0.1f));
-    Settings settings;
-    settings.bending = std::numeric_limits<float>::quiet_NaN();
-    try {
-        cloth.solve(cloth.mesh.positions, settings);
-        FAIL();
-    } catch (const InvalidInput& error) {
-        EXPECT_NE(std::string(error.what()).find("bending"), std::string::npos) << error.what();
+// A vertex without faces, as a stray click leaves it, is not part of the fine mesh.
+TEST(WrinkleMeshLaws, AnOwnMeshMayHaveVerticesWithoutFaces) {
+    const MeshData base = tube(12, 8, 0.1f, 0.5f);
+    MeshData own = tube(24, 16, 0.103f, 0.5f);
+    own.positions.insert(own.positions.begin(), Vec3(0.2f, 0.0f, 0.3f));
+    for (Index& v : own.corner_vertex) ++v;
+    const Surface own_surface = tests::build(own);
+    std::vector<std::uint8_t> attached(own.positions.size(), 1);
+    attached[150] = 0;
+    const Cloth cloth(base, own_mesh(own_surface, attached), AttachmentKind::kLimit);
+    EXPECT_EQ(cloth.model->attachments.places.size(), own.positions.size() - 1);
+    EXPECT_EQ(cloth.model->attached[149], 0);
+    const State state = cloth.solve(base.positions, unstretched());
+    EXPECT_LT(largest(state.offset), kRounding);
+    const Picture picture = cloth.show(base.positions, unstretched(), state);
+    for (size_t v = 0; v < picture.positions.size(); ++v) {
+        EXPECT_LT(glm::distance(picture.positions[v], own.positions[v + 1]), kRounding) << v;
     }
-    settings = {};
-    settings.compression_limit = 0.5f;
-    EXPECT_THROW(check(settings), InvalidInput);
-    EXPECT_NO_THROW(check(Settings{}));
-}
-
-TEST(WrinkleMeshInput, BadPosesNameTheVertex) {
-    const Cloth cloth(grid(2, 2, 0.1f));
-    std::vector<Vec3> pose = cloth.mesh.positions;
-    pose[5].y = std::numeric_limits<float>::quiet_NaN();
-    try {
-        cloth.solve(pose, Settings{});
-        FAIL();
-    } catch (const InvalidInput& error) {
-        EXPECT_NE(std::string(error.what()).find("vertex 5"), std::string::npos) << error.what();
-    }
-    pose.pop_back();
-    EXPECT_THROW(cloth.solve(pose, Settings{}), InvalidInput);
 }
 
 }  // namespace
