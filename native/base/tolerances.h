@@ -51,4 +51,9 @@ inline constexpr float kOppositeNormals = -0.999f;
 inline constexpr float kHeldStrain = 2e-4f;
 inline constexpr float kFreeStrain = 4e-3f;
 
+// Unit: attachment radii. A held vertex is put back within its bounds when it is
+// outside by more than this. An offset of 5 mm at 50 m from the origin is
+// rounded by 1e-3 of itself; nobody sees so much.
+inline constexpr float kHeldOutside = 1e-3f;
+
 }  // namespace rumple

@@ -212,22 +212,24 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
     report.collapsed_triangles = pose.collapsed;
     report.active = share_above_zero(active);
     report.error_before = length_error(model.distance, targets.distance, pose.attachment).rms;
+    const Bounds bounds(model, settings, paint, pose);
     if (report.active > 0.0f) {
-        const Bounds bounds(model, settings, paint, pose);
         nudge(model, settings, pose, state.solved_length, targets, positions);
         report.iterations = before ? settings.iterations : settings.start_iterations;
         relax(model, targets, bounds, report.iterations, choose_threads(model, settings), positions);
         if (before) blend(settings, start, active, bounds, positions);
     }
+    // o_i = p_i - a_i; what was held keeps its bits, unless a plane that turned or a smaller radius pushes it.
+    for (size_t v = 0; v < positions.size(); ++v) {
+        const bool held = before && active[v] <= 0.0f;
+        if (held) positions[v] = start[v];
+        const bool pushed = held && bounds.push_back(v, positions[v]);
+        const bool kept = held && !pushed;
+        state.offset[v] = kept ? before->offset[v] : frames.stored(v, positions[v] - pose.attachment[v]);
+    }
     const LengthError after = length_error(model.distance, targets.distance, positions);
     report.error_after = after.rms;
     report.largest_error = after.largest;
-
-    // o_i = p_i - a_i; what was held keeps its bits.
-    for (size_t v = 0; v < positions.size(); ++v) {
-        const bool held = before && active[v] <= 0.0f;
-        state.offset[v] = held ? before->offset[v] : frames.stored(v, positions[v] - pose.attachment[v]);
-    }
     if (before) remember_lengths(model, active, *before, state.solved_length);
     return state;
 }

@@ -61,6 +61,14 @@ void Bounds::project(size_t v, Vec3& p) const {
     if (length > radii_[v]) p = a + offset * (radii_[v] / length);  // (7)
 }
 
+bool Bounds::push_back(size_t v, Vec3& p) const {
+    Vec3 inside = p;
+    project(v, inside);
+    if (glm::distance(inside, p) <= kHeldOutside * radii_[v]) return false;
+    p = inside;
+    return true;
+}
+
 Bounds::Side Bounds::side_of(size_t v, const Vec3& p) const {
     const Index home = model_.attachments.places[v].triangle;
     float best = -1.0f;

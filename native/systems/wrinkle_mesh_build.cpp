@@ -236,17 +236,18 @@ Display build_display(const Model& model, const Surface& source, const FineMesh&
 }
 
 // The artist's mesh: closest points, and what is left between them and the mesh.
-void bind_own(Model& model, const Source& source) {
-    const std::span<const Vec3> own = source.own->positions_rest;
-    model.unattached_distance.resize(own.size());
-    model.attachments.places = closest_points(model.base, own, model.unattached_distance);
-    for (size_t v = 0; v < own.size(); ++v) {
+// fine: the artist's mesh without the vertices that no polygon uses.
+void bind_own(Model& model, const Source& source, const FineMesh& fine, std::span<const Vec3> rest) {
+    model.unattached_distance.resize(rest.size());
+    model.attachments.places = closest_points(model.base, rest, model.unattached_distance);
+    for (size_t v = 0; v < rest.size(); ++v) {
+        const Index vertex = source.own->representative[fine.vertex_from_parent.index[v]];
         if (source.farthest > 0.0f && model.unattached_distance[v] > source.farthest) {
-            throw InvalidInput("vertex " + std::to_string(source.own->representative[v]) +
-                               " of the own mesh is " + std::to_string(model.unattached_distance[v]) +
-                               " away from the base, farther than " + std::to_string(source.farthest));
+            throw InvalidInput("vertex " + std::to_string(vertex) + " of the own mesh is " +
+                               std::to_string(model.unattached_distance[v]) + " away from the base, farther than " +
+                               std::to_string(source.farthest));
         }
-        if (!source.attached.empty()) model.attached[v] = source.attached[source.own->representative[v]];
+        if (!source.attached.empty()) model.attached[v] = source.attached[vertex];
     }
 }
 
@@ -263,8 +264,10 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
     model->attached.assign(vertices, 1);
     model->attachments.kind = attachment;
     const bool own = source.kind == Source::Kind::kOwn;
+    std::vector<Vec3> own_rest(own ? vertices : 0);
     if (own) {
-        bind_own(*model, source);
+        apply<Vec3>(fine.vertex_from_parent, source.own->positions_rest, own_rest);
+        bind_own(*model, source, fine, own_rest);
     } else {
         model->attachments.places = locate_on_parents(model->base, fine);
     }
@@ -280,13 +283,13 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
         std::vector<TriangleFrame> frames(model->base.triangles.size());
         triangle_frames(model->base, model->base.positions_rest, frames);
         for (size_t v = 0; v < vertices; ++v) {
-            const Vec3 left = source.own->positions_rest[v] - rest[v];
+            const Vec3 left = own_rest[v] - rest[v];
             const SurfacePoint& place = model->attachments.places[v];
             model->rest_offset.push_back(
                 smooth_frame(frames[place.triangle], interpolate(model->base, place, normals))
                     .to_local(left));
         }
-        rest = source.own->positions_rest;
+        rest = std::move(own_rest);
     }
     model->positions_rest = rest;
     model->triangles = triangulate(fine.mesh, rest);
