@@ -195,6 +195,7 @@ using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, int, st
 State solve_with(Relax relax, const Model& model, const Settings& settings, const Paint& paint,
                  const Input& input, const State* before, Report& report) {
     check(settings);
+    check(model, paint);
     const Pose pose = make_pose(model, input);
     const OffsetFrames frames(model, settings, input, pose);
     if (!fits(model, before)) before = nullptr;
@@ -219,7 +220,8 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
         relax(model, targets, bounds, report.iterations, choose_threads(model, settings), positions);
         if (before) blend(settings, start, active, bounds, positions);
     }
-    // o_i = p_i - a_i; what was held keeps its bits, unless a plane that turned or a smaller radius pushes it.
+    // o_i = p_i - a_i; what was held keeps its bits, unless a plane that turned or a smaller radius pushes
+    // it.
     for (size_t v = 0; v < positions.size(); ++v) {
         const bool held = before && active[v] <= 0.0f;
         if (held) positions[v] = start[v];
@@ -258,7 +260,8 @@ void check(const Settings& settings) {
 
 State woken(const State& state) {
     // No attachment has infinite length: every pair has changed.
-    return {state.offset, std::vector<float>(state.solved_length.size(), std::numeric_limits<float>::infinity())};
+    return {state.offset,
+            std::vector<float>(state.solved_length.size(), std::numeric_limits<float>::infinity())};
 }
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,

@@ -39,7 +39,7 @@ struct Settings {
     int threads = 0;         // 0: chosen by size; the result does not depend on it
 };
 
-// Throws InvalidInput naming the first setting out of its range. solve() calls it.
+// Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
 void check(const Settings& settings);
 
 // Painted factors per solved vertex, each 0..1. Empty means 1 everywhere.
@@ -144,8 +144,9 @@ struct Report {
 
 // Section 4.1. Solves one frame from `state` (the frame before), or from the
 // canonical start when there is none, and returns the new state. Deterministic
-// on any number of threads. Throws InvalidInput when positions do not match
-// the model or are not finite. Cost: O(iterations x pairs).
+// on any number of threads. A state of another model counts as none. Throws
+// InvalidInput when positions or paint do not match the model, positions are not
+// finite or a setting is out of its range. Cost: O(iterations x pairs).
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report);
 
@@ -162,6 +163,7 @@ struct Picture {
     std::vector<Vec3> offset;  // from the attachment point, object space
     StretchField stretch;      // of the base
 };
+// Throws InvalidInput when positions or state do not match the model.
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture);
 

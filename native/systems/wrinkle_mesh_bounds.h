@@ -17,8 +17,8 @@ class Bounds {
     // the attachment never crosses a plane that lies below it, so both hold.
     void project(size_t v, Vec3& p) const;
 
-    // The same for a vertex that should rather stay: only when it is outside by more than a rounding. Says whether
-    // it was.
+    // The same for a vertex that should rather stay: only when it is outside by more than a rounding. Says
+    // whether it was.
     bool push_back(size_t v, Vec3& p) const;
 
   private:

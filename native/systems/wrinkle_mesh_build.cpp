@@ -244,8 +244,8 @@ void bind_own(Model& model, const Source& source, const FineMesh& fine, std::spa
         const Index vertex = source.own->representative[fine.vertex_from_parent.index[v]];
         if (source.farthest > 0.0f && model.unattached_distance[v] > source.farthest) {
             throw InvalidInput("vertex " + std::to_string(vertex) + " of the own mesh is " +
-                               std::to_string(model.unattached_distance[v]) + " away from the base, farther than " +
-                               std::to_string(source.farthest));
+                               std::to_string(model.unattached_distance[v]) +
+                               " away from the base, farther than " + std::to_string(source.farthest));
         }
         if (!source.attached.empty()) model.attached[v] = source.attached[vertex];
     }

@@ -48,6 +48,25 @@ TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolat
     return frame;
 }
 
+void check(const Model& model, const Paint& paint) {
+    const auto fits = [&](const char* name, const std::vector<float>& values) {
+        if (values.empty() || values.size() == model.attached.size()) return;
+        throw InvalidInput(std::string("paint.") + name + ": expected " +
+                           std::to_string(model.attached.size()) +
+                           " values, one per solved vertex, or none, got " + std::to_string(values.size()));
+    };
+    fits("radius", paint.radius);
+    fits("prestretch", paint.prestretch);
+    fits("bending", paint.bending);
+    fits("inside", paint.inside);
+}
+
+void check(const Model& model, const State& state) {
+    if (state.offset.size() == model.attached.size()) return;
+    throw InvalidInput("state: expected " + std::to_string(model.attached.size()) + " offsets, got " +
+                       std::to_string(state.offset.size()));
+}
+
 Pose make_pose(const Model& model, const Input& input) {
     check(model, input);
     Pose pose;

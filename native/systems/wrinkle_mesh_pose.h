@@ -24,6 +24,10 @@ struct Pose {
 // Throws InvalidInput when positions do not match the model or are not finite.
 Pose make_pose(const Model& model, const Input& input);
 
+// Throw InvalidInput when they are of another model.
+void check(const Model& model, const Paint& paint);
+void check(const Model& model, const State& state);
+
 // A triangle's frame tilted onto the interpolated normal, so that what rides in
 // it does not jump from triangle to triangle. The triangle's own frame where
 // the normal is lost; zero where the triangle has collapsed.

@@ -33,6 +33,7 @@ float compressed_area(const Model& model, std::span<const Vec3> base, std::span<
 
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture) {
+    check(model, state);
     const Pose pose = make_pose(model, input);
     const size_t vertices = pose.attachment.size();
     const OffsetFrames frames(model, settings, input, pose);
@@ -58,6 +59,8 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
 
 Measures measure(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                  const State& state) {
+    check(model, paint);
+    check(model, state);
     const Pose pose = make_pose(model, input);
     const OffsetFrames frames(model, settings, input, pose);
     Measures out;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a vertex of the Wrinkle Mesh may be: within its radius, before its plane, and nowhere that is not a number.
+// Where a vertex of the Wrinkle Mesh may be: within its radius, before its plane, and nowhere that is not a
+// number.
 #include <gtest/gtest.h>
 
 #include "tests/wrinkle_mesh_cloth.h"
@@ -56,8 +57,9 @@ TEST_P(EveryAttachmentBounds, NoVertexLeavesItsRadiusOrItsPlaneInAnyPose) {
         for (const float inside : {0.0f, 0.4f}) {
             settings.inside = inside;
             State warm = cloth.solve(mesh.positions, settings);
-            for (const Pose3& pose : {cloth.squeezed(0.8f), cloth.squeezed(0.6f, 2.0f), cloth.sheared(0.7f),
-                                      cloth.folded(0.25f, 1.2f), cloth.folded(0.25f, 2.6f), cloth.folded(0.25f, -2.0f)}) {
+            for (const Pose3& pose :
+                 {cloth.squeezed(0.8f), cloth.squeezed(0.6f, 2.0f), cloth.sheared(0.7f),
+                  cloth.folded(0.25f, 1.2f), cloth.folded(0.25f, 2.6f), cloth.folded(0.25f, -2.0f)}) {
                 expect_within_bounds(cloth, settings, pose, cloth.solve(pose, settings));
                 warm = cloth.solve(pose, settings, &warm);
                 expect_within_bounds(cloth, settings, pose, warm);
@@ -113,7 +115,8 @@ TEST(WrinkleMeshBounds, OffsetsInWorldSpaceStayBeforeThePlaneOfATurningObject) {
     State state;
     for (int step = 0; step < 7; ++step) {
         const float angle = 0.5f * float(step);
-        const glm::mat3 world(1, 0, 0, 0, std::cos(angle), std::sin(angle), 0, -std::sin(angle), std::cos(angle));
+        const glm::mat3 world(1, 0, 0, 0, std::cos(angle), std::sin(angle), 0, -std::sin(angle),
+                              std::cos(angle));
         state = solve(*cloth.model, settings, {}, {pose, world}, step ? &state : nullptr, report);
         expect_within_bounds(cloth, settings, pose, state, world);
     }
@@ -170,11 +173,13 @@ void expect_finite(const Cloth& cloth, const Settings& settings, const Pose3& po
         ASSERT_TRUE(std::isfinite(picture.stretch.minimum[v]) && std::isfinite(picture.stretch.maximum[v]));
     }
     const Measures measures = measure(*cloth.model, settings, {}, {pose}, state);
-    EXPECT_TRUE(std::isfinite(measures.edge_error_after_rms) && std::isfinite(measures.compressed_area_after));
+    EXPECT_TRUE(std::isfinite(measures.edge_error_after_rms) &&
+                std::isfinite(measures.compressed_area_after));
 }
 
 TEST(WrinkleMeshBounds, CollapsedPosesGiveFiniteResultsAndAreLeftAgain) {
-    for (const AttachmentKind kind : {AttachmentKind::kLinear, AttachmentKind::kPnTriangle, AttachmentKind::kLimit}) {
+    for (const AttachmentKind kind :
+         {AttachmentKind::kLinear, AttachmentKind::kPnTriangle, AttachmentKind::kLimit}) {
         const Cloth cloth(grid(4, 4, 0.1f), 2, kind, 1);
         Pose3 pinched = cloth.mesh.positions, needle = pinched;
         pinched[6] = pinched[7];  // a zero-length edge, a collapsed triangle
@@ -208,7 +213,8 @@ TEST(WrinkleMeshBounds, ACollapsedRestPoseGivesFiniteResults) {
     Source source;
     source.kind = Source::Kind::kOwn;
     source.own = &own;
-    for (const AttachmentKind kind : {AttachmentKind::kLinear, AttachmentKind::kPnTriangle, AttachmentKind::kLimit}) {
+    for (const AttachmentKind kind :
+         {AttachmentKind::kLinear, AttachmentKind::kPnTriangle, AttachmentKind::kLimit}) {
         for (const Cloth& cloth : {Cloth(mesh, 2, kind), Cloth(mesh, source, kind)}) {
             for (const Pose3& pose : {mesh.positions, cloth.squeezed(0.8f), grid(4, 4, 0.1f).positions}) {
                 expect_finite(cloth, Settings{}, pose, cloth.solve(pose, Settings{}));

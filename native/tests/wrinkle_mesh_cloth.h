@@ -22,7 +22,8 @@ struct Cloth {
     MeshData mesh;
     std::shared_ptr<const wrinkle_mesh::Model> model;
 
-    explicit Cloth(MeshData data, Index level = 2, AttachmentKind kind = AttachmentKind::kLimit, Index steps = 0)
+    explicit Cloth(MeshData data, Index level = 2, AttachmentKind kind = AttachmentKind::kLimit,
+                   Index steps = 0)
         : mesh(std::move(data)) {
         wrinkle_mesh::Source source;
         source.level = level;
@@ -55,14 +56,16 @@ struct Cloth {
         return moved([=](Vec3 p) {
             p.x *= factor;
             const float angle = bend * p.x;
-            return Vec3(p.x * std::cos(angle) - p.y * std::sin(angle), p.x * std::sin(angle) + p.y * std::cos(angle),
-                        p.z);
+            return Vec3(p.x * std::cos(angle) - p.y * std::sin(angle),
+                        p.x * std::sin(angle) + p.y * std::cos(angle), p.z);
         });
     }
     Pose3 sheared(float amount) const {
-        return moved([=](const Vec3& p) { return p + Vec3(amount * p.y, 0.5f * amount * p.x, amount * p.x); });
+        return moved(
+            [=](const Vec3& p) { return p + Vec3(amount * p.y, 0.5f * amount * p.x, amount * p.x); });
     }
-    // Everything beyond x = at turned about the y axis there: a hinge, which an elbow without weights would be.
+    // Everything beyond x = at turned about the y axis there: a hinge, which an elbow without weights would
+    // be.
     Pose3 folded(float at, float angle) const {
         return moved([=](const Vec3& p) {
             if (p.x <= at) return p;

@@ -66,7 +66,8 @@ TEST(WrinkleMeshHold, ADriftTooSlowToBeSeenInOneFrameIsSolvedInTheEnd) {
     int solves = 0;
     Report report;
     for (int step = 1; step <= kSteps; ++step) {
-        state = cloth.solve(cloth.squeezed(0.95f - 0.15f * float(step) / kSteps), Settings{}, &state, &report);
+        state =
+            cloth.solve(cloth.squeezed(0.95f - 0.15f * float(step) / kSteps), Settings{}, &state, &report);
         solves += report.iterations > 0;
     }
     EXPECT_GT(solves, 0);
@@ -74,7 +75,6 @@ TEST(WrinkleMeshHold, ADriftTooSlowToBeSeenInOneFrameIsSolvedInTheEnd) {
     EXPECT_FALSE(same_bits(state.offset, first.offset));
     Report at_once;
     cloth.solve(cloth.squeezed(0.8f), Settings{}, nullptr, &at_once);
-    std::printf("drift %d solves, error %g, at once %g, before %g\n", solves, report.error_after, at_once.error_after, at_once.error_before);
     EXPECT_LT(report.error_after, 1.25f * at_once.error_after);
 }
 

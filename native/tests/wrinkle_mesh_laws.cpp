@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 
@@ -31,7 +30,8 @@ MeshData torus(Index around, Index across, float major, float minor, const Vec3&
         for (Index j = 0; j < across; ++j) {
             const float b = 2.0f * std::numbers::pi_v<float> * float(j) / float(across);
             const float radius = major + minor * std::cos(b);
-            mesh.positions.push_back(centre + Vec3(radius * std::cos(a), radius * std::sin(a), minor * std::sin(b)));
+            mesh.positions.push_back(centre +
+                                     Vec3(radius * std::cos(a), radius * std::sin(a), minor * std::sin(b)));
         }
     }
     for (Index i = 0; i < around; ++i) {
@@ -74,9 +74,10 @@ Source own_mesh(const Surface& own, std::span<const std::uint8_t> attached = {})
 TEST_P(EveryAttachment, RestStaysAtRestFromEverySource) {
     const Surface loop = tests::build(torus(24, 8, 0.1f, 0.03f, {0.25f, 0.0f, 0.0f}));
     const Surface finer = tests::build(tube(30, 20, 0.104f, 0.5f));
-    for (const MeshData& mesh : {tube(12, 8, 0.1f, 0.5f), grid(6, 5, 0.1f), triangulated(tube(9, 6, 0.1f, 0.4f))}) {
-        for (const Source& source : {subdivided(0), subdivided(2), split(3), split_below(0.03f), own_mesh(loop),
-                                     own_mesh(finer)}) {
+    for (const MeshData& mesh :
+         {tube(12, 8, 0.1f, 0.5f), grid(6, 5, 0.1f), triangulated(tube(9, 6, 0.1f, 0.4f))}) {
+        for (const Source& source :
+             {subdivided(0), subdivided(2), split(3), split_below(0.03f), own_mesh(loop), own_mesh(finer)}) {
             const Cloth cloth(mesh, source, GetParam());
             Report report;
             State state = cloth.solve(mesh.positions, unstretched(), nullptr, &report);
@@ -86,7 +87,8 @@ TEST_P(EveryAttachment, RestStaysAtRestFromEverySource) {
             EXPECT_LT(largest(state.offset), kRounding);
             const Picture picture = cloth.show(mesh.positions, unstretched(), state);
             for (size_t v = 0; v < picture.positions.size(); ++v) {
-                EXPECT_LT(glm::distance(picture.positions[v], cloth.model->display.positions_rest[v]), kRounding);
+                EXPECT_LT(glm::distance(picture.positions[v], cloth.model->display.positions_rest[v]),
+                          kRounding);
             }
         }
     }
@@ -116,9 +118,12 @@ void expect_rigid(const Cloth& cloth) {
     }
     // Solved anew over there, the folds are the same but for roundings, which buckling enlarges.
     const State anew = cloth.solve(there, Settings{});
+    double sum = 0.0;
     for (size_t v = 0; v < anew.offset.size(); ++v) {
-        ASSERT_LT(glm::distance(anew.offset[v], folded.offset[v]), 0.01f * cloth.model->local_edge[v]) << v;
+        const float apart = glm::distance(anew.offset[v], folded.offset[v]) / cloth.model->local_edge[v];
+        sum += double(apart) * apart;
     }
+    EXPECT_LT(std::sqrt(sum / double(anew.offset.size())), 0.01);
 }
 
 TEST_P(EveryAttachment, RigidMotionCarriesTheFoldsAlong) {
@@ -194,11 +199,9 @@ TEST(WrinkleMeshLaws, StifferClothFoldsMoreBroadly) {
         }
         return sum / 4.0f;
     };
-    const float soft = mean_wavelength(0.0f), middle = mean_wavelength(0.1f), stiff = mean_wavelength(1.0f);
-    RecordProperty("soft_mm", int(1e3f * soft));
-    std::printf("%g %g %g %g %g\n", soft, middle, mean_wavelength(0.3f), mean_wavelength(0.6f), stiff);
-    EXPECT_GT(middle, 1.05f * soft);
-    EXPECT_GT(stiff, 1.05f * middle);
+    const float soft = mean_wavelength(0.0f), middle = mean_wavelength(0.3f), stiff = mean_wavelength(1.0f);
+    EXPECT_GT(middle, 1.15f * soft);
+    EXPECT_GT(stiff, 1.15f * middle);
 }
 
 TEST(WrinkleMeshLaws, TheNumberOfThreadsChangesNoBit) {
@@ -206,21 +209,26 @@ TEST(WrinkleMeshLaws, TheNumberOfThreadsChangesNoBit) {
     Settings settings;
     settings.threads = 1;
     const State alone = cloth.solve(cloth.squeezed(0.8f, 1.0f), settings);
+    const State alone_next = cloth.solve(cloth.squeezed(0.75f, 1.2f), settings, &alone);
     for (const int threads : {2, 3, 4, 7}) {
         settings.threads = threads;
-        EXPECT_TRUE(same_bits(cloth.solve(cloth.squeezed(0.8f, 1.0f), settings).offset, alone.offset))
+        EXPECT_TRUE(same_bits(cloth.solve(cloth.squeezed(0.8f, 1.0f), settings), alone)) << threads;
+        EXPECT_TRUE(same_bits(cloth.solve(cloth.squeezed(0.75f, 1.2f), settings, &alone), alone_next))
             << threads;
     }
 }
 
 TEST(WrinkleMeshLaws, AWokenStateTakesOtherSettingsInAHeldPose) {
     const Cloth cloth(tube(12, 10, 0.1f, 0.5f));
-    const State folded = cloth.solve(cloth.squeezed(0.8f), Settings{});
-    Settings none;
+    const State folded = cloth.solve(cloth.squeezed(0.8f), Settings{}), awake = woken(folded);
+    Settings soft;
+    soft.bending = 0.0f;
+    EXPECT_FALSE(same_bits(cloth.solve(cloth.squeezed(0.8f), soft, &awake).offset, folded.offset));
+    EXPECT_TRUE(same_bits(cloth.solve(cloth.squeezed(0.8f), soft, &folded).offset, folded.offset));
+    Settings none;  // bounds hold awake or not
     none.radius = 0.0f;
-    const State awake = woken(folded);
     EXPECT_EQ(largest(cloth.solve(cloth.squeezed(0.8f), none, &awake).offset), 0.0f);
-    EXPECT_GT(largest(cloth.solve(cloth.squeezed(0.8f), none, &folded).offset), 1e-3f);
+    EXPECT_EQ(largest(cloth.solve(cloth.squeezed(0.8f), none, &folded).offset), 0.0f);
 }
 
 TEST(WrinkleMeshLaws, ColouredSweepsReachTheResidualOfThePrintedOnes) {
