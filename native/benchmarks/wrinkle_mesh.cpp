@@ -36,7 +36,7 @@ struct Scene {
 
 // The shown mesh as a surface, for its normals.
 Surface shown_surface(const Model& model) {
-    const PolygonMesh& mesh = model.display.mesh;
+    const PolygonMesh& mesh = model.shown.mesh;
     std::vector<Index> triangle_corner;
     for (Index p = 0; p < mesh.polygons(); ++p) {
         const Index begin = mesh.polygon_start[p];
@@ -45,7 +45,7 @@ Surface shown_surface(const Model& model) {
         }
     }
     return build_surface(
-        {model.display.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner});
+        {model.shown.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner});
 }
 
 enum Stages { kSolve, kSolveAndNormals, kWholeFrame };

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings/arrays.h"
+#include "bindings/choices.h"
 #include "bindings/module.h"
 
 namespace rumple::bindings {
@@ -12,33 +13,18 @@ namespace {
 using namespace wrinkle_mesh;
 using ModelHandle = std::shared_ptr<const Model>;
 
-template <typename Value>
-Value chosen(const std::string& name, const char* argument,
-             std::initializer_list<std::pair<const char*, Value>> from) {
-    std::string known;
-    for (const auto& [key, value] : from) {
-        if (name == key) return value;
-        known += std::string(known.empty() ? "" : ", ") + key;
-    }
-    throw InvalidInput(std::string(argument) + ": expected one of " + known + ", got " + name);
-}
-
 ModelHandle make_model(const Surface& base, const std::string& source, Index level, Index segments,
                        float longest_edge, Index most_vertices, const Surface* own,
                        const std::optional<py::array>& attached, float farthest,
                        const std::string& attachment, Index display_steps) {
     Source from;
-    from.kind = chosen<Source::Kind>(source, "source",
-                                     {{"SUBDIVISION", Source::Kind::kSubdivision},
-                                      {"REGULAR", Source::Kind::kRegular},
-                                      {"EDGE_LENGTH", Source::Kind::kLongestEdge},
-                                      {"OBJECT", Source::Kind::kOwn}});
-    if (from.kind == Source::Kind::kOwn && !own) throw InvalidInput("own: expected a Surface, got None");
-    from.level = level;
-    from.segments = segments;
-    from.longest_edge = longest_edge;
-    from.most_vertices = most_vertices;
-    from.own = own;
+    if (source == "OBJECT") {
+        if (!own) throw InvalidInput("own: expected a Surface, got None");
+        from.own = own;
+        from.most_vertices = most_vertices;
+    } else {
+        static_cast<FineSource&>(from) = fine_source(source, level, segments, longest_edge, most_vertices);
+    }
     from.farthest = farthest;
     if (attached) {
         from.attached = scalars<std::uint8_t>(*attached, "attached", 0);
@@ -47,10 +33,7 @@ ModelHandle make_model(const Surface& base, const std::string& source, Index lev
                                " values, got " + std::to_string(from.attached.size()));
         }
     }
-    const auto kind = chosen<AttachmentKind>(attachment, "attachment",
-                                             {{"LINEAR", AttachmentKind::kLinear},
-                                              {"PN", AttachmentKind::kPnTriangle},
-                                              {"LIMIT", AttachmentKind::kLimit}});
+    const AttachmentKind kind = attachment_kind(attachment);
     const py::gil_scoped_release release;
     return build(base, from, kind, display_steps);
 }
@@ -118,46 +101,6 @@ Measures measure_frame(const Model& model, const Settings& settings, const Paint
     return measure(model, settings, paint, input, state);
 }
 
-// (rows, k) values through a linear map whose columns are `expected` values of `what`.
-py::array_t<float> carry(const SparseRows& rows, const py::array& values, size_t expected, const char* what) {
-    if (values.ndim() != 2 || values.shape(0) != py::ssize_t(expected)) {
-        throw InvalidInput(std::string(what) + ": expected shape (" + std::to_string(expected) +
-                           ", k), got " + describe(values));
-    }
-    const py::ssize_t width = values.shape(1);
-    const auto from = scalars<float>(values, what, width);
-    py::array_t<float> out({py::ssize_t(rows.rows()), width});
-    float* to = out.mutable_data();
-    for (Index r = 0; r < rows.rows(); ++r, to += width) {
-        std::fill(to, to + width, 0.0f);
-        for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k) {
-            const float* row = &from[size_t(rows.index[k]) * width];
-            for (py::ssize_t c = 0; c < width; ++c) to[c] += rows.weight[k] * row[c];
-        }
-    }
-    return out;
-}
-
-py::array_t<float> carry_points(const Model& model, const py::array& values, size_t source_vertices) {
-    return carry(model.display.vertex_from_source, values, source_vertices, "point values");
-}
-
-py::array_t<Index> triangle_vertices(const Model& model) {
-    std::vector<Index> vertices;
-    for (const SurfacePoint& place : model.display.places) {
-        for (const Index corner : model.base.triangles[place.triangle].corner) {
-            vertices.push_back(model.base.display.corner_vertex[corner]);
-        }
-    }
-    return to_numpy<Index>(vertices, 3);
-}
-
-py::array_t<float> barycentrics(const Model& model) {
-    std::vector<Vec2> weights;
-    for (const SurfacePoint& place : model.display.places) weights.push_back({place.b0, place.b1});
-    return to_numpy<float>(weights, 2);
-}
-
 void bind_settings(py::module_& module) {
     py::class_<Settings>(
         module, "WrinkleMeshSettings",
@@ -209,49 +152,18 @@ void bind_model(py::module_& module) {
     py::class_<Model, std::shared_ptr<Model>>(
         module, "WrinkleMeshModel", "A fine mesh attached to a base at rest. Made by build_wrinkle_mesh.")
         .def_property_readonly(
-            "vertex_count", [](const Model& m) { return m.display.mesh.vertex_count; },
-            "Vertices of the shown mesh.")
+            "shown", [](const Model& m) -> const ShownMesh& { return m.shown; },
+            py::return_value_policy::reference_internal, "The ShownMesh.")
         .def_property_readonly("solved_vertex_count", [](const Model& m) { return m.solved.vertex_count; })
         .def_property_readonly(
             "pair_count", [](const Model& m) { return m.distance.size() + m.bending.size(); },
             "Distance and bending constraints.")
         .def_property_readonly(
-            "polygon_start", [](const Model& m) { return to_numpy<Index>(m.display.mesh.polygon_start, 0); },
-            "(q + 1,) int32 of the shown mesh.")
-        .def_property_readonly(
-            "corner_vertex", [](const Model& m) { return to_numpy<Index>(m.display.mesh.corner_vertex, 0); },
-            "(k,) int32 of the shown mesh.")
-        .def_property_readonly(
-            "polygon_source", [](const Model& m) { return to_numpy<Index>(m.display.polygon_source, 0); },
-            "(q,) int32: polygon of the base, or of the own mesh.")
-        .def_property_readonly(
-            "edges", [](const Model& m) { return to_numpy<Index>(m.display.edges, 2); },
-            "(e, 2) int32: shown edges that lie on a source edge.")
-        .def_property_readonly(
-            "edge_sources", [](const Model& m) { return to_numpy<Index>(m.display.edge_sources, 2); },
-            "(e, 2) int32: the vertices of that source edge.")
-        .def_property_readonly(
-            "positions_rest", [](const Model& m) { return to_numpy(m.display.positions_rest); },
-            "(d, 3) float32, object space.")
-        .def_property_readonly("triangle_vertex", &triangle_vertices,
-                               "(d, 3) int32: the base vertices that every shown vertex is embedded in.")
-        .def_property_readonly("barycentric", &barycentrics,
-                               "(d, 2) float32: weights of the second and third of them.")
-        .def_property_readonly(
             "local_edge", [](const Model& m) { return to_numpy<float>(m.local_edge, 0); },
             "Per solved vertex: mean rest length of its edges.")
         .def_property_readonly(
             "unattached_distance", [](const Model& m) { return to_numpy<float>(m.unattached_distance, 0); },
-            "Own mesh: distance of its vertices to the base at rest.")
-        .def("carry_points", &carry_points, py::arg("values"), py::arg("source_vertices"),
-             "(n, k) float32 of the source's vertices -> (d, k), linear.")
-        .def(
-            "carry_corners",
-            [](const Model& m, const py::array& values, size_t corners) {
-                return carry(m.display.corner_from_source, values, corners, "corner values");
-            },
-            py::arg("values"), py::arg("source_corners"),
-            "(c, k) float32 of the source's corners -> corners of the shown mesh; seams stay sharp.");
+            "Own mesh: distance of its vertices to the base at rest.");
 
     module.def(
         "build_wrinkle_mesh",

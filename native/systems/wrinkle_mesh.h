@@ -12,8 +12,7 @@
 
 #include "surface/attachments.h"
 #include "surface/deformation.h"
-#include "surface/refinement.h"
-#include "surface/topology.h"
+#include "surface/shown_mesh.h"
 
 namespace rumple::wrinkle_mesh {
 
@@ -61,20 +60,6 @@ struct Pairs {
     size_t size() const { return a.size(); }
 };
 
-// The mesh that is shown: the solved mesh after unsolved subdivision steps, its
-// seams opened again as on the source (the base, or the artist's own mesh).
-struct Display {
-    PolygonMesh mesh;
-    SparseRows from_solved;                          // smooth positions <- solved vertices
-    SparseRows vertex_from_source;                   // linear, source vertices (as the artist has them)
-    SparseRows corner_from_source;                   // linear, source corners: UV seams stay sharp
-    std::vector<Index> polygon_source;               // source polygon
-    std::vector<SurfacePoint> places;                // on the base
-    std::vector<Vec3> positions_rest;                // object space
-    std::vector<std::array<Index, 2>> edges;         // fine edges that lie on a source edge ...
-    std::vector<std::array<Index, 2>> edge_sources;  // ... and that edge's vertices
-};
-
 // Built once at rest, then immutable; may be shared between objects.
 struct Model {
     Surface base;
@@ -92,20 +77,14 @@ struct Model {
     StretchModel stretch;
     std::vector<Index> near_start;     // per base triangle, into near_triangle:
     std::vector<Index> near_triangle;  //   the triangles that share a vertex with it, itself included
-    Display display;
+    ShownMesh shown;
     std::vector<float> unattached_distance;  // own mesh: distance to the base at rest, per vertex; else empty
 };
 
-struct Source {
-    enum class Kind { kSubdivision, kRegular, kLongestEdge, kOwn };
-    Kind kind = Kind::kSubdivision;
-    Index level = 2;             // kSubdivision
-    Index segments = 4;          // kRegular
-    float longest_edge = 0.01f;  // kLongestEdge, object units
-    Index most_vertices = 4'000'000;
-    const Surface* own = nullptr;            // kOwn: the artist's mesh, at rest, in the base's object space
-    std::span<const std::uint8_t> attached;  // kOwn: per display vertex of own; empty: all attached
-    float farthest = 0.0f;                   // kOwn: refuse a mesh farther than this from the base; 0: any
+struct Source : FineSource {
+    const Surface* own = nullptr;  // the artist's mesh, at rest, in the base's object space; or none
+    std::span<const std::uint8_t> attached;  // per display vertex of own; empty: all attached
+    float farthest = 0.0f;                   // refuse an own mesh farther than this from the base; 0: any
 };
 
 // Section 3. Throws InvalidInput (a fine mesh of more than most_vertices, an own

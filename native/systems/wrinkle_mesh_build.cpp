@@ -16,31 +16,12 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-FineMesh refine(const Surface& base, const Source& source) {
-    switch (source.kind) {
-        case Source::Kind::kSubdivision:
-            return refine_subdivision(base.welded, source.level);
-        case Source::Kind::kRegular:
-            return refine_regular(base, source.segments);
-        case Source::Kind::kLongestEdge:
-            return refine_longest_edge(base, source.longest_edge, source.most_vertices);
-        case Source::Kind::kOwn:
-            return refine_subdivision(source.own->welded, 0);
-    }
-    return {};
-}
-
-// How many vertices subdivision or splitting would make, before making them.
-void refuse_too_many(const Surface& base, const Source& source, Index display_steps) {
-    double per_corner = 1.0;
-    if (source.kind == Source::Kind::kSubdivision) per_corner = std::pow(4.0, source.level);
-    if (source.kind == Source::Kind::kRegular) per_corner = double(source.segments) * source.segments;
-    const double estimate = base.welded.corners() / 4.0 * per_corner * std::pow(4.0, display_steps);
-    if (estimate > source.most_vertices) {
-        throw InvalidInput("the fine mesh would have about " +
-                           std::to_string(static_cast<long long>(estimate)) + " vertices, more than " +
-                           std::to_string(source.most_vertices));
-    }
+FineMesh copy_own(const Surface& own, const Source& source, Index display_steps) {
+    FineSource as_it_is = source;
+    as_it_is.level = 0;
+    as_it_is.kind = FineSource::Kind::kSubdivision;
+    refuse_too_many(own.welded.corners(), as_it_is, display_steps);
+    return refine_subdivision(own.welded, 0);
 }
 
 // Constraints act on triangles, as in the paper: polygons are cut along their
@@ -179,62 +160,6 @@ void collect_near_triangles(Model& model) {
     }
 }
 
-// Fine edges whose both ends are made from the same two source vertices only
-// lie on the edge between those two.
-void collect_edge_sources(Display& display, const PolygonMesh& source) {
-    const std::vector<Edge> source_edges = collect_edges(source);
-    std::vector<Pair> known;
-    for (const Edge& e : source_edges) known.push_back({e.a, e.b});
-    const SparseRows& from = display.vertex_from_source;
-    const auto support = [&](Index v, std::vector<Index>& out) {
-        for (Index k = from.start[v]; k < from.start[v + 1]; ++k) {
-            if (from.weight[k] > kZeroWeight) out.push_back(from.index[k]);
-        }
-    };
-    std::vector<Index> both;
-    for (const Edge& e : collect_edges(display.mesh)) {
-        both.clear();
-        support(e.a, both);
-        support(e.b, both);
-        std::sort(both.begin(), both.end());
-        both.erase(std::unique(both.begin(), both.end()), both.end());
-        if (both.size() != 2 || !std::binary_search(known.begin(), known.end(), Pair{both[0], both[1]}))
-            continue;
-        display.edges.push_back({e.a, e.b});
-        display.edge_sources.push_back({both[0], both[1]});
-    }
-}
-
-Display build_display(const Model& model, const Surface& source, const FineMesh& fine, const Source& kind,
-                      Index steps, std::span<const Vec3> solved_rest) {
-    const FineMesh step = refine_subdivision(fine.mesh, steps);
-    const FineMesh shown = compose(step, fine);
-    const Unwelded open = unweld(source, shown);
-    const SparseRows smooth = subdivision_stencils(fine.mesh, steps, false);
-    Display display;
-    display.mesh = open.mesh;
-    display.vertex_from_source = open.vertex_from_display;
-    display.corner_from_source = shown.corner_from_parent;
-    display.polygon_source = shown.polygon_parent;
-    for (const Index v : open.fine_vertex) {
-        for (Index k = smooth.start[v]; k < smooth.start[v + 1]; ++k) {
-            display.from_solved.add(smooth.index[k], smooth.weight[k]);
-        }
-        display.from_solved.end_row();
-    }
-    display.positions_rest.resize(open.fine_vertex.size());
-    apply<Vec3>(display.from_solved, solved_rest, display.positions_rest);
-    if (kind.kind == Source::Kind::kOwn) {
-        std::vector<float> distance(display.positions_rest.size());
-        display.places = closest_points(model.base, display.positions_rest, distance);
-    } else {
-        const std::vector<SurfacePoint> places = locate_on_parents(model.base, shown);
-        for (const Index v : open.fine_vertex) display.places.push_back(places[v]);
-    }
-    collect_edge_sources(display, source.display);
-    return display;
-}
-
 // The artist's mesh: closest points, and what is left between them and the mesh.
 // fine: the artist's mesh without the vertices that no polygon uses.
 void bind_own(Model& model, const Source& source, const FineMesh& fine, std::span<const Vec3> rest) {
@@ -255,15 +180,15 @@ void bind_own(Model& model, const Source& source, const FineMesh& fine, std::spa
 
 std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
                                    Index display_steps) {
-    refuse_too_many(base, source, display_steps);
     auto model = std::make_shared<Model>();
     model->base = std::move(base);
-    const FineMesh fine = refine(model->base, source);
+    const bool own = source.own != nullptr;
+    const FineMesh fine =
+        own ? copy_own(*source.own, source, display_steps) : refine(model->base, source, display_steps);
     model->solved = fine.mesh;
     const size_t vertices = fine.mesh.vertex_count;
     model->attached.assign(vertices, 1);
     model->attachments.kind = attachment;
-    const bool own = source.kind == Source::Kind::kOwn;
     std::vector<Vec3> own_rest(own ? vertices : 0);
     if (own) {
         apply<Vec3>(fine.vertex_from_parent, source.own->positions_rest, own_rest);
@@ -272,7 +197,7 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
         model->attachments.places = locate_on_parents(model->base, fine);
     }
     if (attachment == AttachmentKind::kLimit) {
-        model->attachments.limit = source.kind == Source::Kind::kSubdivision
+        model->attachments.limit = !own && source.kind == FineSource::Kind::kSubdivision
                                        ? subdivision_stencils(model->base.welded, source.level, true)
                                        : limit_stencils(model->base, model->attachments.places);
     }
@@ -300,8 +225,7 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
     model->boundary_ring = rings_from_border(sets, vertices);
     model->stretch = build_stretch(model->base);
     collect_near_triangles(*model);
-    model->display =
-        build_display(*model, own ? *source.own : model->base, fine, source, display_steps, rest);
+    model->shown = show_fine(model->base, own ? *source.own : model->base, fine, display_steps, rest);
     return model;
 }
 

@@ -211,7 +211,6 @@ TEST(WrinkleMeshBounds, ACollapsedRestPoseGivesFiniteResults) {
     mesh.positions[6] = mesh.positions[7];
     const Surface own = tests::build(grid(9, 9, 0.045f));
     Source source;
-    source.kind = Source::Kind::kOwn;
     source.own = &own;
     for (const AttachmentKind kind :
          {AttachmentKind::kLinear, AttachmentKind::kPnTriangle, AttachmentKind::kLimit}) {

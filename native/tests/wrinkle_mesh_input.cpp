@@ -142,7 +142,6 @@ TEST(WrinkleMeshInput, AnOwnMeshTooFarAwayNamesItsFirstBadVertex) {
     own.positions[77] += Vec3(0.0f, 1.0f, 0.0f);
     const Surface own_surface = tests::build(own);
     Source source;
-    source.kind = Source::Kind::kOwn;
     source.own = &own_surface;
     source.farthest = 0.05f;
     expect_refused([&] { Cloth(base, source, AttachmentKind::kLinear); }, {"vertex 77 ", "own mesh", "0.05"});

@@ -65,7 +65,6 @@ Source split_below(float longest) {
 
 Source own_mesh(const Surface& own, std::span<const std::uint8_t> attached = {}) {
     Source source;
-    source.kind = Source::Kind::kOwn;
     source.own = &own;
     source.attached = attached;
     return source;
@@ -87,7 +86,7 @@ TEST_P(EveryAttachment, RestStaysAtRestFromEverySource) {
             EXPECT_LT(largest(state.offset), kRounding);
             const Picture picture = cloth.show(mesh.positions, unstretched(), state);
             for (size_t v = 0; v < picture.positions.size(); ++v) {
-                EXPECT_LT(glm::distance(picture.positions[v], cloth.model->display.positions_rest[v]),
+                EXPECT_LT(glm::distance(picture.positions[v], cloth.model->shown.positions_rest[v]),
                           kRounding);
             }
         }
@@ -174,7 +173,7 @@ float wavelength(const Cloth& cloth, const Settings& settings, const Pose3& pose
     const Picture picture = cloth.show(pose, settings, cloth.solve(pose, settings));
     std::map<float, std::vector<std::pair<float, float>>> rows;  // y -> (x, height)
     for (size_t v = 0; v < picture.positions.size(); ++v) {
-        const Vec3& at = cloth.model->display.positions_rest[v];
+        const Vec3& at = cloth.model->shown.positions_rest[v];
         rows[std::round(1e4f * at.y)].push_back({at.x, picture.offset[v].z});
     }
     float length = 0.0f, crossings = 0.0f;
@@ -269,7 +268,7 @@ TEST(WrinkleMeshLaws, AWeldedSeamDoesNotTear) {
     Settings settings;
     settings.hem_rings = 0;  // or the fade alone would hold an open seam still
     const Picture picture = cloth.show(pose, settings, cloth.solve(pose, settings));
-    const Display& display = cloth.model->display;
+    const ShownMesh& display = cloth.model->shown;
     size_t pairs = 0;
     for (size_t a = 0; a < display.positions_rest.size(); ++a) {
         for (size_t b = a + 1; b < display.positions_rest.size(); ++b) {

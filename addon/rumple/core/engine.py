@@ -152,7 +152,7 @@ class WrinkleMesh:
     # --- the shown mesh, for whoever makes the carrier
     @property
     def vertex_count(self) -> int:
-        return self.model.vertex_count
+        return self.model.shown.vertex_count
 
     @property
     def solve_vertex_count(self) -> int:
@@ -160,46 +160,46 @@ class WrinkleMesh:
 
     @property
     def polygon_start(self) -> np.ndarray:
-        return self.model.polygon_start
+        return self.model.shown.polygon_start
 
     @property
     def corner_vertex(self) -> np.ndarray:
-        return self.model.corner_vertex
+        return self.model.shown.corner_vertex
 
     @property
     def positions_rest(self) -> np.ndarray:
-        return self.model.positions_rest
+        return self.model.shown.positions_rest
 
     @property
     def polygon_parent(self) -> np.ndarray:
         """(q,) polygon of the source (base or own mesh) of every shown polygon."""
-        return self.model.polygon_source
+        return self.model.shown.polygon_source
 
     @property
     def edges(self) -> np.ndarray:
         """(e, 2) shown edges that lie on an edge of the source."""
-        return self.model.edges
+        return self.model.shown.edges
 
     @property
     def edge_parent(self) -> np.ndarray:
         """(e, 2) vertices of that edge, ascending."""
-        return self.model.edge_sources
+        return self.model.shown.edge_sources
 
     @property
     def triangle_vertex(self) -> np.ndarray:
-        return self.model.triangle_vertex
+        return self.model.shown.triangle_vertex
 
     @property
     def barycentric(self) -> np.ndarray:
-        return self.model.barycentric
+        return self.model.shown.barycentric
 
     def carry_points(self, values: np.ndarray) -> np.ndarray:
         """(n, k) float32 values of the source's vertices -> (d, k)."""
-        return self.model.carry_points(np.ascontiguousarray(values, np.float32), self._source_vertices)
+        return self.model.shown.carry_points(np.ascontiguousarray(values, np.float32), self._source_vertices)
 
     def carry_corners(self, values: np.ndarray) -> np.ndarray:
         """(c, k) float32 values of the source's corners -> corners of the shown mesh. Seams stay sharp."""
-        return self.model.carry_corners(np.ascontiguousarray(values, np.float32), self._source_corners)
+        return self.model.shown.carry_corners(np.ascontiguousarray(values, np.float32), self._source_corners)
 
     # --- frames
     def solve_frame(self, frame: float, positions: np.ndarray, settings: MeshSettings,
