@@ -2,13 +2,33 @@
 """Baked clips: shown without handlers, whole or not at all, and stale ones are said."""
 import os
 import struct
+import subprocess
 import tempfile
 import unittest
 
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import bake_state, handlers, modifier, registry
+from rumple.blender import bake_files, bake_state, handlers, modifier, node_tree, registry, structure
+
+ATTRIBUTES = (*node_tree.PUBLIC_FLOATS, *node_tree.PUBLIC_VECTORS)
+
+# Run by a Blender without the add-on: every attribute of the sleeve at some frames, into a file.
+STRANGER = """
+import sys, bpy, numpy as np
+assert not any(name.split(".")[0] in ("rumple", "rumple_native") for name in sys.modules)
+seen = {}
+for frame, subframe in TIMES:
+    bpy.context.scene.frame_set(frame, subframe=subframe)
+    mesh = bpy.data.objects["Sleeve"].evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    for name in NAMES:
+        data = mesh.attributes[name].data
+        prop, width = ("value", 1) if mesh.attributes[name].data_type == "FLOAT" else ("vector", 3)
+        flat = np.empty(len(data) * width, np.float32)
+        data.foreach_get(prop, flat)
+        seen[f"{frame + subframe:g} {name}"] = flat.reshape(-1, width)
+np.savez(PATH, **seen)
+"""
 
 
 class Baked(unittest.TestCase):
@@ -21,7 +41,10 @@ class Baked(unittest.TestCase):
         bpy.ops.wm.save_as_mainfile(filepath=self.blend)
 
     def clip(self):
-        return bake_state.clip_path(sleeve.carrier(self.obj))
+        return bake_state.clip_path(self.obj)
+
+    def player(self):
+        return modifier.player(modifier.find(self.obj))
 
     def test_is_the_played_through_clip_and_needs_no_handlers(self):
         sleeve.play()
@@ -57,12 +80,96 @@ class Baked(unittest.TestCase):
         sleeve.at(13, 0.5)
         np.testing.assert_allclose(sleeve.shown(self.obj), live, atol=1e-6)
 
+    def attributes(self, frame, subframe=0.0):
+        sleeve.at(frame, subframe)
+        return {name: sleeve.attribute(self.obj, name) for name in ATTRIBUTES}
+
+    def test_attributes_play_too_without_the_add_on_and_at_subframes(self):
+        # They stayed as they were in the last live frame: the cache had positions only.
+        times = ((20, 0.0), (1, 0.0), (13, 0.5), (9, 0.0))
+        self.obj.rumple.bake_samples = 2
+        sleeve.play()
+        live = {time: self.attributes(*time) for time in times}
+        bpy.ops.object.rumple_bake()
+        bpy.ops.wm.save_mainfile()
+        result = os.path.join(self.folder.name, "seen.npz")
+        subprocess.run([bpy.app.binary_path, "-b", "--factory-startup", self.blend, "--python-exit-code", "1",
+                        "--python-expr", f"TIMES, NAMES, PATH = {times!r}, {ATTRIBUTES!r}, {result!r}" + STRANGER],
+                       check=True, stdout=subprocess.DEVNULL, timeout=120,
+                       env={key: value for key, value in os.environ.items() if key != "RUMPLE_NATIVE"})
+        with np.load(result) as seen:
+            for frame, subframe in times:
+                here = self.attributes(frame, subframe)
+                for name, value in live[frame, subframe].items():
+                    np.testing.assert_allclose(here[name], value, atol=1e-6, err_msg=f"{name}, {frame + subframe}")
+                    np.testing.assert_allclose(seen[f"{frame + subframe:g} {name}"], value, atol=1e-6, err_msg=name)
+        for name in ATTRIBUTES:
+            self.assertGreater(np.abs(live[20, 0.0][name] - live[1, 0.0][name]).max(), 1e-3, name)
+
+    def test_attributes_between_two_samples(self):
+        bpy.ops.object.rumple_bake()
+        before, between, after = self.attributes(13), self.attributes(13, 0.25), self.attributes(14)
+        for name in ("rumple_stretch_min", "rumple_stretch_max", "rumple_offset"):
+            np.testing.assert_allclose(between[name], 0.75 * before[name] + 0.25 * after[name], atol=1e-6)
+        direction = between["rumple_stretch_direction"]
+        mean = 0.75 * before["rumple_stretch_direction"] + 0.25 * after["rumple_stretch_direction"]
+        length = np.linalg.norm(direction, axis=1)
+        self.assertTrue(np.all((np.abs(length - 1.0) < 1e-5) | (length == 0.0)))
+        np.testing.assert_allclose(direction * np.linalg.norm(mean, axis=1, keepdims=True), mean, atol=1e-5)
+
+    def test_with_its_clip_lost_it_is_at_rest_attributes_too(self):
+        bpy.ops.object.rumple_bake()
+        sleeve.at(20)
+        self.clip().unlink()
+        seen = self.attributes(19)
+        for name in node_tree.PUBLIC_FLOATS:
+            np.testing.assert_array_equal(seen[name], 1.0)
+        for name in node_tree.PUBLIC_VECTORS:
+            np.testing.assert_array_equal(seen[name], 0.0)
+
+    def test_a_clip_of_another_fine_mesh_is_not_shown(self):
+        sleeve.play()
+        bpy.ops.object.rumple_bake()
+        self.player().data = bpy.data.meshes.new("Other")
+        self.obj.update_tag()
+        sleeve.at(20)
+        self.assertEqual(len(sleeve.shown(self.obj)), len(sleeve.carrier(self.obj).data.vertices))
+        self.assertGreater(np.ptp(sleeve.shown(self.obj)[:, 0]), 0.25)
+
+    def test_a_duplicate_plays_the_clip_until_it_is_baked_itself(self):
+        bpy.ops.object.rumple_bake()
+        bpy.ops.object.duplicate()
+        copy = bpy.context.object
+        structure.settle_all()
+        sleeve.at(17)
+        np.testing.assert_array_equal(sleeve.shown(copy), sleeve.shown(self.obj))
+        first = self.player()
+        copy.rumple.mesh.radius = 0.1
+        bpy.ops.object.rumple_bake()
+        sleeve.at(17)
+        self.assertEqual(self.player(), first)
+        self.assertEqual(sleeve.names(self.entries()),
+                         ["Sleeve.json", "Sleeve.pc2", "Sleeve_001.json", "Sleeve_001.pc2"])
+        self.assertGreater(np.abs(sleeve.shown(copy) - sleeve.shown(self.obj)).max(), 1e-3)
+
+    def test_baked_again_and_freed_nothing_is_left_behind(self):
+        for _ in range(2):
+            bpy.ops.object.rumple_bake()
+        self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve", "Sleeve.clip.001", "Sleeve.wrinkles"])
+        bpy.ops.object.rumple_bake_free()
+        self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve", "Sleeve.wrinkles"])
+        bpy.ops.object.rumple_bake()
+        bpy.ops.object.rumple_remove()
+        self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve"])
+        self.assertEqual(sleeve.names(bpy.data.meshes), ["Sleeve"])
+
     def test_the_path_is_relative_and_the_file_is_a_whole_pc2(self):
         bpy.ops.object.rumple_bake()
-        self.assertEqual(modifier.cache(sleeve.carrier(self.obj)).filepath, "//rumple/Sleeve.pc2")
+        self.assertEqual(modifier.cache(self.player()).filepath, "//rumple/Sleeve.pc2")
         data = self.clip().read_bytes()
         signature, version, points, start, step, samples = struct.unpack("<12siiffi", data[:32])
         self.assertEqual((signature, version, start, step, samples), (b"POINTCACHE2\0", 1, 1.0, 1.0, 20))
+        self.assertEqual(points, bake_files.POINTS_PER_VERTEX * len(sleeve.carrier(self.obj).data.vertices))
         self.assertEqual(len(data), 32 + 12 * points * samples)
         self.assertEqual(sleeve.names(self.entries()), ["Sleeve.json", "Sleeve.pc2"])
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baking: the played-through clip into a PC2 file that Blender's own Mesh Cache shows, or into shape keys.
 
-A baked carrier needs neither this add-on nor a handler: a render farm shows the clip as any other cache.
+A baked clip needs neither this add-on nor a handler: a render farm shows it as any other cache.
 """
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ from typing import Iterator
 import bpy
 import numpy as np
 
+from ..core import engine
 from . import bake_files, bake_state, modifier, operators, registry, structure, versions
 
 FOLDER = "//rumple"
+SUFFIX = ".clip"
 STEP_SECONDS = 0.05  # the window stays alive: solve for so long between two redraws
 
 
@@ -42,15 +44,15 @@ class Playback:
             registry.runtime(obj).stale = True
         structure.settle_all()
 
-    def samples_in_order(self) -> Iterator[tuple[bool, np.ndarray, np.ndarray]]:
-        """(wanted, fine positions, coarse positions) of every sample; those of the run-up are not wanted."""
+    def samples_in_order(self) -> Iterator[tuple[bool, engine.Picture, np.ndarray]]:
+        """(wanted, picture, coarse positions) of every sample; those of the run-up are not wanted."""
         for frame in self.run_up:
             yield False, *self._solve(frame, 0.0)
         for sample in range((self.end - self.start) * self.samples + 1):
             whole, part = divmod(sample, self.samples)
             yield True, *self._solve(self.start + whole, part / self.samples)
 
-    def _solve(self, frame: int, subframe: float) -> tuple[np.ndarray, np.ndarray]:
+    def _solve(self, frame: int, subframe: float) -> tuple[engine.Picture, np.ndarray]:
         for _ in range(self.passes):
             self.scene.frame_set(frame, subframe=subframe)
         entry = registry.runtime(self.obj)
@@ -58,7 +60,7 @@ class Playback:
             raise BakeError(f"frame {frame + subframe:g}: {entry.refusal or entry.message}")
         if entry.picture is None or entry.inputs is None or abs(entry.inputs.frame - frame - subframe) > 1e-3:
             raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: is the modifier off?")
-        return entry.picture.positions, entry.inputs.positions
+        return entry.picture, entry.inputs.positions
 
     def end_playback(self, restore_bake: bool) -> None:
         if restore_bake and self.was_baked:
@@ -87,28 +89,38 @@ def stored_path(path: Path) -> str:
 
 
 def attach(obj: bpy.types.Object, manifest: bake_files.Manifest, clip: Path) -> None:
-    """Let the carrier show the clip."""
+    """Show the clip, through a new player: a former one may belong to a duplicate too."""
     ours = modifier.find(obj)
-    held = modifier.carrier(ours)
-    cache = modifier.cache(held) or held.modifiers.new(modifier.CACHE_NAME, "MESH_CACHE")
+    player = make_player(obj, versions.positions(modifier.carrier(ours).data))
+    cache = player.modifiers.new(modifier.CACHE_NAME, "MESH_CACHE")
     cache.cache_format, cache.play_mode, cache.time_mode = "PC2", "SCENE", "FRAME"
     cache.deform_mode, cache.interpolation = "OVERWRITE", "LINEAR"
     # Mesh Cache takes sample number frame * scale - start.
     cache.frame_start, cache.frame_scale = float(manifest.start * manifest.samples), float(manifest.samples)
     cache.filepath = stored_path(clip)
+    modifier.set_player(ours, player)
     modifier.set_baked(ours, True)
-    held.update_tag()
     registry.runtime(obj).stale = True
+
+
+def make_player(obj: bpy.types.Object, positions: np.ndarray) -> bpy.types.Object:
+    """A hidden object with the points of a clip, at rest: that is what shows where the clip cannot be read."""
+    ones, zeros = np.ones(len(positions), np.float32), np.zeros_like(positions)
+    rest = engine.Picture(zeros, positions, zeros, ones, ones, zeros, None)
+    mesh = bpy.data.meshes.new(obj.name + SUFFIX)
+    mesh.vertices.add(len(positions) * bake_files.POINTS_PER_VERTEX)
+    versions.set_positions(mesh, bake_files.points_of(rest))
+    mesh.update()
+    player = bpy.data.objects.new(mesh.name, mesh)
+    player[structure.CARRIER_KEY] = True
+    return player
 
 
 def free(obj: bpy.types.Object, delete_file: bool) -> None:
     """Make the wrinkles live again."""
     ours = modifier.find(obj)
-    held = modifier.carrier(ours)
-    clip = bake_state.clip_path(held) if held is not None else None
-    cache = modifier.cache(held) if held is not None else None
-    if cache is not None:
-        held.modifiers.remove(cache)
+    clip = bake_state.clip_path(obj)
+    modifier.set_player(ours, None)
     modifier.set_baked(ours, False)
     if delete_file and clip is not None:
         bake_files.delete(clip)
@@ -140,11 +152,11 @@ class _Bake:
     def step(self) -> bool:
         """Solve and write one sample. False after the last."""
         try:
-            wanted, positions, coarse = next(self.samples)
+            wanted, picture, coarse = next(self.samples)
         except StopIteration:
             return False
         if wanted:
-            self.writer.add(positions, coarse)
+            self.writer.add(picture, coarse)
         self.done += 1
         return True
 
@@ -280,7 +292,7 @@ class OBJECT_OT_rumple_bake_shape_keys(operators.OnWrinkled, bpy.types.Operator)
         playback = None
         try:
             playback = Playback(context, obj, start, end, 1)
-            shapes = [positions.copy() for wanted, positions, _ in playback.samples_in_order() if wanted]
+            shapes = [picture.positions.copy() for wanted, picture, _ in playback.samples_in_order() if wanted]
         except BakeError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

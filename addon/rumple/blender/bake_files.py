@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A baked clip on disk: positions in PC2, which Blender's own Mesh Cache reads, and a manifest beside it.
+"""A baked clip on disk: points in PC2, which Blender's own Mesh Cache reads, and a manifest beside it.
 
+A clip has POINTS_PER_VERTEX points for each vertex of the fine mesh, block after block: its positions, then what
+shaders read, as if they were positions too. The node tree takes them apart (node_tree.py).
 Both are written whole or not at all: into a temporary file in the same folder, then moved into place.
 No bpy here.
 """
@@ -14,7 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-FORMAT = 1
+from ..core.engine import Picture
+
+FORMAT = 2
+POINTS_PER_VERTEX = 4  # position; (smallest, largest stretch, 0); direction of compression; offset
 POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
 POSE_TOLERANCE = 1e-3  # of the coarse mesh's extent: other Blenders and machines differ by far less
 
@@ -32,6 +37,10 @@ class Manifest:
     inputs: str  # fingerprint of settings, paint and meshes
     poses: list[list[float]] = field(default_factory=list)  # for each sample, POSE_POINTS coarse points
     format: int = FORMAT
+
+    @property
+    def points(self) -> int:
+        return self.vertices * POINTS_PER_VERTEX
 
     @property
     def sample_count(self) -> int:
@@ -55,6 +64,12 @@ class Manifest:
         return baked.shape != now.shape or not np.allclose(baked, now, rtol=0.0, atol=POSE_TOLERANCE * extent)
 
 
+def points_of(picture: Picture) -> np.ndarray:
+    """The points of a sample, (POINTS_PER_VERTEX * n, 3) float32."""
+    stretch = np.stack([picture.stretch_min, picture.stretch_max, np.zeros_like(picture.stretch_min)], 1)
+    return np.concatenate([picture.positions, stretch, picture.stretch_direction, picture.offset])
+
+
 def pose_points(positions: np.ndarray) -> np.ndarray:
     """A few points spread over the mesh, flat."""
     which = np.linspace(0, len(positions) - 1, min(POSE_POINTS, len(positions))).astype(np.int64)
@@ -76,7 +91,7 @@ def read_manifest(clip: Path) -> Manifest | None:
 def is_whole(clip: Path, manifest: Manifest) -> bool:
     """Whether the clip has the size that the manifest promises."""
     try:
-        return clip.stat().st_size == _HEADER.size + manifest.sample_count * manifest.vertices * 12
+        return clip.stat().st_size == _HEADER.size + manifest.sample_count * manifest.points * 12
     except OSError:
         return False
 
@@ -92,14 +107,14 @@ class ClipWriter:
         self.clip, self.manifest = clip, manifest
         self.temporary = clip.with_name(f".{clip.name}.{os.getpid()}.part")
         self.file = open(self.temporary, "wb")
-        self.file.write(_HEADER.pack(b"POINTCACHE2\0", 1, manifest.vertices, float(manifest.start),
+        self.file.write(_HEADER.pack(b"POINTCACHE2\0", 1, manifest.points, float(manifest.start),
                                      1.0 / manifest.samples, manifest.sample_count))
 
-    def add(self, positions: np.ndarray, coarse: np.ndarray) -> None:
-        """One sample: the fine positions, and the coarse pose they belong to."""
-        if positions.shape != (self.manifest.vertices, 3):
-            raise ValueError(f"expected {self.manifest.vertices} points, got {len(positions)}")
-        self.file.write(np.ascontiguousarray(positions, "<f4").tobytes())
+    def add(self, picture: Picture, coarse: np.ndarray) -> None:
+        """One sample: what is shown, and the coarse pose it belongs to."""
+        if picture.positions.shape != (self.manifest.vertices, 3):
+            raise ValueError(f"expected {self.manifest.vertices} vertices, got {len(picture.positions)}")
+        self.file.write(np.ascontiguousarray(points_of(picture), "<f4").tobytes())
         self.manifest.poses.append([round(float(x), 6) for x in pose_points(coarse)])
 
     def finish(self) -> None:

@@ -12,12 +12,13 @@ from . import bake_files, mesh_io, modifier, properties, structure
 from .registry import Runtime
 
 
-def clip_path(carrier: bpy.types.Object) -> Path | None:
-    """The file that the carrier's Mesh Cache reads, absolute."""
-    cache = modifier.cache(carrier)
+def clip_path(obj: bpy.types.Object) -> Path | None:
+    """The file that the Mesh Cache of a baked object's player reads, absolute."""
+    player = modifier.player(modifier.find(obj))
+    cache = modifier.cache(player) if player is not None else None
     if cache is None or not cache.filepath:
         return None
-    return Path(bpy.path.abspath(cache.filepath, library=carrier.library))
+    return Path(bpy.path.abspath(cache.filepath, library=player.library))
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
@@ -45,7 +46,7 @@ def manifest(clip: Path) -> bake_files.Manifest | None:
 
 def check(obj: bpy.types.Object, carrier: bpy.types.Object) -> str:
     """What is wrong with the clip of a baked object; empty when nothing is. The pose is not looked at."""
-    clip = clip_path(carrier)
+    clip = clip_path(obj)
     if clip is None or not clip.is_file():
         return f"{obj.name}: the baked clip {clip or ''} is missing: bake again, or free the bake"
     about = manifest(clip)
@@ -58,10 +59,9 @@ def check(obj: bpy.types.Object, carrier: bpy.types.Object) -> str:
     return ""
 
 
-def compare_pose(obj: bpy.types.Object, carrier: bpy.types.Object, entry: Runtime, evaluated: bpy.types.Object,
-                 frame: float) -> str:
+def compare_pose(obj: bpy.types.Object, entry: Runtime, evaluated: bpy.types.Object, frame: float) -> str:
     """The note on this frame of a baked object: its animation may have changed, or the clip may not have it."""
-    clip = clip_path(carrier)
+    clip = clip_path(obj)
     about = manifest(clip) if clip is not None else None
     if about is None or entry.bake_note:
         return entry.bake_note

@@ -4,7 +4,7 @@
 The picture is a function of the pose and of stored state (core/history.py), so it does not matter how often,
 for which depsgraph and in which order this is called. Rules that keep Blender alive (../shared/blender-facts.md):
 never update a depsgraph here; while a render runs leave viewport depsgraphs alone; write nothing but attributes of
-the carrier's mesh, and nothing at all when nothing changed; leave baked carriers alone.
+the carrier's mesh, and nothing at all when nothing changed; leave baked objects alone.
 """
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
     if not evaluated.is_evaluated or obj.mode in _BUSY_MODES:
         return False
     if modifier.is_baked(ours):
-        registry.say(entry, bake_state.compare_pose(obj, held, entry, evaluated, float(scene.frame_current_final)))
+        registry.say(entry, bake_state.compare_pose(obj, entry, evaluated, float(scene.frame_current_final)))
         return False
     if entry.fine is None:
         structure.ensure_fine(obj, entry)

@@ -9,7 +9,7 @@ import bpy
 from . import node_tree, versions
 
 NAME = "Wrinkle Mesh"
-CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on a baked carrier
+CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the player of a baked clip
 
 # Modifiers that move points and keep their number: the wrinkles stand behind the last of them.
 DEFORMING = frozenset((
@@ -118,8 +118,20 @@ def coarse_vertices(modifier: bpy.types.NodesModifier) -> int:
     return int(_get(modifier, node_tree.COUNT) or 0)
 
 
+def player(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    """The hidden object whose points play the baked clip."""
+    found = _get(modifier, node_tree.PLAYER)
+    return found if isinstance(found, bpy.types.Object) else None
+
+
+def set_player(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
+    _set(modifier, node_tree.PLAYER, new)
+    modifier.node_group = modifier.node_group  # as in set_carrier()
+    modifier.id_data.update_tag()
+
+
 def set_baked(modifier: bpy.types.NodesModifier, baked: bool) -> None:
-    """Take the carrier's own positions (a cache moves them) instead of embedding them."""
+    """Show what the player has instead of embedding the carrier."""
     _set(modifier, node_tree.BAKED, baked)
     modifier.id_data.update_tag()
 
@@ -128,28 +140,30 @@ def is_baked(modifier: bpy.types.NodesModifier) -> bool:
     return bool(_get(modifier, node_tree.BAKED))
 
 
-def cache(carrier_object: bpy.types.Object) -> bpy.types.MeshCacheModifier | None:
-    """The Mesh Cache modifier of a baked carrier."""
-    return next((m for m in carrier_object.modifiers if m.type == "MESH_CACHE"), None)
+def cache(player_object: bpy.types.Object) -> bpy.types.MeshCacheModifier | None:
+    """The Mesh Cache modifier of a player."""
+    return next((m for m in player_object.modifiers if m.type == "MESH_CACHE"), None)
 
 
-def delete_carrier(carrier_object: bpy.types.Object) -> None:
-    """Remove a carrier that nothing refers to, and its mesh."""
-    if not versions.is_editable(carrier_object):
+def delete_hidden(hidden: bpy.types.Object) -> None:
+    """Remove a carrier or player that nothing refers to, and its mesh."""
+    if not versions.is_editable(hidden):
         return
-    mesh = carrier_object.data
-    bpy.data.objects.remove(carrier_object)
+    mesh = hidden.data
+    bpy.data.objects.remove(hidden)
     if mesh is not None and mesh.users == 0 and versions.is_editable(mesh):
         bpy.data.meshes.remove(mesh)
 
 
 def remove(obj: bpy.types.Object) -> None:
-    """Take the modifier away, and the node group when it was the last. The carrier is left to the caller."""
+    """Take the modifier away, and the node group when it was the last. Carrier and player are left to the caller."""
     modifier = find(obj)
     if modifier is None:
         return
     group = modifier.node_group
-    _set(modifier, node_tree.CARRIER, None)
+    for name in (node_tree.CARRIER, node_tree.PLAYER):
+        if _get(modifier, name) is not None:
+            _set(modifier, name, None)
     obj.modifiers.remove(modifier)
     if group.users == 0 and versions.is_editable(group):
         bpy.data.node_groups.remove(group)

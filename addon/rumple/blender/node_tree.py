@@ -10,6 +10,9 @@ where p0 p1 p2 are incoming points. The offset is orthonormal, not affine, becau
 the cloth where no add-on writes new offsets (../shared/blender-facts.md). A collapsed triangle has
 t = n = b = 0: Blender's Normalize gives zero for zero, so nothing becomes NaN.
 
+Baked, positions and attributes come from the points of another hidden object, the player, which a Mesh
+Cache moves (bake_files.py says what they mean): only positions can be cached so that no add-on is needed.
+
 Attributes, all starting with "rumple_":
   on the carrier only, removed from the result
     rumple_corner_0, _1, _2   INT     incoming points the vertex is embedded in
@@ -31,10 +34,10 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import versions
+from . import bake_files, versions
 
 NAME = "Rumple Wrinkle Mesh"
-VERSION = 1  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 2  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 
 CORNERS = ("rumple_corner_0", "rumple_corner_1", "rumple_corner_2")
@@ -47,9 +50,9 @@ PUBLIC_FLOATS = ("rumple_stretch_min", "rumple_stretch_max")
 PUBLIC_VECTORS = ("rumple_stretch_direction", "rumple_offset")
 CARRIER_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET)
 
-CARRIER, COUNT, BAKED = "Carrier", "Coarse Vertices", "Baked"
+CARRIER, COUNT, BAKED, PLAYER = "Carrier", "Coarse Vertices", "Baked", "Player"
 _INPUTS = (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
-           (BAKED, "NodeSocketBool"))
+           (BAKED, "NodeSocketBool"), (PLAYER, "NodeSocketObject"))
 
 
 def is_ours(group: bpy.types.NodeTree | None) -> bool:
@@ -110,7 +113,7 @@ class _Builder:
         return versions.socket(node.outputs, "Attribute")
 
     def sample(self, geometry: bpy.types.NodeSocket, index: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Incoming position of the point `index`."""
+        """Position of the point `index` of a geometry."""
         position = self.node("GeometryNodeInputPosition")
         node = self.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="POINT")
         self.link(geometry, node, "Geometry")
@@ -125,6 +128,15 @@ class _Builder:
         if b is not None:
             self.group.links.new(b, node.inputs["Scale"] if operation == "SCALE" else node.inputs[1])
         return node.outputs["Vector"]
+
+    def math(self, operation: str, *operands: bpy.types.NodeSocket | float) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeMath", operation=operation)
+        for operand, target in zip(operands, node.inputs):
+            if isinstance(operand, bpy.types.NodeSocket):
+                self.group.links.new(operand, target)
+            else:
+                target.default_value = operand
+        return node.outputs[0]
 
     def total(self, *terms: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         result = terms[0]
@@ -158,13 +170,39 @@ class _Builder:
                           self.vector("SCALE", tangent, x), self.vector("SCALE", bitangent, y),
                           self.vector("SCALE", normal, z))
 
-    def store_base_position(self, geometry: bpy.types.NodeSocket, fine: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        node = self.node("GeometryNodeStoreNamedAttribute", data_type="FLOAT_VECTOR", domain="POINT")
+    def played(self, fine: bpy.types.NodeSocket, clip: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """The fine mesh as the points of a clip have it: see bake_files.points_of()."""
+        count, index = self.point_count(fine), self.node("GeometryNodeInputIndex").outputs[0]
+        # As floats: exact up to 2^24 points, four times the vertices that the engine allows.
+        position, stretch, direction, offset = (
+            self.sample(clip, self.math("MULTIPLY_ADD", count, float(part), index))
+            for part in range(bake_files.POINTS_PER_VERTEX))
+        fine = self.moved(fine, position)
+        for name, value in zip(PUBLIC_FLOATS, self.components(stretch)):
+            fine = self.store(fine, name, "FLOAT", value)
+        # Between two samples the cache gives the mean of two unit vectors.
+        values = (self.vector("NORMALIZE", direction), offset)
+        for name, value in zip(PUBLIC_VECTORS, values):
+            fine = self.store(fine, name, "FLOAT_VECTOR", value)
+        return fine
+
+    def moved(self, fine: bpy.types.NodeSocket, position: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        node = self.node("GeometryNodeSetPosition")
         self.link(fine, node, "Geometry")
-        node.inputs["Name"].default_value = BASE_POSITION
-        index = self.node("GeometryNodeInputIndex")
-        self.link(self.sample(geometry, index.outputs[0]), node, "Value")
+        self.link(position, node, "Position")
         return node.outputs[0]
+
+    def store(self, fine: bpy.types.NodeSocket, name: str, data_type: str,
+              value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        node = self.node("GeometryNodeStoreNamedAttribute", data_type=data_type, domain="POINT")
+        self.link(fine, node, "Geometry")
+        node.inputs["Name"].default_value = name
+        self.link(value, node, "Value")
+        return node.outputs[0]
+
+    def store_base_position(self, geometry: bpy.types.NodeSocket, fine: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        index = self.node("GeometryNodeInputIndex")
+        return self.store(fine, BASE_POSITION, "FLOAT_VECTOR", self.sample(geometry, index.outputs[0]))
 
     def without(self, fine: bpy.types.NodeSocket, name: str) -> bpy.types.NodeSocket:
         """Later modifiers need not carry what only this tree reads."""
@@ -173,24 +211,37 @@ class _Builder:
         node.inputs["Name"].default_value = name
         return node.outputs[0]
 
-    def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    def point_count(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         size = self.node("GeometryNodeAttributeDomainSize", component="MESH")
         self.group.links.new(geometry, size.inputs[0])
+        return size.outputs["Point Count"]
+
+    def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
-        self.link(size.outputs["Point Count"], compare, "A")
+        self.link(self.point_count(geometry), compare, "A")
         self.link(expected, compare, "B")
         return compare.outputs[0]
 
+    def both(self, a: bpy.types.NodeSocket, b: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        node = self.node("FunctionNodeBooleanMath", operation="AND")
+        self.group.links.new(a, node.inputs[0])
+        self.group.links.new(b, node.inputs[1])
+        return node.outputs[0]
+
+    def object_geometry(self, held: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        info = self.node("GeometryNodeObjectInfo", transform_space="ORIGINAL")
+        self.link(held, info, "Object")
+        return info.outputs["Geometry"]
+
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
-        info = self.node("GeometryNodeObjectInfo", transform_space="ORIGINAL")
-        self.link(inputs[CARRIER], info, "Object")
-        geometry, carried = inputs["Geometry"], info.outputs["Geometry"]
-        move = self.node("GeometryNodeSetPosition")
-        self.link(carried, move, "Geometry")
-        self.link(self.embedded_position(geometry), move, "Position")
+        geometry, carried = inputs["Geometry"], self.object_geometry(inputs[CARRIER])
+        clip = self.object_geometry(inputs[PLAYER])
+        # A clip of another fine mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
+        points = self.math("MULTIPLY", self.point_count(carried), float(bake_files.POINTS_PER_VERTEX))
+        baked = self.both(inputs[BAKED], self.counts_match(clip, points))
         # Switches evaluate only the branch they take: a baked clip costs no embedding.
-        fine = self.switch(inputs[BAKED], move.outputs[0], carried)
+        fine = self.switch(baked, self.moved(carried, self.embedded_position(geometry)), self.played(carried, clip))
         fine = self.store_base_position(geometry, fine)
         for name in CARRIER_ONLY:
             fine = self.without(fine, name)

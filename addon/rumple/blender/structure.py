@@ -23,7 +23,7 @@ from . import carrier as carriers
 from . import mesh_io, modifier, node_tree, properties, registry, versions
 from .registry import LOCK, Runtime
 
-CARRIER_KEY = "rumple_carrier"  # custom property on carriers: tells leftovers from the artist's objects
+CARRIER_KEY = "rumple_carrier"  # custom property on carriers and players: tells leftovers from the artist's objects
 SETTLE_SECONDS = 0.25  # an artist who drags a slider or paints gets the rebuilt mesh when the hand rests
 
 _BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the object will be
@@ -171,7 +171,7 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     if modifier.is_baked(ours) and modifier.carrier(ours) is not None:
         from . import bake_state  # it asks this module what clips are made from
         entry.bake_note = bake_state.check(obj, modifier.carrier(ours))
-        return False  # the cache counts on the carrier as it is
+        return False  # the clip counts on the carrier as it is
     entry.bake_note = ""
     ensure_fine(obj, entry)
     source = source_of(obj)
@@ -326,14 +326,14 @@ def _tidy_removed(wrinkled: set[str]) -> None:
 
 
 def drop_orphan_carriers() -> None:
-    """Carriers that nothing refers to any more. Asked of the user map: 5.2's count keeps applied modifiers."""
-    held = {modifier.carrier(ours) for _, ours in modifier.wrinkled_objects()}
+    """Carriers and players without an object. Asked of the user map: 5.2's count keeps applied modifiers."""
+    held = {hidden(ours) for _, ours in modifier.wrinkled_objects() for hidden in (modifier.carrier, modifier.player)}
     candidates = {o for o in bpy.data.objects if CARRIER_KEY in o} - held
     if not candidates:
         return  # the user map looks at the whole file
     for candidate, users in bpy.data.user_map(subset=candidates).items():
         if not users:
-            modifier.delete_carrier(candidate)
+            modifier.delete_hidden(candidate)
 
 
 def drop_internal_attributes(obj: bpy.types.Object) -> None:
