@@ -2,6 +2,8 @@
 """Blender's application handlers: thin, persistent, and they never throw."""
 from __future__ import annotations
 
+import threading
+
 import bpy
 from bpy.app.handlers import persistent
 
@@ -36,8 +38,10 @@ def _on_undo(*_arguments: object) -> None:
 
 @persistent
 def _on_render_start(*_arguments: object) -> None:
-    if structure.allowed_now():
-        structure.settle_all()  # a script may have changed things since the last update
+    # A script may have changed things since the last update, and the timer had no turn. Not in the thread of an F12
+    # job: the window draws meanwhile, and data-blocks must not come and go under it.
+    if threading.get_ident() == threading.main_thread().ident:
+        structure.settle_all()
     bake_state.check_before_render()
     structure.set_rendering(True)
 
