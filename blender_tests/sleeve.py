@@ -77,11 +77,22 @@ def empty_file():
     return scene
 
 
-def context():
-    """Timers have no window in their context, and opening a file makes other windows."""
+open_overrides = 0
+
+
+@contextlib.contextmanager
+def context(**members):
+    """Timers have no window in their context, and opening a file makes other windows. No yield inside: run_suite.py."""
+    global open_overrides
     if bpy.app.background:
-        return contextlib.nullcontext()
-    return bpy.context.temp_override(window=bpy.context.window_manager.windows[0])
+        yield
+        return
+    with bpy.context.temp_override(**{"window": bpy.context.window_manager.windows[0], **members}):
+        open_overrides += 1
+        try:
+            yield
+        finally:
+            open_overrides -= 1
 
 
 def scene(wrinkles=True, level=1):

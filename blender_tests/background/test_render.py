@@ -1,61 +1,188 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The frame rendered is the frame solved, in every engine."""
+"""The frame rendered is the frame solved: renders against plain meshes that were solved apart."""
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 
 import bpy
 import numpy as np
+import rendered
 import shots
 import sleeve
+import solved_apart
+from rumple.blender import modifier, registry
 
 
-class Render(unittest.TestCase):
+class Engines(rendered.Engines, unittest.TestCase):
+    """In -b; the window suite has the same."""
 
-    def test_workbench(self):
-        shots.check(self, "BLENDER_WORKBENCH")
 
-    def test_cycles(self):
-        shots.check(self, "CYCLES")
+class Setups(unittest.TestCase):
+    """Cycles, which renders without a screen everywhere."""
 
-    def test_eevee(self):
-        shots.check(self, "EEVEE")
+    def check(self, obj: bpy.types.Object, frames: range) -> None:
+        """An animation of these frames shows them; the first of them is the start of the clip."""
+        bpy.context.scene.frame_start = frames[0]
+        found = shots.clip(frames[0], frames[-1])
+        for frame, picture in zip(frames, solved_apart.expected(obj, frames)):
+            self.assertLessEqual(solved_apart.unlike(found[frame], picture), rendered.STRAY, f"frame {frame}")
+        self.assertGreater(solved_apart.unlike(found[frames[0]], found[frames[-1]]), 10 * rendered.STRAY)
+        self.assertEqual(obj.rumple.message, "")
 
-    def test_a_jump_renders_what_it_shows(self):
+    def test_switched_off_in_the_viewport_it_renders(self) -> None:
         obj = shots.stage("CYCLES")
-        picture = shots.still(14)
-        self.assertLess(shots.difference(picture, shots.frozen(obj, 14)), 1e-4)
+        modifier.find(obj).show_viewport = False
+        self.check(obj, range(9, 13))
 
-    def test_motion_blur(self):
+    def test_hidden_in_the_viewport_it_renders(self) -> None:
         obj = shots.stage("CYCLES")
-        sleeve.play()
-        scene = bpy.context.scene
-        scene.cycles.samples = 64
-        sharp = shots.still(12)
-        scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
-        blurred = shots.still(12)
-        obj.cycles.use_motion_blur = False
-        unblurred = shots.still(12)
-        scene.render.use_motion_blur = False
-        times = ((11, 0.5), (11, 0.75), (12, 0.0), (12, 0.25), (12, 0.5))
-        moments = [shots.frozen(obj, frame, part) for frame, part in times]
-        coverage = [picture[..., 3] for picture in (sharp, blurred, unblurred, np.mean(moments, axis=0))]
-        blur = shots.difference(coverage[0], coverage[1])
-        self.assertGreater(blur, 5.0 * shots.difference(coverage[0], coverage[2]))
-        self.assertLess(shots.difference(coverage[1], coverage[3]), 0.6 * blur)
+        obj.hide_viewport = True
+        found = shots.clip(1, 5)
+        obj.hide_viewport = False
+        last = solved_apart.expected(obj, range(1, 6))[-1]
+        self.assertLessEqual(solved_apart.unlike(found[5], last), rendered.STRAY)
 
-    def test_subdivision_after_shape_keys_before(self):
+    def test_switched_off_for_renders_the_coarse_mesh_renders(self) -> None:
+        obj = shots.stage("CYCLES")
+        wrinkled = shots.still(14)
+        modifier.find(obj).show_render = False
+        coarse = shots.still(14)
+        obj.modifiers.remove(modifier.find(obj))
+        self.assertLessEqual(solved_apart.unlike(coarse, shots.still(14)), rendered.STRAY)
+        self.assertGreater(solved_apart.unlike(coarse, wrinkled), 10 * rendered.STRAY)
+
+    def test_subdivision_after_with_other_levels_in_renders(self) -> None:
+        obj = shots.stage("CYCLES")
+        later = obj.modifiers.new("Subdivision", "SUBSURF")
+        later.levels, later.render_levels = 0, 2
+        self.check(obj, range(9, 13))
+
+    def test_shape_keys_before(self) -> None:
         obj = shots.stage("CYCLES")
         obj.shape_key_add(name="Basis")
-        key = obj.shape_key_add(name="Wide")
-        for point in key.data:
-            point.co.y *= 1.5
-        for frame in (1, 6):
-            key.value = (frame - 1) / 5.0
-            key.keyframe_insert("value", frame=frame)
-        obj.modifiers.new("Subdivision", "SUBSURF").render_levels = 1
-        pictures = shots.clip(1, 4)
-        sleeve.at(4)
-        copy_mesh = bpy.data.meshes.new_from_object(sleeve.evaluated(obj))
-        copy = bpy.data.objects.new("Frozen", copy_mesh)
-        bpy.context.scene.collection.objects.link(copy)
-        obj.hide_render = True
-        self.assertLess(shots.difference(pictures[4], shots.still(4)), 2e-3)
+        wide = obj.shape_key_add(name="Wide")
+        for point in wide.data:
+            point.co.y *= 1.6
+        for frame, value in ((9, 0.0), (12, 1.0)):
+            wide.value = value
+            wide.keyframe_insert("value", frame=frame)
+        self.check(obj, range(9, 13))
+
+    def test_a_figure_that_moves_and_turns(self) -> None:
+        obj = shots.stage("CYCLES")
+        rig = bpy.data.objects["Arm"]
+        obj.parent = rig
+        for frame, place, turn in ((9, 0.0, 0.0), (12, 0.1, 0.5)):
+            rig.location.y, rig.rotation_euler.z = place, turn
+            rig.keyframe_insert("location", frame=frame)
+            rig.keyframe_insert("rotation_euler", frame=frame)
+        self.check(obj, range(9, 13))
+
+    def test_the_viewport_keeps_its_frame_after_an_animation(self) -> None:
+        obj = shots.stage("CYCLES")
+        sleeve.play()
+        sleeve.at(15)
+        seen = sleeve.shown(obj)
+        shots.clip(2, 5)
+        sleeve.at(15)
+        np.testing.assert_array_equal(sleeve.shown(obj), seen)
+
+    def test_motion_blur_switched_off_for_the_object(self) -> None:
+        obj = shots.stage("CYCLES")
+        sharp = shots.clip(1, 4)[4]
+        shots.blur(1.0)
+        obj.cycles.use_motion_blur = False
+        self.assertLessEqual(solved_apart.unlike(sharp, shots.clip(1, 4)[4]), rendered.STRAY)
+
+
+class WithoutTheAddOn(unittest.TestCase):
+    """The file, opened by a Blender of its own that does not know Rumple."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.obj = shots.stage("CYCLES")
+        self.save()
+
+    def save(self) -> None:
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "scene.blend"))
+
+    def elsewhere(self, times: tuple[float, ...], render: int = 0) -> dict[float, np.ndarray]:
+        """What the other Blender shows at these times; with render, a still.png of that frame too."""
+        program = Path(__file__).resolve().parent.parent / "stranger.py"
+        wanted = json.dumps(dict(object="Sleeve", times=times, render=render, folder=str(self.folder)))
+        done = subprocess.run([bpy.app.binary_path, "-b", "--factory-startup", str(self.folder / "scene.blend"),
+                               "--python-exit-code", "1", "--python", str(program), "--", wanted],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300,
+                              env={k: v for k, v in os.environ.items() if k != "RUMPLE_NATIVE"})
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertNotIn("Traceback", done.stdout)
+        with np.load(self.folder / "seen.npz") as seen:
+            return {time: seen[f"{index}"] for index, time in enumerate(times)}
+
+    def here(self, time: float) -> np.ndarray:
+        whole = int(np.floor(time))
+        sleeve.at(whole, time - whole)
+        return sleeve.shown(self.obj)
+
+    def test_the_saved_frame_is_all_there_and_the_mesh_follows_the_pose(self) -> None:
+        sleeve.play()
+        sleeve.at(12)
+        self.save()
+        fine = registry.runtime(self.obj).fine
+        seen = self.elsewhere((12.0, 1.0, 20.0, 12.0))
+        np.testing.assert_allclose(seen[12.0], self.here(12.0), atol=1e-6)
+        for time in (1.0, 20.0):
+            self.assertEqual(len(seen[time]), fine.vertex_count)
+            self.assertLess(float(np.abs(seen[time] - self.here(time)).max()), 2.5 * fine.edge_mean)
+        self.assertGreater(float(np.abs(seen[20.0] - seen[1.0]).max()), 0.2)
+
+    def test_a_baked_clip_is_all_there(self) -> None:
+        self.obj.rumple.bake_samples = 2
+        bpy.ops.object.rumple_bake()
+        self.save()
+        times = (1.0, 7.0, 20.0, 7.5, 3.0)
+        seen = self.elsewhere(times, render=7)
+        for time in times:
+            np.testing.assert_allclose(seen[time], self.here(time), atol=1e-6, err_msg=f"frame {time}")
+        there = shots.read(str(self.folder / "still.png"))
+        bpy.ops.object.rumple_bake_free()
+        bpy.ops.object.rumple_clear_frames()
+        right = solved_apart.expected(self.obj, range(1, 8))[-1]
+        self.assertLessEqual(solved_apart.unlike(there, right), rendered.STRAY)
+
+    def test_baked_and_then_changed_it_shows_the_last_bake(self) -> None:
+        bpy.ops.object.rumple_bake()
+        baked = self.here(14.0)
+        self.obj.rumple.mesh.radius = 0.0
+        self.save()
+        np.testing.assert_allclose(self.elsewhere((14.0,))[14.0], baked, atol=1e-6)
+
+    def test_with_its_clip_lost_it_shows_the_fine_mesh_still(self) -> None:
+        bpy.ops.object.rumple_bake()
+        self.save()
+        (self.folder / "rumple" / "Sleeve.pc2").unlink()
+        seen = self.elsewhere((20.0,))[20.0]
+        self.assertEqual(len(seen), len(self.here(20.0)))
+        self.assertTrue(np.isfinite(seen).all())
+
+    def test_saved_there_it_is_live_again_here(self) -> None:
+        sleeve.play()
+        live = self.here(18.0)
+        self.save()
+        self.elsewhere((5.0,))
+        self.assertTrue((self.folder / "resaved.blend").is_file())
+        bpy.ops.wm.open_mainfile(filepath=str(self.folder / "resaved.blend"))
+        self.obj = bpy.data.objects["Sleeve"]
+        sleeve.play()
+        np.testing.assert_array_equal(self.here(18.0), live)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -20,16 +20,16 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+import sleeve
 
 
 class WindowCase(unittest.TestCase):
 
     def area(self, kind="VIEW_3D"):
-        """A context override with the first area of this kind: timers have no window in their context."""
-        window = bpy.context.window_manager.windows[0]
-        area = next(area for area in window.screen.areas if area.type == kind)
-        region = next(region for region in area.regions if region.type == "WINDOW")
-        return bpy.context.temp_override(window=window, area=area, region=region)
+        """A context override with the first area of this kind."""
+        areas = bpy.context.window_manager.windows[0].screen.areas
+        area = next(area for area in areas if area.type == kind)
+        return sleeve.context(area=area, region=next(region for region in area.regions if region.type == "WINDOW"))
 
     def until(self, condition, seconds=30.0):
         """Yields until it holds: a busy machine takes its time. `yield from self.until(lambda: ...)`."""
@@ -38,7 +38,7 @@ class WindowCase(unittest.TestCase):
             yield 0.1
 
     def pixels(self):
-        """What the screen shows, (height, width, 3) uint8, the top row first. Yield once before: it is the last redraw."""
+        """What the screen shows at the last redraw (yield once before), (height, width, 3) uint8, the top row first."""
         data = Path(os.environ["RUMPLE_FRAMEBUFFER"]).read_bytes()     # an XWD file
         header = struct.unpack(">25I", data[:100])
         header_size, width, height, row_bytes, colors = header[0], header[4], header[5], header[12], header[19]

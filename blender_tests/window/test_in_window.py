@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""With a window: panels draw, the viewport plays, timers rebuild, undo works, F12 renders in another thread."""
+"""With a window: panels draw, the viewport plays, timers rebuild, undo works."""
 import os
 
 import bpy
@@ -154,34 +154,3 @@ class Viewport(WindowCase):
         sleeve.at(20)
         yield 0.2
         self.assertEqual(obj.rumple.message, "")
-
-
-class Render(WindowCase):
-
-    def test_f12_shows_the_frame_of_the_viewport(self):
-        obj = sleeve.scene()
-        scene = bpy.context.scene
-        camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-        camera.location, camera.data.type, camera.data.ortho_scale = (0.3, 0.0, 3.0), "ORTHO", 1.5
-        scene.collection.objects.link(camera)
-        scene.camera = camera
-        scene.render.engine, scene.render.resolution_x, scene.render.resolution_y = "BLENDER_WORKBENCH", 64, 64
-        sleeve.at(10)
-        yield 0.2
-        before = sleeve.shown(obj)
-        finished = []
-        bpy.app.handlers.render_complete.append(lambda *_: finished.append(1))
-        scene.render.filepath = os.path.join(os.environ["RUMPLE_OUT"], "f12_")
-        with self.area("VIEW_3D"):
-            bpy.ops.render.render("INVOKE_DEFAULT", animation=True)
-        for _ in range(600):
-            yield 0.1
-            if finished:
-                break
-        self.assertTrue(finished)
-        yield 0.5
-        sleeve.at(10)
-        yield 0.2
-        self.assertEqual(obj.rumple.message, "")
-        self.assertEqual(sleeve.shown(obj).shape, before.shape)
-        np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)

@@ -1,16 +1,119 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The frame rendered is the frame solved, with the engines that need a screen."""
+"""The frame rendered is the frame solved, in a window: all engines, and F12 as it runs for an artist."""
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Iterator
+
+import bpy
+import numpy as np
+import rendered
 import shots
+import sleeve
+import solved_apart
 from case import WindowCase
 
 
-class Render(WindowCase):
+class Engines(rendered.Engines, WindowCase):
+    """In a window; the background suite has the same."""
 
-    def test_workbench(self):
-        shots.check(self, "BLENDER_WORKBENCH")
 
-    def test_cycles(self):
-        shots.check(self, "CYCLES")
+class RenderJob(WindowCase):
+    """Ctrl-F12 and F12: the handlers run in the thread of the job, while the window draws."""
 
-    def test_eevee(self):
-        shots.check(self, "EEVEE")
+    def job(self, **how: bool) -> Iterator[float]:
+        """Start it and wait for its end."""
+        ended = []
+        over = (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel)
+        for handlers in over:
+            handlers.append(ended_by := lambda *_arguments: ended.append(1))
+            self.addCleanup(handlers.remove, ended_by)
+        with self.area():
+            bpy.ops.render.render("INVOKE_DEFAULT", **how)
+        yield from self.until(lambda: ended and not bpy.app.is_job_running("RENDER"), 240.0)
+        self.assertEqual(len(ended), 1)
+
+    def files(self, engine: str, **how: bool) -> Iterator[float]:
+        """A job on a new stage."""
+        self.obj = shots.stage(engine)
+        yield from self.until(self.settled)
+        yield from self.pictures(**how)
+
+    def pictures(self, **how: bool) -> Iterator[float]:
+        """A job that leaves pictures in self.found, by their names."""
+        scene = bpy.context.scene
+        scene.render.use_lock_interface = True
+        with tempfile.TemporaryDirectory() as folder:
+            scene.render.filepath = os.path.join(folder, "f")
+            scene.frame_start, scene.frame_end = 1, 5
+            yield from self.job(**how)
+            self.found = {path.stem: shots.read(str(path)) for path in sorted(Path(folder).iterdir())}
+
+    def settled(self) -> bool:
+        """The material of the stage has reached the carrier: a job takes what is there."""
+        return sleeve.carrier(self.obj).data.materials[0] == self.obj.data.materials[0]
+
+    def check_animation(self, engine: str) -> Iterator[float]:
+        yield from self.files(engine, animation=True)
+        self.assertEqual(len(self.found), 5)
+        for name, picture in zip(self.found, solved_apart.expected(self.obj, range(1, 6))):
+            self.assertLessEqual(solved_apart.unlike(self.found[name], picture), rendered.STRAY, name)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def setUp(self) -> None:
+        view = bpy.context.preferences.view
+        self.addCleanup(setattr, view, "render_display_type", view.render_display_type)
+        view.render_display_type = "NONE"
+
+    def test_workbench_animation(self) -> Iterator[float]:
+        yield from self.check_animation("BLENDER_WORKBENCH")
+
+    def test_cycles_animation(self) -> Iterator[float]:
+        yield from self.check_animation("CYCLES")
+
+    def test_eevee_animation(self) -> Iterator[float]:
+        yield from self.check_animation("EEVEE")
+
+    def test_cycles_still(self) -> Iterator[float]:
+        yield from self.files("CYCLES", write_still=True)
+        (name, picture), = self.found.items()
+        right, = solved_apart.expected(self.obj, [bpy.context.scene.frame_current])
+        self.assertLessEqual(solved_apart.unlike(picture, right), rendered.STRAY, name)
+
+    def test_the_window_shows_its_own_frame_afterwards(self) -> Iterator[float]:
+        yield from self.files("CYCLES", animation=True)
+        with sleeve.context():
+            sleeve.play()
+            sleeve.at(15)
+            seen = sleeve.shown(self.obj)
+            bpy.context.scene.frame_end = 3
+        yield from self.job(animation=True)
+        yield 0.2
+        with sleeve.context():
+            self.assertEqual(bpy.context.scene.frame_current, 15)
+            np.testing.assert_array_equal(sleeve.shown(self.obj), seen)
+
+    def test_a_job_takes_what_is_there_and_what_is_pending_waits_for_its_end(self) -> Iterator[float]:
+        # Nothing may be rebuilt in the thread of a job: the window draws what would be removed.
+        self.obj = shots.stage("CYCLES")
+        yield from self.until(self.settled)
+        before, count = shots.still(15), self.vertices()
+        self.obj.rumple.mesh.level = 2
+        yield from self.pictures(write_still=True)
+        (name, picture), = self.found.items()
+        self.assertLessEqual(solved_apart.unlike(picture, before), rendered.STRAY, name)
+        yield from self.until(lambda: self.vertices() > 3 * count)
+        self.assertGreater(self.vertices(), 3 * count)
+
+    def vertices(self) -> int:
+        return len(sleeve.carrier(self.obj).data.vertices)
+
+    def test_a_render_from_a_script_takes_what_the_script_just_set(self) -> None:
+        # It runs in the main thread, before any timer has had its turn.
+        obj = shots.stage("CYCLES")
+        obj.rumple.mesh.level = 2
+        found = shots.still(15)
+        right, = solved_apart.expected(obj, [15])
+        self.assertLessEqual(solved_apart.unlike(found, right), rendered.STRAY)
