@@ -119,6 +119,30 @@ TEST(Principal, OfAFullTensorIsItsEigensystem) {
     EXPECT_NEAR(std::abs(p.small_direction.x * c + p.small_direction.y * s), 1.0f, 1e-6f);
 }
 
+// [5 2; 2 2] (1, -2) = (1, -2) and [5 2; 2 2] (2, 1) = 6 (2, 1); likewise with x and y exchanged.
+TEST(Principal, PointsAlongTheSmallEigenvectorWhicheverColumnIsLonger) {
+    const float unit = std::sqrt(0.2f);
+    const Principal steep = principal({5.0f, 2.0f, 2.0f}), gentle = principal({2.0f, 2.0f, 5.0f});
+    EXPECT_NEAR(std::abs(glm::dot(steep.small_direction, Vec2(unit, -2.0f * unit))), 1.0f, 1e-6f);
+    EXPECT_NEAR(std::abs(glm::dot(gentle.small_direction, Vec2(2.0f * unit, -unit))), 1.0f, 1e-6f);
+    EXPECT_NEAR(steep.small, 1.0f, 1e-6f);
+    EXPECT_NEAR(gentle.large, 6.0f, 1e-6f);
+    // One column of T - 9 I vanishes: the other one must answer.
+    EXPECT_NEAR(std::abs(principal({9.0f, 0.0f, 4.0f}).small_direction.y), 1.0f, 1e-6f);
+}
+
+// R diag(4, 9) R^T for a turn so small that 9 - 4 sin^2 rounds to 9: the short column of T - 9 I has no digit
+// right, the long one has all.
+TEST(Principal, KeepsItsDirectionThroughTurnsThatOneColumnCannotHold) {
+    for (const float turn : {1e-5f, -1e-4f, 1e-3f, -1e-2f}) {
+        const float c = std::cos(turn), s = std::sin(turn);
+        const Vec2 x = principal({4 * c * c + 9 * s * s, -5 * c * s, 4 * s * s + 9 * c * c}).small_direction;
+        EXPECT_NEAR(x.y / x.x, s / c, 1e-6f) << turn;
+        const Vec2 y = principal({9 * c * c + 4 * s * s, 5 * c * s, 9 * s * s + 4 * c * c}).small_direction;
+        EXPECT_NEAR(-y.x / y.y, s / c, 1e-6f) << turn;
+    }
+}
+
 using namespace wrinkle_mesh;
 
 // The paper's constraints and nothing else: not refined, linear, one sweep from the attachments.
