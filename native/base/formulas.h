@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compiles the formulas of shaders/shared as C++, through GLM: one text for the
+// kernels here and for GLSL. Such a file may use float, int, bool, vec2, vec3,
+// mat2, structs and GLSL's functions; it writes 0.5f, no swizzles, and returns
+// structs rather than fill `out` parameters. FORMULA stands before every function.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#define FORMULA inline
+
+namespace rumple::formulas {
+
+using namespace glm;
+
+#include "shared/wrinkle_field.glsl"
+
+}  // namespace rumple::formulas
+
+#undef FORMULA

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The formulas of the Wrinkle Field. Source: J. Loviscach, Wrinkling Coarse
+// Meshes on the GPU, Eurographics 2006; equation numbers are the paper's.
+// One text for C++ (native/base/formulas.h) and GLSL (the viewport preview).
+
+const float kTwoPi = 6.28318530717958648f;
+
+// Unit: none. Below this compression ratio a neighbourhood has collapsed: no wrinkle.
+const float kCollapsed = 0.05f;
+
+// Unit: none (sine of an angle). A tangent so close to the normal has no direction.
+const float kNoTangent = 1e-3f;
+
+// Unit: radians. A phase that would move by less stays: a standing figure comes to
+// rest to the bit. A ten-thousandth of a radian is 1/60,000 of a wavelength.
+const float kStillPhase = 1e-4f;
+
+// Intervals of a profile table over half a period.
+const int kProfileIntervals = 64;
+
+// ---- Crush (section 4.2)
+
+// Any unit vector at right angles to the unit vector n.
+FORMULA vec3 any_tangent(vec3 n) {
+    vec3 helper = abs(n.x) < 0.5f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f);
+    return normalize(cross(n, helper));
+}
+
+// t of a tangent frame: the way to a neighbour, projected along the unit normal n.
+FORMULA vec3 tangent_towards(vec3 way, vec3 n) {
+    vec3 t = way - dot(way, n) * n;
+    float t_length = length(t);
+    if (t_length <= kNoTangent * length(way)) return any_tangent(n);
+    return t / t_length;
+}
+
+// v of a way to a neighbour: its tangent-space direction with the way's own length.
+// As printed (true_length false) it is the projection, which is shorter where the
+// surface bends, so that bending alone would count as compression.
+FORMULA vec2 tangent_space(vec3 way, vec3 t, vec3 b, bool true_length) {
+    vec2 v = vec2(dot(t, way), dot(b, way));
+    float v_length = length(v);
+    if (!true_length || v_length <= kNoTangent * length(way)) return v;
+    return v * (length(way) / v_length);
+}
+
+// v_i of equation (1) premultiplied by the inverse of the sum of v_i (x) v_i, so that
+// M = sum of v'_i (x) gradient_i. moments: that sum. Zero where the neighbours are
+// collinear: then M is zero, which is a collapsed neighbourhood.
+FORMULA vec2 regression_gradient(mat2 moments, vec2 v) {
+    float det = moments[0][0] * moments[1][1] - moments[1][0] * moments[0][1];
+    float trace = moments[0][0] + moments[1][1];
+    if (det <= 1e-6f * trace * trace) return vec2(0.0f, 0.0f);
+    return vec2(moments[1][1] * v.x - moments[1][0] * v.y, moments[0][0] * v.y - moments[0][1] * v.x) / det;
+}
+
+// What the deformation of a neighbourhood asks of the wave there.
+struct Crushed {
+    float r;          // strength of the strongest compression: length over rest length, 1 = as at rest
+    float fullness;   // sqrt(max(1 - r^2, 0)): amplitude over W/4
+    vec2 k;           // its direction, unit, in the rest frame; sign as `before`
+    vec2 k_deformed;  // k' = (L^-1)^T k of section 5.1, in the deformed frame
+};
+
+// m: M of equation (1). q: painted rest-pose wrinkle in the rest frame, shorter than 1
+// (section 7). before: k of the frame before, or zero.
+FORMULA Crushed crush(mat2 m, vec2 q, vec2 before) {
+    mat2 mq = m * (mat2(1.0f) - outerProduct(q, q));  // M (E - q (x) q)
+    mat2 c = transpose(mq) * mq;
+    float mean = 0.5f * (c[0][0] + c[1][1]);
+    float half_difference = 0.5f * (c[0][0] - c[1][1]);
+    float radius = sqrt(half_difference * half_difference + c[1][0] * c[1][0]);
+    float large = mean + radius;
+    float det = mq[0][0] * mq[1][1] - mq[1][0] * mq[0][1];
+    Crushed result;
+    // The smaller eigenvalue by the determinant: no cancellation where it is small.
+    float r2 = large > 0.0f ? det * det / large : 0.0f;
+    result.r = sqrt(r2);
+    // The longer column of C - large E is the eigenvector of the smaller one.
+    vec2 column_0 = vec2(c[0][0] - large, c[0][1]);
+    vec2 column_1 = vec2(c[1][0], c[1][1] - large);
+    vec2 k = dot(column_0, column_0) > dot(column_1, column_1) ? column_0 : column_1;
+    float k_length = length(k);
+    k = k_length > 1e-6f * large ? k / k_length : (dot(before, before) > 0.0f ? before : vec2(1.0f, 0.0f));
+    if (dot(k, before) < 0.0f) k = -k;
+    result.k = k;
+    bool collapsed = result.r < kCollapsed;
+    result.fullness = collapsed ? 0.0f : sqrt(max(1.0f - r2, 0.0f));
+    // (M^-1)^T k = M k / r^2, for k is an eigenvector of M^T M.
+    result.k_deformed = collapsed ? vec2(0.0f, 0.0f) : (mq * k) / r2;
+    return result;
+}
+
+// ---- Relax (section 5.2)
+
+// A plane wave at a vertex: height = h f(dot(wave_vector, x - x_vertex) + phase).
+struct Wave {
+    vec3 wave_vector;  // 2 pi / W k', radians per object unit, deformed space
+    float phase;       // phi, radians
+    float fullness;    // amplitude over W/4
+};
+
+// The weight of a neighbour. The paper prints max(min(4 h - 0.2, 1), 0) with h in the
+// unit of its own scene; here h is relative to W/4, its largest value.
+FORMULA float attenuation(float fullness) { return clamp(4.0f * fullness - 0.2f, 0.0f, 1.0f); }
+
+// x - floor(x + 1/2): the way to the nearest integer, in [-1/2, 1/2).
+FORMULA float to_nearest(float x) { return x - floor(x + 0.5f); }
+
+// (psi_n - psi_0) / 2 pi - i of the error E_0, with the integer i that makes it smallest.
+// way: x'_n - x'_0. p = (x'_0 + x'_n) / 2.
+FORMULA float misfit(Wave at, Wave neighbour, vec3 way) {
+    float psi_0 = dot(at.wave_vector, 0.5f * way) + at.phase;
+    float flip = dot(neighbour.wave_vector, at.wave_vector) < 0.0f ? -1.0f : 1.0f;
+    float psi_n = flip * (dot(neighbour.wave_vector, -0.5f * way) + neighbour.phase);
+    return to_nearest((psi_n - psi_0) / kTwoPi);
+}
+
+// A phase in [-pi, pi).
+FORMULA float wrapped(float phase) { return kTwoPi * to_nearest(phase / kTwoPi); }
+
+// Equation (6): phi_0 - epsilon dE_0/dphi_0, with dE_0/dphi_0 = -1/(pi N) sum of w_n
+// misfit_n. rate = epsilon / (2 pi^2): 1 is the mean of what the neighbours ask for.
+// Stable below 1: the steps of neighbours then never overshoot together.
+FORMULA float relaxed(float phase, float weighted_misfit_sum, float neighbours, float rate) {
+    if (neighbours <= 0.0f) return phase;
+    float change = rate * kTwoPi * weighted_misfit_sum / neighbours;
+    return abs(change) < kStillPhase ? phase : wrapped(phase + change);
+}
+
+// ---- Profiles (section 6.3)
+
+// Where a phase lies in the table of half a period; the other half is its mirror image,
+// so that f is 2 pi periodic and f(phi) = f(-phi) by construction.
+struct ProfilePlace {
+    int index;       // 0 .. kProfileIntervals - 1
+    float fraction;  // of the way to the next entry
+    float sign;      // of df/dphi, which is odd
+};
+
+FORMULA ProfilePlace profile_place(float phase) {
+    float turn = to_nearest(phase / kTwoPi);
+    float x = 2.0f * abs(turn) * float(kProfileIntervals);
+    ProfilePlace place;
+    place.index = min(int(x), kProfileIntervals - 1);
+    place.fraction = x - float(place.index);
+    place.sign = turn < 0.0f ? -1.0f : 1.0f;
+    return place;
+}
