@@ -13,6 +13,7 @@ namespace rumple::formulas {
 
 using namespace glm;
 
+#include "shared/tangents.glsl"
 #include "shared/wrinkle_field.glsl"
 
 }  // namespace rumple::formulas

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "base/errors.h"
+#include "base/expect.h"
 #include "surface/disjoint_sets.h"
 
 namespace rumple {
@@ -19,15 +19,6 @@ std::string text(std::size_t number) {
 
 std::string edge_name(Index a, Index b) {
     return "edge " + text(a) + "-" + text(b);
-}
-
-void check_positions(std::span<const Vec3> positions) {
-    for (std::size_t v = 0; v < positions.size(); ++v) {
-        const Vec3 p = positions[v];
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-            throw InvalidInput("positions_rest: vertex " + text(v) + " is not finite");
-        }
-    }
 }
 
 void check_polygon_start(std::span<const Index> start, std::size_t corners) {
@@ -122,7 +113,7 @@ std::size_t edge_run_end(const std::vector<EdgeUse>& uses, std::size_t begin) {
 }
 
 void check_arrays(const SurfaceInput& input) {
-    check_positions(input.positions_rest);
+    expect_finite("positions_rest", input.positions_rest, "vertex");
     check_polygon_start(input.polygon_start, input.corner_vertex.size());
     check_corners(input.corner_vertex, input.positions_rest.size());
     check_triangles(input);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/formulas.h"
 #include "base/tolerances.h"
 
 namespace rumple {
@@ -46,12 +47,6 @@ Vec3 tilt(const Vec3& v, const Vec3& from, const Vec3& to) {
     const float cosine = glm::dot(from, to);
     if (cosine < kOppositeNormals) return v;  // half a turn: any axis would do, none is better
     return cosine * v + glm::cross(axis, v) + axis * (glm::dot(axis, v) / (1.0f + cosine));
-}
-
-// Any unit tangent: the frame of a vertex only has to be the same every time.
-Vec3 any_tangent(const Vec3& normal) {
-    const Vec3 helper = std::abs(normal.x) < 0.5f ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-    return glm::normalize(glm::cross(normal, helper));
 }
 
 // The turn that takes components in the triangle's frame to components in the vertex's.
@@ -121,7 +116,7 @@ StretchModel build_stretch(const Surface& surface) {
     for (Index v = 0; v < vertices; ++v) {
         const float length = glm::length(normals[v]);
         const Vec3 normal = length > 0.0f ? normals[v] / length : Vec3(0, 0, 1);
-        const Vec3 tangent = any_tangent(normal);
+        const Vec3 tangent = formulas::any_tangent(normal);
         for (const Index corner : incident[v]) {
             const Index t = corner / 3;
             if (area[t] <= 0.0f) continue;

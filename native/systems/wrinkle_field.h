@@ -28,23 +28,22 @@ struct Profile {
     std::array<float, kProfileIntervals + 1> slope;   // df/dphi, of the half period 0..pi
 };
 Profile sine();
-Profile accordion();     // straight flanks: the pleats of figure 5
+Profile accordion();      // straight flanks: the pleats of figure 5
 Profile pencil_pleats();  // round crests, sharp valleys
 // A drawn half wave from crest (first value) to valley (last), kProfileIntervals + 1 values in -1..1. Throws
 // InvalidInput naming the first value that is not.
 Profile drawn(std::span<const float> height);
 
 struct Settings {
-    float wavelength = 0.05f;    // W in rest space, object units, > 0
-    float strength = 1.0f;       // factor on the amplitude of equation (2), >= 0
-    float rate = 0.5f;           // epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
-    int rounds = 4;              // of relaxation, from the frame before, >= 0
-    int start_rounds = 200;      // from the canonical start, >= 0
-    float irregularity = 0.0f;   // 0: tidy cloth, 1: skin: seeded turns of k and of W, 0..1
-    std::uint32_t seed = 0;      // of the first phases and of the irregularity
-    bool aligned_start = true;   // smooth the random first phases as complex numbers; false: as printed
-    bool true_lengths = true;    // lengths of edges, not of their projections, in equation (1); false: as printed
-    int threads = 0;             // 0: chosen by size; the result does not depend on it
+    float wavelength = 0.05f;   // W in rest space, object units, > 0
+    float strength = 1.0f;      // factor on the amplitude of equation (2), >= 0
+    float rate = 0.5f;          // epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
+    int rounds = 4;             // of relaxation, from the frame before, >= 0
+    int start_rounds = 200;     // from the canonical start, >= 0
+    float irregularity = 0.0f;  // 0: tidy cloth, 1: skin: seeded turns of k and of W, 0..1
+    std::uint32_t seed = 0;     // of the first phases and of the irregularity
+    bool aligned_start = true;  // align() the random first phases; false: as printed
+    int threads = 0;            // 0: chosen by size; the result does not depend on it
 };
 
 // Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
@@ -69,21 +68,31 @@ struct Model {
     Surface base;
     Output output = Output::kShading;
     bool true_lengths = true;
-    std::vector<Index> neighbour_start;  // per welded vertex, into neighbours; ordered along the edges' order
-    std::vector<Neighbour> neighbours;   // over the edges of the triangles
-    std::vector<Vec3> normal_rest;       // per welded vertex, unit, or zero where it has none
-    std::vector<Vec3> tangent_rest;      // t of its rest frame
+    std::vector<Index> neighbour_start;  // per welded vertex, into neighbours
+    std::vector<Neighbour>
+        neighbours;                  // over the edges of the triangles, ascending; the first builds the frame
+    std::vector<Vec3> tangent_rest;  // per welded vertex: t and b of its rest frame; zero without a normal
+    std::vector<Vec3> bitangent_rest;
     std::vector<std::uint32_t> identity;  // hash of its rest position: the seed of its first phase
-    std::vector<Vec3> positions_rest;    // of the fine vertices that are displaced (kGeometry)
-    Attachments attachments;             // of the fine vertices (kGeometry)
+    std::vector<Vec2> uv;                 // per corner of every triangle in turn; empty: none
+    std::vector<Index> uv_fan;            // ... and the fan of corners that share its gradient of uv
+    Attachments attachments;              // of the displaced vertices (kGeometry)
     StretchModel stretch;
     ShownMesh shown;
 };
 
-// Section 3. fine is used for kGeometry only. true_lengths: see Settings. Throws InvalidInput (too many fine
-// vertices). Cost: O(edges); for kGeometry that of the fine mesh.
-std::shared_ptr<const Model> build(Surface base, Output output, const FineSource& fine,
-                                   AttachmentKind attachment, bool true_lengths = true);
+struct Plan {
+    Output output = Output::kShading;
+    FineSource fine;                                     // kGeometry
+    AttachmentKind attachment = AttachmentKind::kLimit;  // kGeometry
+    std::span<const Vec2> uv;  // per corner of the base, for parallax; or none (kShading)
+    bool true_lengths =
+        true;  // lengths of edges, not of their projections, in equation (1); false: as printed
+};
+
+// Section 3. Throws InvalidInput (too many fine vertices, a uv that is not finite or not one per corner).
+// Cost: O(edges); for kGeometry that of the fine mesh.
+std::shared_ptr<const Model> build(Surface base, const Plan& plan);
 
 // What lives from frame to frame, per welded vertex.
 struct State {
@@ -91,51 +100,55 @@ struct State {
     std::vector<Vec2> direction;  // k in the rest frame: the sign that phi belongs to
 };
 
-// One frame of the base: its vertices as the artist has them, deformed, object space.
-struct Input {
-    std::span<const Vec3> positions;
-};
-
 // The field of one frame, per welded vertex: equations (1) to (4).
 struct Waves {
-    std::vector<formulas::Wave> wave;  // phase 0; wave_vector in radians per object unit
-    std::vector<float> height;         // h of equation (2) times strength and mask, object units
-    std::vector<float> compression;    // r
-    std::vector<Vec2> direction;       // k, rest frame
+    std::vector<Vec3> positions;     // deformed, object space
+    std::vector<Vec3> normals;       // unit, or zero
+    std::vector<Vec3> wave_vector;   // 2 pi / W k', radians per object unit, deformed space
+    std::vector<float> height;       // h of equation (2) times strength and mask, object units
+    std::vector<float> fullness;     // h over W/4 before strength: what neighbours are weighed by
+    std::vector<float> compression;  // r
+    std::vector<Vec2> direction;     // k, rest frame
 };
 
 struct Report {
     int rounds = 0;              // of relaxation
-    float misfit_before = 0.0f;  // RMS of the phase error over edges between wrinkled vertices, turns, 0..0.5
+    float misfit_before = 0.0f;  // see misfit()
     float misfit_after = 0.0f;
-    float largest_change = 0.0f;  // of a phase since the state given, radians
-    Index wrinkled = 0;          // vertices that wrinkle
-    Index collapsed = 0;         // vertices without a wave because their neighbourhood collapsed
+    float largest_change = 0.0f;  // of the phase of a wrinkled vertex since the state given, radians
+    Index wrinkled = 0;           // vertices that wrinkle
+    Index collapsed = 0;          // vertices without a wave because their neighbourhood collapsed
 };
 
-// Section 4.2 ("Crush"). direction: of the state before, or empty. Throws InvalidInput when positions or paint
+// Section 4.2 ("Crush"). positions: of the base's vertices as the artist has them, deformed, object space.
+// before: directions of the frame before, or empty. Throws InvalidInput when positions, paint or directions
 // do not match the model, or are not finite, or a painted vector is not shorter than 1. Cost: O(edges).
-Waves crush(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
-            std::span<const Vec2> direction);
-
-// Section 5.2 ("Relax"): so many rounds of equation (6), Jacobi, as the paper's two buffers. Deterministic on
-// any number of threads. positions: welded, deformed. Cost: O(rounds x edges).
-void relax(const Model& model, const Settings& settings, const Waves& waves, std::span<const Vec3> positions,
-           int rounds, std::vector<float>& phase);
-
-// RMS misfit in turns over the edges, weighted by the attenuation of both ends.
-float misfit(const Model& model, const Waves& waves, std::span<const Vec3> positions,
-             std::span<const float> phase);
+Waves crush(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
+            std::span<const Vec2> before);
 
 // The phases that a clip starts from: a hash of the seed and of the vertex's rest position.
 std::vector<float> random_phases(const Model& model, std::uint32_t seed);
 
-// Crush and relax, from `state` (the frame before) or from the canonical start when there is none. Throws
-// InvalidInput as crush() does. Cost: O((rounds + 1) x edges).
-State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+// The same made to agree: every vertex takes the mean, as a complex number, of what it and its neighbours ask
+// for, so many rounds. Finds the mode that Knoeppel et al. 2015 ("Stripe Patterns on Surfaces") solve for, by
+// power iteration; gradient descent from there meets few bifurcations. Not in the paper.
+void align(const Model& model, const Settings& settings, const Waves& waves, int rounds,
+           std::vector<float>& phase);
+
+// Section 5.2 ("Relax"): so many rounds of equation (6), Jacobi, as the paper's two buffers. Deterministic on
+// any number of threads. Cost: O(rounds x edges).
+void relax(const Model& model, const Settings& settings, const Waves& waves, int rounds,
+           std::vector<float>& phase);
+
+// RMS of the phase error over the edges, in turns, 0..0.5, weighted by the attenuation of both ends.
+float misfit(const Model& model, const Waves& waves, std::span<const float> phase);
+
+// Crush and relax, from `state` (the frame before) or from the canonical start when there is none. A state of
+// another model counts as none. Throws InvalidInput as crush() and check() do. Cost: O(rounds x edges).
+State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             const State* state, Report& report);
 
-// The shown mesh of a frame, and the waves for shaders. Attributes for corners: of every triangle in turn.
+// The shown mesh of a frame, and the waves for shaders. Values of corners: of every triangle in turn.
 struct Picture {
     std::vector<Vec3> positions;     // per shown vertex, object space
     std::vector<Vec3> local_offset;  // from the linear embedding, in the frame of the deformed base triangle
@@ -144,22 +157,25 @@ struct Picture {
     std::vector<float> amplitude;    // h, object units, per shown vertex
     std::vector<Vec3> direction;     // k, unit, rest space
     std::vector<float> phase;        // phi, radians
-    // kShading only; the wave of each corner of the corner's triangle, seen from the corner.
-    std::vector<Vec3> corner_phase;   // the three phases, less whole turns for each triangle
-    std::vector<Vec3> corner_weight;  // (h, 0, 0) at the first corner, (0, h, 0), (0, 0, h)
-    std::vector<Vec3> wave_vector[3];  // per triangle: 2 pi / W k' of its three corners, object space
+    // kShading only: the waves of a triangle's three corners, as each corner sees them; interpolated over the
+    // triangle they give equation (5).
+    std::vector<Vec3> corner_phase;   // radians, less whole turns for each triangle
+    std::vector<Vec3> corner_weight;  // (h, 0, 0) at the first corner, (0, h, 0), (0, 0, h), object units
+    std::array<std::vector<Vec3>, 3> corner_wave_vector;  // 2 pi / W k' of the three, the same at each
+    std::vector<Vec3> corner_u_gradient;  // du/dx' of equation (11), continuous over edges; empty without uv
+    std::vector<Vec3> corner_v_gradient;
 };
-// Throws InvalidInput when positions, paint or state do not match the model.
-void show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
-          const Input& input, const State& state, Picture& picture);
+// Throws InvalidInput when positions, paint or state do not match the model. Cost: O(triangles + shown
+// vertices).
+Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+             std::span<const Vec3> positions, const State& state);
 
-// Equation (5) and, without the gradient of the barycentrics, (8) at places on the deformed base triangles.
-struct Heights {
-    std::vector<float> height;   // object units
-    std::vector<Vec3> gradient;  // object space
+// Equations (5) and (8) at places on the deformed base triangles: for tests and the geometry.
+struct Height {
+    float height;   // object units
+    Vec3 gradient;  // object space, tangential
 };
-Heights evaluate(const Model& model, const Waves& waves, const Profile& profile,
-                 std::span<const Vec3> positions, std::span<const float> phase,
-                 std::span<const SurfacePoint> places);
+Height evaluate(const Model& model, const Waves& waves, const Profile& profile, std::span<const float> phase,
+                const SurfacePoint& place);
 
 }  // namespace rumple::wrinkle_field

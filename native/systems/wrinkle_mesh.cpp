@@ -7,8 +7,9 @@
 #include <limits>
 #include <string>
 
-#include "base/errors.h"
+#include "base/expect.h"
 #include "base/parallel.h"
+#include "base/random.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_mesh_bounds.h"
 #include "systems/wrinkle_mesh_pose.h"
@@ -55,15 +56,6 @@ std::vector<float> activity(const Model& model, std::span<const float> lengths, 
         spread[b] = std::max(spread[b], 0.5f * active[a]);
     });
     return spread;
-}
-
-// A number in [-1, 1] that depends on seed and vertex only.
-float noise(std::uint32_t seed, std::uint32_t vertex) {
-    std::uint32_t x = vertex * 0x9E3779B9u ^ (seed + 0x7F4A7C15u) * 0x85EBCA6Bu;
-    x = (x ^ (x >> 16)) * 0x21F0AAADu;
-    x = (x ^ (x >> 15)) * 0x735A2D97u;
-    x ^= x >> 15;
-    return static_cast<float>(x >> 8) / 8388607.5f - 1.0f;
 }
 
 // A flat sheet under compression is in (unstable) balance: push every vertex
@@ -239,23 +231,18 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
 }  // namespace
 
 void check(const Settings& settings) {
-    const auto within = [](const char* name, double value, double low, double high) {
-        if (value >= low && value <= high) return;  // not a number is never within
-        throw InvalidInput(std::string(name) + ": expected " + std::to_string(low) + " to " +
-                           std::to_string(high) + ", got " + std::to_string(value));
-    };
-    within("radius", settings.radius, 0.0, 1e6);
-    within("prestretch", settings.prestretch, 1e-3, 1e3);
-    within("bending", settings.bending, 0.0, 1.0);
-    within("inside", settings.inside, 0.0, 1.0);
-    within("stretch_relief", settings.stretch_relief, 0.0, 1.0);
-    within("compression_limit", settings.compression_limit, 1.0, 1e6);
-    within("hem_rings", settings.hem_rings, 0, 1e6);
-    within("iterations", settings.iterations, 0, 1e6);
-    within("start_iterations", settings.start_iterations, 0, 1e6);
-    within("damping", settings.damping, 0.0, 1.0);
-    within("nudge", settings.nudge, 0.0, 1e3);
-    within("threads", settings.threads, 0, 1024);
+    expect_within("radius", settings.radius, 0.0, 1e6);
+    expect_within("prestretch", settings.prestretch, 1e-3, 1e3);
+    expect_within("bending", settings.bending, 0.0, 1.0);
+    expect_within("inside", settings.inside, 0.0, 1.0);
+    expect_within("stretch_relief", settings.stretch_relief, 0.0, 1.0);
+    expect_within("compression_limit", settings.compression_limit, 1.0, 1e6);
+    expect_within("hem_rings", settings.hem_rings, 0, 1e6);
+    expect_within("iterations", settings.iterations, 0, 1e6);
+    expect_within("start_iterations", settings.start_iterations, 0, 1e6);
+    expect_within("damping", settings.damping, 0.0, 1.0);
+    expect_within("nudge", settings.nudge, 0.0, 1e3);
+    expect_within("threads", settings.threads, 0, 1024);
 }
 
 State woken(const State& state) {

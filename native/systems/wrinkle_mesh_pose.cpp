@@ -1,27 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "systems/wrinkle_mesh_pose.h"
 
-#include <cmath>
 #include <string>
 
-#include "base/errors.h"
+#include "base/expect.h"
 
 namespace rumple::wrinkle_mesh {
 namespace {
-
-void check(const Model& model, const Input& input) {
-    const size_t expected = static_cast<size_t>(model.base.display.vertex_count);
-    if (input.positions.size() != expected) {
-        throw InvalidInput("positions: expected " + std::to_string(expected) + " vertices, got " +
-                           std::to_string(input.positions.size()));
-    }
-    for (size_t v = 0; v < expected; ++v) {
-        const Vec3& p = input.positions[v];
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-            throw InvalidInput("positions: vertex " + std::to_string(v) + " is not finite");
-        }
-    }
-}
 
 // The length that a pair is asked to keep in this pose. The paper asks for s l0
 // always; we give in to a part of the stretch of the base, and make no more
@@ -68,7 +53,8 @@ void check(const Model& model, const State& state) {
 }
 
 Pose make_pose(const Model& model, const Input& input) {
-    check(model, input);
+    expect_count("positions", input.positions.size(), model.base.display.vertex_count, "vertices");
+    expect_finite("positions", input.positions, "vertex");
     Pose pose;
     pose.base.resize(model.base.welded.vertex_count);
     weld_positions(model.base, input.positions, pose.base);

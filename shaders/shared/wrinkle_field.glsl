@@ -2,6 +2,7 @@
 // The formulas of the Wrinkle Field. Source: J. Loviscach, Wrinkling Coarse
 // Meshes on the GPU, Eurographics 2006; equation numbers are the paper's.
 // One text for C++ (native/base/formulas.h) and GLSL (the viewport preview).
+// Needs tangents.glsl.
 
 const float kTwoPi = 6.28318530717958648f;
 
@@ -19,12 +20,6 @@ const float kStillPhase = 1e-4f;
 const int kProfileIntervals = 64;
 
 // ---- Crush (section 4.2)
-
-// Any unit vector at right angles to the unit vector n.
-FORMULA vec3 any_tangent(vec3 n) {
-    vec3 helper = abs(n.x) < 0.5f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f);
-    return normalize(cross(n, helper));
-}
 
 // t of a tangent frame: the way to a neighbour, projected along the unit normal n.
 FORMULA vec3 tangent_towards(vec3 way, vec3 n) {
@@ -63,14 +58,14 @@ struct Crushed {
 };
 
 // m: M of equation (1). q: painted rest-pose wrinkle in the rest frame, shorter than 1
-// (section 7). before: k of the frame before, or zero.
-FORMULA Crushed crush(mat2 m, vec2 q, vec2 before) {
+// (section 7). before: k of the frame before, or zero. turn: (cos, sin) of the angle by
+// which irregularity turns the wave away from k.
+FORMULA Crushed crush(mat2 m, vec2 q, vec2 before, vec2 turn) {
     mat2 mq = m * (mat2(1.0f) - outerProduct(q, q));  // M (E - q (x) q)
     mat2 c = transpose(mq) * mq;
     float mean = 0.5f * (c[0][0] + c[1][1]);
     float half_difference = 0.5f * (c[0][0] - c[1][1]);
-    float radius = sqrt(half_difference * half_difference + c[1][0] * c[1][0]);
-    float large = mean + radius;
+    float large = mean + sqrt(half_difference * half_difference + c[1][0] * c[1][0]);
     float det = mq[0][0] * mq[1][1] - mq[1][0] * mq[0][1];
     Crushed result;
     // The smaller eigenvalue by the determinant: no cancellation where it is small.
@@ -84,21 +79,18 @@ FORMULA Crushed crush(mat2 m, vec2 q, vec2 before) {
     k = k_length > 1e-6f * large ? k / k_length : (dot(before, before) > 0.0f ? before : vec2(1.0f, 0.0f));
     if (dot(k, before) < 0.0f) k = -k;
     result.k = k;
-    bool collapsed = result.r < kCollapsed;
-    result.fullness = collapsed ? 0.0f : sqrt(max(1.0f - r2, 0.0f));
-    // (M^-1)^T k = M k / r^2, for k is an eigenvector of M^T M.
-    result.k_deformed = collapsed ? vec2(0.0f, 0.0f) : (mq * k) / r2;
+    result.fullness = 0.0f;
+    result.k_deformed = vec2(0.0f, 0.0f);
+    if (result.r < kCollapsed) return result;
+    result.fullness = sqrt(max(1.0f - r2, 0.0f));
+    vec2 turned = vec2(turn.x * k.x - turn.y * k.y, turn.y * k.x + turn.x * k.y);
+    // (M^-1)^T by the cofactors of M.
+    result.k_deformed =
+        vec2(mq[1][1] * turned.x - mq[0][1] * turned.y, mq[0][0] * turned.y - mq[1][0] * turned.x) / det;
     return result;
 }
 
 // ---- Relax (section 5.2)
-
-// A plane wave at a vertex: height = h f(dot(wave_vector, x - x_vertex) + phase).
-struct Wave {
-    vec3 wave_vector;  // 2 pi / W k', radians per object unit, deformed space
-    float phase;       // phi, radians
-    float fullness;    // amplitude over W/4
-};
 
 // The weight of a neighbour. The paper prints max(min(4 h - 0.2, 1), 0) with h in the
 // unit of its own scene; here h is relative to W/4, its largest value.
@@ -107,13 +99,24 @@ FORMULA float attenuation(float fullness) { return clamp(4.0f * fullness - 0.2f,
 // x - floor(x + 1/2): the way to the nearest integer, in [-1/2, 1/2).
 FORMULA float to_nearest(float x) { return x - floor(x + 0.5f); }
 
-// (psi_n - psi_0) / 2 pi - i of the error E_0, with the integer i that makes it smallest.
-// way: x'_n - x'_0. p = (x'_0 + x'_n) / 2.
-FORMULA float misfit(Wave at, Wave neighbour, vec3 way) {
-    float psi_0 = dot(at.wave_vector, 0.5f * way) + at.phase;
-    float flip = dot(neighbour.wave_vector, at.wave_vector) < 0.0f ? -1.0f : 1.0f;
-    float psi_n = flip * (dot(neighbour.wave_vector, -0.5f * way) + neighbour.phase);
-    return to_nearest((psi_n - psi_0) / kTwoPi);
+// How the phases of two neighbours compare, half-way between them:
+// psi_n - psi_0 = flip phi_n - phi_0 + offset.
+struct Link {
+    float flip;    // sgn(k'_n . k'_0)
+    float offset;  // radians
+};
+
+// wave_vector: 2 pi / W k', radians per object unit. way: x'_n - x'_0; p = (x'_0 + x'_n) / 2.
+FORMULA Link link_waves(vec3 wave_vector, vec3 neighbour_wave_vector, vec3 way) {
+    Link result;
+    result.flip = dot(neighbour_wave_vector, wave_vector) < 0.0f ? -1.0f : 1.0f;
+    result.offset = -0.5f * (result.flip * dot(neighbour_wave_vector, way) + dot(wave_vector, way));
+    return result;
+}
+
+// (psi_n - psi_0) / 2 pi - i of the error E_0, in turns, with the integer i that makes it smallest.
+FORMULA float misfit(Link link, float phase, float neighbour_phase) {
+    return to_nearest((link.flip * neighbour_phase - phase + link.offset) / kTwoPi);
 }
 
 // A phase in [-pi, pi).

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the doors of the house ask of their arguments. Each throws InvalidInput that names the argument.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "base/array.h"
+#include "base/errors.h"
+
+namespace rumple {
+
+// Within [low, high]; not a number never is.
+inline void expect_within(const std::string& name, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    throw InvalidInput(name + ": expected " + std::to_string(low) + " to " + std::to_string(high) + ", got " +
+                       std::to_string(value));
+}
+
+// what: of what there are so many, e.g. "vertices".
+inline void expect_count(const std::string& name, size_t count, size_t expected, const char* what) {
+    if (count == expected) return;
+    throw InvalidInput(name + ": expected " + std::to_string(expected) + " " + what + ", got " +
+                       std::to_string(count));
+}
+
+inline bool is_finite(float value) {
+    return std::isfinite(value);
+}
+inline bool is_finite(const Vec2& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y);
+}
+inline bool is_finite(const Vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// element: what a value belongs to, e.g. "vertex".
+template <typename T>
+void expect_finite(const std::string& name, std::span<const T> values, const char* element) {
+    for (size_t i = 0; i < values.size(); ++i) {
+        if (is_finite(values[i])) continue;
+        throw InvalidInput(name + ": " + element + " " + std::to_string(i) + " is not finite");
+    }
+}
+
+}  // namespace rumple

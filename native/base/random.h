@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Numbers that look random and depend on nothing but their arguments.
+#pragma once
+
+#include <cstdint>
+
+namespace rumple {
+
+// Source: the two-round hash of least bias from C. Wellons' hash prospector (public domain).
+inline std::uint32_t hashed(std::uint32_t seed, std::uint32_t value) {
+    std::uint32_t x = value * 0x9E3779B9u ^ (seed + 0x7F4A7C15u) * 0x85EBCA6Bu;
+    x = (x ^ (x >> 16)) * 0x21F0AAADu;
+    x = (x ^ (x >> 15)) * 0x735A2D97u;
+    return x ^ (x >> 15);
+}
+
+// A number in [-1, 1].
+inline float noise(std::uint32_t seed, std::uint32_t value) {
+    return static_cast<float>(hashed(seed, value) >> 8) / 8388607.5f - 1.0f;
+}
+
+}  // namespace rumple

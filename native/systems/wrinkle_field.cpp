@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sections 4 and 5 of Loviscach 2006: crush and relax.
+#include "systems/wrinkle_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <glm/gtc/noise.hpp>
+#include <utility>
+
+#include "base/expect.h"
+#include "base/parallel.h"
+#include "base/random.h"
+
+namespace rumple::wrinkle_field {
+namespace {
+
+using formulas::Link;
+
+// Below this many vertices threads are not worth it: a round takes some hundred microseconds alone.
+constexpr size_t kVerticesForThreads = 50'000;
+constexpr int kMostThreads = 8;
+
+// How far irregularity = 1 goes: k turns by up to this many radians, W changes by up to this share.
+constexpr float kMostTurn = 0.8f;
+constexpr float kMostWavelengthChange = 0.4f;
+// Wavelengths over which the irregularity changes.
+constexpr float kIrregularityScale = 2.0f;
+
+int choose_threads(const Settings& settings, size_t vertices) {
+    if (settings.threads > 0) return settings.threads;
+    if (vertices < kVerticesForThreads) return 1;
+    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
+}
+
+// work(v) for every vertex, on all threads.
+template <typename Work>
+void for_each_vertex(const Settings& settings, size_t vertices, Work&& work) {
+    Team team(choose_threads(settings, vertices));
+    team.run([&](int thread) {
+        const Team::Range part = team.share(0, vertices, thread);
+        for (size_t v = part.begin; v < part.end; ++v) work(v);
+    });
+}
+
+void check_paint(const Model& model, const Paint& paint) {
+    const size_t vertices = model.base.welded_of.size();
+    const auto fits = [&](const char* name, const std::vector<float>& values, double low) {
+        if (values.empty()) return;
+        expect_count(name, values.size(), vertices, "vertices");
+        for (size_t v = 0; v < vertices; ++v) {
+            expect_within(std::string(name) + ": vertex " + std::to_string(v), values[v], low, 1e3);
+        }
+    };
+    fits("mask", paint.mask, 0.0);
+    fits("wavelength", paint.wavelength, 1e-3);
+    if (paint.rest_wrinkle.empty()) return;
+    expect_count("rest_wrinkle", paint.rest_wrinkle.size(), vertices, "vertices");
+    expect_finite<Vec3>("rest_wrinkle", paint.rest_wrinkle, "vertex");
+    for (size_t v = 0; v < vertices; ++v) {
+        const float length = glm::length(paint.rest_wrinkle[v]);
+        if (length < 1.0f) continue;
+        throw InvalidInput("rest_wrinkle: vertex " + std::to_string(v) + " has length " +
+                           std::to_string(length) + ", expected below 1");
+    }
+}
+
+// Values of welded vertices: the mean of those that were joined.
+template <typename T>
+std::vector<T> welded_values(const Surface& surface, const std::vector<T>& display, T unpainted) {
+    std::vector<T> sum(surface.welded.vertex_count, display.empty() ? unpainted : T{});
+    if (display.empty()) return sum;
+    std::vector<float> count(sum.size(), 0.0f);
+    for (size_t v = 0; v < display.size(); ++v) {
+        sum[surface.welded_of[v]] += display[v];
+        count[surface.welded_of[v]] += 1.0f;
+    }
+    for (size_t w = 0; w < sum.size(); ++w) sum[w] /= count[w];
+    return sum;
+}
+
+// What irregularity does to the wave of a vertex: seeded noise over the rest pose.
+struct Disturbance {
+    Vec2 turn{1.0f, 0.0f};    // (cos, sin)
+    float wavelength = 1.0f;  // factor
+};
+
+Disturbance disturb(const Settings& settings, const Vec3& rest) {
+    if (settings.irregularity <= 0.0f) return {};
+    const Vec3 place = rest / (kIrregularityScale * settings.wavelength);
+    const auto noise_at = [&](std::uint32_t which) {
+        const Vec3 elsewhere(noise(settings.seed, 3 * which), noise(settings.seed, 3 * which + 1),
+                             noise(settings.seed, 3 * which + 2));
+        return settings.irregularity * glm::simplex(place + 100.0f * elsewhere);
+    };
+    const float angle = kMostTurn * noise_at(0);
+    return {{std::cos(angle), std::sin(angle)}, 1.0f + kMostWavelengthChange * noise_at(1)};
+}
+
+// M of equation (1), from the rest frame of a vertex to the frame (t, b) of the deformed one.
+glm::mat2 regress(const Model& model, std::span<const Vec3> positions, Index v, const Vec3& t,
+                  const Vec3& b) {
+    glm::mat2 m(0.0f);
+    for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
+        const Model::Neighbour& n = model.neighbours[i];
+        const Vec3 way = positions[n.vertex] - positions[v];
+        m += glm::outerProduct(formulas::tangent_space(way, t, b, model.true_lengths), n.gradient);
+    }
+    return m;
+}
+
+// A neighbour in relaxation.
+struct Pull {
+    Index vertex;
+    float weight;  // attenuation of its amplitude
+    Link link;
+};
+
+// In the order of model.neighbours.
+std::vector<Pull> collect_pulls(const Model& model, const Settings& settings, const Waves& waves) {
+    std::vector<Pull> pulls(model.neighbours.size());
+    for_each_vertex(settings, waves.height.size(), [&](size_t v) {
+        for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
+            const Index n = model.neighbours[i].vertex;
+            pulls[i] = {n, formulas::attenuation(waves.fullness[n]),
+                        formulas::link_waves(waves.wave_vector[v], waves.wave_vector[n],
+                                             waves.positions[n] - waves.positions[v])};
+        }
+    });
+    return pulls;
+}
+
+// One vertex's share of a round.
+float relax_vertex(std::span<const Pull> pulls, std::span<const float> phase, float own, float rate) {
+    float sum = 0.0f;
+    for (const Pull& pull : pulls) {
+        if (pull.weight > 0.0f) sum += pull.weight * formulas::misfit(pull.link, own, phase[pull.vertex]);
+    }
+    return formulas::relaxed(own, sum, float(pulls.size()), rate);
+}
+
+std::span<const Pull> pulls_of(const Model& model, std::span<const Pull> pulls, size_t v) {
+    return pulls.subspan(model.neighbour_start[v], model.neighbour_start[v + 1] - model.neighbour_start[v]);
+}
+
+// step(v, from) -> new value, for all vertices, so many rounds, from one buffer into another.
+template <typename T, typename Step>
+void ping_pong(const Settings& settings, int rounds, std::vector<T>& values, Step&& step) {
+    std::vector<T> buffers[2] = {std::move(values), {}};
+    buffers[1].resize(buffers[0].size());
+    Team team(choose_threads(settings, buffers[0].size()));
+    team.run([&](int thread) {
+        const Team::Range part = team.share(0, buffers[0].size(), thread);
+        for (int round = 0; round < rounds; ++round) {
+            const std::vector<T>& from = buffers[round % 2];
+            for (size_t v = part.begin; v < part.end; ++v) buffers[1 - round % 2][v] = step(v, from);
+            team.meet();
+        }
+    });
+    values = std::move(buffers[rounds % 2]);
+}
+
+float largest_change(const Waves& waves, std::span<const float> before, std::span<const float> after) {
+    float largest = 0.0f;
+    for (size_t v = 0; v < after.size(); ++v) {
+        if (formulas::attenuation(waves.fullness[v]) <= 0.0f) continue;
+        largest = std::max(largest, std::abs(formulas::wrapped(after[v] - before[v])));
+    }
+    return largest;
+}
+
+}  // namespace
+
+void check(const Settings& settings) {
+    expect_within("wavelength", settings.wavelength, 1e-6, 1e6);
+    expect_within("strength", settings.strength, 0.0, 1e3);
+    expect_within("rate", settings.rate, 0.0, 1.0);
+    expect_within("rounds", settings.rounds, 0, 1e6);
+    expect_within("start_rounds", settings.start_rounds, 0, 1e6);
+    expect_within("irregularity", settings.irregularity, 0.0, 1.0);
+    expect_within("threads", settings.threads, 0, 1024);
+}
+
+Waves crush(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
+            std::span<const Vec2> before) {
+    check(settings);
+    check_paint(model, paint);
+    expect_count("positions", positions.size(), model.base.welded_of.size(), "vertices");
+    expect_finite("positions", positions, "vertex");
+    const size_t vertices = model.base.positions_rest.size();
+    if (!before.empty()) expect_count("directions", before.size(), vertices, "welded vertices");
+    const std::vector<float> mask = welded_values(model.base, paint.mask, 1.0f);
+    const std::vector<float> wavelength = welded_values(model.base, paint.wavelength, 1.0f);
+    const std::vector<Vec3> painted = welded_values(model.base, paint.rest_wrinkle, Vec3(0.0f));
+    Waves waves;
+    waves.positions.resize(vertices);
+    waves.normals.resize(vertices);
+    weld_positions(model.base, positions, waves.positions);
+    vertex_normals(model.base, waves.positions, waves.normals);
+    waves.wave_vector.assign(vertices, Vec3(0.0f));
+    waves.height.assign(vertices, 0.0f);
+    waves.fullness.assign(vertices, 0.0f);
+    waves.compression.assign(vertices, 1.0f);
+    waves.direction.assign(vertices, Vec2(1.0f, 0.0f));
+    for_each_vertex(settings, vertices, [&](size_t v) {
+        const Index first = model.neighbour_start[v];
+        const Vec3 normal = waves.normals[v];
+        if (normal == Vec3(0.0f) || model.tangent_rest[v] == Vec3(0.0f)) return;
+        const Vec3 way = waves.positions[model.neighbours[first].vertex] - waves.positions[v];
+        const Vec3 t = formulas::tangent_towards(way, normal);
+        const Vec3 b = glm::cross(normal, t);
+        const Vec2 q(glm::dot(model.tangent_rest[v], painted[v]),
+                     glm::dot(model.bitangent_rest[v], painted[v]));
+        const Disturbance disturbance = disturb(settings, model.base.positions_rest[v]);
+        const formulas::Crushed crushed =
+            formulas::crush(regress(model, waves.positions, static_cast<Index>(v), t, b), q,
+                            before.empty() ? Vec2(0.0f) : before[v], disturbance.turn);
+        const float w = settings.wavelength * wavelength[v] * disturbance.wavelength;
+        waves.compression[v] = crushed.r;
+        waves.direction[v] = crushed.k;
+        waves.fullness[v] = crushed.fullness * mask[v];
+        waves.height[v] = 0.25f * w * settings.strength * waves.fullness[v];  // equation (2)
+        waves.wave_vector[v] = (formulas::kTwoPi / w) * (crushed.k_deformed.x * t + crushed.k_deformed.y * b);
+    });
+    return waves;
+}
+
+void align(const Model& model, const Settings& settings, const Waves& waves, int rounds,
+           std::vector<float>& phase) {
+    using Complex = std::complex<double>;  // in doubles: the length may shrink with every round
+    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
+    std::vector<Complex> asked(pulls.size());
+    for (size_t i = 0; i < pulls.size(); ++i) {
+        asked[i] = std::polar(double(pulls[i].weight), double(pulls[i].link.offset));
+    }
+    std::vector<Complex> waves_at;
+    for (const float phi : phase) waves_at.push_back(std::polar(1.0, double(phi)));
+    ping_pong(settings, rounds, waves_at, [&](size_t v, const std::vector<Complex>& from) {
+        Complex sum = from[v];
+        double weights = 1.0;
+        for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
+            const Complex other = from[pulls[i].vertex];
+            sum += asked[i] * (pulls[i].link.flip < 0.0f ? std::conj(other) : other);
+            weights += pulls[i].weight;
+        }
+        return sum / weights;
+    });
+    for (size_t v = 0; v < phase.size(); ++v) {
+        if (waves_at[v] != Complex()) phase[v] = formulas::wrapped(static_cast<float>(std::arg(waves_at[v])));
+    }
+}
+
+void relax(const Model& model, const Settings& settings, const Waves& waves, int rounds,
+           std::vector<float>& phase) {
+    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
+    ping_pong(settings, rounds, phase, [&](size_t v, const std::vector<float>& from) {
+        return relax_vertex(pulls_of(model, pulls, v), from, from[v], settings.rate);
+    });
+}
+
+float misfit(const Model& model, const Waves& waves, std::span<const float> phase) {
+    const std::vector<Pull> pulls = collect_pulls(model, Settings{}, waves);
+    double sum = 0.0, weights = 0.0;
+    for (size_t v = 0; v < phase.size(); ++v) {
+        const double own = formulas::attenuation(waves.fullness[v]);
+        for (const Pull& pull : pulls_of(model, pulls, v)) {
+            const double error = formulas::misfit(pull.link, phase[v], phase[pull.vertex]);
+            sum += own * pull.weight * error * error;
+            weights += own * pull.weight;
+        }
+    }
+    return weights > 0.0 ? static_cast<float>(std::sqrt(sum / weights)) : 0.0f;
+}
+
+State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
+            const State* state, Report& report) {
+    const size_t vertices = model.base.positions_rest.size();
+    if (state && (state->phase.size() != vertices || state->direction.size() != vertices)) state = nullptr;
+    const Waves waves = crush(model, settings, paint, positions,
+                              state ? std::span(state->direction) : std::span<const Vec2>());
+    State after{state ? state->phase : random_phases(model, settings.seed), waves.direction};
+    report = {};
+    report.rounds = state ? settings.rounds : settings.start_rounds;
+    report.misfit_before = misfit(model, waves, after.phase);
+    if (!state && settings.aligned_start) align(model, settings, waves, settings.start_rounds, after.phase);
+    relax(model, settings, waves, report.rounds, after.phase);
+    report.misfit_after = misfit(model, waves, after.phase);
+    if (state) report.largest_change = largest_change(waves, state->phase, after.phase);
+    for (size_t v = 0; v < vertices; ++v) {
+        report.wrinkled += formulas::attenuation(waves.fullness[v]) > 0.0f;
+        report.collapsed += waves.compression[v] < formulas::kCollapsed;
+    }
+    return after;
+}
+
+}  // namespace rumple::wrinkle_field

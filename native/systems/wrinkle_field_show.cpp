@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Section 6 of Loviscach 2006: the field as shaders and fine meshes need it.
+#include <cmath>
+
+#include "base/expect.h"
+#include "base/tolerances.h"
+#include "systems/wrinkle_field.h"
+
+namespace rumple::wrinkle_field {
+namespace {
+
+struct Corners {
+    Index vertex[3];
+};
+
+Corners corners_of(const Surface& surface, Index triangle) {
+    Corners out;
+    for (int k = 0; k < 3; ++k) {
+        out.vertex[k] = surface.welded.corner_vertex[surface.triangles[triangle].corner[k]];
+    }
+    return out;
+}
+
+// The plane wave of a vertex at a point of the deformed surface, radians.
+float phase_at(const Waves& waves, std::span<const float> phase, Index vertex, const Vec3& point) {
+    return glm::dot(waves.wave_vector[vertex], point - waves.positions[vertex]) + phase[vertex];
+}
+
+float between(const std::array<float, kProfileIntervals + 1>& table, const formulas::ProfilePlace& place) {
+    return table[place.index] + place.fraction * (table[place.index + 1] - table[place.index]);
+}
+
+struct Weights {
+    float of[3];
+};
+
+Weights weights_of(const SurfacePoint& place) {
+    return {{1.0f - place.b0 - place.b1, place.b0, place.b1}};
+}
+
+Vec3 point_at(const Corners& corners, const Weights& weights, std::span<const Vec3> values) {
+    Vec3 sum(0.0f);
+    for (int k = 0; k < 3; ++k) sum += weights.of[k] * values[corners.vertex[k]];
+    return sum;
+}
+
+void fill_corners(const Model& model, const Waves& waves, std::span<const float> phase, Picture& picture) {
+    const Index triangles = static_cast<Index>(model.base.triangles.size());
+    for (Index t = 0; t < triangles; ++t) {
+        const Corners corners = corners_of(model.base, t);
+        Vec3 turns;  // whole turns that shaders need not carry
+        for (int wave = 0; wave < 3; ++wave) {
+            float sum = 0.0f;
+            for (const Index v : corners.vertex) {
+                sum += phase_at(waves, phase, corners.vertex[wave], waves.positions[v]);
+            }
+            turns[wave] = formulas::kTwoPi * std::floor(sum / 3.0f / formulas::kTwoPi + 0.5f);
+        }
+        for (int corner = 0; corner < 3; ++corner) {
+            Vec3 phases, weight(0.0f);
+            for (int wave = 0; wave < 3; ++wave) {
+                const Vec3& point = waves.positions[corners.vertex[corner]];
+                phases[wave] = phase_at(waves, phase, corners.vertex[wave], point) - turns[wave];
+                picture.corner_wave_vector[wave].push_back(waves.wave_vector[corners.vertex[wave]]);
+            }
+            weight[corner] = waves.height[corners.vertex[corner]];
+            picture.corner_phase.push_back(phases);
+            picture.corner_weight.push_back(weight);
+        }
+    }
+}
+
+// Equation (11) for every triangle, then the mean over the fans, by area: a gradient of its own for every
+// triangle would tear the texture at the edges.
+void fill_uv_gradients(const Model& model, std::span<const Vec3> positions, Picture& picture) {
+    if (model.uv.empty()) return;
+    std::vector<Vec3> u_sum(model.uv.size(), Vec3(0.0f)), v_sum = u_sum;
+    std::vector<float> area_sum(model.uv.size(), 0.0f);
+    const Index triangles = static_cast<Index>(model.base.triangles.size());
+    for (Index t = 0; t < triangles; ++t) {
+        const Corners corners = corners_of(model.base, t);
+        const Vec3 b = positions[corners.vertex[1]] - positions[corners.vertex[0]];
+        const Vec3 c = positions[corners.vertex[2]] - positions[corners.vertex[0]];
+        const Vec3 normal = glm::cross(b, c);
+        const float area = glm::length(normal);
+        if (area <= 0.0f) continue;
+        const Vec3 n = normal / area;
+        const Vec2 uv_b = model.uv[3 * t + 1] - model.uv[3 * t], uv_c = model.uv[3 * t + 2] - model.uv[3 * t];
+        for (int k = 0; k < 3; ++k) {
+            const Index fan = model.uv_fan[3 * t + k];
+            // Equation (11) times the area, which is n . (b x c).
+            u_sum[fan] += uv_b.x * glm::cross(c, n) + uv_c.x * glm::cross(n, b);
+            v_sum[fan] += uv_b.y * glm::cross(c, n) + uv_c.y * glm::cross(n, b);
+            area_sum[fan] += area;
+        }
+    }
+    for (const Index fan : model.uv_fan) {
+        const float scale = area_sum[fan] > 0.0f ? 1.0f / area_sum[fan] : 0.0f;
+        picture.corner_u_gradient.push_back(scale * u_sum[fan]);
+        picture.corner_v_gradient.push_back(scale * v_sum[fan]);
+    }
+}
+
+// The fine mesh: attached, then moved along the interpolated normal by equation (5).
+void displace(const Model& model, const Waves& waves, const Profile& profile, std::span<const float> phase,
+              Picture& picture) {
+    const size_t fine = model.attachments.places.size();
+    std::vector<Vec3> positions(fine), offset(fine, Vec3(0.0f));
+    attach(model.base, model.attachments, waves.positions, waves.normals, positions, 0, fine);
+    for (size_t v = 0; v < fine; ++v) {
+        const SurfacePoint& place = model.attachments.places[v];
+        const Vec3 normal =
+            point_at(corners_of(model.base, place.triangle), weights_of(place), waves.normals);
+        const float length = glm::length(normal);
+        if (length < kShortestNormal) continue;
+        offset[v] = evaluate(model, waves, profile, phase, place).height / length * normal;
+        positions[v] += offset[v];
+    }
+    std::vector<TriangleFrame> frames(model.base.triangles.size());
+    triangle_frames(model.base, waves.positions, frames);
+    const size_t shown = model.shown.places.size();
+    picture.positions.resize(shown);
+    picture.offset.resize(shown);
+    apply<Vec3>(model.shown.from_solved, positions, picture.positions);
+    apply<Vec3>(model.shown.from_solved, offset, picture.offset);
+    for (size_t v = 0; v < shown; ++v) {
+        const SurfacePoint& place = model.shown.places[v];
+        const Vec3 embedded = interpolate(model.base, place, waves.positions);
+        picture.local_offset.push_back(frames[place.triangle].to_local(picture.positions[v] - embedded));
+    }
+}
+
+// Amplitude, direction and phase of the wave that counts most at every shown vertex.
+void fill_points(const Model& model, const Waves& waves, std::span<const float> phase, Picture& picture) {
+    for (const SurfacePoint& place : model.shown.places) {
+        if (place.triangle == kNone) {
+            picture.amplitude.push_back(0.0f);
+            picture.direction.push_back(Vec3(0.0f));
+            picture.phase.push_back(0.0f);
+            continue;
+        }
+        const Corners corners = corners_of(model.base, place.triangle);
+        const Weights weights = weights_of(place);
+        int nearest = 0;
+        float amplitude = 0.0f;
+        for (int k = 0; k < 3; ++k) {
+            amplitude += weights.of[k] * waves.height[corners.vertex[k]];
+            if (weights.of[k] > weights.of[nearest]) nearest = k;
+        }
+        const Index v = corners.vertex[nearest];
+        picture.amplitude.push_back(amplitude);
+        picture.direction.push_back(waves.direction[v].x * model.tangent_rest[v] +
+                                    waves.direction[v].y * model.bitangent_rest[v]);
+        picture.phase.push_back(
+            formulas::wrapped(phase_at(waves, phase, v, point_at(corners, weights, waves.positions))));
+    }
+}
+
+}  // namespace
+
+Height evaluate(const Model& model, const Waves& waves, const Profile& profile, std::span<const float> phase,
+                const SurfacePoint& place) {
+    const Corners corners = corners_of(model.base, place.triangle);
+    const Weights weights = weights_of(place);
+    const Vec3 point = point_at(corners, weights, waves.positions);
+    Height out{0.0f, Vec3(0.0f)};
+    for (int k = 0; k < 3; ++k) {
+        const Index v = corners.vertex[k];
+        const formulas::ProfilePlace at = formulas::profile_place(phase_at(waves, phase, v, point));
+        const float weight = weights.of[k] * waves.height[v];
+        out.height += weight * between(profile.height, at);                                    // equation (5)
+        out.gradient += weight * at.sign * between(profile.slope, at) * waves.wave_vector[v];  // equation (8)
+    }
+    return out;
+}
+
+Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+             std::span<const Vec3> positions, const State& state) {
+    const size_t vertices = model.base.positions_rest.size();
+    expect_count("state", state.phase.size(), vertices, "welded vertices");
+    const Waves waves = crush(model, settings, paint, positions, state.direction);
+    Picture picture;
+    if (model.output == Output::kGeometry) {
+        displace(model, waves, profile, state.phase, picture);
+    } else {
+        picture.positions.assign(positions.begin(), positions.end());
+        picture.local_offset.assign(positions.size(), Vec3(0.0f));
+        picture.offset = picture.local_offset;
+        fill_corners(model, waves, state.phase, picture);
+        fill_uv_gradients(model, waves.positions, picture);
+    }
+    fill_points(model, waves, state.phase, picture);
+    measure_stretch(model.base, model.stretch, waves.positions, model.shown.places, picture.stretch);
+    return picture;
+}
+
+}  // namespace rumple::wrinkle_field
