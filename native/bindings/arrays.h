@@ -40,12 +40,17 @@ std::span<const Scalar> scalars(const py::array& array, const char* name, py::ss
     return {static_cast<const Scalar*>(array.data()), static_cast<size_t>(array.size())};
 }
 
-static_assert(sizeof(Vec3) == 3 * sizeof(float));
+static_assert(sizeof(Vec2) == 2 * sizeof(float) && sizeof(Vec3) == 3 * sizeof(float));
 static_assert(sizeof(Index) == 4);
 
 inline std::span<const Vec3> vectors(const py::array& array, const char* name) {
     const std::span<const float> flat = scalars<float>(array, name, 3);
     return {reinterpret_cast<const Vec3*>(flat.data()), flat.size() / 3};
+}
+
+inline std::span<const Vec2> vectors2(const py::array& array, const char* name) {
+    const std::span<const float> flat = scalars<float>(array, name, 2);
+    return {reinterpret_cast<const Vec2*>(flat.data()), flat.size() / 2};
 }
 
 // A new (count, columns) array (or (count,) for columns == 0) with a copy of plain values.

@@ -10,4 +10,5 @@ PYBIND11_MODULE(rumple_native, module) {
     module.attr("__version__") = RUMPLE_VERSION;
     rumple::bindings::bind_surface(module);
     rumple::bindings::bind_wrinkle_mesh(module);
+    rumple::bindings::bind_wrinkle_field(module);
 }

@@ -7,5 +7,6 @@ namespace rumple::bindings {
 
 void bind_surface(pybind11::module_& module);
 void bind_wrinkle_mesh(pybind11::module_& module);
+void bind_wrinkle_field(pybind11::module_& module);
 
 }  // namespace rumple::bindings

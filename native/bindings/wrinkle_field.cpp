@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_field.h"
+
+#include <pybind11/stl.h>
+
+#include "bindings/arrays.h"
+#include "bindings/choices.h"
+#include "bindings/module.h"
+
+namespace rumple::bindings {
+namespace {
+
+using namespace wrinkle_field;
+
+template <typename T>
+std::vector<T> copied(std::span<const T> values) {
+    return {values.begin(), values.end()};
+}
+
+std::shared_ptr<Model> make_model(const Surface& base, const std::string& output,
+                                  const std::optional<py::array>& uv, const std::string& source, Index level,
+                                  Index segments, float longest_edge, Index most_vertices,
+                                  const std::string& attachment, bool true_lengths) {
+    Plan plan;
+    plan.output =
+        chosen<Output>(output, "output", {{"SHADING", Output::kShading}, {"GEOMETRY", Output::kGeometry}});
+    plan.fine = fine_source(source, level, segments, longest_edge, most_vertices);
+    plan.attachment = attachment_kind(attachment);
+    plan.true_lengths = true_lengths;
+    if (uv) plan.uv = vectors2(*uv, "uv");
+    const py::gil_scoped_release release;
+    return std::const_pointer_cast<Model>(build(base, plan));
+}
+
+Paint make_paint(const py::dict& painted) {
+    Paint paint;
+    for (const auto& [key, value] : painted) {
+        const std::string name = py::str(key);
+        const auto array = py::cast<py::array>(value);
+        if (name == "rest_wrinkle") {
+            paint.rest_wrinkle = copied(vectors(array, "rest_wrinkle"));
+        } else {
+            *chosen<std::vector<float>*>(name, "paint",
+                                         {{"mask", &paint.mask}, {"wavelength", &paint.wavelength}}) =
+                copied(scalars<float>(array, name.c_str(), 0));
+        }
+    }
+    return paint;
+}
+
+Profile make_profile(const std::string& kind, const std::optional<py::array>& height) {
+    if (kind == "CURVE") {
+        if (!height) throw InvalidInput("height: expected the values of the drawn curve, got None");
+        return drawn(scalars<float>(*height, "height", 0));
+    }
+    return chosen<Profile (*)()>(
+        kind, "profile", {{"SINE", sine}, {"ACCORDION", accordion}, {"PENCIL_PLEATS", pencil_pleats}})();
+}
+
+// A view for NumPy's sake of what the property returns as a copy.
+template <typename Class>
+auto numpy(std::vector<Vec3> Class::*member) {
+    return [member](const Class& c) { return to_numpy(c.*member); };
+}
+template <typename Class>
+auto numpy(std::vector<Vec2> Class::*member) {
+    return [member](const Class& c) { return to_numpy<float>(c.*member, 2); };
+}
+template <typename Class>
+auto numpy(std::vector<float> Class::*member) {
+    return [member](const Class& c) { return to_numpy<float>(c.*member, 0); };
+}
+
+void bind_settings(py::module_& module) {
+    py::class_<Settings>(module, "WrinkleFieldSettings", "Settings of a solve; see docs/wrinkle_field.md.")
+        .def(py::init<>())
+        .def_readwrite("wavelength", &Settings::wavelength, "W in rest space, object units, > 0")
+        .def_readwrite("strength", &Settings::strength, "factor on the amplitude of equation (2), >= 0")
+        .def_readwrite("rate", &Settings::rate, "epsilon / (2 pi^2) of equation (6), 0..1; stable below 1")
+        .def_readwrite("rounds", &Settings::rounds, "of relaxation, from a given state, >= 0")
+        .def_readwrite("start_rounds", &Settings::start_rounds, "from the canonical start, >= 0")
+        .def_readwrite("irregularity", &Settings::irregularity, "0: tidy cloth, 1: skin")
+        .def_readwrite("seed", &Settings::seed, "of the first phases and of the irregularity")
+        .def_readwrite("aligned_start", &Settings::aligned_start, "False: random first phases, as printed")
+        .def_readwrite("threads", &Settings::threads, "0: chosen by size; never changes the result");
+}
+
+void bind_model(py::module_& module) {
+    py::class_<Model, std::shared_ptr<Model>>(
+        module, "WrinkleFieldModel",
+        "Neighbourhoods of a base at rest, and the mesh to show. Made by build_wrinkle_field.")
+        .def_property_readonly(
+            "shown", [](const Model& m) -> const ShownMesh& { return m.shown; },
+            py::return_value_policy::reference_internal, "The ShownMesh.")
+        .def_property_readonly(
+            "vertex_count", [](const Model& m) { return m.base.positions_rest.size(); },
+            "Welded vertices: w below.")
+        .def_property_readonly(
+            "neighbour_start", [](const Model& m) { return to_numpy<Index>(m.neighbour_start, 0); },
+            "(w + 1,) int32")
+        .def_property_readonly(
+            "neighbours",
+            [](const Model& m) {
+                std::vector<Index> vertices;
+                for (const Model::Neighbour& n : m.neighbours) vertices.push_back(n.vertex);
+                return to_numpy<Index>(vertices, 0);
+            },
+            "(n,) int32 welded vertices")
+        .def_property_readonly(
+            "gradients",
+            [](const Model& m) {
+                std::vector<Vec2> gradients;
+                for (const Model::Neighbour& n : m.neighbours) gradients.push_back(n.gradient);
+                return to_numpy<float>(gradients, 2);
+            },
+            "(n, 2) float32: M of equation (1) is the sum of v' (x) gradient")
+        .def_property_readonly("tangent_rest", numpy(&Model::tangent_rest), "(w, 3) float32")
+        .def_property_readonly("bitangent_rest", numpy(&Model::bitangent_rest), "(w, 3) float32")
+        .def_property_readonly(
+            "welded_of", [](const Model& m) { return to_numpy<Index>(m.base.welded_of, 0); },
+            "(n,) int32: the welded vertex of every vertex of the base");
+
+    module.def(
+        "build_wrinkle_field", &make_model, py::arg("base"), py::arg("output") = "SHADING",
+        py::arg("uv") = py::none(), py::arg("source") = "SUBDIVISION", py::arg("level") = 2,
+        py::arg("segments") = 4, py::arg("longest_edge") = 0.01f, py::arg("most_vertices") = 4'000'000,
+        py::arg("attachment") = "LIMIT", py::arg("true_lengths") = true,
+        "What the rest pose fixes (Loviscach 2006, section 3).\n\n"
+        "output: SHADING (the base's triangles; uv: (c, 2) float32 per corner of the base, for parallax) or\n"
+        "GEOMETRY (a fine mesh, made as by build_wrinkle_mesh). true_lengths False: projected lengths in\n"
+        "equation (1), as printed.");
+}
+
+}  // namespace
+
+void bind_wrinkle_field(py::module_& module) {
+    bind_settings(module);
+    bind_model(module);
+    module.attr("PROFILE_INTERVALS") = kProfileIntervals;
+    py::class_<Paint>(module, "WrinkleFieldPaint", "Painted values of the base's vertices.")
+        .def(
+            py::init(&make_paint), py::arg("painted") = py::dict(),
+            "painted: any of mask (n,) 0..1, wavelength (n,) factor > 0, rest_wrinkle (n, 3) shorter than 1, "
+            "float32.");
+    py::class_<Profile>(module, "WrinkleFieldProfile", "f and df/dphi of the wave, section 6.3.")
+        .def(py::init(&make_profile), py::arg("kind"), py::arg("height") = py::none(),
+             "kind: SINE, ACCORDION, PENCIL_PLEATS or CURVE (height: PROFILE_INTERVALS + 1 values in -1..1 "
+             "from "
+             "crest to valley).")
+        .def_property_readonly("height",
+                               [](const Profile& p) {
+                                   return to_numpy<float>(
+                                       std::vector<float>(p.height.begin(), p.height.end()), 0);
+                               })
+        .def_property_readonly("slope", [](const Profile& p) {
+            return to_numpy<float>(std::vector<float>(p.slope.begin(), p.slope.end()), 0);
+        });
+    py::class_<State>(module, "WrinkleFieldState", "What lives from frame to frame.")
+        .def(py::init([](const py::array& phase, const py::array& direction) {
+                 return State{copied(scalars<float>(phase, "phase", 0)),
+                              copied(vectors2(direction, "direction"))};
+             }),
+             py::arg("phase"), py::arg("direction"))
+        .def_property_readonly("phase", numpy(&State::phase), "(w,) float32, radians")
+        .def_property_readonly("direction", numpy(&State::direction), "(w, 2) float32, rest frame")
+        .def_property_readonly("nbytes", [](const State& s) {
+            return s.phase.size() * sizeof(float) + s.direction.size() * sizeof(Vec2);
+        });
+    py::class_<Report>(module, "WrinkleFieldReport", "How a solve went.")
+        .def_readonly("rounds", &Report::rounds)
+        .def_readonly("misfit_before", &Report::misfit_before, "RMS phase error over edges, turns, 0..0.5")
+        .def_readonly("misfit_after", &Report::misfit_after)
+        .def_readonly("largest_change", &Report::largest_change, "of a phase since the state given, radians")
+        .def_readonly("wrinkled", &Report::wrinkled, "vertices")
+        .def_readonly("collapsed", &Report::collapsed, "vertices without a wave for that reason");
+    py::class_<Waves>(module, "WrinkleFieldWaves",
+                      "The field of a frame before its phases; w welded vertices.")
+        .def_property_readonly("positions", numpy(&Waves::positions), "(w, 3), deformed, object space")
+        .def_property_readonly("normals", numpy(&Waves::normals), "(w, 3), unit or zero")
+        .def_property_readonly("wave_vector", numpy(&Waves::wave_vector), "(w, 3), radians per object unit")
+        .def_property_readonly("height", numpy(&Waves::height), "(w,) h, object units")
+        .def_property_readonly("fullness", numpy(&Waves::fullness), "(w,) h over W/4 before strength")
+        .def_property_readonly("compression", numpy(&Waves::compression), "(w,) r")
+        .def_property_readonly("direction", numpy(&Waves::direction), "(w, 2) k in the rest frame");
+    py::class_<Picture>(module, "WrinkleFieldPicture",
+                        "The shown mesh of one frame (d vertices) and its waves (corners of its triangles).")
+        .def_property_readonly("positions", numpy(&Picture::positions))
+        .def_property_readonly("local_offset", numpy(&Picture::local_offset))
+        .def_property_readonly("offset", numpy(&Picture::offset))
+        .def_property_readonly("stretch_min",
+                               [](const Picture& p) { return to_numpy<float>(p.stretch.minimum, 0); })
+        .def_property_readonly("stretch_max",
+                               [](const Picture& p) { return to_numpy<float>(p.stretch.maximum, 0); })
+        .def_property_readonly("stretch_direction",
+                               [](const Picture& p) { return to_numpy(p.stretch.direction); })
+        .def_property_readonly("amplitude", numpy(&Picture::amplitude), "(d,) object units")
+        .def_property_readonly("direction", numpy(&Picture::direction), "(d, 3) unit, rest space")
+        .def_property_readonly("phase", numpy(&Picture::phase), "(d,) radians")
+        .def_property_readonly("corner_phase", numpy(&Picture::corner_phase), "(3 t, 3) radians")
+        .def_property_readonly("corner_weight", numpy(&Picture::corner_weight), "(3 t, 3) object units")
+        .def_property_readonly(
+            "corner_wave_vector",
+            [](const Picture& p) {
+                return py::make_tuple(to_numpy(p.corner_wave_vector[0]), to_numpy(p.corner_wave_vector[1]),
+                                      to_numpy(p.corner_wave_vector[2]));
+            },
+            "three (3 t, 3), radians per object unit")
+        .def_property_readonly("corner_u_gradient", numpy(&Picture::corner_u_gradient), "(3 t, 3) or empty")
+        .def_property_readonly("corner_v_gradient", numpy(&Picture::corner_v_gradient), "(3 t, 3) or empty");
+
+    module.def(
+        "crush_wrinkle_field",
+        [](const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,
+           const State* state) {
+            const auto deformed = vectors(positions, "positions");
+            const py::gil_scoped_release release;
+            return crush(model, settings, paint, deformed,
+                         state ? std::span(state->direction) : std::span<const Vec2>());
+        },
+        py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"),
+        py::arg("state") = nullptr, "Section 4.2: the waves of a frame without their phases.");
+    module.def(
+        "relax_wrinkle_field",
+        [](const Model& model, const Settings& settings, const Waves& waves, int rounds,
+           const py::array& phase, bool align_first) {
+            auto phases = copied(scalars<float>(phase, "phase", 0));
+            if (phases.size() != waves.height.size()) {
+                throw InvalidInput("phase: expected " + std::to_string(waves.height.size()) +
+                                   " values, got " + std::to_string(phases.size()));
+            }
+            const py::gil_scoped_release release;
+            if (align_first) align(model, settings, waves, rounds, phases);
+            relax(model, settings, waves, rounds, phases);
+            const py::gil_scoped_acquire acquire;
+            return to_numpy<float>(phases, 0);
+        },
+        py::arg("model"), py::arg("settings"), py::arg("waves"), py::arg("rounds"), py::arg("phase"),
+        py::arg("align") = false, "Section 5.2: so many rounds of equation (6), from phases (w,) float32.");
+    module.def(
+        "misfit_wrinkle_field",
+        [](const Model& model, const Waves& waves, const py::array& phase) {
+            return misfit(model, waves, scalars<float>(phase, "phase", 0));
+        },
+        py::arg("model"), py::arg("waves"), py::arg("phase"), "RMS phase error over edges, turns.");
+    module.def(
+        "random_phases",
+        [](const Model& model, std::uint32_t seed) { return to_numpy<float>(random_phases(model, seed), 0); },
+        py::arg("model"), py::arg("seed"), "(w,) float32: the phases that a clip starts from.");
+    module.def(
+        "solve_wrinkle_field",
+        [](const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,
+           const State* state) {
+            const auto deformed = vectors(positions, "positions");
+            Report report;
+            State after;
+            {
+                const py::gil_scoped_release release;
+                after = solve(model, settings, paint, deformed, state, report);
+            }
+            return py::make_tuple(std::move(after), report);
+        },
+        py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"),
+        py::arg("state") = nullptr,
+        "Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.\n"
+        "state: of the frame before, or None for the canonical start.");
+    module.def(
+        "show_wrinkle_field",
+        [](const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+           const py::array& positions, const State& state) {
+            const auto deformed = vectors(positions, "positions");
+            const py::gil_scoped_release release;
+            return show(model, settings, profile, paint, deformed, state);
+        },
+        py::arg("model"), py::arg("settings"), py::arg("profile"), py::arg("paint"), py::arg("positions"),
+        py::arg("state"), "The shown mesh for a frame and its state, and the waves for shaders.");
+}
+
+}  // namespace rumple::bindings
