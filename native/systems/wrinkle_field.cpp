@@ -97,6 +97,15 @@ Disturbance disturb(const Settings& settings, const Vec3& rest) {
     return {{std::cos(angle), std::sin(angle)}, 1.0f + kMostWavelengthChange * noise_at(1)};
 }
 
+// k of a vertex without a frame before it: it gives k its first sign, and stands in where no direction is
+// compressed more than another. A direction of rest space, so that the order of the vertices does not matter.
+Vec2 first_direction(const Model& model, size_t v) {
+    const Vec3 somewhere(0.8660f, 0.4113f, 0.2847f);  // along no axis that garments are modelled along
+    const Vec2 k(glm::dot(model.tangent_rest[v], somewhere), glm::dot(model.bitangent_rest[v], somewhere));
+    const float length = glm::length(k);
+    return length > 0.0f ? k / length : Vec2(1.0f, 0.0f);
+}
+
 // M of equation (1), from the rest frame of a vertex to the frame (t, b) of the deformed one.
 glm::mat2 regress(const Model& model, std::span<const Vec3> positions, Index v, const Vec3& t,
                   const Vec3& b) {
@@ -214,7 +223,7 @@ Waves crush(const Model& model, const Settings& settings, const Paint& paint, st
         const Disturbance disturbance = disturb(settings, model.base.positions_rest[v]);
         const formulas::Crushed crushed =
             formulas::crush(regress(model, waves.positions, static_cast<Index>(v), t, b), q,
-                            before.empty() ? Vec2(0.0f) : before[v], disturbance.turn);
+                            before.empty() ? first_direction(model, v) : before[v], disturbance.turn);
         const float w = settings.wavelength * wavelength[v] * disturbance.wavelength;
         waves.compression[v] = crushed.r;
         waves.direction[v] = crushed.k;
