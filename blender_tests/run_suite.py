@@ -189,8 +189,8 @@ class Suite:
 
 def cases_of(module):
     """Its own test cases, in the order of the file."""
-    cases = [value for value in vars(module).values()
-             if isinstance(value, type) and issubclass(value, unittest.TestCase) and value.__module__ == module.__name__]
+    classes = [value for value in vars(module).values() if isinstance(value, type)]
+    cases = [value for value in classes if issubclass(value, unittest.TestCase) and value.__module__ == module.__name__]
     return sorted(cases, key=lambda case: inspect.getsourcelines(case)[1])
 
 

@@ -108,6 +108,28 @@ def scene(wrinkles=True, level=1):
     return obj
 
 
+def cuff(sleeve_object, follow, name):
+    """A wider tube that follows the sleeve by Shrinkwrap or Surface Deform, wrinkled itself."""
+    mesh = tube(name)
+    for vertex in mesh.vertices:
+        vertex.co.yz *= 1.3
+    obj = skinned(mesh, bpy.data.objects["Arm"], name)
+    leaning = obj.modifiers.new("Follow", follow)
+    leaning.target = sleeve_object
+    make_active(obj)
+    if follow == "SHRINKWRAP":
+        leaning.offset = 0.02
+    else:
+        obj.modifiers.remove(obj.modifiers["Armature"])
+        with context():
+            bpy.ops.object.surfacedeform_bind(modifier="Follow")
+        assert leaning.is_bound
+    obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+    with context():
+        bpy.ops.object.rumple_add(method="MESH")
+    return obj
+
+
 # ---------------------------------------------------------------- what is seen
 def evaluated(obj):
     return obj.evaluated_get(bpy.context.evaluated_depsgraph_get())

@@ -16,7 +16,8 @@ def sheet() -> tuple[np.ndarray, np.ndarray]:
     x, y = np.meshgrid(np.arange(SIDE), np.arange(SIDE))
     positions = np.stack([x, y, 0 * x], -1).reshape(-1, 3) * SPACING
     first = (np.arange(SIDE - 1)[:, None] * SIDE + np.arange(SIDE - 1)).ravel()
-    return positions.astype(np.float32), np.stack([first, first + 1, first + SIDE + 1, first + SIDE], 1).astype(np.int32)
+    quads = np.stack([first, first + 1, first + SIDE + 1, first + SIDE], 1)
+    return positions.astype(np.float32), quads.astype(np.int32)
 
 
 def native_step(positions: np.ndarray, quads: np.ndarray) -> Callable[[], None]:

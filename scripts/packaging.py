@@ -64,7 +64,8 @@ def wheel(folder, out):
     entries[f"{info}/METADATA"] = (
         f"Metadata-Version: 2.1\nName: rumple-native\nVersion: {version}\n"
         "Summary: The native module of Rumple: wrinkles for animated garments and skin\n"
-        "License: GPL-3.0-or-later\nRequires-Python: =={}.{}.*\nRequires-Dist: numpy\n".format(*sys.version_info)).encode()
+        "License: GPL-3.0-or-later\nRequires-Dist: numpy\n"
+        "Requires-Python: =={}.{}.*\n".format(*sys.version_info)).encode()
     entries[f"{info}/WHEEL"] = (
         f"Wheel-Version: 1.0\nGenerator: rumple\nRoot-Is-Purelib: false\nTag: {tag}\n").encode()
     entries[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
@@ -90,7 +91,8 @@ def extension_files(wheels):
     names = "".join(f'    "./wheels/{wheel.name}",\n' for wheel in wheels)
     lines = f'platforms = ["{blender_platform()}"]\nwheels = [\n{names}]\n\n[permissions]'
     manifest = (ADDON / "blender_manifest.toml").read_text().replace("[permissions]", lines)
-    return {"blender_manifest.toml": manifest.encode()} | {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
+    entries = {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
+    return {"blender_manifest.toml": manifest.encode()} | entries
 
 
 def blender_platform():

@@ -14,7 +14,8 @@ DIST = HERE.parent.parent / "dist"
 def the_zip(legacy):
     found = [path for path in DIST.glob("rumple-*.zip") if ("legacy" in path.name) == legacy]
     if len(found) != 1:
-        raise AssertionError(f"expected one {'legacy' if legacy else 'extension'} zip in {DIST} (scripts/package), found {found}")
+        kind = "legacy" if legacy else "extension"
+        raise AssertionError(f"expected one {kind} zip in {DIST} (scripts/package), found {found}")
     return found[0]
 
 

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import sleeve
 from case import WindowCase
-from rumple.blender import modifier, registry
+from rumple.blender import modifier, node_tree, registry
 
 
 def big_properties():
@@ -85,6 +85,21 @@ class Viewport(WindowCase):
         copy = next(o for o in bpy.data.objects if o != obj and modifier.find(o))
         yield from self.until(lambda: sleeve.carrier(copy) != sleeve.carrier(obj))
         self.assertNotEqual(sleeve.carrier(copy), sleeve.carrier(obj))
+
+    def test_a_follower_of_another_wrinkled_object_is_settled_by_the_timer(self):
+        cuff = sleeve.cuff(self.make(), "SURFACE_DEFORM", "Cuff")
+        yield 0.3
+        sleeve.at(15)
+        yield from self.until(lambda: self.is_settled(cuff))
+        self.assertTrue(self.is_settled(cuff))
+        seen = sleeve.shown(cuff)
+        sleeve.at(15)
+        np.testing.assert_array_equal(sleeve.shown(cuff), seen)
+
+    def is_settled(self, obj):
+        """Whether its folds are those for the coarse mesh that is shown."""
+        posed = sleeve.attribute(obj, node_tree.BASE_POSITION)[:len(obj.data.vertices)]
+        return np.array_equal(registry.runtime(obj).inputs.positions, posed)
 
     def test_undo_and_redo_of_adding_and_removing(self):
         obj = self.make()

@@ -171,7 +171,7 @@ class FineMesh(unittest.TestCase):
         base = tube(12, 12)
         for level in range(4):
             self.assertEqual(level_for(base, wavelength_of(base, level, 1.0), 1.0), level)
-        self.assertEqual(level_for(base, wavelength_of(base, 2, 0.01), 0.01), 2, "in metres, whatever the object's scale")
+        self.assertEqual(level_for(base, wavelength_of(base, 2, 0.01), 0.01), 2, "in metres, whatever the scale is")
 
     def test_the_fitting_wavelength_suits_dolls_and_giants_and_spares_dense_meshes(self) -> None:
         for unit_scale in (0.05, 1.0, 20.0):

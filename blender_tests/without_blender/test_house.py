@@ -44,6 +44,12 @@ class House(unittest.TestCase):
             head = file.read_text().splitlines()[:2]
             self.assertTrue(any("SPDX-License-Identifier: GPL-3.0-or-later" in line for line in head), str(file))
 
+    def test_lines_fit_on_the_screen(self) -> None:
+        for file in sources("native", "addon", "blender_tests", "scripts", "docs"):
+            most = 120 if file.suffix == ".py" else 110
+            for number, line in enumerate(file.read_text().splitlines(), 1):
+                self.assertLessEqual(len(line), most, f"{file}:{number}")
+
     def test_files_stay_readable_in_one_sitting(self) -> None:
         for file in sources("native", "addon", "scripts"):
             self.assertLessEqual(len(file.read_text().splitlines()), 400, str(file))

@@ -36,8 +36,7 @@ class Playback:
         self.run_up = list(range(min(self.scene.frame_start, start), start))
         self.count = len(self.run_up) + (end - start) * samples + 1
         ours = modifier.find(obj)
-        others = [other for other, _ in modifier.wrinkled_objects() if other != obj]
-        self.passes = 2 if modifier.leans_on(obj, others) else 1  # the other one is solved in the first pass
+        self.passes = 2 if modifier.leans_on_wrinkled(obj) else 1  # the other one is solved in the first pass
         self.was_baked = modifier.is_baked(ours)
         if self.was_baked:
             modifier.set_baked(ours, False)

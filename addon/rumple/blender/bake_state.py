@@ -75,11 +75,22 @@ def compare_pose(obj: bpy.types.Object, entry: Runtime, evaluated: bpy.types.Obj
     return ""
 
 
+def late_in_renders(obj: bpy.types.Object) -> str:
+    """What an unbaked object that follows another wrinkled one has to know; empty for others.
+
+    Blender calls handlers once a frame: both are solved there, when the follower's coarse mesh does not have the
+    other's new folds yet. In the window another update follows (structure.tag_dependents), in a bake another pass.
+    """
+    other = modifier.leans_on_wrinkled(obj)
+    return "" if other is None else (f"{obj.name}: it follows {other.name}, which is wrinkled too: in renders its folds "
+                                     "are those for the frame before. Bake it")
+
+
 def check_before_render() -> None:
-    """Say on the console what is missing or stale, before hours are spent on it."""
+    """Say on the console what is missing, stale or late, before hours are spent on it."""
     for obj, ours in modifier.wrinkled_objects():
         held = modifier.carrier(ours)
-        if modifier.is_baked(ours) and held is not None:
-            text = check(obj, held)
+        if held is not None:
+            text = check(obj, held) if modifier.is_baked(ours) else late_in_renders(obj)
             if text:
                 print(f"Rumple: before rendering: {text}")

@@ -58,14 +58,20 @@ def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
     return next((m for m in list(obj.modifiers)[:last] if changes_topology(m)), None)
 
 
-def leans_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bool:
-    """Whether a modifier in front of the wrinkles follows one of the others (Shrinkwrap, Surface Deform, ...)."""
+def leans_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bpy.types.Object | None:
+    """Which of the others a modifier in front of the wrinkles follows (Shrinkwrap, Surface Deform, ...)."""
     for modifier in obj.modifiers:
         if node_tree.is_ours(getattr(modifier, "node_group", None)):
-            return False
-        if any(getattr(modifier, name, None) in others for name in ("target", "object")):
-            return True
-    return False
+            return None
+        for target in (getattr(modifier, name, None) for name in ("target", "object")):
+            if target is not None and target in others:
+                return target
+    return None
+
+
+def leans_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
+    """The other wrinkled object that a wrinkled one follows."""
+    return leans_on(obj, [other for other, _ in wrinkled_objects() if other != obj])
 
 
 def _place(obj: bpy.types.Object) -> int:

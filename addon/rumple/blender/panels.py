@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import mesh_io, modifier, operators, registry, versions
+from . import bake_state, mesh_io, modifier, operators, registry, versions
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
@@ -230,7 +230,8 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
                       "BLANK1"))
         if report.collapsed_triangles:
             lines.append((f"{report.collapsed_triangles} coarse triangles have no area in this pose", "INFO"))
-    return lines + [(note, "INFO") for note in entry.notes]
+    late = bake_state.late_in_renders(obj)
+    return lines + [(note, "INFO") for note in (*entry.notes, *([late] if late else []))]
 
 
 def _column(layout: bpy.types.UILayout) -> bpy.types.UILayout:

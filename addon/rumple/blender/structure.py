@@ -100,7 +100,7 @@ _due: set[str] = set()
 def tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Object]) -> None:
     """Wrinkled objects that lean on a written one saw its last picture: let them be evaluated once more.
 
-    In background and in renders nothing can be tagged in time: they are one solve late there.
+    In background and in renders nothing can be tagged in time: they are one solve late there (bake_state.py says so).
     """
     if bpy.app.background or _render_running:
         return
