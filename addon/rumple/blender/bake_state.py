@@ -82,8 +82,9 @@ def late_in_renders(obj: bpy.types.Object) -> str:
     other's new folds yet. In the window another update follows (structure.tag_dependents), in a bake another pass.
     """
     other = modifier.leans_on_wrinkled(obj)
-    return "" if other is None else (f"{obj.name}: it follows {other.name}, which is wrinkled too: in renders its folds "
-                                     "are those for the frame before. Bake it")
+    if other is None:
+        return ""
+    return f"{obj.name}: it follows {other.name}, wrinkled too: renders show its folds one frame late. Bake it"
 
 
 def check_before_render() -> None:
