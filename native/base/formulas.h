@@ -15,6 +15,7 @@ using namespace glm;
 
 #include "shared/tangents.glsl"
 #include "shared/wrinkle_field.glsl"
+#include "shared/wrinkle_maps.glsl"
 
 }  // namespace rumple::formulas
 

@@ -56,4 +56,13 @@ inline constexpr float kFreeStrain = 4e-3f;
 // rounded by 1e-3 of itself; nobody sees so much.
 inline constexpr float kHeldOutside = 1e-3f;
 
+// Unit: largest distance of a rig's bones from its root. A bone that is displaced by
+// less than this in a reference pose does not move in it. Bone matrices in single
+// precision jitter by about 1e-7 of a figure's height, a head is a tenth of that.
+inline constexpr double kStillBone = 1e-5;
+
+// Unit: none (sum of skin weights). Weights that miss 1 by less than this are a
+// rounding: painted floats, or bytes of a game format.
+inline constexpr double kWeightSum = 5e-3;
+
 }  // namespace rumple
