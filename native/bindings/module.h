@@ -6,6 +6,7 @@
 namespace rumple::bindings {
 
 void bind_surface(pybind11::module_& module);
+void bind_wrinkle_maps(pybind11::module_& module);
 void bind_wrinkle_mesh(pybind11::module_& module);
 void bind_wrinkle_field(pybind11::module_& module);
 
