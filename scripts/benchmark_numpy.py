@@ -81,7 +81,7 @@ def numpy_step(positions: np.ndarray) -> Callable[[], None]:
 
 
 def maps_steps(triangles: int, bones: int, poses: int) -> tuple[Callable[[], np.ndarray], Callable[[], np.ndarray]]:
-    """A frame of influences and masks (Dutreve et al., sections 5.1 and 5.2), native and in NumPy. Four bones a vertex."""
+    """A frame of influences and masks (Dutreve et al., sections 5.1, 5.2), native and in NumPy. Four bones a vertex."""
     random, vertices = np.random.default_rng(0), triangles // 2
     neutral = random.uniform(-0.1, 0.1, (bones, 6)).astype(np.float32)
     reference = neutral + random.uniform(-0.01, 0.01, (poses, bones, 6)).astype(np.float32)

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reference poses of a skeleton as data: what the Wrinkle Maps compare the present pose with. Never imports bpy.
+
+The JSON that to_json() writes is what a game engine needs; docs/wrinkle_maps.md describes it field by field.
+"""
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .. import native
+from .engine import Refused
+
+FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
+TRACKED = ("HEAD", "TAIL", "BOTH")
+MAPS = ("WRINKLES", "WHOLE")
+MOST_POSES = 16  # as the native module: four attributes of four masks each for shaders
+LONGEST_NAME = 48  # bytes: Blender's attribute names end after 63, ours begin with rumple_pose_
+GAINS = (0.1, 100.0)
+
+
+@dataclass
+class TrackedBone:
+    """A bone whose place is compared. tracked: HEAD, TAIL or BOTH. group: bones of one group share their influences."""
+
+    name: str
+    tracked: str = "BOTH"
+    group: str = ""
+
+
+@dataclass
+class ReferencePose:
+    """A pose and the wrinkles that belong to it."""
+
+    name: str
+    bones: np.ndarray  # (b, 6) float32: head and tail of every tracked bone, space of the root bone
+    map: str = ""  # file name of the tangent-space normal map; empty: none yet
+    strength: float = 1.0  # 0..1
+    muted: bool = False
+    solo: bool = False
+
+
+@dataclass
+class PoseRig:
+    """All reference poses of one character. b tracked bones; object units of the armature."""
+
+    name: str  # of the wrinkled object, for messages
+    root: str  # the bone in whose space all is compared: its motion has no effect
+    bones: list[TrackedBone]
+    neutral: np.ndarray  # (b, 6) float32: P_0
+    poses: list[ReferencePose] = field(default_factory=list)
+    maps: str = "WRINKLES"  # WHOLE: the maps contain the details of the neutral map, too
+    neutral_map: str = ""
+    gain: float = 1.0  # above 1, wrinkles fade less with the distance from their bones
+
+    def check(self) -> None:
+        """Raises Refused naming the first thing that is wrong. The native module checks the points of the bones."""
+        _refuse_repeated(self.name, "bone", [bone.name for bone in self.bones])
+        _refuse_repeated(self.name, "pose", [pose.name for pose in self.poses])
+        if len(self.poses) > MOST_POSES:
+            raise Refused(f"{self.name}: {len(self.poses)} reference poses; there may be {MOST_POSES}")
+        for bone in self.bones:
+            _refuse_unknown(self.name, f"bone {bone.name}: tracked", bone.tracked, TRACKED)
+        _refuse_unknown(self.name, "maps", self.maps, MAPS)
+        for pose in self.poses:
+            if len(pose.name.encode()) > LONGEST_NAME:
+                raise Refused(f"{self.name}: the name of pose {pose.name} is longer than {LONGEST_NAME} bytes")
+            _refuse_outside(self.name, f"strength of pose {pose.name}", pose.strength, 0.0, 1.0)
+        _refuse_outside(self.name, "gain", self.gain, *GAINS)
+
+    def group_numbers(self) -> np.ndarray:
+        """(b,) int32: number of each bone's group, -1 on its own."""
+        numbers: dict[str, int] = {}
+        return np.array([numbers.setdefault(bone.group, len(numbers)) if bone.group else -1 for bone in self.bones],
+                        np.int32)
+
+    def strengths(self) -> list[float]:
+        """For each pose what its mask is multiplied by: 0 where it is muted, or another one is solo."""
+        solo = any(pose.solo for pose in self.poses)
+        return [0.0 if (solo and not pose.solo) or (pose.muted and not pose.solo) else pose.strength
+                for pose in self.poses]
+
+    def to_json(self) -> str:
+        """The rig as documented. Numbers are written so that reading gives back the same bits."""
+        return json.dumps(dict(
+            format=FORMAT, version=FORMAT_VERSION, name=self.name, root=self.root, maps=self.maps.lower(),
+            neutral_map=self.neutral_map, gain=self.gain,
+            bones=[dict(name=bone.name, tracked=bone.tracked.lower(), group=bone.group, **_points(place))
+                   for bone, place in zip(self.bones, self.neutral)],
+            poses=[dict(name=pose.name, map=pose.map, strength=strength, bones=[_points(place) for place in pose.bones])
+                   for pose, strength in zip(self.poses, self.strengths())]), indent=1) + "\n"
+
+
+def from_json(text: str) -> PoseRig:
+    """What to_json() wrote; muting has become a strength of 0. Raises Refused naming what is wrong."""
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise Refused(f"the reference poses cannot be read: {error}") from error
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise Refused("this is not a file of reference poses")
+    if data.get("version") != FORMAT_VERSION:
+        raise Refused(f"reference poses of version {data.get('version')}; this Rumple reads {FORMAT_VERSION}")
+    try:
+        rig = PoseRig(
+            name=data["name"], root=data["root"], maps=data["maps"].upper(), neutral_map=data["neutral_map"],
+            gain=data["gain"], neutral=_places(data["bones"]),
+            bones=[TrackedBone(bone["name"], bone["tracked"].upper(), bone["group"]) for bone in data["bones"]],
+            poses=[ReferencePose(pose["name"], _places(pose["bones"]), pose["map"], pose["strength"])
+                   for pose in data["poses"]])
+    except KeyError as error:
+        raise Refused(f"the reference poses lack {error}") from error
+    except (TypeError, ValueError, AttributeError) as error:
+        raise Refused(f"the reference poses cannot be read: {error}") from error
+    for pose in rig.poses:
+        if len(pose.bones) != len(rig.bones):
+            raise Refused(f"{rig.name}: pose {pose.name}: expected {len(rig.bones)} bones, got {len(pose.bones)}")
+    rig.check()
+    return rig
+
+
+def _points(place: np.ndarray) -> dict[str, list[float]]:
+    return dict(head=place[:3].tolist(), tail=place[3:].tolist())
+
+
+def _places(bones: list[dict[str, Any]]) -> np.ndarray:
+    return np.array([[*bone["head"], *bone["tail"]] for bone in bones], np.float32).reshape(len(bones), 6)
+
+
+def _refuse_repeated(owner: str, what: str, names: list[str]) -> None:
+    for number, name in enumerate(names):
+        if not name:
+            raise Refused(f"{owner}: {what} {number + 1} has no name")
+        if name in names[:number]:
+            raise Refused(f"{owner}: two {what}s are called {name}")
+
+
+def _refuse_unknown(owner: str, what: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise Refused(f"{owner}: {what}: expected one of {', '.join(known)}, got {value}")
+
+
+def _refuse_outside(owner: str, what: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise Refused(f"{owner}: {what}: expected {low:g} to {high:g}, got {value:g}")
+
+
+# ---------------------------------------------------------------- a frame
+@dataclass
+class SkinWeights:
+    """Which bones deform each of n vertices. Rows need not sum to 1."""
+
+    start: np.ndarray  # (n + 1,) int32
+    bone: np.ndarray  # (w,) int32 of the rig's bones; -1: another bone
+    weight: np.ndarray  # (w,) float32
+
+
+@dataclass
+class Masks:
+    """One frame. o poses, b bones, n vertices; all 0..1."""
+
+    pose: np.ndarray  # (o, n) float32: where each pose's map shows, and how much
+    influence: np.ndarray  # (b, o)
+    rest: np.ndarray  # (b,)
+    presence: np.ndarray  # (o,) of each pose as a whole
+
+    def packed(self) -> list[np.ndarray]:
+        """(n, 4) float32 for every four poses: EEVEE takes 14 attributes a material, a rig may have 16 poses."""
+        count = len(self.pose)
+        lanes = []
+        for first in range(0, count, 4):
+            lane = np.zeros((self.pose.shape[1], 4), np.float32)
+            lane[:, :min(4, count - first)] = self.pose[first:first + 4].T
+            lanes.append(lane)
+        return lanes
+
+
+class PoseComparison:
+    """A rig bound to a skin. Frames do not depend on one another: nothing is stored."""
+
+    def __init__(self, rig: PoseRig, model: Any) -> None:
+        self.rig = rig
+        self.model = model
+        self.warnings: list[str] = []
+        if model.unnormalised:
+            self.warnings.append(f"{rig.name}: the skin weights of {model.unnormalised} vertices do not sum to 1 "
+                                 "and are normalised")
+        if model.unbound:
+            self.warnings.append(f"{rig.name}: {model.unbound} vertices have no skin weight: no map shows there")
+
+    @classmethod
+    def build(cls, rig: PoseRig, weights: SkinWeights) -> "PoseComparison":
+        """Raises Refused: what check() refuses, bad points, a pose equal to another or to the neutral one."""
+        rig.check()
+        try:
+            model = native.load().build_wrinkle_maps(
+                [bone.name for bone in rig.bones], [bone.tracked for bone in rig.bones], rig.group_numbers(),
+                _flat(rig.neutral), [(pose.name, _flat(pose.bones)) for pose in rig.poses], weights.start,
+                weights.bone, weights.weight)
+        except ValueError as error:
+            raise Refused(f"{rig.name}: {error}") from error
+        return cls(rig, model)
+
+    def frame(self, bones: np.ndarray) -> Masks:
+        """bones: (b, 6) float32, root space. Raises Refused."""
+        kernels = native.load()
+        try:
+            at = kernels.evaluate_wrinkle_maps(self.model, _flat(bones))
+            masks = kernels.masks_of_wrinkle_maps(self.model, at, self.rig.gain, self.rig.strengths())
+        except ValueError as error:
+            raise Refused(f"{self.rig.name}: {error}") from error
+        return Masks(masks, at.pose, at.rest, kernels.presence_of_wrinkle_maps(self.model, at))
+
+
+def bones_in_root_space(name: str, root: np.ndarray, bones: np.ndarray) -> np.ndarray:
+    """(b, 6) float32 heads and tails into the space of the root bone, (4, 4) in theirs. Raises Refused."""
+    try:
+        return native.load().bones_in_root_space(_flat(root), _flat(bones))
+    except ValueError as error:
+        raise Refused(f"{name}: {error}") from error
+
+
+def _flat(values: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(values, np.float32)
