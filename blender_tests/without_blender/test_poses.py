@@ -137,7 +137,7 @@ class Frames(unittest.TestCase):
             rig = face(count, 20)
             masks = PoseComparison.build(rig, one_bone_each(20)).frame(rig.poses[-1].bones)
             packed = masks.packed()
-            self.assertEqual(len(packed), (count + 3) // 4)
+            self.assertEqual(len(packed), (count + 2) // 3)
             together = np.concatenate(packed, 1)
             np.testing.assert_array_equal(together[:, :count], masks.pose.T)
             self.assertFalse(together[:, count:].any())

@@ -17,7 +17,8 @@ from .engine import Refused
 FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
 TRACKED = ("HEAD", "TAIL", "BOTH")
 MAPS = ("WRINKLES", "WHOLE")
-MOST_POSES = 16  # as the native module: four attributes of four masks each for shaders
+MOST_POSES = 16  # as the native module
+PACKED = 3  # masks in one vector attribute, for shaders
 LONGEST_NAME = 48  # bytes: Blender's attribute names end after 63, ours begin with rumple_pose_
 GAINS = (0.1, 100.0)
 
@@ -168,14 +169,14 @@ class Masks:
     presence: np.ndarray  # (o,) of each pose as a whole
 
     def packed(self) -> list[np.ndarray]:
-        """(n, 4) float32 for every four poses: EEVEE takes 14 attributes a material, a rig may have 16 poses."""
+        """(n, 3) float32 for every three poses: EEVEE takes 14 attributes a material, a rig may have 16 poses."""
         count = len(self.pose)
-        lanes = []
-        for first in range(0, count, 4):
-            lane = np.zeros((self.pose.shape[1], 4), np.float32)
-            lane[:, :min(4, count - first)] = self.pose[first:first + 4].T
-            lanes.append(lane)
-        return lanes
+        packs = []
+        for first in range(0, count, PACKED):
+            pack = np.zeros((self.pose.shape[1], PACKED), np.float32)
+            pack[:, :min(PACKED, count - first)] = self.pose[first:first + PACKED].T
+            packs.append(pack)
+        return packs
 
 
 class PoseComparison:

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shader node group "Rumple Maps": wrinkle maps over a material's normal map, pixel by pixel.
+
+It works on colours, as normal maps are stored, between the image of the neutral details and the Normal Map node, so
+that all is blended in one tangent space (section 5.3 of Dutreve et al.; the formulas are those of
+shaders/shared/wrinkle_maps.glsl). The masks come as point attributes, three poses in a vector:
+    rumple_poses_0 .. rumple_poses_5    FLOAT_VECTOR    masks of poses 1 to 3, 4 to 6, ...
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Iterator, Sequence
+
+import bpy
+
+from ..core.engine import Refused
+from ..core.poses import PACKED
+from . import versions
+
+NAME = "Rumple Maps"
+KEY = "rumple_maps"  # custom property of our node groups, and of the Normal Map nodes that insert() had to make
+MASKS = "rumple_poses_{}"
+INPUT, OUTPUT = "Normal Map", "Color"
+FLAT = (0.5, 0.5, 1.0, 1.0)
+
+
+def is_ours(group: bpy.types.NodeTree | None) -> bool:
+    """True for a "Rumple Maps" group, whatever its name."""
+    return group is not None and KEY in group
+
+
+# ---------------------------------------------------------------- the group
+def new_group(name: str) -> bpy.types.NodeTree:
+    """An empty group that hands the neutral map on. fill() gives it its nodes."""
+    group = bpy.data.node_groups.new(f"{NAME} {name}", "ShaderNodeTree")
+    group[KEY] = True
+    versions.new_group_socket(group, INPUT, "INPUT", "NodeSocketColor")
+    versions.new_group_socket(group, OUTPUT, "OUTPUT", "NodeSocketColor")
+    fill(group, (), "WRINKLES", "")
+    return group
+
+
+def fill(group: bpy.types.NodeTree, images: Sequence[bpy.types.Image | None], maps: str, uv_map: str) -> None:
+    """Make the nodes anew, sockets and links outside stay.
+
+    images: the map of every pose; a pose without one does not count. maps: WHOLE or WRINKLES. uv_map: its name, empty:
+    the active one.
+    """
+    group.nodes.clear()
+    _Builder(group).build(images, maps, uv_map)
+
+
+@dataclass
+class _Builder:
+    """Adds nodes from left to right; every method returns the output socket of what it added."""
+
+    group: bpy.types.NodeTree
+    count: int = 0
+
+    def node(self, kind: str, **properties: object) -> bpy.types.Node:
+        node = self.group.nodes.new(kind)
+        for name, value in properties.items():
+            setattr(node, name, value)
+        node.location = (200.0 * (self.count // 5), -300.0 * (self.count % 5))
+        self.count += 1
+        return node
+
+    def put(self, value: object, target: bpy.types.NodeSocket) -> None:
+        if isinstance(value, bpy.types.NodeSocket):
+            self.group.links.new(value, target)
+        else:
+            target.default_value = value
+
+    def math(self, operation: str, *values: object) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeMath", operation=operation)
+        for value, target in zip(values, node.inputs):
+            self.put(value, target)
+        return node.outputs[0]
+
+    def vector(self, operation: str, *values: object) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeVectorMath", operation=operation)
+        for value, target in zip(values, node.inputs):
+            self.put(value, target)
+        return node.outputs["Vector"]
+
+    def combined(self, *values: object) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeCombineXYZ")
+        for value, target in zip(values, node.inputs):
+            self.put(value, target)
+        return node.outputs[0]
+
+    def components(self, vector: bpy.types.NodeSocket) -> list[bpy.types.NodeSocket]:
+        node = self.node("ShaderNodeSeparateXYZ")
+        self.put(vector, node.inputs[0])
+        return list(node.outputs)
+
+    def decoded(self, color: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        return self.vector("MULTIPLY_ADD", color, (2.0,) * 3, (-1.0,) * 3)
+
+    def masks(self, poses: Sequence[int]) -> dict[int, bpy.types.NodeSocket]:
+        """The mask of every pose, an Attribute node for three."""
+        packs = {}
+        for pack in sorted({pose // PACKED for pose in poses}):
+            attribute = self.node("ShaderNodeAttribute", attribute_name=MASKS.format(pack))
+            packs[pack] = self.components(attribute.outputs["Vector"])
+        return {pose: packs[pose // PACKED][pose % PACKED] for pose in poses}
+
+    def texture(self, image: bpy.types.Image, place: bpy.types.NodeSocket | None) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeTexImage", image=image)
+        if place is not None:
+            self.put(place, node.inputs["Vector"])
+        return node.outputs["Color"]
+
+    def build(self, images: Sequence[bpy.types.Image | None], maps: str, uv_map: str) -> None:
+        neutral = self.decoded(self.node("NodeGroupInput").outputs[INPUT])
+        place = self.node("ShaderNodeUVMap", uv_map=uv_map).outputs[0] if uv_map else None
+        poses = [pose for pose, image in enumerate(images) if image is not None]
+        total, summed = 0.0, (0.0,) * 3
+        for pose, mask in self.masks(poses).items():
+            total = self.math("ADD", total, mask)
+            summed = self.vector("MULTIPLY_ADD", self.decoded(self.texture(images[pose], place)), mask, summed)
+        rest = self.math("MAXIMUM", 0.0, self.math("SUBTRACT", 1.0, total))
+        blend = self.blend_whole if maps == "WHOLE" else self.blend_wrinkles
+        encoded = self.vector("MULTIPLY_ADD", blend(summed, rest, neutral), (0.5,) * 3, (0.5,) * 3)
+        self.put(encoded, self.node("NodeGroupOutput").inputs[OUTPUT])
+
+    def blend_whole(self, summed: object, rest: bpy.types.NodeSocket, neutral: bpy.types.NodeSocket
+                    ) -> bpy.types.NodeSocket:
+        """The same as blend_whole() of wrinkle_maps.glsl."""
+        return self.vector("NORMALIZE", self.vector("MULTIPLY_ADD", neutral, rest, summed))
+
+    def blend_wrinkles(self, summed: object, rest: bpy.types.NodeSocket, neutral: bpy.types.NodeSocket
+                       ) -> bpy.types.NodeSocket:
+        """The same as blend_wrinkles() of wrinkle_maps.glsl."""
+        wrinkles = self.vector("NORMALIZE", self.vector("ADD", summed, self.combined(0.0, 0.0, rest)))
+        w, n = self.components(wrinkles), self.components(neutral)
+        return self.vector("NORMALIZE", self.combined(self.math("ADD", w[0], n[0]), self.math("ADD", w[1], n[1]),
+                                                      self.math("MULTIPLY", w[2], n[2])))
+
+
+# ---------------------------------------------------------------- in a material
+def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
+    """Put the group in front of every Normal Map node that the material's shaders use; make one where there is none.
+
+    Raises Refused, and changes nothing, where the normal comes from what is not a tangent-space Normal Map.
+    """
+    if not versions.is_editable(material):
+        raise Refused(f"material {material.name} is linked from another file: make it local first")
+    if material.node_tree is None:
+        raise Refused(f"material {material.name} has no nodes")
+    present = [node for node in material.node_tree.nodes if _is_our_node(node)]
+    if present:
+        if any(node.node_tree != group for node in present):
+            raise Refused(f"material {material.name} shows the maps of another object: make it single-user first")
+        return
+    maps, bare = _normal_maps(material)
+    if bare:
+        made = material.node_tree.nodes.new("ShaderNodeNormalMap")
+        made[KEY] = True
+        made.location = bare[0].node.location.x - 200.0, bare[0].node.location.y - 300.0
+        for target in bare:
+            material.node_tree.links.new(made.outputs["Normal"], target)
+        maps.append(made)
+    for normal_map in maps:
+        _insert_before(normal_map, group)
+
+
+def remove(material: bpy.types.Material) -> bool:
+    """Take out what insert() put in: the links are as before. True when there was something."""
+    tree = material.node_tree
+    ours = [node for node in tree.nodes if _is_our_node(node)] if tree is not None else []
+    for node in ours:
+        source = next((link.from_socket for link in node.inputs[INPUT].links), None)
+        targets = [link.to_socket for link in node.outputs[OUTPUT].links]
+        for target in targets:
+            if source is not None:
+                tree.links.new(source, target)
+        tree.nodes.remove(node)
+    for node in [node for node in tree.nodes if KEY in node] if ours else ():
+        tree.nodes.remove(node)
+    return bool(ours)
+
+
+def shown_in(material: bpy.types.Material) -> bpy.types.NodeTree | None:
+    """The "Rumple Maps" group that a material has; None when it has none."""
+    nodes = material.node_tree.nodes if material.node_tree is not None else ()
+    return next((node.node_tree for node in nodes if _is_our_node(node)), None)
+
+
+def _is_our_node(node: bpy.types.Node) -> bool:
+    return node.type == "GROUP" and is_ours(node.node_tree)
+
+
+def _insert_before(normal_map: bpy.types.Node, group: bpy.types.NodeTree) -> None:
+    tree, target = normal_map.id_data, normal_map.inputs["Color"]
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    node.location = normal_map.location.x - 200.0, normal_map.location.y
+    node.inputs[INPUT].default_value = target.default_value
+    if target.is_linked:
+        tree.links.new(target.links[0].from_socket, node.inputs[INPUT])
+    tree.links.new(node.outputs[OUTPUT], target)
+
+
+def _normal_maps(material: bpy.types.Material) -> tuple[list[bpy.types.Node], list[bpy.types.NodeSocket]]:
+    """The Normal Map nodes behind the shaders' normals, and the normal inputs that have nothing behind them."""
+    maps: list[bpy.types.Node] = []
+    bare: list[bpy.types.NodeSocket] = []
+    for shader in _shaders(material):
+        target, source = _source_of(shader.inputs["Normal"])
+        while source is not None and source.type == "BUMP":  # bumps lie on what comes in
+            target, source = _source_of(source.inputs["Normal"])
+        if source is None:
+            if target not in bare:
+                bare.append(target)
+        elif source.type != "NORMAL_MAP" or source.space != "TANGENT":
+            raise Refused(f"material {material.name}: the normal of {shader.name} comes from {source.name}, which is "
+                          "no Normal Map in tangent space: Rumple cannot blend wrinkles into it")
+        elif source not in maps:
+            maps.append(source)
+    if not maps and not bare:
+        raise Refused(f"material {material.name} has no shader that takes a normal")
+    return maps, bare
+
+
+def _shaders(material: bpy.types.Material) -> Iterator[bpy.types.Node]:
+    """The nodes with a normal that the material's surface is made of."""
+    output = material.node_tree.get_output_node("ALL")
+    waiting = [output.inputs["Surface"]] if output is not None else []
+    seen: set[bpy.types.Node] = set()
+    while waiting:
+        _, node = _source_of(waiting.pop())
+        if node is None or node in seen:
+            continue
+        seen.add(node)
+        if "Normal" in node.inputs:
+            yield node
+        waiting += [entry for entry in node.inputs if entry.type == "SHADER"]
+
+
+def _source_of(target: bpy.types.NodeSocket) -> tuple[bpy.types.NodeSocket, bpy.types.Node | None]:
+    """The input at the near end of any reroutes, and the node behind it."""
+    while target.is_linked:
+        node = target.links[0].from_node
+        if node.type != "REROUTE":
+            return target, node
+        target = node.inputs[0]
+    return target, None

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node group "Rumple Maps": what it computes, and how it goes into a material and out again."""
+import unittest
+
+import bpy
+import maps_shots
+import numpy as np
+from rumple.blender import maps_nodes
+from rumple.core.engine import Refused
+
+
+def links(material):
+    """All that a node tree is: nodes, their values, and links by name."""
+    tree = material.node_tree
+    wires = sorted((link.from_node.name, link.from_socket.identifier, link.to_node.name, link.to_socket.identifier)
+                   for link in tree.links)
+    values = {(node.name, entry.identifier): tuple(entry.default_value) if hasattr(entry.default_value, "__len__")
+              else entry.default_value for node in tree.nodes for entry in node.inputs
+              if hasattr(entry, "default_value")}
+    return wires, values
+
+
+class Blend(unittest.TestCase):
+
+    def test_cycles_shows_the_native_blend(self):
+        maps_shots.check(self, "CYCLES")
+
+    def test_a_pose_without_an_image_does_not_count(self):
+        quad = maps_shots.Quad(3, "WRINKLES")
+        textures = [node for node in quad.group.nodes if node.type == "TEX_IMAGE"]
+        images = sorted({node.image for node in textures}, key=lambda image: image.name)
+        maps_nodes.fill(quad.group, [images[0], None, images[2]], "WRINKLES", "")
+        quad.wrinkles[1] = np.full_like(quad.wrinkles[1], 128)
+        quad.slopes[1] = 0.0
+        self.assertLessEqual(np.abs(quad.rendered("CYCLES") - quad.expected()).max(), maps_shots.STEP)
+
+    def test_without_poses_the_neutral_map_is_left(self):
+        quad = maps_shots.Quad(1, "WRINKLES")
+        maps_nodes.fill(quad.group, (), "WRINKLES", "")
+        self.assertLessEqual(np.abs(quad.rendered("CYCLES") - quad.neutral / 255.0).max(), 2 * maps_shots.STEP)
+
+
+class InAMaterial(unittest.TestCase):
+
+    def setUp(self):
+        self.group = maps_nodes.new_group("Face")
+        self.material = bpy.data.materials.new("Skin")
+        if bpy.app.version < (5, 0, 0):
+            self.material.use_nodes = True
+        self.tree = self.material.node_tree
+        self.shader = next(node for node in self.tree.nodes if node.type == "BSDF_PRINCIPLED")
+
+    def node(self, kind, **properties):
+        node = self.tree.nodes.new(kind)
+        for name, value in properties.items():
+            setattr(node, name, value)
+        return node
+
+    def goes_in_and_out(self):
+        before = links(self.material)
+        maps_nodes.insert(self.material, self.group)
+        within = links(self.material)
+        self.assertNotEqual(within, before)
+        self.assertEqual(maps_nodes.shown_in(self.material), self.group)
+        maps_nodes.insert(self.material, self.group)    # once more: nothing new
+        self.assertEqual(links(self.material), within)
+        self.assertTrue(maps_nodes.remove(self.material))
+        self.assertEqual(links(self.material), before)
+        self.assertIsNone(maps_nodes.shown_in(self.material))
+        self.assertFalse(maps_nodes.remove(self.material))
+        maps_nodes.insert(self.material, self.group)
+
+    def behind(self, node, name):
+        return node.inputs[name].links[0].from_node
+
+    def test_with_an_image(self):
+        image, normal_map = self.node("ShaderNodeTexImage"), self.node("ShaderNodeNormalMap")
+        self.tree.links.new(image.outputs["Color"], normal_map.inputs["Color"])
+        self.tree.links.new(normal_map.outputs["Normal"], self.shader.inputs["Normal"])
+        self.goes_in_and_out()
+        ours = self.behind(self.behind(self.shader, "Normal"), "Color")
+        self.assertEqual(ours.node_tree, self.group)
+        self.assertEqual(self.behind(ours, maps_nodes.INPUT), image)
+
+    def test_without_a_normal_map_one_is_made(self):
+        self.goes_in_and_out()
+        ours = self.behind(self.behind(self.shader, "Normal"), "Color")
+        self.assertEqual(tuple(ours.inputs[maps_nodes.INPUT].default_value), maps_nodes.FLAT)
+
+    def test_a_bump_lies_on_the_wrinkles(self):
+        bump, reroute = self.node("ShaderNodeBump"), self.node("NodeReroute")
+        self.tree.links.new(bump.outputs["Normal"], reroute.inputs[0])
+        self.tree.links.new(reroute.outputs[0], self.shader.inputs["Normal"])
+        self.goes_in_and_out()
+        self.assertEqual(self.behind(bump, "Normal").type, "NORMAL_MAP")
+
+    def test_two_shaders_share_a_normal_map_or_have_none(self):
+        mixed, other, normal_map = (self.node(kind) for kind in ("ShaderNodeMixShader", "ShaderNodeBsdfDiffuse",
+                                                                 "ShaderNodeNormalMap"))
+        output = self.tree.get_output_node("ALL")
+        self.tree.links.new(self.shader.outputs[0], mixed.inputs[1])
+        self.tree.links.new(other.outputs[0], mixed.inputs[2])
+        self.tree.links.new(mixed.outputs[0], output.inputs["Surface"])
+        self.goes_in_and_out()
+        self.assertEqual(self.behind(self.shader, "Normal"), self.behind(other, "Normal"))
+        maps_nodes.remove(self.material)
+        for shader in (self.shader, other):
+            self.tree.links.new(normal_map.outputs["Normal"], shader.inputs["Normal"])
+        self.goes_in_and_out()
+        self.assertEqual(len([node for node in self.tree.nodes if node.type == "GROUP"]), 1)
+
+    def refused(self, word, group=None):
+        before = links(self.material)
+        with self.assertRaisesRegex(Refused, word):
+            maps_nodes.insert(self.material, group or self.group)
+        self.assertEqual(links(self.material), before)
+
+    def test_what_cannot_be_blended_is_refused_and_left_alone(self):
+        normal_map = self.node("ShaderNodeNormalMap", space="OBJECT")
+        self.tree.links.new(normal_map.outputs["Normal"], self.shader.inputs["Normal"])
+        self.refused(f"{self.material.name}: the normal of Principled BSDF comes from Normal Map, which is no .* tangent")
+        geometry = self.node("ShaderNodeNewGeometry")
+        self.tree.links.new(geometry.outputs["Normal"], self.shader.inputs["Normal"])
+        self.refused("comes from Geometry")
+        self.tree.nodes.remove(self.shader)
+        self.refused(f"{self.material.name} has no shader that takes a normal")
+
+    def test_the_maps_of_another_object_are_not_replaced(self):
+        maps_nodes.insert(self.material, self.group)
+        self.refused("shows the maps of another object", maps_nodes.new_group("Other"))
