@@ -118,7 +118,7 @@ class InAMaterial(unittest.TestCase):
     def test_what_cannot_be_blended_is_refused_and_left_alone(self):
         normal_map = self.node("ShaderNodeNormalMap", space="OBJECT")
         self.tree.links.new(normal_map.outputs["Normal"], self.shader.inputs["Normal"])
-        self.refused(f"{self.material.name}: the normal of Principled BSDF comes from Normal Map, which is no .* tangent")
+        self.refused(f"{self.material.name}: the normal of Principled BSDF comes from Normal Map, which is no Normal")
         geometry = self.node("ShaderNodeNewGeometry")
         self.tree.links.new(geometry.outputs["Normal"], self.shader.inputs["Normal"])
         self.refused("comes from Geometry")
