@@ -53,7 +53,7 @@ def stage(engine):
     render.film_transparent = True
     scene.view_settings.view_transform = "Raw" if engine != "BLENDER_WORKBENCH" else "Standard"
     if engine == "CYCLES":
-        scene.cycles.samples, scene.cycles.use_denoising = 8, False
+        scene.cycles.samples, scene.cycles.use_denoising = 16, False
     if engine == "EEVEE":
         scene.eevee.taa_render_samples = 4
     with sleeve.context():
@@ -67,13 +67,7 @@ def blur(shutter):
     for owner in (render, eevee):  # EEVEE had switches of its own until 4.2
         if hasattr(owner, "use_motion_blur"):
             owner.use_motion_blur, owner.motion_blur_shutter = shutter > 0.0, shutter
-    eevee.motion_blur_steps = 4
-
-
-def smooth():
-    """So many samples that edges have little grain."""
-    scene = bpy.context.scene
-    scene.cycles.samples, scene.eevee.taa_render_samples = 256, 64
+    eevee.motion_blur_steps = 4  # each takes a share of the samples
 
 
 def read(path):

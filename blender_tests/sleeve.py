@@ -49,6 +49,13 @@ def arm():
     return rig
 
 
+def bend_until(last):
+    """The arm bends faster: until this frame."""
+    for curve in versions.action_curves(bpy.data.objects["Arm"].animation_data.action):
+        curve.keyframe_points[-1].co.x = last
+        curve.update()
+
+
 def skinned(mesh, rig, name="Sleeve"):
     """An object with that mesh that follows the arm."""
     obj = bpy.data.objects.new(name, mesh)
