@@ -14,7 +14,7 @@ import numpy as np
 import shots
 import sleeve
 from rumple.blender import mesh_io, modifier, properties, versions
-from rumple.core import engine
+from rumple.core import engine, wrinkle_mesh
 
 STARK = 0.02  # a pixel is another one when a channel differs by more; 0..1
 
@@ -32,12 +32,12 @@ def twin_of(obj: bpy.types.Object) -> bpy.types.Object:
     return twin
 
 
-def pictures(obj: bpy.types.Object, frames: Sequence[float]) -> tuple[engine.WrinkleMesh, list[engine.Picture]]:
+def pictures(obj: bpy.types.Object, frames: Sequence[float]) -> tuple[engine.Wrinkles, list[engine.Picture]]:
     """Solve these frames, and no others, one after the other."""
     scene, twin = bpy.context.scene, twin_of(obj)
     settings = properties.settings_of(obj, scene)
     base = mesh_io.base_mesh(twin, settings.rest_shape, "")
-    fine = engine.WrinkleMesh.build(base, settings, unit_scale=scene.unit_settings.scale_length)
+    fine = wrinkle_mesh.WrinkleMesh.build(base, settings, unit_scale=scene.unit_settings.scale_length)
     result = []
     for frame in frames:
         whole = int(np.floor(frame))
@@ -48,7 +48,7 @@ def pictures(obj: bpy.types.Object, frames: Sequence[float]) -> tuple[engine.Wri
     return fine, result
 
 
-def plain_object(obj: bpy.types.Object, fine: engine.WrinkleMesh, positions: np.ndarray) -> bpy.types.Object:
+def plain_object(obj: bpy.types.Object, fine: engine.Wrinkles, positions: np.ndarray) -> bpy.types.Object:
     """An ordinary object of the fine mesh with these positions, and the modifiers that stand behind the wrinkles."""
     mesh = bpy.data.meshes.new("Plain")
     versions.fill_polygons(mesh, positions, fine.polygon_start, fine.corner_vertex)
@@ -66,7 +66,7 @@ def plain_object(obj: bpy.types.Object, fine: engine.WrinkleMesh, positions: np.
     return plain
 
 
-def picture_of(obj: bpy.types.Object, fine: engine.WrinkleMesh, positions: np.ndarray, frame: float) -> np.ndarray:
+def picture_of(obj: bpy.types.Object, fine: engine.Wrinkles, positions: np.ndarray, frame: float) -> np.ndarray:
     """A render of the plain object in place of the wrinkled one, (SIZE, SIZE, 4). Its parent is where it is then."""
     plain = plain_object(obj, fine, positions)
     hidden, obj.hide_render = obj.hide_render, True

@@ -9,9 +9,10 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import bake_files, bake_state, handlers, modifier, node_tree, registry, structure
+from rumple.blender import bake_state, handlers, modifier, registry, structure
+from rumple.core import engine
 
-ATTRIBUTES = (*node_tree.PUBLIC_FLOATS, *node_tree.PUBLIC_VECTORS)
+ATTRIBUTES = tuple(attribute.name for attribute in engine.COMMON_ATTRIBUTES)
 
 # Run by a Blender without the add-on: every attribute of the sleeve at some frames, into a file.
 STRANGER = """
@@ -122,10 +123,8 @@ class Baked(unittest.TestCase):
         sleeve.at(20)
         self.clip().unlink()
         seen = self.attributes(19)
-        for name in node_tree.PUBLIC_FLOATS:
-            np.testing.assert_array_equal(seen[name], 1.0)
-        for name in node_tree.PUBLIC_VECTORS:
-            np.testing.assert_array_equal(seen[name], 0.0)
+        for attribute in engine.COMMON_ATTRIBUTES:
+            np.testing.assert_array_equal(seen[attribute.name], attribute.rest)
 
     def test_a_clip_of_another_fine_mesh_is_not_shown(self):
         sleeve.play()
@@ -169,7 +168,7 @@ class Baked(unittest.TestCase):
         data = self.clip().read_bytes()
         signature, version, points, start, step, samples = struct.unpack("<12siiffi", data[:32])
         self.assertEqual((signature, version, start, step, samples), (b"POINTCACHE2\0", 1, 1.0, 1.0, 20))
-        self.assertEqual(points, bake_files.POINTS_PER_VERTEX * len(sleeve.carrier(self.obj).data.vertices))
+        self.assertEqual(points, 4 * len(sleeve.carrier(self.obj).data.vertices))  # a float pair, three vectors
         self.assertEqual(len(data), 32 + 12 * points * samples)
         self.assertEqual(sleeve.names(self.entries()), ["Sleeve.json", "Sleeve.pc2"])
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from rumple.blender import modifier, properties, registry, versions
-from rumple.core import engine
+from rumple.core import engine, wrinkle_mesh
 
 DATA = Path(os.environ["RUMPLE_DATA"])
 OUT = Path(os.environ["RUMPLE_OUT"])
@@ -26,7 +26,7 @@ LONGEST = 3.0  # no shown edge is longer than this many times the same edge on t
 COMPRESSED = 0.9  # frames whose compressed regions have at most this share of their rest area are judged by it
 # Folds of the default radius (one fine edge, as amplitude of a sine) and width (EDGES_PER_WAVELENGTH edges) make a
 # compressed sheet at most this many times as large: 1 + (pi amplitude / wavelength)^2.
-FOLDS_REACH = 1.0 + (math.pi / engine.EDGES_PER_WAVELENGTH) ** 2
+FOLDS_REACH = 1.0 + (math.pi / wrinkle_mesh.EDGES_PER_WAVELENGTH) ** 2
 
 
 @dataclass

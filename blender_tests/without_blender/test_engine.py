@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 from meshes import compressed, quad_mesh, rotated, sheet, tube
-from rumple.core.engine import Refused, WrinkleMesh, fitting_wavelength, level_for, wavelength_of
+from rumple.core.engine import Refused
 from rumple.core.settings import PRESETS, MeshSettings
+from rumple.core.wrinkle_mesh import WrinkleMesh, fitting_wavelength, level_for, wavelength_of
 
 SETTINGS = MeshSettings(density="LEVEL", level=2)
 FRAMES = range(1, 9)
@@ -131,17 +132,17 @@ class PictureLaws(unittest.TestCase):
         base = tube(16, 8)
         settings = replace(SETTINGS, prestretch=1.0)
         picture = WrinkleMesh.build(base, settings).solve_frame(1.0, base.positions, settings, {}, start=1)
-        np.testing.assert_allclose(picture.stretch_min, 1.0, atol=1e-5)
-        np.testing.assert_allclose(picture.stretch_max, 1.0, atol=1e-5)
+        np.testing.assert_allclose(picture.attributes["rumple_stretch_min"], 1.0, atol=1e-5)
+        np.testing.assert_allclose(picture.attributes["rumple_stretch_max"], 1.0, atol=1e-5)
         self.assertLess(float(np.abs(picture.offset).max()), 1e-6)
 
     def test_stretch_of_a_squeezed_sheet_is_its_squeeze_and_direction(self) -> None:
         base = sheet(6, 6)
         squeezed = compressed(compressed(base.positions, 0.8, axis=0), 1.1, axis=1)
         picture = WrinkleMesh.build(base, SETTINGS).solve_frame(1.0, squeezed, SETTINGS, {}, start=1)
-        np.testing.assert_allclose(picture.stretch_min, 0.8, atol=1e-5)
-        np.testing.assert_allclose(picture.stretch_max, 1.1, atol=1e-5)
-        np.testing.assert_allclose(np.abs(picture.stretch_direction[:, 0]), 1.0, atol=1e-4)
+        np.testing.assert_allclose(picture.attributes["rumple_stretch_min"], 0.8, atol=1e-5)
+        np.testing.assert_allclose(picture.attributes["rumple_stretch_max"], 1.1, atol=1e-5)
+        np.testing.assert_allclose(np.abs(picture.attributes["rumple_stretch_direction"][:, 0]), 1.0, atol=1e-4)
 
     def test_local_offsets_rebuild_the_positions_as_the_node_tree_does(self) -> None:
         base = tube(12, 10)

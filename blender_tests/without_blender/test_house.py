@@ -20,7 +20,7 @@ def sources(*folders: str) -> list[Path]:
 class House(unittest.TestCase):
     def test_a_floor_includes_only_itself_and_what_lies_below(self) -> None:
         for height, floor in enumerate(FLOORS):
-            for file in sources(f"native/{floor}"):
+            for file in sources(f"native/{floor}", f"shaders/{floor}"):
                 for included in re.findall(r'#include "(\w+)/', file.read_text()):
                     self.assertIn(included, FLOORS[:height + 1], f"{file} includes {included}")
 

@@ -90,7 +90,7 @@ def stored_path(path: Path) -> str:
 def attach(obj: bpy.types.Object, manifest: bake_files.Manifest, clip: Path) -> None:
     """Show the clip, through a new player: a former one may belong to a duplicate too."""
     ours = modifier.find(obj)
-    player = make_player(obj, versions.positions(modifier.carrier(ours).data))
+    player = make_player(obj, modifier.carrier(ours).data)
     cache = player.modifiers.new(modifier.CACHE_NAME, "MESH_CACHE")
     cache.cache_format, cache.play_mode, cache.time_mode = "PC2", "SCENE", "FRAME"
     cache.deform_mode, cache.interpolation = "OVERWRITE", "LINEAR"
@@ -102,13 +102,14 @@ def attach(obj: bpy.types.Object, manifest: bake_files.Manifest, clip: Path) -> 
     registry.runtime(obj).stale = True
 
 
-def make_player(obj: bpy.types.Object, positions: np.ndarray) -> bpy.types.Object:
+def make_player(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types.Object:
     """A hidden object with the points of a clip, at rest: that is what shows where the clip cannot be read."""
-    ones, zeros = np.ones(len(positions), np.float32), np.zeros_like(positions)
-    rest = engine.Picture(zeros, positions, zeros, ones, ones, zeros, None)
+    attributes = modifier.system(modifier.find(obj)).wrinkles.ATTRIBUTES
+    rest = engine.Picture.at_rest(versions.positions(shown), len(shown.loops), attributes)
+    points = bake_files.points_of(rest, attributes)
     mesh = bpy.data.meshes.new(obj.name + SUFFIX)
-    mesh.vertices.add(len(positions) * bake_files.POINTS_PER_VERTEX)
-    versions.set_positions(mesh, bake_files.points_of(rest))
+    mesh.vertices.add(len(points))
+    versions.set_positions(mesh, points)
     mesh.update()
     player = bpy.data.objects.new(mesh.name, mesh)
     player[structure.CARRIER_KEY] = True
@@ -143,9 +144,11 @@ class _Bake:
             self.playback.end_playback(restore_bake=True)
             raise BakeError(registry.message(obj) or f"{obj.name}: there is nothing to bake")
         manifest = bake_files.Manifest(
-            object=obj.name, vertices=fine.vertex_count, coarse_vertices=len(obj.data.vertices), start=about.bake_start,
-            end=about.bake_end, samples=about.bake_samples, inputs=bake_state.inputs_fingerprint(obj, context.scene))
-        self.writer = bake_files.ClipWriter(clip, manifest)
+            object=obj.name, vertices=fine.vertex_count,
+            points=bake_files.point_count(fine.vertex_count, len(fine.corner_vertex), fine.ATTRIBUTES),
+            coarse_vertices=len(obj.data.vertices), start=about.bake_start, end=about.bake_end,
+            samples=about.bake_samples, inputs=bake_state.inputs_fingerprint(obj, context.scene))
+        self.writer = bake_files.ClipWriter(clip, manifest, fine.ATTRIBUTES)
         self.samples = self.playback.samples_in_order()
 
     def step(self) -> bool:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A baked clip on disk: points in PC2, which Blender's own Mesh Cache reads, and a manifest beside it.
 
-A clip has POINTS_PER_VERTEX points for each vertex of the fine mesh, block after block: its positions, then what
-shaders read, as if they were positions too. The node tree takes them apart (node_tree.py).
+A clip has a point for each vertex of the shown mesh: its position. Behind them, block after block, stands what shaders
+read, as if it were positions too: a point for each vertex or corner. The node tree takes them apart (node_tree.py).
 Both are written whole or not at all: into a temporary file in the same folder, then moved into place.
 No bpy here.
 """
@@ -16,10 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.engine import Picture
+from ..core.engine import Attribute, Picture
 
-FORMAT = 2
-POINTS_PER_VERTEX = 4  # position; (smallest, largest stretch, 0); direction of compression; offset
+FORMAT = 3
 POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
 POSE_TOLERANCE = 1e-3  # of the coarse mesh's extent: other Blenders and machines differ by far less
 
@@ -29,7 +28,8 @@ class Manifest:
     """What a clip was baked from."""
 
     object: str
-    vertices: int  # of the fine mesh
+    vertices: int  # of the shown mesh
+    points: int  # of the clip, see point_count()
     coarse_vertices: int
     start: int
     end: int
@@ -37,10 +37,6 @@ class Manifest:
     inputs: str  # fingerprint of settings, paint and meshes
     poses: list[list[float]] = field(default_factory=list)  # for each sample, POSE_POINTS coarse points
     format: int = FORMAT
-
-    @property
-    def points(self) -> int:
-        return self.vertices * POINTS_PER_VERTEX
 
     @property
     def sample_count(self) -> int:
@@ -64,10 +60,49 @@ class Manifest:
         return baked.shape != now.shape or not np.allclose(baked, now, rtol=0.0, atol=POSE_TOLERANCE * extent)
 
 
-def points_of(picture: Picture) -> np.ndarray:
-    """The points of a sample, (POINTS_PER_VERTEX * n, 3) float32."""
-    stretch = np.stack([picture.stretch_min, picture.stretch_max, np.zeros_like(picture.stretch_min)], 1)
-    return np.concatenate([picture.positions, stretch, picture.stretch_direction, picture.offset])
+@dataclass(frozen=True)
+class Block:
+    """Attributes that share a block of points: one vector, or up to three floats."""
+
+    domain: str
+    attributes: tuple[Attribute, ...]
+
+
+def blocks(attributes: tuple[Attribute, ...]) -> list[Block]:
+    """The blocks behind the positions, in order."""
+    packed = [Block(a.domain, (a,)) for a in attributes if a.vector]
+    for domain in ("POINT", "CORNER"):
+        floats = [a for a in attributes if a.domain == domain and not a.vector]
+        packed += [Block(domain, tuple(floats[i:i + 3])) for i in range(0, len(floats), 3)]
+    return packed
+
+
+def point_count(vertices: int, corners: int, attributes: tuple[Attribute, ...]) -> int:
+    """Points of a sample of a mesh with so many vertices and corners."""
+    return vertices + sum(vertices if block.domain == "POINT" else corners for block in blocks(attributes))
+
+
+def points_of(picture: Picture, attributes: tuple[Attribute, ...], before: np.ndarray | None = None) -> np.ndarray:
+    """The points of a sample, (points, 3) float32. before: those of the sample before it, for angles to go on from."""
+    parts, done = [picture.positions], len(picture.positions)
+    for block in blocks(attributes):
+        values = [picture.attributes[a.name] for a in block.attributes]
+        if not block.attributes[0].vector:
+            values = [np.stack(values + [np.zeros_like(values[0])] * (3 - len(values)), 1)]
+        part = np.array(values[0], np.float32)
+        for column, attribute in enumerate(block.attributes):
+            if attribute.angle and before is not None:
+                which = slice(None) if attribute.vector else column
+                part[:, which] = _unwrapped(part[:, which], before[done:done + len(part), which])
+        parts.append(part)
+        done += len(part)
+    return np.concatenate(parts)
+
+
+def _unwrapped(angles: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """The same angles within half a turn of those before: the cache interpolates them."""
+    turns = np.round((before - angles) / (2.0 * np.pi))
+    return angles + np.float32(2.0 * np.pi) * turns.astype(np.float32)
 
 
 def pose_points(positions: np.ndarray) -> np.ndarray:
@@ -102,9 +137,10 @@ _HEADER = struct.Struct("<12siiffi")  # signature, version, points, start, step,
 class ClipWriter:
     """Writes samples one after the other; nothing stands at the path before finish()."""
 
-    def __init__(self, clip: Path, manifest: Manifest) -> None:
+    def __init__(self, clip: Path, manifest: Manifest, attributes: tuple[Attribute, ...]) -> None:
         clip.parent.mkdir(parents=True, exist_ok=True)
-        self.clip, self.manifest = clip, manifest
+        self.clip, self.manifest, self.attributes = clip, manifest, attributes
+        self.before: np.ndarray | None = None  # points of the sample before
         self.temporary = clip.with_name(f".{clip.name}.{os.getpid()}.part")
         self.file = open(self.temporary, "wb")
         self.file.write(_HEADER.pack(b"POINTCACHE2\0", 1, manifest.points, float(manifest.start),
@@ -112,9 +148,10 @@ class ClipWriter:
 
     def add(self, picture: Picture, coarse: np.ndarray) -> None:
         """One sample: what is shown, and the coarse pose it belongs to."""
-        if picture.positions.shape != (self.manifest.vertices, 3):
-            raise ValueError(f"expected {self.manifest.vertices} vertices, got {len(picture.positions)}")
-        self.file.write(np.ascontiguousarray(points_of(picture), "<f4").tobytes())
+        self.before = points_of(picture, self.attributes, self.before)
+        if len(self.before) != self.manifest.points:
+            raise ValueError(f"expected {self.manifest.points} points, got {len(self.before)}")
+        self.file.write(np.ascontiguousarray(self.before, "<f4").tobytes())
         self.manifest.poses.append([round(float(x), 6) for x in pose_points(coarse)])
 
     def finish(self) -> None:

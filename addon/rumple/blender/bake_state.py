@@ -24,8 +24,9 @@ def clip_path(obj: bpy.types.Object) -> Path | None:
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     """Hash of everything that makes a clip but the animation: meshes, settings, paint, first frame."""
     digest = hashlib.sha1(structure.sources(obj).shape.encode())
-    digest.update(repr((properties.settings_of(obj, scene), scene.frame_start)).encode())
-    for key, weights in sorted(mesh_io.paint(obj).items()):
+    settings = properties.settings_of(obj, scene)
+    digest.update(repr((settings, scene.frame_start)).encode())
+    for key, weights in sorted(mesh_io.paint(obj, settings).items()):
         digest.update(key.encode() + weights.tobytes())
     return digest.hexdigest()
 

@@ -20,14 +20,14 @@ CARRIED_KEY = "rumple_carried"  # custom property on the carrier's mesh: fingerp
 SUFFIX = ".wrinkles"
 
 
-def make(obj: bpy.types.Object, fine: engine.WrinkleMesh, source: bpy.types.Object) -> bpy.types.Object:
+def make(obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> bpy.types.Object:
     """A new carrier object, in no collection: the modifier's input keeps it alive."""
     carrier = bpy.data.objects.new(obj.name + SUFFIX, bpy.data.meshes.new(obj.name + SUFFIX))
     fill(carrier, obj, fine, source)
     return carrier
 
 
-def fill(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh, source: bpy.types.Object) -> None:
+def fill(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> None:
     """Give the carrier the fine mesh, embedded and at rest, and everything carried.
 
     source: whose materials, UV maps and attributes it inherits: obj, or the artist's own fine mesh.
@@ -40,7 +40,7 @@ def fill(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleM
     mesh.update()
 
 
-def write_embedding(mesh: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+def write_embedding(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
     """The attributes that the node tree reads, with no offset yet."""
     count = fine.vertex_count
     for corner, name in enumerate(node_tree.CORNERS):
@@ -50,13 +50,11 @@ def write_embedding(mesh: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
     versions.write_attribute(mesh, node_tree.BARYCENTRIC, "FLOAT_VECTOR", "POINT", weights)
     versions.write_attribute(mesh, node_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", np.zeros((count, 3), np.float32))
     versions.write_attribute(mesh, node_tree.BASE_INDEX, "INT", "POINT", np.arange(count, dtype=np.int32))
-    for name in node_tree.PUBLIC_FLOATS:
-        versions.write_attribute(mesh, name, "FLOAT", "POINT", np.ones(count, np.float32))
-    for name in node_tree.PUBLIC_VECTORS:
-        versions.write_attribute(mesh, name, "FLOAT_VECTOR", "POINT", np.zeros((count, 3), np.float32))
+    rest = engine.Picture.at_rest(fine.positions_rest, len(fine.corner_vertex), fine.ATTRIBUTES)
+    _write_attributes(mesh, rest, fine.ATTRIBUTES)
 
 
-def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.WrinkleMesh) -> bool:
+def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> bool:
     """True where the carrier (from a file, perhaps) already is this fine mesh, bound in this way."""
     if len(mesh.vertices) != fine.vertex_count or len(mesh.loops) != len(fine.corner_vertex):
         return False
@@ -65,7 +63,7 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.WrinkleMesh) -> bool:
     if not np.array_equal(corner_vertex, fine.corner_vertex):
         return False
     names = (*node_tree.CORNERS, node_tree.BARYCENTRIC, node_tree.LOCAL_OFFSET, node_tree.BASE_INDEX,
-             *node_tree.PUBLIC_FLOATS, *node_tree.PUBLIC_VECTORS)
+             *(attribute.name for attribute in fine.ATTRIBUTES))
     if any(name not in mesh.attributes for name in names):
         return False
     stored = np.stack([versions.read_attribute(mesh.attributes[name])[:, 0] for name in node_tree.CORNERS], 1)
@@ -74,19 +72,20 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.WrinkleMesh) -> bool:
                                                                               equal_nan=True)
 
 
-def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture) -> None:
+def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tuple[engine.Attribute, ...]) -> None:
     """One frame's result. The only thing that handlers write."""
-    write = versions.write_attribute
-    write(mesh, node_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", picture.local_offset)
-    write(mesh, "rumple_stretch_min", "FLOAT", "POINT", picture.stretch_min)
-    write(mesh, "rumple_stretch_max", "FLOAT", "POINT", picture.stretch_max)
-    write(mesh, "rumple_stretch_direction", "FLOAT_VECTOR", "POINT", picture.stretch_direction)
-    write(mesh, "rumple_offset", "FLOAT_VECTOR", "POINT", picture.offset)
+    versions.write_attribute(mesh, node_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", picture.local_offset)
+    _write_attributes(mesh, picture, attributes)
     mesh.update()
 
 
+def _write_attributes(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tuple[engine.Attribute, ...]) -> None:
+    for a in attributes:
+        versions.write_attribute(mesh, a.name, a.data_type, a.domain, picture.attributes[a.name])
+
+
 # ---------------------------------------------------------------- carrying
-def carry(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh, source: bpy.types.Object) -> None:
+def carry(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> None:
     """Everything inherited, again: called when it changed while the topology did not."""
     mesh, inherited = carrier.data, source.data
     _drop_inherited(mesh)
@@ -114,7 +113,7 @@ def _carry_materials(mesh: bpy.types.Mesh, source: bpy.types.Object) -> None:
         mesh.materials.append(slot.material)
 
 
-def _carry_faces(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+def _carry_faces(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
     parents = fine.polygon_parent
     for prop, dtype in (("material_index", np.int32), ("use_smooth", bool)):
         values = np.empty(len(inherited.polygons), dtype)
@@ -142,7 +141,7 @@ def _find_edges(mesh: bpy.types.Mesh, pairs: np.ndarray) -> np.ndarray:
     return order[place]
 
 
-def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
     marks = versions.edge_marks(inherited)
     if not marks or not len(fine.edges):
         return
@@ -155,7 +154,7 @@ def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.W
     versions.set_edge_marks(mesh, spread)
 
 
-def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
     active, active_render = "", ""
     for name in [layer.name for layer in inherited.uv_layers]:
         layer = inherited.uv_layers[name]
@@ -171,7 +170,7 @@ def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine
         mesh.uv_layers[active_render].active_render = True
 
 
-def _carry_attributes(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.WrinkleMesh) -> None:
+def _carry_attributes(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
     for name in [attribute.name for attribute in versions.generic_attributes(inherited)]:
         attribute = inherited.attributes[name]
         domain, data_type = attribute.domain, attribute.data_type
@@ -185,7 +184,7 @@ def _carry_attributes(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: eng
         target.render_color_index = target.find(colours[colours.render_color_index].name)
 
 
-def _carried_values(fine: engine.WrinkleMesh, domain: str, values: np.ndarray) -> np.ndarray:
+def _carried_values(fine: engine.Wrinkles, domain: str, values: np.ndarray) -> np.ndarray:
     """Interpolated; whole numbers and switches rounded, so that a value constant around a point stays itself."""
     if domain == "FACE":
         return values[fine.polygon_parent]
@@ -194,7 +193,7 @@ def _carried_values(fine: engine.WrinkleMesh, domain: str, values: np.ndarray) -
     return result if values.dtype == np.float32 else np.rint(result).astype(values.dtype)
 
 
-def carry_vertex_groups(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh,
+def carry_vertex_groups(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles,
                         names: list[str]) -> None:
     """Weights of the named groups. Every group gets its name: a missing one makes a modifier act on everything."""
     wanted = [group.name for group in obj.vertex_groups]
@@ -210,7 +209,7 @@ def carry_vertex_groups(carrier: bpy.types.Object, obj: bpy.types.Object, fine: 
         _write_group(carrier.vertex_groups[name], weights[:, column])
 
 
-def _from_base(fine: engine.WrinkleMesh, values: np.ndarray) -> np.ndarray:
+def _from_base(fine: engine.Wrinkles, values: np.ndarray) -> np.ndarray:
     """Point values of the coarse mesh through the embedding: an own mesh has other points than carry_points() takes."""
     weight_1, weight_2 = fine.barycentric[:, :1], fine.barycentric[:, 1:]
     corner_0, corner_1, corner_2 = (values[fine.triangle_vertex[:, corner]] for corner in range(3))
@@ -229,7 +228,7 @@ def _write_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
 
 
 # ---------------------------------------------------------------- what changed
-def carry_changes(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.WrinkleMesh,
+def carry_changes(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles,
                   source: bpy.types.Object) -> bool:
     """Carry again what differs from what the carrier has. True when something did."""
     mesh = carrier.data

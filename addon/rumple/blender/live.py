@@ -19,14 +19,20 @@ from .registry import LOCK, Inputs, Runtime
 _BUSY_MODES = frozenset(("EDIT", "SCULPT"))
 
 
-def settings_changed(obj: bpy.types.Object, affects: str) -> None:
-    """Called by every property. Only says what is due: the work is done by the timer and by the next update."""
+def settings_changed(obj: bpy.types.Object, affects: str, name: str = "") -> None:
+    """Called by every property. Only says what is due: the work is done by the timer and by the next update.
+
+    affects: see core.settings.setting(). name: of a field of the settings.
+    """
     if obj.rumple.method == "NONE" or modifier.find(obj) is None:
         return
     entry = registry.runtime(obj)
     if entry.fine is not None:
         entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
-    if affects == "MESH" or modifier.is_baked(modifier.find(obj)):
+    if affects == "PAINT":
+        entry.paint = None
+    structural = affects == "MESH" or name in properties.settings_of(obj, structure.scene_of(obj)).structural()
+    if structural or modifier.is_baked(modifier.find(obj)):
         entry.stale = True
         structure.request(structure.SETTLE_SECONDS)
     obj.update_tag()
@@ -176,7 +182,7 @@ def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime
     if positions is None:
         return None
     if entry.paint is None:
-        entry.paint = mesh_io.paint(obj)
+        entry.paint = mesh_io.paint(obj, properties.settings_of(obj, scene))
     # The evaluated copy: animated settings are right there, in renders too.
     settings = properties.settings_of(evaluated, scene)
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
@@ -216,10 +222,8 @@ def _show(held: bpy.types.Object, entry: Runtime, picture: engine.Picture) -> bo
     key = versions.session_key(held.data)
     last = entry.picture
     entry.picture = picture
-    if last is not None and entry.carrier_key == key and all(
-            np.array_equal(getattr(last, name), getattr(picture, name))
-            for name in ("local_offset", "offset", "stretch_min", "stretch_max", "stretch_direction")):
+    if last is not None and entry.carrier_key == key and last.shows_the_same(picture):
         return False
-    carriers.write_picture(held.data, picture)
+    carriers.write_picture(held.data, picture, entry.fine.ATTRIBUTES)
     entry.carrier_key = key
     return True

@@ -8,15 +8,18 @@ import bpy
 import numpy as np
 
 from ..core import engine
+from ..core.settings import FieldSettings, MeshSettings
 from . import node_tree, versions
 
-# Paint: key of the engine -> vertex group on the coarse mesh.
-PAINT_GROUPS: dict[str, str] = {
+# Paint of the Wrinkle Mesh: key of the engine -> vertex group on the coarse mesh.
+MESH_GROUPS: dict[str, str] = {
     "radius": "Rumple Radius",
     "prestretch": "Rumple Pre-Stretch",
     "bending": "Rumple Bending",
     "inside": "Rumple Inside",
 }
+REST_WRINKLE = "rumple_rest_wrinkle"  # painted vectors of the Wrinkle Field, a point attribute of the coarse mesh
+LEAST_WAVELENGTH = 0.1  # of the factor that a vertex group paints: its zero means "nothing painted" elsewhere
 ATTACHED_GROUP = "Rumple Attached"  # on an own mesh: points below one half stay unattached
 
 
@@ -25,6 +28,16 @@ def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.B
     mesh = obj.data
     mesh.calc_loop_triangles()
     return _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
+
+
+def render_uv(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """The UV map that renders use, (corners, 2) float32; None where there is none."""
+    layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
+    if layer is None:
+        return None
+    flat = np.empty(len(mesh.loops) * 2, np.float32)
+    layer.data.foreach_get("uv", flat)
+    return flat.reshape(-1, 2)
 
 
 def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
@@ -97,13 +110,31 @@ def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: list[str])
     return weights
 
 
-def paint(obj: bpy.types.Object) -> dict[str, np.ndarray]:
-    """What is painted for the solver: (n,) float32 for every group that exists."""
-    keys = [key for key, name in PAINT_GROUPS.items() if name in obj.vertex_groups]
-    if not keys:
-        return {}
-    weights = group_weights(obj, obj.data, [PAINT_GROUPS[key] for key in keys])
-    return {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
+def paint_groups(settings: MeshSettings | FieldSettings) -> dict[str, str]:
+    """Key of the engine -> vertex group (or attribute) that paints it."""
+    if isinstance(settings, FieldSettings):
+        return {"mask": settings.mask, "wavelength": settings.wavelength_scale}
+    return MESH_GROUPS
+
+
+def paint(obj: bpy.types.Object, settings: MeshSettings | FieldSettings) -> dict[str, np.ndarray]:
+    """What is painted for the solver: (n,) or (n, 3) float32 for everything that exists."""
+    names = paint_groups(settings)
+    keys = [key for key, name in names.items() if name in obj.vertex_groups]
+    weights = group_weights(obj, obj.data, [names[key] for key in keys]) if keys else None
+    painted = {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
+    if not isinstance(settings, FieldSettings):
+        return painted
+    if "wavelength" in painted:
+        painted["wavelength"] = np.maximum(painted["wavelength"], np.float32(LEAST_WAVELENGTH))
+    attributes = obj.data.attributes
+    for key, name, data_type in (("mask", settings.mask, "FLOAT"), ("wavelength", settings.wavelength_scale, "FLOAT"),
+                                 ("rest_wrinkle", REST_WRINKLE, "FLOAT_VECTOR")):
+        found = attributes.get(name)
+        if key not in painted and found is not None and (found.domain, found.data_type) == ("POINT", data_type):
+            values = versions.read_attribute(found)
+            painted[key] = values if data_type == "FLOAT_VECTOR" else np.ascontiguousarray(values[:, 0])
+    return painted
 
 
 def attached(own: bpy.types.Object) -> np.ndarray | None:
@@ -136,7 +167,7 @@ def posed_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
     usable = (index >= 0) & (index < count)
     where[index[usable][::-1]] = np.flatnonzero(usable)[::-1]  # the first of several copies wins
     if (where < 0).any():
-        raise Reordered("a modifier behind Wrinkle Mesh removes points: move Wrinkle Mesh behind it or apply it")
+        raise Reordered("a modifier behind the wrinkles removes points: move them behind it or apply it")
     return np.ascontiguousarray(values[where])
 
 
@@ -151,6 +182,7 @@ def plain_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
 def shape_fingerprint(base: engine.BaseMesh) -> str:
     """Hash of everything the fine mesh is made from."""
     digest = hashlib.sha1()
-    for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner):
-        digest.update(np.ascontiguousarray(array).tobytes())
+    for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner, base.uv):
+        if array is not None:
+            digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modifier "Wrinkle Mesh": adding, finding and removing it, and its carrier object."""
+"""The modifier, "Wrinkle Mesh" and its sisters: adding, finding and removing it, and its carrier object."""
 from __future__ import annotations
 
 from typing import Iterator
 
 import bpy
 
+from ..core.systems import SYSTEMS, System
 from . import node_tree, versions
 
-NAME = "Wrinkle Mesh"
 CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the player of a baked clip
 
 # Modifiers that move points and keep their number: the wrinkles stand behind the last of them.
@@ -23,11 +23,16 @@ NEUTRAL = DEFORMING | frozenset((
 
 
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """The Wrinkle Mesh modifier of an object, by its node group: artists may rename it."""
+    """The wrinkles of an object, by their node group: artists may rename the modifier."""
     for candidate in obj.modifiers:
         if candidate.type == "NODES" and node_tree.is_ours(candidate.node_group):
             return candidate
     return None
+
+
+def system(modifier: bpy.types.NodesModifier) -> System:
+    """What makes the wrinkles that a modifier shows."""
+    return node_tree.system(modifier.node_group)
 
 
 def wrinkled_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
@@ -83,11 +88,11 @@ def _place(obj: bpy.types.Object) -> int:
     return place
 
 
-def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
+def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
     """Put the modifier behind the last deforming one. It has no carrier yet and shows the coarse mesh."""
     place = _place(obj)
-    modifier = obj.modifiers.new(NAME, "NODES")
-    modifier.node_group = node_tree.ensure()
+    modifier = obj.modifiers.new(SYSTEMS[method].label, "NODES")
+    modifier.node_group = node_tree.ensure(method)
     last = len(obj.modifiers) - 1
     if place != last:
         versions.move_modifier(obj, last, place)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group "Rumple Wrinkle Mesh", built by code.
+"""The node groups "Rumple Wrinkle Mesh", "Rumple Wrinkle Field" and so on, built by code: one for each system.
 
-It shows the fine mesh of a hidden carrier object in place of the coarse mesh that comes in:
+It shows the mesh of a hidden carrier object in place of the coarse mesh that comes in:
 
     position = p0 + u (p1 - p0) + v (p2 - p0) + t o.x + b o.y + n o.z
     t = normalize(p1 - p0),  n = normalize((p1 - p0) x (p2 - p0)),  b = n x t
@@ -25,6 +25,7 @@ Attributes, all starting with "rumple_":
     rumple_stretch_min, rumple_stretch_max   FLOAT   principal stretches of the coarse mesh, 1 = rest
     rumple_stretch_direction                 VECTOR  strongest compression, object space
     rumple_offset                            VECTOR  way from the coarse surface, object space
+    and the system's own, see ATTRIBUTES of its class in ../core
   on the coarse mesh
     rumple_rest_position      VECTOR  rest shape captured from a frame
 """
@@ -34,11 +35,13 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..core.engine import Attribute
+from ..core.systems import SYSTEMS, System
 from . import bake_files, versions
 
-NAME = "Rumple Wrinkle Mesh"
-VERSION = 2  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 3  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
+METHOD_KEY = "rumple_method"
 
 CORNERS = ("rumple_corner_0", "rumple_corner_1", "rumple_corner_2")
 BARYCENTRIC = "rumple_barycentric"
@@ -46,8 +49,6 @@ LOCAL_OFFSET = "rumple_local_offset"
 BASE_POSITION = "rumple_base_position"
 BASE_INDEX = "rumple_base_index"
 REST_POSITION = "rumple_rest_position"
-PUBLIC_FLOATS = ("rumple_stretch_min", "rumple_stretch_max")
-PUBLIC_VECTORS = ("rumple_stretch_direction", "rumple_offset")
 CARRIER_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET)
 
 CARRIER, COUNT, BAKED, PLAYER = "Carrier", "Coarse Vertices", "Baked", "Player"
@@ -56,18 +57,23 @@ _INPUTS = (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (C
 
 
 def is_ours(group: bpy.types.NodeTree | None) -> bool:
-    """True for this node group, whatever its name and version."""
+    """True for these node groups, whatever their name and version."""
     return group is not None and VERSION_KEY in group
 
 
-def ensure() -> bpy.types.NodeTree:
-    """The node group of this file, made or upgraded where needed."""
+def system(group: bpy.types.NodeTree) -> System:
+    """The system that one of our node groups shows."""
+    return SYSTEMS[group.get(METHOD_KEY, "MESH")]  # files from before there were sisters have no key
+
+
+def ensure(method: str) -> bpy.types.NodeTree:
+    """The node group of this file for a method, made or upgraded where needed."""
     for group in bpy.data.node_groups:
-        if is_ours(group) and versions.is_editable(group):
+        if is_ours(group) and versions.is_editable(group) and system(group).method == method:
             upgrade(group)
             return group
-    group = bpy.data.node_groups.new(NAME, "GeometryNodeTree")
-    group[VERSION_KEY] = 0
+    group = bpy.data.node_groups.new(f"Rumple {SYSTEMS[method].label}", "GeometryNodeTree")
+    group[VERSION_KEY], group[METHOD_KEY] = 0, method
     upgrade(group)
     return group
 
@@ -84,7 +90,7 @@ def upgrade(group: bpy.types.NodeTree) -> bool:
     if not versions.group_sockets(group, "OUTPUT"):
         versions.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
     versions.mark_as_modifier(group)
-    _Builder(group).build()
+    _Builder(group, system(group).wrinkles.ATTRIBUTES).build()
     group[VERSION_KEY] = VERSION
     return True
 
@@ -94,6 +100,7 @@ class _Builder:
     """Adds nodes from left to right; every method returns the output socket of what it added."""
 
     group: bpy.types.NodeTree
+    attributes: tuple[Attribute, ...]
     column: int = 0
 
     def node(self, kind: str, **properties: object) -> bpy.types.Node:
@@ -171,20 +178,28 @@ class _Builder:
                           self.vector("SCALE", normal, z))
 
     def played(self, fine: bpy.types.NodeSocket, clip: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """The fine mesh as the points of a clip have it: see bake_files.points_of()."""
-        count, index = self.point_count(fine), self.node("GeometryNodeInputIndex").outputs[0]
-        # As floats: exact up to 2^24 points, four times the vertices that the engine allows.
-        position, stretch, direction, offset = (
-            self.sample(clip, self.math("MULTIPLY_ADD", count, float(part), index))
-            for part in range(bake_files.POINTS_PER_VERTEX))
-        fine = self.moved(fine, position)
-        for name, value in zip(PUBLIC_FLOATS, self.components(stretch)):
-            fine = self.store(fine, name, "FLOAT", value)
-        # Between two samples the cache gives the mean of two unit vectors.
-        values = (self.vector("NORMALIZE", direction), offset)
-        for name, value in zip(PUBLIC_VECTORS, values):
-            fine = self.store(fine, name, "FLOAT_VECTOR", value)
+        """The shown mesh as the points of a clip have it: see bake_files.points_of()."""
+        index = self.node("GeometryNodeInputIndex").outputs[0]
+        fine = self.moved(fine, self.sample(clip, index))
+        begin, counts = self.element_count(fine, "POINT"), {}
+        for block in bake_files.blocks(self.attributes):
+            # As floats: exact up to 2^24 points, four times the vertices that the engine allows.
+            values = self.sample(clip, self.math("ADD", begin, index))
+            if block.attributes[0].unit:  # between two samples the cache gives the mean of two unit vectors
+                values = self.vector("NORMALIZE", values)
+            parts = [values] if block.attributes[0].vector else self.components(values)
+            for attribute, value in zip(block.attributes, parts):
+                fine = self.store(fine, attribute.name, attribute.data_type, value, attribute.domain)
+            if block.domain not in counts:
+                counts[block.domain] = self.element_count(fine, block.domain)
+            begin = self.math("ADD", begin, counts[block.domain])
         return fine
+
+    def clip_points(self, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """bake_files.point_count() of a mesh."""
+        domains = [block.domain for block in bake_files.blocks(self.attributes)]
+        points = self.math("MULTIPLY", self.element_count(carried, "POINT"), 1.0 + domains.count("POINT"))
+        return self.math("MULTIPLY_ADD", self.element_count(carried, "CORNER"), float(domains.count("CORNER")), points)
 
     def moved(self, fine: bpy.types.NodeSocket, position: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         node = self.node("GeometryNodeSetPosition")
@@ -193,8 +208,8 @@ class _Builder:
         return node.outputs[0]
 
     def store(self, fine: bpy.types.NodeSocket, name: str, data_type: str,
-              value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        node = self.node("GeometryNodeStoreNamedAttribute", data_type=data_type, domain="POINT")
+              value: bpy.types.NodeSocket, domain: str = "POINT") -> bpy.types.NodeSocket:
+        node = self.node("GeometryNodeStoreNamedAttribute", data_type=data_type, domain=domain)
         self.link(fine, node, "Geometry")
         node.inputs["Name"].default_value = name
         self.link(value, node, "Value")
@@ -211,14 +226,14 @@ class _Builder:
         node.inputs["Name"].default_value = name
         return node.outputs[0]
 
-    def point_count(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    def element_count(self, geometry: bpy.types.NodeSocket, domain: str) -> bpy.types.NodeSocket:
         size = self.node("GeometryNodeAttributeDomainSize", component="MESH")
         self.group.links.new(geometry, size.inputs[0])
-        return size.outputs["Point Count"]
+        return size.outputs["Point Count" if domain == "POINT" else "Face Corner Count"]
 
     def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
-        self.link(self.point_count(geometry), compare, "A")
+        self.link(self.element_count(geometry, "POINT"), compare, "A")
         self.link(expected, compare, "B")
         return compare.outputs[0]
 
@@ -237,9 +252,8 @@ class _Builder:
         inputs = self.node("NodeGroupInput").outputs
         geometry, carried = inputs["Geometry"], self.object_geometry(inputs[CARRIER])
         clip = self.object_geometry(inputs[PLAYER])
-        # A clip of another fine mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
-        points = self.math("MULTIPLY", self.point_count(carried), float(bake_files.POINTS_PER_VERTEX))
-        baked = self.both(inputs[BAKED], self.counts_match(clip, points))
+        # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
+        baked = self.both(inputs[BAKED], self.counts_match(clip, self.clip_points(carried)))
         # Switches evaluate only the branch they take: a baked clip costs no embedding.
         fine = self.switch(baked, self.moved(carried, self.embedded_position(geometry)), self.played(carried, clip))
         fine = self.store_base_position(geometry, fine)

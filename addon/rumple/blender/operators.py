@@ -9,8 +9,8 @@ from __future__ import annotations
 import bpy
 
 from .. import native
-from ..core import engine
 from ..core.settings import PRESETS
+from ..core.systems import SYSTEMS
 from . import mesh_io, modifier, node_tree, properties, registry, structure, versions
 
 _KEPT_BY_PRESETS = ("source", "density", "wavelength", "level", "segments", "edge_length", "weld", "rest_shape",
@@ -49,10 +49,10 @@ class OnWrinkled:
 
 
 class OBJECT_OT_rumple_add(bpy.types.Operator):
-    """Add a fine mesh that folds where the animated mesh is compressed"""
+    """Add wrinkles that form where the animated mesh is compressed"""
 
     bl_idname = "object.rumple_add"
-    bl_label = "Wrinkle Mesh"
+    bl_label = "Add Wrinkles"
     bl_options = {"REGISTER", "UNDO"}
 
     method: bpy.props.EnumProperty(name="Method", items=properties.METHODS[1:], default="MESH", options={"SKIP_SAVE"})
@@ -74,7 +74,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         registry.forget(obj)
         self._set_defaults(context, obj)
         with structure.half_done():
-            ours = modifier.add(obj)
+            ours = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
         context.scene.render.use_lock_interface = True
         structure.prepare(obj, ours)
@@ -88,15 +88,16 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """What was set before a removal stays; lengths that were never set suit the mesh and the scene's unit."""
-        settings = obj.rumple.mesh
-        lengths = {name for name, f in properties.FIELDS.items()
+        obj.rumple.method = self.method
+        settings = properties.group_of(obj)
+        lengths = {name for name, f in properties.fields_of(obj).items()
                    if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
-        values = properties.defaults(lengths)
+        values = properties.defaults(obj, lengths)
         if "wavelength" in lengths and len(obj.data.polygons):
             base = mesh_io.base_mesh(obj, "REST_POSE", "")
-            values["wavelength"] = engine.fitting_wavelength(base, structure.metres_per_unit(obj, context.scene))
+            fitting = SYSTEMS[self.method].wrinkles.fitting_wavelength
+            values["wavelength"] = fitting(base, structure.metres_per_unit(obj, context.scene))
         properties.apply_values(obj, context.scene, values)
-        obj.rumple.method = self.method
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
 
     def _report(self, obj: bpy.types.Object, ours: bpy.types.Modifier) -> None:
@@ -175,7 +176,7 @@ def evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.typ
 
 
 class OBJECT_OT_rumple_preset(OnWrinkled, bpy.types.Operator):
-    """Set the cloth: stiffness, height and fullness of folds. Density, rest shape and paint stay as they are"""
+    """Set the cloth of a Wrinkle Mesh: stiffness, height and fullness of folds. Density, rest shape and paint stay"""
 
     bl_idname = "object.rumple_preset"
     bl_label = "Cloth Preset"
@@ -183,10 +184,14 @@ class OBJECT_OT_rumple_preset(OnWrinkled, bpy.types.Operator):
     preset: bpy.props.EnumProperty(name="Cloth", items=[(key, *about[:2]) for key, about in PRESETS.items()])
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        names = set(properties.FIELDS) - set(_KEPT_BY_PRESETS)
-        values = {**properties.defaults(names), **PRESETS[self.preset][2]}
-        properties.apply_values(context.object, context.scene, values)
-        context.object.rumple.preset = self.preset
+        obj = context.object
+        if obj.rumple.method != "MESH":
+            self.report({"ERROR"}, "Cloth presets are for the Wrinkle Mesh")
+            return {"CANCELLED"}
+        names = set(properties.fields_of(obj)) - set(_KEPT_BY_PRESETS)
+        values = {**properties.defaults(obj, names), **PRESETS[self.preset][2]}
+        properties.apply_values(obj, context.scene, values)
+        obj.rumple.preset = self.preset
         return {"FINISHED"}
 
 
@@ -209,7 +214,7 @@ class OBJECT_OT_rumple_capture_rest(OnWrinkled, bpy.types.Operator):
         positions = mesh_io.posed_positions(evaluated, len(obj.data.vertices))
         if positions is not None:
             versions.write_attribute(obj.data, node_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
-            obj.rumple.mesh.rest_shape = "FRAME"
+            properties.group_of(obj).rest_shape = "FRAME"
             registry.runtime(obj).stale = True
             structure.settle_all()
         scene.frame_set(now[0], subframe=now[1])
@@ -225,11 +230,15 @@ class OBJECT_OT_rumple_paint(OnWrinkled, bpy.types.Operator):
     bl_idname = "object.rumple_paint"
     bl_label = "Paint"
 
-    group: bpy.props.EnumProperty(name="Paint", items=[(key, name, "") for key, name in mesh_io.PAINT_GROUPS.items()])
+    group: bpy.props.EnumProperty(name="Paint", items=[(key, key.title(), "") for key in (
+        *mesh_io.MESH_GROUPS, "mask", "wavelength")])
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
-        name = mesh_io.PAINT_GROUPS[self.group]
+        name = mesh_io.paint_groups(properties.settings_of(obj, context.scene)).get(self.group)
+        if not name:
+            self.report({"ERROR"}, f"{obj.name}: its wrinkles have no {self.group} to paint")
+            return {"CANCELLED"}
         if name not in obj.vertex_groups:
             group = obj.vertex_groups.new(name=name)
             group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")  # 1: as before the group was there

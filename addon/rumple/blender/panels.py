@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from . import bake_state, mesh_io, modifier, operators, registry, versions
+from ..core.systems import SYSTEMS
+from . import bake_state, mesh_io, modifier, operators, properties, registry, versions
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
@@ -14,15 +15,17 @@ class _Panel:
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "modifier"
+    method: str | None = None  # that it belongs to; None: all
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.object
-        return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None
+        return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None and (
+            cls.method is None or obj.rumple.method == cls.method)
 
 
 class DATA_PT_rumple(bpy.types.Panel):
-    bl_label = "Wrinkle Mesh"
+    bl_label = "Wrinkles"
     bl_idname = "DATA_PT_rumple"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -35,13 +38,17 @@ class DATA_PT_rumple(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, context.object
-        if modifier.find(obj) is None:
-            layout.operator("object.rumple_add", icon="MOD_CLOTH").method = "MESH"
+        ours = modifier.find(obj)
+        if ours is None:
+            _add_buttons(layout.column(align=True))
             return
         draw_message(layout, registry.message(obj))
         row = layout.row(align=True)
-        row.operator_menu_enum("object.rumple_preset", "preset",
-                               text=obj.rumple.bl_rna.properties["preset"].enum_items[obj.rumple.preset].name)
+        if obj.rumple.method == "MESH":
+            row.operator_menu_enum("object.rumple_preset", "preset",
+                                   text=obj.rumple.bl_rna.properties["preset"].enum_items[obj.rumple.preset].name)
+        else:
+            row.label(text=modifier.system(ours).label)
         row.operator("object.rumple_apply", text="Apply")
         row.operator("object.rumple_remove", text="", icon="X")
 
@@ -71,6 +78,7 @@ def wrapped(text: str) -> list[str]:
 class DATA_PT_rumple_fine_mesh(_Panel, bpy.types.Panel):
     bl_label = "Fine Mesh"
     bl_parent_id = "DATA_PT_rumple"
+    method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = _column(self.layout), context.object
@@ -89,6 +97,43 @@ class DATA_PT_rumple_fine_mesh(_Panel, bpy.types.Panel):
         column.prop(settings, "weld")
 
 
+class DATA_PT_rumple_waves(_Panel, bpy.types.Panel):
+    bl_label = "Waves"
+    bl_parent_id = "DATA_PT_rumple"
+    method = "FIELD"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = _column(self.layout), context.object
+        settings = obj.rumple.field
+        column.prop(settings, "output")
+        if settings.output == "SHADING":
+            column.operator("object.rumple_shade", icon="MATERIAL")
+        else:
+            for name in ("source", "detail", "attachment"):
+                column.prop(settings, name)
+        column.separator()
+        for name in ("wavelength", "strength", "profile", "irregularity", "seed"):
+            column.prop(settings, name)
+        column.separator()
+        for name, group in (("mask", "mask"), ("wavelength_scale", "wavelength")):
+            row = column.row(align=True)
+            row.prop(settings, name)
+            exists = getattr(settings, name) in obj.vertex_groups
+            row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = group
+
+
+class DATA_PT_rumple_relaxation(_Panel, bpy.types.Panel):
+    bl_label = "Relaxation"
+    bl_parent_id = "DATA_PT_rumple"
+    bl_options = {"DEFAULT_CLOSED"}
+    method = "FIELD"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = _column(self.layout)
+        for name in ("rate", "rounds", "start", "start_rounds", "stateless", "weld"):
+            column.prop(context.object.rumple.field, name)
+
+
 class DATA_PT_rumple_rest(_Panel, bpy.types.Panel):
     bl_label = "Rest Shape"
     bl_parent_id = "DATA_PT_rumple"
@@ -96,7 +141,7 @@ class DATA_PT_rumple_rest(_Panel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = _column(self.layout), context.object
-        settings = obj.rumple.mesh
+        settings = properties.group_of(obj)
         column.prop(settings, "rest_shape")
         if settings.rest_shape == "FRAME":
             row = column.row(align=True)
@@ -113,6 +158,7 @@ class DATA_PT_rumple_rest(_Panel, bpy.types.Panel):
 class DATA_PT_rumple_constraints(_Panel, bpy.types.Panel):
     bl_label = "Attachment & Constraints"
     bl_parent_id = "DATA_PT_rumple"
+    method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = _column(self.layout), context.object
@@ -136,7 +182,7 @@ def _painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> No
     """A slider and the button that paints where it acts."""
     row = column.row(align=True)
     row.prop(obj.rumple.mesh, name)
-    exists = mesh_io.PAINT_GROUPS[name] in obj.vertex_groups
+    exists = mesh_io.MESH_GROUPS[name] in obj.vertex_groups
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = name
 
 
@@ -144,6 +190,7 @@ class DATA_PT_rumple_solver(_Panel, bpy.types.Panel):
     bl_label = "Solver"
     bl_parent_id = "DATA_PT_rumple"
     bl_options = {"DEFAULT_CLOSED"}
+    method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
         column = _column(self.layout)
@@ -219,17 +266,11 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     if entry is None or entry.fine is None:
         return [("Nothing solved yet", "INFO")]
     fine, picture, lines = entry.fine, entry.picture, []
-    lines.append((f"{fine.vertex_count} vertices, {fine.solve_vertex_count} of them solved", "MESH_DATA"))
-    lines.append((f"Fine edge {1000.0 * fine.edge_mean:.2f} mm", "BLANK1"))
+    lines.append((f"{fine.vertex_count} vertices are shown", "MESH_DATA"))
     if picture is not None:
         times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in picture.milliseconds.items())
         lines.append((f"Milliseconds: {times}" + (" (stored frame)" if picture.replayed else ""), "TIME"))
-        report = picture.report
-        before, after = 100.0 * report.error_before, 100.0 * report.error_after
-        lines.append((f"Edge length error {before:.1f} % before, {after:.1f} % after {report.iterations} iterations",
-                      "BLANK1"))
-        if report.collapsed_triangles:
-            lines.append((f"{report.collapsed_triangles} coarse triangles have no area in this pose", "INFO"))
+        lines += [(line, "BLANK1") for line in fine.status(picture)]
     late = bake_state.late_in_renders(obj)
     return lines + [(note, "INFO") for note in (*entry.notes, *([late] if late else []))]
 
@@ -243,11 +284,16 @@ def _column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
 def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
     if not operators.refusal(context.object, wrinkled=False):
         self.layout.separator()
-        self.layout.operator("object.rumple_add", icon="MOD_CLOTH").method = "MESH"
+        _add_buttons(self.layout)
 
 
-CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_rest, DATA_PT_rumple_constraints,
-           DATA_PT_rumple_solver, DATA_PT_rumple_frames, DATA_PT_rumple_bake, DATA_PT_rumple_status)
+def _add_buttons(layout: bpy.types.UILayout) -> None:
+    for system in SYSTEMS.values():
+        layout.operator("object.rumple_add", text=system.label, icon="MOD_CLOTH").method = system.method
+
+
+CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
+           DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames, DATA_PT_rumple_bake, DATA_PT_rumple_status)
 
 
 def register() -> None:

@@ -7,33 +7,28 @@ from typing import Any, Callable
 
 import bpy
 
-from ..core.settings import PRESETS, MeshSettings
+from ..core.settings import PRESETS, FieldSettings, MeshSettings
+from ..core.systems import SYSTEMS, System
 
-METHODS = (
-    ("NONE", "None", "No wrinkles"),
-    ("MESH", "Wrinkle Mesh", "A fine mesh solved over the animated coarse one"),
-)
+METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
 DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
-
-FIELDS: dict[str, Field] = {f.name: f for f in fields(MeshSettings)}
-
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}  # else a linked character's garments could not be tuned
 
 
-def _changed(affects: str) -> Callable[[bpy.types.PropertyGroup, bpy.types.Context], None]:
+def _changed(affects: str, name: str = "") -> Callable[[bpy.types.PropertyGroup, bpy.types.Context], None]:
     def update(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
         from . import live  # live reads these properties: imported late
-        live.settings_changed(group.id_data, affects)
+        live.settings_changed(group.id_data, affects, name)
     return update
 
 
 def _property(f: Field) -> Any:
     """The Blender property of one field of the settings."""
     about = f.metadata
-    options = {"ANIMATABLE"} if about["affects"] != "MESH" else set()
+    options = {"ANIMATABLE"} if about["affects"] == "SOLVE" else set()
     common = dict(name=about["name"], description=about["tip"], default=f.default, options=options, override=_OVERRIDE,
-                  update=_changed(about["affects"]))
+                  update=_changed(about["affects"], f.name))
     if about["choices"]:
         return bpy.props.EnumProperty(items=about["choices"], **common)
     if isinstance(f.default, bool):
@@ -50,13 +45,14 @@ def _property(f: Field) -> Any:
     return bpy.props.FloatProperty(subtype="FACTOR" if about["unit"] == "FACTOR" else "NONE", precision=3, **common)
 
 
-def _settings_group() -> type:
-    annotations = {name: _property(f) for name, f in FIELDS.items()}
-    return type("RUMPLE_MeshSettings", (bpy.types.PropertyGroup,),
-                {"__annotations__": annotations, "__doc__": "Settings of one Wrinkle Mesh."})
+def _settings_group(settings: type) -> type:
+    annotations = {f.name: _property(f) for f in fields(settings)}
+    return type(f"RUMPLE_{settings.__name__}", (bpy.types.PropertyGroup,),
+                {"__annotations__": annotations, "__doc__": settings.__doc__})
 
 
-RUMPLE_MeshSettings = _settings_group()
+RUMPLE_MeshSettings = _settings_group(MeshSettings)
+RUMPLE_FieldSettings = _settings_group(FieldSettings)
 
 
 def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
@@ -74,6 +70,7 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     method: bpy.props.EnumProperty(name="Method", items=METHODS, default="NONE", options=set(), override=_OVERRIDE,
                                    description="How wrinkles are made; set by adding and removing them")
     mesh: bpy.props.PointerProperty(type=RUMPLE_MeshSettings, override=_OVERRIDE)
+    field: bpy.props.PointerProperty(type=RUMPLE_FieldSettings, override=_OVERRIDE)
     preset: bpy.props.EnumProperty(name="Cloth", default="COTTON", options=set(), override=_OVERRIDE,
                                    items=[(key, *about[:2]) for key, about in PRESETS.items()],
                                    description="The material that was chosen last")
@@ -101,35 +98,49 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                       description="What is wrong, in words; empty when nothing is")
 
 
-def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> MeshSettings:
+def group_of(obj: bpy.types.Object) -> bpy.types.PropertyGroup:
+    """The settings of an object's method as properties. Without wrinkles: those of the Wrinkle Mesh."""
+    return getattr(obj.rumple, _system(obj).group)
+
+
+def _system(obj: bpy.types.Object) -> System:
+    return SYSTEMS.get(obj.rumple.method, SYSTEMS["MESH"])
+
+
+def fields_of(obj: bpy.types.Object) -> dict[str, Field]:
+    """The fields of the settings of an object's method."""
+    return {f.name: f for f in fields(_system(obj).settings)}
+
+
+def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
     """The settings as the engine wants them.
 
     obj may be an evaluated copy: there, animated settings are right in renders too. Blender keeps lengths in
     its own units and multiplies them for display; the engine wants what is displayed: metres.
     """
-    group = obj.rumple.mesh
+    group = group_of(obj)
     metres = scene.unit_settings.scale_length
     values = {}
-    for name, f in FIELDS.items():
+    for name, f in fields_of(obj).items():
         value = getattr(group, name)
         values[name] = value * metres if f.metadata["unit"] == "LENGTH" else value
-    return MeshSettings(**values)
+    return _system(obj).settings(**values)
 
 
 def apply_values(obj: bpy.types.Object, scene: bpy.types.Scene, values: dict[str, Any]) -> None:
     """Set some settings from metres and plain numbers (presets, defaults of a scene in centimetres)."""
     metres = scene.unit_settings.scale_length
     for name, value in values.items():
-        length = FIELDS[name].metadata["unit"] == "LENGTH"
-        setattr(obj.rumple.mesh, name, value / metres if length else value)
+        length = fields_of(obj)[name].metadata["unit"] == "LENGTH"
+        setattr(group_of(obj), name, value / metres if length else value)
 
 
-def defaults(names: set[str] | None = None) -> dict[str, Any]:
-    """Default values of the settings, all or some."""
-    return {name: f.default for name, f in FIELDS.items() if names is None or name in names}
+def defaults(obj: bpy.types.Object, names: set[str]) -> dict[str, Any]:
+    """Default values of some settings."""
+    return {name: f.default for name, f in fields_of(obj).items() if name in names}
 
 
-CLASSES = (RUMPLE_MeshSettings, RUMPLE_Object)
+CLASSES = (RUMPLE_MeshSettings, RUMPLE_FieldSettings, RUMPLE_Object)
 
 
 def register() -> None:

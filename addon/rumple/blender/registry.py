@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field
-from typing import Iterable
+from typing import Any, Iterable
 
 import bpy
 import numpy as np
 
 from ..core import engine
-from ..core.settings import MeshSettings
 from . import versions
 
 # Handlers run in the render job's thread while the window's thread draws: one at a time. Never "skip if busy",
@@ -27,7 +26,7 @@ class Inputs:
     """What the last picture was solved from: equal inputs need no new one."""
 
     frame: float
-    settings: MeshSettings
+    settings: Any  # of the system
     positions: np.ndarray
     world_from_object: np.ndarray
     paint: dict[str, np.ndarray]
@@ -44,7 +43,7 @@ class Inputs:
 class Runtime:
     """One wrinkled object."""
 
-    fine: engine.WrinkleMesh | None = None
+    fine: engine.Wrinkles | None = None
     shape: str = ""  # fingerprint of what `fine` was made from
     refused: str = ""  # fingerprint of what could not be made: not tried again until it changes
     stale: bool = True  # the base, the settings or the carrier may have changed: check before the next structural step

@@ -6,19 +6,18 @@ and in background mode directly while nothing renders. live.py asks for it with 
 """
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import traceback
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Iterator
+from typing import Any, Iterator
 
 import bpy
 import numpy as np
 
 from .. import native
 from ..core import engine
-from ..core.settings import MeshSettings
+from ..core.settings import FieldSettings
 from . import carrier as carriers
 from . import mesh_io, modifier, node_tree, properties, registry, versions
 from .registry import LOCK, Runtime
@@ -166,8 +165,9 @@ def unexpected(obj: bpy.types.Object, error: Exception) -> str:
 
 
 def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> bool:
-    if versions.is_editable(obj) and obj.rumple.method != "MESH":
-        obj.rumple.method = "MESH"  # the modifier came by Copy Modifiers or an older file
+    method = modifier.system(ours).method
+    if versions.is_editable(obj) and obj.rumple.method != method:
+        obj.rumple.method = method  # the modifier came by Copy Modifiers or an older file
     if modifier.is_baked(ours) and modifier.carrier(ours) is not None:
         from . import bake_state  # it asks this module what clips are made from
         entry.bake_note = bake_state.check(obj, modifier.carrier(ours))
@@ -202,7 +202,7 @@ class Sources:
     base: engine.BaseMesh
     own: engine.BaseMesh | None
     attached: np.ndarray | None
-    settings: MeshSettings
+    settings: Any  # of the system
     unit_scale: float  # metres per object unit
     shape: str  # fingerprint of all of these
 
@@ -212,6 +212,8 @@ def sources(obj: bpy.types.Object) -> Sources:
     scene = scene_of(obj)
     settings = properties.settings_of(obj, scene)
     base = mesh_io.base_mesh(obj, settings.rest_shape, obj.rumple.rest_key)
+    if isinstance(settings, FieldSettings) and settings.output == "SHADING":
+        base.uv = mesh_io.render_uv(obj.data)
     own = _own_mesh(obj, settings)
     attached = mesh_io.attached(obj.rumple.own_mesh) if own is not None else None
     unit_scale = metres_per_unit(obj, scene)
@@ -239,9 +241,9 @@ def ensure_fine(obj: bpy.types.Object, entry: Runtime) -> None:
     entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
 
 
-def _build(obj: bpy.types.Object, now: Sources) -> engine.WrinkleMesh:
-    fine = engine.WrinkleMesh.build(now.base, now.settings, unit_scale=now.unit_scale, own=now.own,
-                                    attached=now.attached)
+def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:
+    more = dict(own=now.own, attached=now.attached) if now.own is not None else {}
+    fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale, **more)
     coarse = len(now.base.positions)
     if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
         raise engine.Refused(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
@@ -249,8 +251,8 @@ def _build(obj: bpy.types.Object, now: Sources) -> engine.WrinkleMesh:
     return fine
 
 
-def _own_mesh(obj: bpy.types.Object, settings: MeshSettings) -> engine.BaseMesh | None:
-    if settings.source != "OBJECT":
+def _own_mesh(obj: bpy.types.Object, settings: Any) -> engine.BaseMesh | None:
+    if not _wants_own_mesh(settings):
         return None
     own = obj.rumple.own_mesh
     if own is None or own.type != "MESH":
@@ -261,18 +263,21 @@ def _own_mesh(obj: bpy.types.Object, settings: MeshSettings) -> engine.BaseMesh 
 def source_of(obj: bpy.types.Object) -> bpy.types.Object:
     """The object whose materials, UV maps and attributes the fine mesh inherits."""
     own = obj.rumple.own_mesh
-    return own if obj.rumple.mesh.source == "OBJECT" and own is not None else obj
+    return own if own is not None and _wants_own_mesh(properties.group_of(obj)) else obj
 
 
-def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attached: object, settings: MeshSettings,
+def _wants_own_mesh(settings: Any) -> bool:
+    """settings: of the system, or their properties."""
+    return getattr(settings, "source", "") == "OBJECT"
+
+
+def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attached: object, settings: Any,
                        unit_scale: float) -> str:
     digest = hashlib.sha1(mesh_io.shape_fingerprint(base).encode())
     if own is not None:
         digest.update(mesh_io.shape_fingerprint(own).encode())
         digest.update(b"" if attached is None else attached.tobytes())
-    structural = [(f.name, getattr(settings, f.name)) for f in dataclasses.fields(settings)
-                  if f.metadata["affects"] == "MESH"]
-    digest.update(repr((structural, f"{unit_scale:.4g}")).encode())
+    digest.update(repr((settings.structural(), f"{unit_scale:.4g}")).encode())
     return digest.hexdigest()
 
 
@@ -319,7 +324,7 @@ def _tidy_removed(wrinkled: set[str]) -> None:
     for obj in bpy.data.objects:
         if obj.type != "MESH" or obj.name_full in wrinkled or not versions.is_editable(obj):
             continue
-        if obj.rumple.method == "MESH":
+        if obj.rumple.method != "NONE":
             obj.rumple.method = "NONE"
             drop_internal_attributes(obj)
     drop_orphan_carriers()

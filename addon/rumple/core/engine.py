@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Prepare and evaluate: from arrays of a base mesh to the wrinkled mesh of a frame. Never imports bpy."""
+"""What the systems share: base meshes, pictures, and frames that do not depend on how one got there. Never imports bpy."""
 from __future__ import annotations
 
 import hashlib
@@ -12,13 +12,8 @@ import numpy as np
 
 from .. import native
 from .history import Entry, History
-from .settings import MeshSettings
 
 MOST_VERTICES = 4_000_000
-MOST_LEVEL = 5
-MOST_PLAYABLE = 60_000  # solved vertices that still play live on a few cores
-EDGES_PER_WAVELENGTH = 5.0  # measured on garments with bend stiffness of 0.7 and more
-FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the base's diagonal is refused
 
 
 class Refused(ValueError):
@@ -34,6 +29,7 @@ class BaseMesh:
     polygon_start: np.ndarray  # (p + 1,) int32
     corner_vertex: np.ndarray  # (c,) int32
     triangle_corner: np.ndarray  # (t, 3) int32, corner indices
+    uv: np.ndarray | None = None  # (c, 2) float32 of the UV map that renders use
 
     def surface(self, weld: bool) -> Any:
         """The checked native surface. Raises Refused."""
@@ -55,32 +51,26 @@ class BaseMesh:
         return float(np.linalg.norm(np.ptp(self.positions, axis=0))) if len(self.positions) else 0.0
 
 
-def level_for(base: BaseMesh, wavelength: float, unit_scale: float) -> int:
-    """Subdivisions after which the mean edge is nearest to wavelength / 5 (in powers of two), 0 to 5.
+@dataclass(frozen=True)
+class Attribute:
+    """A float or a vector for shaders and nodes, on the points or the corners of the shown mesh."""
 
-    wavelength: metres; unit_scale: metres per object unit.
-    """
-    edge = base.mean_edge() * unit_scale
-    if edge <= 0.0 or wavelength <= 0.0:
-        return 0
-    return min(max(round(math.log2(edge * EDGES_PER_WAVELENGTH / wavelength)), 0), MOST_LEVEL)
+    name: str
+    vector: bool = False
+    domain: str = "POINT"  # or CORNER
+    rest: float = 0.0  # before the first frame
+    unit: bool = False  # a direction: between two baked samples it is made a unit vector again
+    angle: bool = False  # radians: baked without jumps of whole turns
+
+    @property
+    def data_type(self) -> str:
+        """As Blender calls it."""
+        return "FLOAT_VECTOR" if self.vector else "FLOAT"
 
 
-def wavelength_of(base: BaseMesh, level: int, unit_scale: float) -> float:
-    """The fold width, in metres, that `level` subdivisions give: the inverse of level_for."""
-    return base.mean_edge() * unit_scale * EDGES_PER_WAVELENGTH / 2**level
-
-
-def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
-    """Fold width, in metres, that suits a mesh as it is: level 2, or less where that would be too heavy to play.
-
-    Two significant digits, so that the slider shows a round number. The default of a doll, a giant or a dense mesh.
-    """
-    level = 2
-    while level > 0 and len(base.corner_vertex) / 4 * 4**level > MOST_PLAYABLE:
-        level -= 1
-    wavelength = wavelength_of(base, level, unit_scale)
-    return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
+COMMON_ATTRIBUTES = (
+    Attribute("rumple_stretch_min", rest=1.0), Attribute("rumple_stretch_max", rest=1.0),
+    Attribute("rumple_stretch_direction", vector=True, unit=True), Attribute("rumple_offset", vector=True))
 
 
 @dataclass
@@ -89,74 +79,62 @@ class Picture:
 
     local_offset: np.ndarray  # (d, 3) from the linear embedding, in the frame of the deformed base triangle
     positions: np.ndarray  # (d, 3)
-    offset: np.ndarray  # (d, 3) from the attachment point
-    stretch_min: np.ndarray  # (d,)
-    stretch_max: np.ndarray  # (d,)
-    stretch_direction: np.ndarray  # (d, 3)
-    report: Any
+    attributes: dict[str, np.ndarray]  # by the names of the system's ATTRIBUTES: (d or corners,) or (..., 3)
+    report: Any = None
     milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
     replayed: bool = False
 
+    @classmethod
+    def of(cls, shown: Any, **own: np.ndarray) -> "Picture":
+        """From a native picture. own: what its system has beside the common attributes."""
+        return cls(shown.local_offset, shown.positions, dict(
+            rumple_stretch_min=shown.stretch_min, rumple_stretch_max=shown.stretch_max,
+            rumple_stretch_direction=shown.stretch_direction, rumple_offset=shown.offset, **own))
 
-class WrinkleMesh:
-    """A fine mesh bound to a base, and the frames that were solved for it."""
+    @classmethod
+    def at_rest(cls, positions: np.ndarray, corners: int, attributes: tuple[Attribute, ...]) -> "Picture":
+        """What is shown before the first frame."""
+        return cls(np.zeros_like(positions), positions,
+                   {a.name: np.full((len(positions) if a.domain == "POINT" else corners, *([3] if a.vector else [])),
+                                    a.rest, np.float32) for a in attributes})
 
-    def __init__(self, base: BaseMesh, model: Any, warnings: list[str], edge_mean: float, level: int) -> None:
+    @property
+    def offset(self) -> np.ndarray:
+        """(d, 3) from the unwrinkled surface."""
+        return self.attributes["rumple_offset"]
+
+    def shows_the_same(self, other: "Picture") -> bool:
+        """Whether a carrier would hold the same bits."""
+        return (np.array_equal(self.local_offset, other.local_offset)
+                and self.attributes.keys() == other.attributes.keys()
+                and all(np.array_equal(values, other.attributes[name]) for name, values in self.attributes.items()))
+
+
+class Wrinkles:
+    """A shown mesh bound to a base, and the frames that were solved for it.
+
+    A system adds build() and the steps at the end of this class.
+    """
+
+    ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
+
+    def __init__(self, base: BaseMesh, source: BaseMesh, model: Any, warnings: list[str], unit_scale: float) -> None:
+        """source: what the shown mesh inherits from: the base, or an artist's own mesh."""
         self.name = base.name
         self.base = base
         self.model = model
         self.warnings = warnings
-        self.edge_mean = edge_mean
-        self.level = level
+        self.unit_scale = unit_scale  # metres per object unit
         self.history = History()
         self._painted = self._chosen = b""  # digests of the paint and the settings of the last solve ...
         self._frame = math.nan  # ... and its frame
-        self._source_vertices = 0
-        self._source_corners = 0
+        self._source_vertices, self._source_corners = len(source.positions), len(source.corner_vertex)
         self._paint: Any = None
-
-    @classmethod
-    def build(cls, base: BaseMesh, settings: MeshSettings, *, unit_scale: float = 1.0, own: BaseMesh | None = None,
-              attached: np.ndarray | None = None) -> "WrinkleMesh":
-        """Make the fine mesh and bind it.
-
-        unit_scale: metres per object unit. own: the artist's mesh at rest, in the base's object space.
-        attached: (n,) bool per vertex of own. Raises Refused.
-        """
-        if not math.isfinite(unit_scale) or unit_scale <= 0.0:
-            raise Refused(f"{base.name}: its scale is zero, so lengths in metres have no meaning")
-        if settings.source == "OBJECT" and own is None:
-            raise Refused(f"{base.name}: choose your own fine mesh first")
-        surface = base.surface(settings.weld)
-        own_surface = own.surface(False) if own is not None and settings.source == "OBJECT" else None
-        level = settings.level if settings.density == "LEVEL" else level_for(base, settings.wavelength, unit_scale)
-        try:
-            model = native.load().build_wrinkle_mesh(
-                surface, source=settings.source, level=level, segments=settings.segments,
-                longest_edge=settings.edge_length / unit_scale, most_vertices=MOST_VERTICES, own=own_surface,
-                attached=None if attached is None else np.ascontiguousarray(attached, np.uint8),
-                farthest=FARTHEST_OWN * base.diagonal(), attachment=settings.attachment,
-                display_steps=settings.display_steps)
-        except ValueError as error:
-            raise Refused(f"{base.name}: {error}") from error
-        warnings = [f"{base.name}: {w}" for w in surface.warnings]
-        if own_surface is not None:
-            warnings += [f"{own.name}: {w}" for w in own_surface.warnings]
-            if attached is not None and not attached.all():
-                warnings.append(f"{own.name}: {int((~attached.astype(bool)).sum())} vertices are not attached")
-        mesh = cls(base, model, warnings, float(model.local_edge.mean()) * unit_scale, level)
-        source = own if own_surface is not None else base
-        mesh._source_vertices, mesh._source_corners = len(source.positions), len(source.corner_vertex)
-        return mesh
 
     # --- the shown mesh, for whoever makes the carrier
     @property
     def vertex_count(self) -> int:
         return self.model.shown.vertex_count
-
-    @property
-    def solve_vertex_count(self) -> int:
-        return self.model.solved_vertex_count
 
     @property
     def polygon_start(self) -> np.ndarray:
@@ -202,12 +180,11 @@ class WrinkleMesh:
         return self.model.shown.carry_corners(np.ascontiguousarray(values, np.float32), self._source_corners)
 
     # --- frames
-    def solve_frame(self, frame: float, positions: np.ndarray, settings: MeshSettings,
-                    paint: dict[str, np.ndarray], *, start: int, world_from_object: np.ndarray | None = None
-                    ) -> Picture:
+    def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
+                    start: int, world_from_object: np.ndarray | None = None) -> Picture:
         """The picture of a frame: replayed when it is stored for the same input, else solved and stored.
 
-        positions: (n, 3) float32, deformed base, object space. paint: factors 0..1 per base vertex.
+        positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
         start: first frame of the clip; it needs no frame before it. Raises Refused.
         """
         try:
@@ -215,12 +192,10 @@ class WrinkleMesh:
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
 
-    def _solve_frame(self, frame: float, positions: np.ndarray, settings: MeshSettings, paint: dict[str, np.ndarray],
+    def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None) -> Picture:
-        kernels = native.load()
         chosen = self._take_inputs(frame, settings, paint, start)
-        options = native_settings(settings)
-        world = settings.offset_space == "WORLD" and world_from_object is not None
+        world = self._reads_world(settings) and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
         digest = _digest(chosen, positions, matrix)
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
@@ -229,29 +204,22 @@ class WrinkleMesh:
         began = time.perf_counter()
         replayed = entry is not None and entry.inputs == digest and (entry.final or not final)
         if not replayed:
-            state, report = kernels.solve_wrinkle_mesh(self.model, options, self._paint, positions,
-                                                      _state_for(before, chosen), matrix)
+            state = before.state if before is not None else None
+            state, report = self._solve(settings, positions, state, before is not None and before.chosen == chosen,
+                                        matrix)
             entry = Entry(state, digest, chosen, final, report)
             self.history.put(frame, entry)
         solved = time.perf_counter()
-        shown = kernels.show_wrinkle_mesh(self.model, options, positions, entry.state, matrix)
-        times = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
-        return Picture(shown.local_offset, shown.positions, shown.offset, shown.stretch_min, shown.stretch_max,
-                       shown.stretch_direction, entry.report, times, replayed)
-
-    def measure_frame(self, frame: float, positions: np.ndarray, settings: MeshSettings) -> Any:
-        """Edge errors, areas and violations of a stored frame; None when it is not stored."""
-        entry = self.history.get(frame)
-        if entry is None or self._paint is None:
-            return None
-        return native.load().measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                                    entry.state)
+        picture = self._show(settings, positions, entry.state, matrix)
+        picture.report, picture.replayed = entry.report, replayed
+        picture.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
+        return picture
 
     def _frame_before(self, frame: float) -> Entry | None:
         """The stored whole frame that a frame goes on from: the one before it, or the one a subframe is in."""
         return self.history.get(float(math.ceil(frame) - 1))
 
-    def _take_inputs(self, frame: float, settings: MeshSettings, paint: dict[str, np.ndarray], start: int) -> bytes:
+    def _take_inputs(self, frame: float, settings: Any, paint: dict[str, np.ndarray], start: int) -> bytes:
         """A digest of the settings. Forgets stored frames when the artist changed them, or the paint.
 
         Settings that differ at another frame are animated: then every frame has its own, and stays stored.
@@ -263,27 +231,50 @@ class WrinkleMesh:
         chosen = hashlib.blake2b(repr((settings, start)).encode(), digest_size=16).digest()
         repainted = self._paint is None or painted.digest() != self._painted
         if repainted:
-            self._paint = native.load().WrinkleMeshPaint(self.model, paint)
+            self._paint = self._take_paint(paint)
         if repainted or (chosen != self._chosen and frame == self._frame):
             self.history.clear()
         self._painted, self._chosen, self._frame = painted.digest(), chosen, frame
         return chosen
 
+    # --- what a system says
+    @staticmethod
+    def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
+        """Fold width, in metres, that suits a mesh as it is; unit_scale: metres per object unit."""
+        raise NotImplementedError
 
-def native_settings(settings: MeshSettings) -> Any:
-    """The native solver's settings: the fields of the same name."""
-    options = native.load().WrinkleMeshSettings()
-    for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "compression_limit",
-                 "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge", "seed"):
-        setattr(options, name, getattr(settings, name))
-    return options
+    @classmethod
+    def build(cls, base: BaseMesh, settings: Any, *, unit_scale: float = 1.0) -> "Wrinkles":
+        """Make the shown mesh and bind it. unit_scale: metres per object unit. Raises Refused."""
+        raise NotImplementedError
+
+    def status(self, picture: Picture) -> list[str]:
+        """How the solve of a picture went, in lines for the artist."""
+        raise NotImplementedError
+
+    def _reads_world(self, settings: Any) -> bool:
+        """Whether the solve depends on where the object stands in the world."""
+        return False
+
+    def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
+        """The native paint."""
+        raise NotImplementedError
+
+    def _solve(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
+               world_from_object: np.ndarray | None) -> tuple[Any, Any]:
+        """(state, report) from the state of the frame before; same_settings: it was solved with these."""
+        raise NotImplementedError
+
+    def _show(self, settings: Any, positions: np.ndarray, state: Any, world_from_object: np.ndarray | None) -> Picture:
+        raise NotImplementedError
 
 
-def _state_for(before: Entry | None, chosen: bytes) -> Any:
-    """The state to go on from. Under other settings nothing of it may be held."""
-    if before is None:
-        return None
-    return before.state if before.chosen == chosen else before.state.woken()
+def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[Any, list[str]]:
+    """The native surface of a base and its warnings. unit_scale: metres per object unit. Raises Refused."""
+    if not math.isfinite(unit_scale) or unit_scale <= 0.0:
+        raise Refused(f"{base.name}: its scale is zero, so lengths in metres have no meaning")
+    surface = base.surface(weld)
+    return surface, [f"{base.name}: {warning}" for warning in surface.warnings]
 
 
 def _digest(chosen: bytes, positions: np.ndarray, matrix: np.ndarray | None) -> bytes:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Everything an artist can set for a Wrinkle Mesh: default, range, unit and tooltip, once.
+"""Everything an artist can set: default, range, unit and tooltip, once.
 
-The Blender properties are made from these fields (blender/properties.py) and the native settings
-are filled from them (core/engine.py), so a setting is written in one place.
+The Blender properties are made from these fields (blender/properties.py) and the native settings are
+filled from them (core/wrinkle_mesh.py and its sisters), so a setting is written in one place.
 """
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def setting(default: Any, name: str, tip: str, *, low: float | None = None, high
             soft: float | None = None, unit: str = "NONE", choices: tuple = (), affects: str = "SOLVE") -> Any:
     """A dataclass field that knows its name, tooltip, range and Blender unit.
 
-    affects: what must be made anew when it changes. MESH: the fine mesh; SOLVE: the stored frames;
-    SHOW: nothing but the picture of the current frame.
+    affects: what must be made anew when it changes. MESH: the shown mesh; SOLVE: the stored frames;
+    PAINT: what is read from the coarse mesh.
     """
     return field(default=default, metadata=dict(name=name, tip=tip, low=low, high=high, soft=soft, unit=unit,
                                                 choices=choices, affects=affects))
@@ -110,9 +110,73 @@ class MeshSettings:
                            low=0.0, high=1.0)
     seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
 
-    def differing(self, other: "MeshSettings") -> set[str]:
-        """What must be made anew to go from other to self: a subset of {MESH, SOLVE, SHOW}."""
-        return {f.metadata["affects"] for f in fields(self) if getattr(self, f.name) != getattr(other, f.name)}
+    def structural(self) -> dict[str, Any]:
+        """The settings that the shown mesh is made from."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
+
+
+OUTPUTS = (
+    ("SHADING", "Shading", "The mesh keeps its triangles: the waves are drawn per pixel by its materials"),
+    ("GEOMETRY", "Geometry", "A fine mesh is displaced by the waves: silhouettes, shadows and export"),
+)
+FIELD_SOURCES = (SOURCES[0], SOURCES[2])
+PROFILES = (
+    ("SINE", "Sine", "Round crests and round valleys"),
+    ("ACCORDION", "Accordion Pleats", "Straight flanks and sharp edges"),
+    ("PENCIL_PLEATS", "Pencil Pleats", "Round crests and sharp valleys"),
+    ("CURVE", "Curve", "Half a wave that you draw, from crest to valley"),
+)
+STARTS = (
+    ("ALIGNED", "Aligned", "The first waves agree over the whole mesh before they are relaxed"),
+    ("RANDOM", "Random", "The first waves are relaxed from random phases, as in the paper: more forks"),
+)
+
+
+@dataclass
+class FieldSettings:
+    """Settings of one Wrinkle Field. Lengths are metres in world scale unless the unit says otherwise."""
+
+    output: str = setting("SHADING", "Output", "What shows the waves", choices=OUTPUTS, affects="MESH")
+    # The waves (sections 4 and 5 of the paper)
+    wavelength: float = setting(0.05, "Wavelength", "Distance from fold to fold in the unwrinkled cloth. Folds grow in "
+                                "height with it", low=0.0001, high=10.0, unit="LENGTH")
+    strength: float = setting(1.0, "Strength", "Height of the folds over the height that keeps the length of the cloth",
+                              low=0.0, high=10.0, soft=2.0)
+    profile: str = setting("SINE", "Profile", "The shape of a fold", choices=PROFILES)
+    irregularity: float = setting(0.0, "Irregularity", "0 is tidy cloth, 1 is disturbed like skin: direction and width "
+                                  "of the folds wander", low=0.0, high=1.0, unit="FACTOR")
+    rate: float = setting(0.5, "Relaxation Rate", "How far a round brings the waves together. Less floats more smoothly",
+                          low=0.0, high=0.99, unit="FACTOR")
+    rounds: int = setting(1, "Rounds", "Of relaxation for each frame. More agree sooner, and crawl more", low=0, high=100)
+    start: str = setting("ALIGNED", "Start", "The waves of the first frame, and after a jump", choices=STARTS)
+    start_rounds: int = setting(200, "Rounds At Start", "Of relaxation where there is no frame before to go on from",
+                                low=0, high=2000)
+    seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
+    stateless: bool = setting(False, "Independent Frames", "Every frame starts anew: repeats exactly on any machine and "
+                              "in any order, but folds jump")
+    # What is painted
+    mask: str = setting("Rumple Mask", "Mask", "Vertex group or float attribute: how high folds may be, from 0 to 1",
+                        affects="PAINT")
+    wavelength_scale: str = setting("Rumple Wavelength", "Wavelength Scale", "Vertex group or float attribute that "
+                                    "scales the wavelength", affects="PAINT")
+    # The shown mesh
+    source: str = setting("SUBDIVISION", "Fine Mesh", "How the fine mesh is made", choices=FIELD_SOURCES,
+                          affects="MESH")
+    detail: int = setting(8, "Points per Fold", "Points of the fine mesh from fold to fold", low=2, high=32,
+                          affects="MESH")
+    attachment: str = setting("LIMIT", "Attach To", "The surface that folds ride on", choices=ATTACHMENTS,
+                              affects="MESH")
+    weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that waves run on "
+                         "over the seams of a game mesh", affects="MESH")
+    rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=REST_SHAPES,
+                              affects="MESH")
+
+    def structural(self) -> dict[str, Any]:
+        """The settings that the shown mesh is made from: in shading it is the coarse mesh itself."""
+        names = ["output", "weld", "rest_shape"]
+        if self.output == "GEOMETRY":
+            names += ["wavelength", "source", "detail", "attachment"]
+        return {name: getattr(self, name) for name in names}
 
 
 PAPER = dict(attachment="PN", radius=0.45, bending=0.0, inside=0.0, stretch_relief=0.0,

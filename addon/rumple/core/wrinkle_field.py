@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Wrinkle Field for whoever has arrays: prepare and evaluate. Never imports bpy."""
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .. import native
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Picture, Refused, Wrinkles, checked_surface
+from .settings import FieldSettings
+
+# What the shader node group reads (../blender/field_nodes.py).
+PHASE, WEIGHT = "rumple_wave_phase", "rumple_wave_weight"
+VECTORS = ("rumple_wave_vector_0", "rumple_wave_vector_1", "rumple_wave_vector_2")
+U_GRADIENT, V_GRADIENT = "rumple_u_gradient", "rumple_v_gradient"
+
+MOST_LEVEL = 5
+
+
+def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
+    """Distance from fold to fold, in metres, that suits a mesh as it is; two significant digits.
+
+    Two edges of the mesh: the direction of the waves is known at its vertices only, and finer waves would show
+    how it changes between them.
+    """
+    edge = base.mean_edge() * unit_scale
+    return float(f"{2.0 * edge:.2g}") if edge > 0.0 else FieldSettings.wavelength
+
+
+class WrinkleField(Wrinkles):
+    """Waves on the base: in the shading of its own triangles, or as the shape of a fine mesh."""
+
+    ATTRIBUTES = COMMON_ATTRIBUTES + (
+        Attribute("rumple_amplitude"), Attribute("rumple_phase", angle=True),
+        Attribute("rumple_direction", vector=True, unit=True),
+        Attribute(PHASE, True, "CORNER", angle=True), Attribute(WEIGHT, True, "CORNER"),
+        *(Attribute(name, True, "CORNER") for name in VECTORS),
+        Attribute(U_GRADIENT, True, "CORNER"), Attribute(V_GRADIENT, True, "CORNER"))
+
+    fitting_wavelength = staticmethod(fitting_wavelength)
+
+    @classmethod
+    def build(cls, base: BaseMesh, settings: FieldSettings, *, unit_scale: float = 1.0) -> "WrinkleField":
+        """Bind the waves to the base. unit_scale: metres per object unit. Raises Refused."""
+        surface, warnings = checked_surface(base, settings.weld, unit_scale)
+        longest = settings.wavelength / settings.detail
+        finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
+        try:
+            model = native.load().build_wrinkle_field(
+                surface, output=settings.output, uv=base.uv if settings.output == "SHADING" else None,
+                source=settings.source, level=min(math.ceil(finer), MOST_LEVEL), longest_edge=longest / unit_scale,
+                most_vertices=MOST_VERTICES, attachment=settings.attachment)
+        except ValueError as error:
+            raise Refused(f"{base.name}: {error}") from error
+        return cls(base, base, model, warnings, unit_scale)
+
+    def status(self, picture: Picture) -> list[str]:
+        report = picture.report
+        lines = [f"{report.wrinkled} of {self.model.vertex_count} vertices wrinkle",
+                 f"Phases are off by {360.0 * report.misfit_after:.0f} degrees on average"]
+        if report.collapsed:
+            lines.append(f"{report.collapsed} vertices have no surface around them in this pose")
+        return lines
+
+    def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
+        return native.load().WrinkleFieldPaint(
+            {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != "profile"})
+
+    def _solve(self, settings: FieldSettings, positions: np.ndarray, before: Any, same_settings: bool,
+               world_from_object: np.ndarray | None) -> tuple[Any, Any]:
+        return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
+                                                 before)
+
+    def _show(self, settings: FieldSettings, positions: np.ndarray, state: Any,
+              world_from_object: np.ndarray | None) -> Picture:
+        shown = native.load().show_wrinkle_field(self.model, self._native_settings(settings),
+                                                 native.load().WrinkleFieldProfile(settings.profile), self._paint,
+                                                 positions, state)
+        own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
+        nothing = np.zeros((len(self.corner_vertex), 3), np.float32)
+        corners = {PHASE: shown.corner_phase, WEIGHT: shown.corner_weight,
+                   **dict(zip(VECTORS, shown.corner_wave_vector)),
+                   U_GRADIENT: shown.corner_u_gradient, V_GRADIENT: shown.corner_v_gradient}
+        # Displaced in shape, or without a UV map: nothing left for the shader to do.
+        own.update({name: values if len(values) else nothing for name, values in corners.items()})
+        return Picture.of(shown, **own)
+
+    def _native_settings(self, settings: FieldSettings) -> Any:
+        options = native.load().WrinkleFieldSettings()
+        for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed"):
+            setattr(options, name, getattr(settings, name))
+        options.aligned_start = settings.start == "ALIGNED"
+        options.wavelength = settings.wavelength / self.unit_scale
+        return options
