@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons: add, remove, apply, preset, capture the rest shape, paint, forget stored frames.
+"""The buttons: add, remove, apply, preset, shade, capture the rest shape, paint, forget stored frames.
 
 bpy.ops.object.rumple_add(method="MESH"), rumple_remove(), rumple_apply(), rumple_preset(preset="DENIM"),
-rumple_capture_rest(), rumple_paint(group="radius"), rumple_clear_frames().
+rumple_shade(), rumple_unshade(), rumple_capture_rest(), rumple_paint(group="radius"), rumple_clear_frames().
 """
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import bpy
 from .. import native
 from ..core.settings import PRESETS
 from ..core.systems import SYSTEMS
-from . import mesh_io, modifier, node_tree, properties, registry, structure, versions
+from . import field_nodes, mesh_io, modifier, node_tree, properties, registry, structure, versions
 
 _KEPT_BY_PRESETS = ("source", "density", "wavelength", "level", "segments", "edge_length", "weld", "rest_shape",
                     "iterations", "start_iterations", "stateless", "offset_space", "seed")
@@ -56,6 +56,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     method: bpy.props.EnumProperty(name="Method", items=properties.METHODS[1:], default="MESH", options={"SKIP_SAVE"})
+    shade: bpy.props.BoolProperty(name="Add to Materials", default=True, options={"SKIP_SAVE"},
+                                  description="Wrinkle Field: let the materials of the object draw the waves")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -77,11 +79,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             ours = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
         context.scene.render.use_lock_interface = True
+        if self.method == "FIELD" and self.shade:
+            field_nodes.shade_object(obj)
         structure.prepare(obj, ours)
         if modifier.carrier(ours) is None:
             self.report({"ERROR"}, registry.message(obj) or f"{obj.name}: nothing to wrinkle")
-            modifier.remove(obj)
-            obj.rumple.method = "NONE"
+            remove_all(obj)
             return {"CANCELLED"}
         self._report(obj, ours)
         return {"FINISHED"}
@@ -110,6 +113,47 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         self.report({"INFO"}, f"{fine.vertex_count} vertices over {len(obj.data.vertices)}")
 
 
+class _OnWaves(OnWrinkled):
+    """Operators for the materials of an object with a Wrinkle Field."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not super().poll(context):
+            return False
+        waves = context.object.rumple.method == "FIELD"
+        if not waves:
+            cls.poll_message_set("Only the Wrinkle Field is drawn by materials")
+        return waves
+
+
+class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
+    """Let the materials of the object draw the waves, by a node group in front of their normals and textures"""
+
+    bl_idname = "object.rumple_shade"
+    bl_label = "Add to Materials"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        count = field_nodes.shade_object(context.object)
+        registry.runtime(context.object).stale = True  # a new slot is carried
+        structure.settle_all()
+        if count == 0:
+            self.report({"ERROR"}, f"{context.object.name}: its materials are linked from another file")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{count} material(s) show the waves")
+        return {"FINISHED"}
+
+
+class OBJECT_OT_rumple_unshade(_OnWaves, bpy.types.Operator):
+    """Take the waves out of the materials of the object again"""
+
+    bl_idname = "object.rumple_unshade"
+    bl_label = "Remove from Materials"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        field_nodes.unshade_object(context.object, [])
+        return {"FINISHED"}
+
+
 class OBJECT_OT_rumple_remove(OnWrinkled, bpy.types.Operator):
     """Take the wrinkles away and everything that was made for them"""
 
@@ -125,8 +169,7 @@ def remove_all(obj: bpy.types.Object) -> None:
     """Modifier, carrier, node group (when the last), attributes and stored frames; the settings stay."""
     with registry.LOCK:
         modifier.remove(obj)
-        obj.rumple.method = "NONE"
-        structure.drop_internal_attributes(obj)
+        structure.drop_traces(obj)
         structure.drop_orphan_carriers()
         registry.forget(obj)
 
@@ -269,7 +312,8 @@ class OBJECT_OT_rumple_clear_frames(OnWrinkled, bpy.types.Operator):
 
 
 CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_apply, OBJECT_OT_rumple_preset,
-           OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_paint, OBJECT_OT_rumple_clear_frames)
+           OBJECT_OT_rumple_shade, OBJECT_OT_rumple_unshade, OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_paint,
+           OBJECT_OT_rumple_clear_frames)
 
 
 def register() -> None:

@@ -107,7 +107,9 @@ class DATA_PT_rumple_waves(_Panel, bpy.types.Panel):
         settings = obj.rumple.field
         column.prop(settings, "output")
         if settings.output == "SHADING":
-            column.operator("object.rumple_shade", icon="MATERIAL")
+            row = column.row(align=True)
+            row.operator("object.rumple_shade", icon="MATERIAL")
+            row.operator("object.rumple_unshade", text="", icon="X")
         else:
             for name in ("source", "detail", "attachment"):
                 column.prop(settings, name)
@@ -293,7 +295,8 @@ def _add_buttons(layout: bpy.types.UILayout) -> None:
 
 
 CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
-           DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames, DATA_PT_rumple_bake, DATA_PT_rumple_status)
+           DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
+           DATA_PT_rumple_bake, DATA_PT_rumple_status)
 
 
 def register() -> None:

@@ -19,7 +19,7 @@ from .. import native
 from ..core import engine
 from ..core.settings import FieldSettings
 from . import carrier as carriers
-from . import mesh_io, modifier, node_tree, properties, registry, versions
+from . import field_nodes, mesh_io, modifier, node_tree, properties, registry, versions
 from .registry import LOCK, Runtime
 
 CARRIER_KEY = "rumple_carrier"  # custom property on carriers and players: tells leftovers from the artist's objects
@@ -173,6 +173,9 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
         entry.bake_note = bake_state.check(obj, modifier.carrier(ours))
         return False  # the clip counts on the carrier as it is
     entry.bake_note = ""
+    if method == "FIELD":
+        for material in field_nodes.materials_of(obj):
+            field_nodes.set_profile(material, obj.rumple.field.profile)
     ensure_fine(obj, entry)
     source = source_of(obj)
     held = modifier.carrier(ours)
@@ -325,8 +328,7 @@ def _tidy_removed(wrinkled: set[str]) -> None:
         if obj.type != "MESH" or obj.name_full in wrinkled or not versions.is_editable(obj):
             continue
         if obj.rumple.method != "NONE":
-            obj.rumple.method = "NONE"
-            drop_internal_attributes(obj)
+            drop_traces(obj)
     drop_orphan_carriers()
 
 
@@ -339,6 +341,14 @@ def drop_orphan_carriers() -> None:
     for candidate, users in bpy.data.user_map(subset=candidates).items():
         if not users:
             modifier.delete_hidden(candidate)
+
+
+def drop_traces(obj: bpy.types.Object) -> None:
+    """What the wrinkles of an object leave behind when their modifier has gone. Settings and paint stay."""
+    if obj.rumple.method == "FIELD":
+        field_nodes.unshade_object(obj, [o for o, _ in modifier.wrinkled_objects() if o.rumple.method == "FIELD"])
+    obj.rumple.method = "NONE"
+    drop_internal_attributes(obj)
 
 
 def drop_internal_attributes(obj: bpy.types.Object) -> None:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the systems share: base meshes, pictures, and frames that do not depend on how one got there. Never imports bpy."""
+"""What the systems share: base meshes, pictures, and frames that do not depend on how one got there.
+
+Never imports bpy.
+"""
 from __future__ import annotations
 
 import hashlib

@@ -124,7 +124,6 @@ PROFILES = (
     ("SINE", "Sine", "Round crests and round valleys"),
     ("ACCORDION", "Accordion Pleats", "Straight flanks and sharp edges"),
     ("PENCIL_PLEATS", "Pencil Pleats", "Round crests and sharp valleys"),
-    ("CURVE", "Curve", "Half a wave that you draw, from crest to valley"),
 )
 STARTS = (
     ("ALIGNED", "Aligned", "The first waves agree over the whole mesh before they are relaxed"),
@@ -142,18 +141,20 @@ class FieldSettings:
                                 "height with it", low=0.0001, high=10.0, unit="LENGTH")
     strength: float = setting(1.0, "Strength", "Height of the folds over the height that keeps the length of the cloth",
                               low=0.0, high=10.0, soft=2.0)
-    profile: str = setting("SINE", "Profile", "The shape of a fold", choices=PROFILES)
+    profile: str = setting("SINE", "Profile", "The shape of a fold", choices=PROFILES,
+                           affects="MESH")
     irregularity: float = setting(0.0, "Irregularity", "0 is tidy cloth, 1 is disturbed like skin: direction and width "
                                   "of the folds wander", low=0.0, high=1.0, unit="FACTOR")
-    rate: float = setting(0.5, "Relaxation Rate", "How far a round brings the waves together. Less floats more smoothly",
-                          low=0.0, high=0.99, unit="FACTOR")
-    rounds: int = setting(1, "Rounds", "Of relaxation for each frame. More agree sooner, and crawl more", low=0, high=100)
+    rate: float = setting(0.5, "Relaxation Rate", "How far a round brings the waves together. Less floats more "
+                          "smoothly", low=0.0, high=0.99, unit="FACTOR")
+    rounds: int = setting(1, "Rounds", "Of relaxation for each frame. More agree sooner, and crawl more", low=0,
+                          high=100)
     start: str = setting("ALIGNED", "Start", "The waves of the first frame, and after a jump", choices=STARTS)
     start_rounds: int = setting(200, "Rounds At Start", "Of relaxation where there is no frame before to go on from",
                                 low=0, high=2000)
     seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
-    stateless: bool = setting(False, "Independent Frames", "Every frame starts anew: repeats exactly on any machine and "
-                              "in any order, but folds jump")
+    stateless: bool = setting(False, "Independent Frames", "Every frame starts anew: repeats exactly on any machine "
+                              "and in any order, but folds jump")
     # What is painted
     mask: str = setting("Rumple Mask", "Mask", "Vertex group or float attribute: how high folds may be, from 0 to 1",
                         affects="PAINT")
@@ -166,8 +167,8 @@ class FieldSettings:
                           affects="MESH")
     attachment: str = setting("LIMIT", "Attach To", "The surface that folds ride on", choices=ATTACHMENTS,
                               affects="MESH")
-    weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that waves run on "
-                         "over the seams of a game mesh", affects="MESH")
+    weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that waves run "
+                         "on over the seams of a game mesh", affects="MESH")
     rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=REST_SHAPES,
                               affects="MESH")
 

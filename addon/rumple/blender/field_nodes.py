@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shader node group "Rumple Field": the waves of the Wrinkle Field for every pixel, in Cycles and EEVEE.
+
+Source: Loviscach 2006, equation numbers are the paper's. It reads what core/wrinkle_field.py puts on the corners of
+every triangle; where those attributes are missing the waves have no height, so other objects may share the material.
+
+    Height  equation (5), in the object's units
+    Normal  equations (7) and (8), without the gradient of the barycentric coordinates: it would draw the triangles
+    UV      the object's UV map moved by the parallax of equations (10) and (11)
+
+Input "Normal": what other nodes made of the normal, or nothing. "Parallax": how much of (10) is used.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from .. import native
+from ..core import wrinkle_field
+from . import versions
+
+NAME = "Rumple Field"
+VERSION = 1  # raise it when the nodes change: groups in older files are then rebuilt in place
+VERSION_KEY, PROFILE_KEY = "rumple_field_version", "rumple_field_profile"
+TWO_PI = 2.0 * np.pi
+HORIZON = 0.1  # of equation (10): how softly the parallax ends where one looks along the surface
+
+_INPUTS = (("Normal", "NodeSocketVector"), ("Parallax", "NodeSocketFloat"))
+_OUTPUTS = (("Height", "NodeSocketFloat"), ("Normal", "NodeSocketVector"), ("UV", "NodeSocketVector"))
+
+
+def is_ours(group: bpy.types.NodeTree | None) -> bool:
+    return group is not None and PROFILE_KEY in group
+
+
+def ensure(profile: str) -> bpy.types.NodeTree:
+    """The node group of this file for a profile, made or upgraded where needed."""
+    for group in bpy.data.node_groups:
+        if is_ours(group) and group[PROFILE_KEY] == profile and versions.is_editable(group):
+            break
+    else:
+        group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
+        group[PROFILE_KEY], group[VERSION_KEY] = profile, 0
+    if group[VERSION_KEY] != VERSION:
+        _rebuild(group)
+        group[VERSION_KEY] = VERSION
+    return group
+
+
+def _rebuild(group: bpy.types.NodeTree) -> None:
+    group.nodes.clear()
+    for direction, sockets in (("INPUT", _INPUTS), ("OUTPUT", _OUTPUTS)):
+        present = versions.group_sockets(group, direction)
+        for name, socket_type in sockets:
+            if name not in present:
+                versions.new_group_socket(group, name, direction, socket_type)
+    profile = native.load().WrinkleFieldProfile(group[PROFILE_KEY])
+    _Builder(group).build(profile.height, profile.slope)
+
+
+@dataclass
+class _Builder:
+    """Adds nodes from left to right; every method returns the output socket of what it added."""
+
+    group: bpy.types.NodeTree
+    column: int = 0
+
+    def node(self, kind: str, **properties: object) -> bpy.types.Node:
+        node = self.group.nodes.new(kind)
+        for name, value in properties.items():
+            setattr(node, name, value)
+        node.location = (200.0 * (self.column // 6), -180.0 * (self.column % 6))
+        self.column += 1
+        return node
+
+    def feed(self, target: bpy.types.NodeSocket, value: object) -> None:
+        if isinstance(value, bpy.types.NodeSocket):
+            self.group.links.new(value, target)
+        else:
+            target.default_value = value
+
+    def attribute(self, name: str) -> bpy.types.NodeSocket:
+        return self.node("ShaderNodeAttribute", attribute_name=name).outputs["Vector"]
+
+    def vector(self, operation: str, *operands: object) -> bpy.types.NodeSocket:
+        """Operands: sockets or three numbers; the second of SCALE is a number."""
+        node = self.node("ShaderNodeVectorMath", operation=operation)
+        targets = [node.inputs[0], node.inputs["Scale"]] if operation == "SCALE" else node.inputs
+        for target, operand in zip(targets, operands):
+            self.feed(target, operand)
+        return node.outputs["Value" if operation in ("DOT_PRODUCT", "LENGTH") else "Vector"]
+
+    def math(self, operation: str, *operands: object) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeMath", operation=operation)
+        for target, operand in zip(node.inputs, operands):
+            self.feed(target, operand)
+        return node.outputs[0]
+
+    def components(self, vector: bpy.types.NodeSocket) -> list[bpy.types.NodeSocket]:
+        node = self.node("ShaderNodeSeparateXYZ")
+        self.feed(node.inputs[0], vector)
+        return list(node.outputs)
+
+    def transform(self, vector: bpy.types.NodeSocket, kind: str, into: str) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeVectorTransform", vector_type=kind, convert_to=into,
+                         convert_from="WORLD" if into == "OBJECT" else "OBJECT")
+        self.feed(node.inputs[0], vector)
+        return node.outputs[0]
+
+    def table(self, places: bpy.types.NodeSocket, values: np.ndarray) -> bpy.types.NodeSocket:
+        """Three places in a table over 0..1, linear between its entries."""
+        node = self.node("ShaderNodeVectorCurve")
+        node.mapping.use_clip = False
+        for curve in node.mapping.curves[:3]:
+            for _ in range(len(values) - len(curve.points)):
+                curve.points.new(0.5, 0.0)
+            for point, x, y in zip(curve.points, np.linspace(0.0, 1.0, len(values)), values):
+                point.location, point.handle_type = (float(x), float(y)), "VECTOR"
+        node.mapping.update()
+        self.feed(node.inputs["Vector"], places)
+        return node.outputs[0]
+
+    def object_normal(self, given: bpy.types.NodeSocket, geometry: bpy.types.Node) -> bpy.types.NodeSocket:
+        """The normal that comes in, else that of the surface; object space, unit."""
+        none = self.math("LESS_THAN", self.vector("LENGTH", given), 1e-6)
+        world = self.vector("ADD", given, self.vector("SCALE", geometry.outputs["Normal"], none))
+        return self.vector("NORMALIZE", self.transform(world, "NORMAL", "OBJECT"))
+
+    def gradient(self, slopes: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Equation (8). slopes: h df/dphi of the three waves, weighted."""
+        total = None
+        for name, slope in zip(wrinkle_field.VECTORS, self.components(slopes)):
+            term = self.vector("SCALE", self.attribute(name), slope)
+            total = term if total is None else self.vector("ADD", total, term)
+        return total
+
+    def parallax(self, normal: bpy.types.NodeSocket, height: bpy.types.NodeSocket, geometry: bpy.types.Node,
+                 share: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Equations (10) and (11): the way in the texture."""
+        viewer = self.vector("NORMALIZE", self.transform(geometry.outputs["Incoming"], "VECTOR", "OBJECT"))
+        facing = self.vector("DOT_PRODUCT", viewer, normal)
+        along = self.vector("SUBTRACT", viewer, self.vector("SCALE", normal, facing))
+        softened = self.math("DIVIDE", facing, self.math("MULTIPLY_ADD", facing, facing, HORIZON))
+        shift = self.vector("SCALE", along, self.math("MULTIPLY", self.math("MULTIPLY", softened, height), share))
+        node = self.node("ShaderNodeCombineXYZ")
+        for axis, name in enumerate((wrinkle_field.U_GRADIENT, wrinkle_field.V_GRADIENT)):
+            self.feed(node.inputs[axis], self.vector("DOT_PRODUCT", self.attribute(name), shift))
+        return node.outputs[0]
+
+    def build(self, height_table: np.ndarray, slope_table: np.ndarray) -> None:
+        inputs, geometry = self.node("NodeGroupInput").outputs, self.node("ShaderNodeNewGeometry")
+        weights = self.attribute(wrinkle_field.WEIGHT)
+        # Where the three phases lie in the table of half a period: profile_place() of shaders/shared.
+        turns = self.vector("FRACTION", self.vector("MULTIPLY_ADD", self.attribute(wrinkle_field.PHASE),
+                                                    (1.0 / TWO_PI,) * 3, (0.5,) * 3))
+        turns = self.vector("SUBTRACT", turns, (0.5,) * 3)
+        away = self.vector("ABSOLUTE", turns)
+        places = self.vector("SCALE", away, 2.0)
+        height = self.vector("DOT_PRODUCT", weights, self.table(places, height_table))
+        slopes = self.vector("MULTIPLY", self.table(places, slope_table), self.vector("DIVIDE", turns, away))
+        normal = self.object_normal(inputs["Normal"], geometry)
+        tilted = self.vector("SUBTRACT", normal, self.gradient(self.vector("MULTIPLY", weights, slopes)))
+        moved = self.parallax(normal, height, geometry, inputs["Parallax"])
+        output = self.node("NodeGroupOutput")
+        self.feed(output.inputs["Height"], height)
+        self.feed(output.inputs["Normal"], self.vector("NORMALIZE", self.transform(tilted, "NORMAL", "WORLD")))
+        self.feed(output.inputs["UV"], self.vector("ADD", self.node("ShaderNodeUVMap").outputs[0], moved))
+
+
+# ---------------------------------------------------------------- materials
+def shade(material: bpy.types.Material, profile: str) -> None:
+    """Let a material show the waves: in front of the normal of every shader, and of textures without coordinates."""
+    material.use_nodes = True
+    if set_profile(material, profile):
+        return
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    textures = [n for n in nodes if n.type == "TEX_IMAGE" and not n.inputs["Vector"].is_linked]
+    fields: dict[bpy.types.NodeSocket | None, bpy.types.Node] = {}  # one for each normal that other nodes made
+    for shader in [n for n in nodes if n.type.startswith("BSDF") and "Normal" in n.inputs]:
+        target = shader.inputs["Normal"]
+        given = target.links[0].from_socket if target.is_linked else None
+        if given not in fields:
+            fields[given] = field = nodes.new("ShaderNodeGroup")
+            field.node_tree, field.name, field.label = ensure(profile), NAME, NAME
+            field.inputs["Parallax"].default_value = 1.0
+            field.location = (shader.location.x - 250.0, shader.location.y - 300.0)
+            if given is not None:
+                links.new(given, field.inputs["Normal"])
+        links.new(fields[given].outputs["Normal"], target)
+    for texture in textures if fields else ():
+        links.new(next(iter(fields.values())).outputs["UV"], texture.inputs["Vector"])
+
+
+def set_profile(material: bpy.types.Material, profile: str) -> bool:
+    """Change the profile of a material that shows waves. False where it shows none."""
+    ours = _our_nodes(material)
+    for node in ours:
+        if node.node_tree[PROFILE_KEY] != profile or node.node_tree[VERSION_KEY] != VERSION:
+            node.node_tree = ensure(profile)
+    return bool(ours)
+
+
+def unshade(material: bpy.types.Material) -> None:
+    """Take the waves out again and leave the links as they were."""
+    for field in _our_nodes(material):
+        given = field.inputs["Normal"]
+        source = given.links[0].from_socket if given.is_linked else None
+        for target in [link.to_socket for link in field.outputs["Normal"].links]:
+            if source is not None:
+                material.node_tree.links.new(source, target)
+        material.node_tree.nodes.remove(field)
+
+
+def _our_nodes(material: bpy.types.Material) -> list[bpy.types.Node]:
+    if material.node_tree is None:
+        return []
+    return [n for n in material.node_tree.nodes if n.type == "GROUP" and is_ours(n.node_tree)]
+
+
+def materials_of(obj: bpy.types.Object) -> list[bpy.types.Material]:
+    """The materials of an object that can be changed."""
+    found = {slot.material for slot in obj.material_slots if slot.material is not None}
+    return sorted((m for m in found if versions.is_editable(m)), key=lambda m: m.name_full)
+
+
+def shade_object(obj: bpy.types.Object) -> int:
+    """Let the materials of an object show its waves; one is made where it has none. The number of materials."""
+    if not any(slot.material for slot in obj.material_slots):
+        material = bpy.data.materials.new(obj.name)
+        material.use_nodes = True
+        if obj.material_slots:
+            obj.material_slots[0].material = material
+        else:
+            obj.data.materials.append(material)
+    materials = materials_of(obj)
+    for material in materials:
+        shade(material, obj.rumple.field.profile)
+    return len(materials)
+
+
+def unshade_object(obj: bpy.types.Object, still_waving: list[bpy.types.Object]) -> None:
+    """Take the waves out of an object's materials, but for those that other waving objects show."""
+    kept = {material for other in still_waving if other != obj for material in materials_of(other)}
+    for material in materials_of(obj):
+        if material not in kept:
+            unshade(material)
+    for group in [g for g in bpy.data.node_groups if is_ours(g) and g.users == 0 and versions.is_editable(g)]:
+        bpy.data.node_groups.remove(group)
