@@ -112,6 +112,19 @@ class Settings(unittest.TestCase):
             self.assertEqual(obj.rumple.message, "", preset)
             self.assertEqual(obj.rumple.preset, preset)
 
+    def test_stiff_cloth_has_wider_folds_than_what_was_chosen_and_the_way_back_is_exact(self):
+        obj = sleeve.scene()
+        settings = obj.rumple.mesh
+        settings.density, settings.wavelength = "WAVELENGTH", 0.03
+        chosen = settings.wavelength
+        structure.settle_all()
+        level = registry.runtime(obj).fine.level
+        for preset, width in (("DENIM", 2.0), ("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("COTTON", 1.0)):
+            bpy.ops.object.rumple_preset(preset=preset)
+            structure.settle_all()
+            self.assertEqual(settings.wavelength, width * chosen)
+            self.assertEqual(registry.runtime(obj).fine.level, level - (width == 2.0), preset)
+
     def test_lengths_are_metres_whatever_the_unit(self):
         obj = sleeve.scene(wrinkles=False)
         bpy.context.scene.unit_settings.scale_length = 0.01

@@ -9,7 +9,7 @@ from __future__ import annotations
 import bpy
 
 from .. import native
-from ..core.settings import PRESETS
+from ..core.settings import PRESETS, fold_width
 from ..core.systems import SYSTEMS
 from . import field_nodes, mesh_io, modifier, node_tree, properties, registry, structure, versions
 
@@ -219,7 +219,7 @@ def evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.typ
 
 
 class OBJECT_OT_rumple_preset(OnWrinkled, bpy.types.Operator):
-    """Set the cloth of a Wrinkle Mesh: stiffness, height and fullness of folds. Density, rest shape and paint stay"""
+    """Set the cloth of a Wrinkle Mesh: width, height, stiffness and fullness of folds. Rest shape and paint stay"""
 
     bl_idname = "object.rumple_preset"
     bl_label = "Cloth Preset"
@@ -234,6 +234,7 @@ class OBJECT_OT_rumple_preset(OnWrinkled, bpy.types.Operator):
         names = set(properties.fields_of(obj)) - set(_KEPT_BY_PRESETS)
         values = {**properties.defaults(obj, names), **PRESETS[self.preset][2]}
         properties.apply_values(obj, context.scene, values)
+        obj.rumple.mesh.wavelength *= fold_width(self.preset) / fold_width(obj.rumple.preset)
         obj.rumple.preset = self.preset
         return {"FINISHED"}
 

@@ -190,7 +190,16 @@ PRESETS: dict[str, tuple[str, str, dict[str, Any]]] = {
     "LEATHER": ("Leather", "Only where it must: few round folds", dict(bending=1.0, radius=0.9, prestretch=0.98,
                                                                       stretch_relief=0.6, compression_limit=1.2)),
     "SILK": ("Silk", "Many fine, sharp folds", dict(bending=0.35, radius=1.1, prestretch=1.02, stretch_relief=0.15)),
-    "SKIN": ("Skin", "Low creases that never leave the body", dict(bending=0.5, radius=0.5, inside=0.8,
-                                                                 stretch_relief=1.0, compression_limit=1.15)),
+    "SKIN": ("Skin", "Low creases that never leave the body", dict(bending=0.3, radius=0.35, inside=0.8,
+                                                                 prestretch=0.99, stretch_relief=1.0,
+                                                                 compression_limit=1.15)),
     "PAPER": ("As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: for dense or simulated meshes", PAPER),
 }
+
+# Wavelength of a preset over that of the others. One level of subdivision: less would round to none.
+FOLD_WIDTH = dict(DENIM=2.0, LEATHER=2.0)
+
+
+def fold_width(preset: str) -> float:
+    """How many times as wide as cotton's the folds of a preset are."""
+    return FOLD_WIDTH.get(preset, 1.0)
