@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include "base/expect.h"
 #include "bindings/arrays.h"
 #include "bindings/choices.h"
 #include "bindings/module.h"
@@ -224,10 +225,7 @@ void bind_wrinkle_field(py::module_& module) {
         [](const Model& model, const Settings& settings, const Waves& waves, int rounds,
            const py::array& phase, bool align_first) {
             auto phases = copied(scalars<float>(phase, "phase", 0));
-            if (phases.size() != waves.height.size()) {
-                throw InvalidInput("phase: expected " + std::to_string(waves.height.size()) +
-                                   " values, got " + std::to_string(phases.size()));
-            }
+            expect_count("phase", phases.size(), waves.height.size(), "values");
             const py::gil_scoped_release release;
             if (align_first) align(model, settings, waves, rounds, phases);
             relax(model, settings, waves, rounds, phases);
@@ -246,6 +244,33 @@ void bind_wrinkle_field(py::module_& module) {
         "random_phases",
         [](const Model& model, std::uint32_t seed) { return to_numpy<float>(random_phases(model, seed), 0); },
         py::arg("model"), py::arg("seed"), "(w,) float32: the phases that a clip starts from.");
+    module.def(
+        "evaluate_wrinkle_field",
+        [](const Model& model, const Waves& waves, const Profile& profile, const py::array& phase,
+           const py::array& triangles, const py::array& barycentric) {
+            const auto phases = scalars<float>(phase, "phase", 0);
+            const auto which = scalars<Index>(triangles, "triangles", 0);
+            const auto weights = vectors2(barycentric, "barycentric");
+            expect_count("phase", phases.size(), waves.height.size(), "values");
+            expect_count("barycentric", weights.size(), which.size(), "places");
+            std::vector<float> heights;
+            std::vector<Vec3> gradients;
+            for (size_t i = 0; i < which.size(); ++i) {
+                expect_within("triangle " + std::to_string(i), which[i], 0,
+                              double(model.base.triangles.size()) - 1.0);
+                const Height at =
+                    evaluate(model, waves, profile, phases, {which[i], weights[i].x, weights[i].y});
+                heights.push_back(at.height);
+                gradients.push_back(at.gradient);
+            }
+            return py::make_tuple(to_numpy<float>(heights, 0), to_numpy(gradients));
+        },
+        py::arg("model"), py::arg("waves"), py::arg("profile"), py::arg("phase"), py::arg("triangles"),
+        py::arg("barycentric"),
+        "Equations (5) and (8) at places on the base: triangles (p,) int32, barycentric (p, 2) float32, "
+        "weights\n"
+        "of a triangle's corners 1 and 2. Returns heights (p,) and gradients (p, 3), object units and "
+        "space.");
     module.def(
         "solve_wrinkle_field",
         [](const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,

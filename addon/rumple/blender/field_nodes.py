@@ -172,7 +172,7 @@ class _Builder:
 # ---------------------------------------------------------------- materials
 def shade(material: bpy.types.Material, profile: str) -> None:
     """Let a material show the waves: in front of the normal of every shader, and of textures without coordinates."""
-    material.use_nodes = True
+    versions.use_nodes(material)
     if set_profile(material, profile):
         return
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -229,7 +229,7 @@ def shade_object(obj: bpy.types.Object) -> int:
     """Let the materials of an object show its waves; one is made where it has none. The number of materials."""
     if not any(slot.material for slot in obj.material_slots):
         material = bpy.data.materials.new(obj.name)
-        material.use_nodes = True
+        versions.use_nodes(material)
         if obj.material_slots:
             obj.material_slots[0].material = material
         else:

@@ -61,6 +61,12 @@ def socket(sockets: Any, name: str) -> bpy.types.NodeSocket:
     raise KeyError(name)
 
 
+def use_nodes(material: bpy.types.Material) -> None:
+    """Give a material its node tree: from 5.0 on it always has one, and the switch is deprecated."""
+    if VERSION < (5, 0, 0):
+        material.use_nodes = True
+
+
 def mark_as_modifier(group: bpy.types.NodeTree) -> None:
     """From 4.0 on a node group says that it may be used as a modifier."""
     if hasattr(group, "is_modifier"):

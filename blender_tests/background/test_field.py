@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Wrinkle Field on the sleeve: one click, settings, paint, materials, clips."""
+from __future__ import annotations
+
+import os
+import tempfile
+import unittest
+
+import bpy
+import numpy as np
+import sleeve
+import waves_rendered
+from rumple.blender import field_nodes, mesh_io, modifier, registry, structure, versions
+from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT
+
+
+def waving(**settings: object) -> bpy.types.Object:
+    """The sleeve with a Wrinkle Field."""
+    obj = sleeve.scene(wrinkles=False)
+    for name, value in settings.items():
+        setattr(obj.rumple.field, name, value)
+    with sleeve.context():
+        bpy.ops.object.rumple_add(method="FIELD")
+    return obj
+
+
+def kinds() -> list[list[str]]:
+    return [sleeve.names(getattr(bpy.data, kind)) for kind in ("objects", "meshes", "node_groups", "materials")]
+
+
+class Rendered(waves_rendered.Waves, unittest.TestCase):
+    """In -b; the window suite has the same."""
+
+
+class OneClick(unittest.TestCase):
+    def test_waves_where_it_bends_and_nowhere_else(self) -> None:
+        obj = waving()
+        sleeve.at(1)
+        self.assertLess(sleeve.attribute(obj, "rumple_amplitude").max(), 1e-4)
+        sleeve.at(20)
+        amplitude = sleeve.attribute(obj, "rumple_amplitude")[:, 0]
+        x = versions.positions(obj.data)[:, 0]
+        self.assertGreater(amplitude.max(), 0.05 * obj.rumple.field.wavelength)
+        self.assertLess(amplitude[x < 0.15].max(), 1e-4)
+        self.assertEqual(obj.rumple.message, "")
+
+    def test_the_coarse_mesh_keeps_its_points_in_their_order(self) -> None:
+        obj = waving()
+        sleeve.at(15)
+        modifier.find(obj).show_viewport = False
+        plain = sleeve.shown(obj)
+        modifier.find(obj).show_viewport = True
+        sleeve.at(15)
+        np.testing.assert_allclose(sleeve.shown(obj), plain, atol=1e-6)
+
+    def test_geometry_is_a_fine_mesh_that_leaves_the_surface_where_it_waves(self) -> None:
+        obj = waving(output="GEOMETRY")
+        sleeve.at(20)
+        self.assertGreater(len(sleeve.shown(obj)), 3 * len(obj.data.vertices))
+        amplitude = sleeve.attribute(obj, "rumple_amplitude").max()
+        offset = np.sqrt((sleeve.attribute(obj, "rumple_offset")**2).sum(1)).max()
+        self.assertGreater(offset, 0.5 * amplitude)
+        self.assertLessEqual(offset, 1.001 * amplitude)
+
+    def test_its_attributes_say_what_the_docs_say(self) -> None:
+        obj = waving()
+        sleeve.at(20)
+        mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        corners = len(mesh.loops)
+        for name in (PHASE, WEIGHT, *VECTORS, U_GRADIENT):
+            self.assertEqual((mesh.attributes[name].domain, mesh.attributes[name].data_type), ("CORNER", "FLOAT_VECTOR"))
+        weight = versions.read_attribute(mesh.attributes[WEIGHT])
+        self.assertEqual(len(weight), corners)
+        for corner in range(3):
+            others = [axis for axis in range(3) if axis != corner]
+            np.testing.assert_array_equal(weight[corner::3, others], 0.0)
+        lengths = np.sqrt((sleeve.attribute(obj, "rumple_direction")**2).sum(1))
+        np.testing.assert_allclose(lengths, 1.0, atol=1e-5)
+        self.assertLessEqual(np.abs(sleeve.attribute(obj, "rumple_phase")).max(), np.pi + 1e-5)
+
+    def test_removing_leaves_nothing(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        before = kinds()
+        bpy.ops.object.rumple_add(method="FIELD")
+        sleeve.at(9)
+        self.assertTrue(any(field_nodes.is_ours(g) for g in bpy.data.node_groups))
+        bpy.ops.object.rumple_remove()
+        self.assertEqual(kinds(), before)
+        self.assertEqual([a.name for a in obj.data.attributes if a.name.startswith("rumple")], [])
+
+    def test_played_frames_come_back_to_the_bit(self) -> None:
+        obj = waving()
+        played = {}
+        for frame in range(1, 13):
+            sleeve.at(frame)
+            played[frame] = sleeve.attribute(obj, "rumple_phase")
+        for frame in (7, 2, 12, 5):
+            sleeve.at(frame)
+            np.testing.assert_array_equal(sleeve.attribute(obj, "rumple_phase"), played[frame])
+
+
+class Settings(unittest.TestCase):
+    def test_the_wavelength_is_metres_whatever_the_scale(self) -> None:
+        obj = waving(wavelength=0.05)
+        sleeve.at(20)
+        lengths = []
+        for scale in (1.0, 0.5):
+            obj.scale = (scale,) * 3
+            registry.runtime(obj).stale = True  # the scale is read when something is made anew
+            structure.settle_all()
+            sleeve.at(19)
+            sleeve.at(20)
+            k = registry.runtime(obj).picture.attributes[VECTORS[0]]
+            lengths.append(np.median(np.sqrt((k**2).sum(1))) / scale)  # radians per metre
+        self.assertAlmostEqual(lengths[0] / lengths[1], 1.0, places=2)  # the arm is not scaled along: other poses
+
+    def test_the_profile_changes_the_group_of_the_materials(self) -> None:
+        obj = waving()
+        obj.rumple.field.profile = "ACCORDION"
+        structure.settle_all()
+        groups = {n.node_tree[field_nodes.PROFILE_KEY] for m in obj.data.materials for n in m.node_tree.nodes
+                  if n.type == "GROUP"}
+        self.assertEqual(groups, {"ACCORDION"})
+
+    def test_mask_by_vertex_group_and_by_attribute(self) -> None:
+        obj = waving()
+        sleeve.at(20)
+        full = sleeve.attribute(obj, "rumple_amplitude").copy()
+        bpy.ops.object.rumple_paint(group="mask")
+        obj.vertex_groups["Rumple Mask"].add(range(len(obj.data.vertices)), 0.5, "REPLACE")
+        obj.update_tag()
+        sleeve.at(19)
+        sleeve.at(20)
+        np.testing.assert_allclose(sleeve.attribute(obj, "rumple_amplitude"), 0.5 * full, atol=1e-6)
+        obj.vertex_groups.remove(obj.vertex_groups["Rumple Mask"])
+        attribute = obj.data.attributes.new("Rumple Mask", "FLOAT", "POINT")
+        attribute.data.foreach_set("value", np.full(len(obj.data.vertices), 0.25, np.float32))
+        obj.data.update()
+        structure.settle_all()
+        sleeve.at(19)
+        sleeve.at(20)
+        np.testing.assert_allclose(sleeve.attribute(obj, "rumple_amplitude"), 0.25 * full, atol=1e-6)
+
+    def test_painted_rest_wrinkles_show_at_rest_along_their_direction(self) -> None:
+        obj = waving()
+        painted = np.zeros((len(obj.data.vertices), 3), np.float32)
+        painted[:, 0] = 0.6
+        versions.write_attribute(obj.data, mesh_io.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
+        obj.data.update()
+        structure.settle_all()
+        sleeve.at(2)
+        sleeve.at(1)
+        shrunk = 1.0 - 0.6**2
+        expected = 0.25 * obj.rumple.field.wavelength * (1.0 - shrunk**2)**0.5
+        np.testing.assert_allclose(sleeve.attribute(obj, "rumple_amplitude"), expected, rtol=1e-3)
+        np.testing.assert_allclose(np.abs(sleeve.attribute(obj, "rumple_direction")[:, 0]), 1.0, atol=1e-3)
+
+    def test_a_painted_vector_that_is_too_long_is_named_and_the_last_picture_stays(self) -> None:
+        obj = waving()
+        sleeve.at(20)
+        before = sleeve.attribute(obj, "rumple_amplitude")
+        painted = np.zeros((len(obj.data.vertices), 3), np.float32)
+        painted[7, 1] = 1.5
+        versions.write_attribute(obj.data, mesh_io.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
+        obj.data.update()
+        structure.settle_all()
+        sleeve.at(20)
+        self.assertEqual(obj.rumple.message, "Sleeve: rest_wrinkle: vertex 7 has length 1.500000, expected below 1")
+        np.testing.assert_array_equal(sleeve.attribute(obj, "rumple_amplitude"), before)
+        stored = versions.read_attribute(obj.data.attributes[mesh_io.REST_WRINKLE])
+        np.testing.assert_array_equal(stored, painted)
+
+
+class Materials(unittest.TestCase):
+    def material(self) -> bpy.types.Material:
+        """A Principled shader whose normal comes from a bump."""
+        sleeve.empty_file()
+        material = bpy.data.materials.new("Cloth")
+        versions.use_nodes(material)
+        tree = material.node_tree
+        bump = tree.nodes.new("ShaderNodeBump")
+        shader = next(n for n in tree.nodes if n.type == "BSDF_PRINCIPLED")
+        tree.links.new(bump.outputs[0], shader.inputs["Normal"])
+        return material
+
+    @staticmethod
+    def links(material: bpy.types.Material) -> set[tuple[str, str, str, str]]:
+        return {(link.from_node.name, link.from_socket.name, link.to_node.name, link.to_socket.name)
+                for link in material.node_tree.links}
+
+    def test_in_and_out_again_leaves_the_links_as_they_were(self) -> None:
+        material = self.material()
+        before = self.links(material)
+        field_nodes.shade(material, "SINE")
+        between = self.links(material)
+        self.assertIn(("Bump", "Normal", field_nodes.NAME, "Normal"), between)
+        self.assertIn((field_nodes.NAME, "Normal", "Principled BSDF", "Normal"), between)
+        field_nodes.shade(material, "SINE")
+        self.assertEqual(self.links(material), between)
+        field_nodes.unshade(material)
+        self.assertEqual(self.links(material), before)
+        self.assertFalse(any(n.type == "GROUP" for n in material.node_tree.nodes))
+
+    def test_a_material_that_another_waving_object_shows_keeps_its_waves(self) -> None:
+        obj = waving()
+        with sleeve.context():
+            bpy.ops.object.duplicate()
+            structure.settle_all()
+            bpy.ops.object.rumple_remove()
+        self.assertTrue(any(n.type == "GROUP" for m in obj.data.materials for n in m.node_tree.nodes))
+
+
+class Baked(unittest.TestCase):
+    def test_a_clip_has_the_waves_too_and_phases_do_not_jump_between_samples(self) -> None:
+        obj = waving()
+        names = ("rumple_amplitude", "rumple_phase", PHASE, WEIGHT, *VECTORS, U_GRADIENT)
+        live = {}
+        for frame in range(1, 21):
+            sleeve.at(frame)
+            live[frame] = {name: sleeve.attribute(obj, name) for name in names}
+        with tempfile.TemporaryDirectory() as folder:
+            bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "scene.blend"))
+            self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+            for frame in (20, 3, 11):
+                sleeve.at(frame)
+                for name in names:
+                    found, right = sleeve.attribute(obj, name), live[frame][name]
+                    if name in (PHASE, "rumple_phase"):
+                        turns = (found - right) / (2.0 * np.pi)
+                        np.testing.assert_allclose(turns, np.round(turns), atol=1e-4, err_msg=name)
+                    else:
+                        np.testing.assert_allclose(found, right, atol=1e-5, err_msg=name)
+            sleeve.at(11)
+            before = sleeve.attribute(obj, PHASE)
+            sleeve.at(12)
+            self.assertLess(np.abs(sleeve.attribute(obj, PHASE) - before).max(), np.pi + 1e-4)
