@@ -1,130 +1,121 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The native module against the same work in NumPy, in one process: ten iterations of the Wrinkle Mesh over 32,768
-triangles; a frame of the Wrinkle Maps."""
+"""The paper's step in NumPy beside the native one of this run: attachments, 10 iterations, normals; one core.
+
+python3 benchmark_numpy.py PROGRAM; PROGRAM: rumple_benchmarks. The scene is that of native/benchmarks: 32 x 32
+squares of 3 cm in two triangles each, every triangle split in 16: 32,768 fine triangles. Prints a table in Markdown.
+"""
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 import time
 from typing import Callable
 
 import numpy as np
-import rumple_native as rumple
 
-SIDE, SPACING, ITERATIONS = 129, 0.0075, 10  # 128 x 128 quads, two triangles each
+SQUARES, SPLIT, SPACING = 32, 4, 0.03
+SIDE = SQUARES * SPLIT + 1
+ITERATIONS, BENDING = 10, np.float32(0.7)
+ROUNDS = 7
+NATIVE = "solve_step/paper_linear/1"
 
 
-def sheet() -> tuple[np.ndarray, np.ndarray]:
-    """A flat sheet: positions and quads."""
-    x, y = np.meshgrid(np.arange(SIDE), np.arange(SIDE))
-    positions = np.stack([x, y, 0 * x], -1).reshape(-1, 3) * SPACING
+def grid(side: int, spacing: float) -> np.ndarray:
+    """A flat sheet of side x side points, rows along y."""
+    x, y = np.meshgrid(np.arange(side), np.arange(side))
+    return (np.stack([x, y, 0 * x], -1).reshape(-1, 3) * spacing).astype(np.float32)
+
+
+def triangles() -> np.ndarray:
+    """(32768, 3): two in every square, along the diagonal to the upper right."""
     first = (np.arange(SIDE - 1)[:, None] * SIDE + np.arange(SIDE - 1)).ravel()
-    quads = np.stack([first, first + 1, first + SIDE + 1, first + SIDE], 1)
-    return positions.astype(np.float32), quads.astype(np.int32)
+    right, across, up = first + 1, first + SIDE + 1, first + SIDE
+    return np.concatenate([np.stack([first, right, across], 1), np.stack([first, across, up], 1)])
 
 
-def native_step(positions: np.ndarray, quads: np.ndarray) -> Callable[[], None]:
-    """A warm solve of a squeezed sheet; the base is as fine as the solved mesh."""
-    corner = 4 * np.arange(len(quads))[:, None]
-    triangles = np.concatenate([corner + [0, 1, 2], corner + [0, 2, 3]], 1).reshape(-1, 3).astype(np.int32)
-    surface = rumple.build_surface(positions, np.arange(0, 4 * len(quads) + 1, 4, dtype=np.int32),
-                                   np.ascontiguousarray(quads.ravel()), triangles)
-    model = rumple.build_wrinkle_mesh(surface, level=0, display_steps=0, attachment="LINEAR")
-    settings, paint = rumple.WrinkleMeshSettings(), rumple.WrinkleMeshPaint(model)
-    settings.iterations, settings.threads = ITERATIONS, 1
-    poses = [positions * np.array([0.85 + 0.02 * k, 1, 1], np.float32) for k in range(2)]
-    held = [rumple.solve_wrinkle_mesh(model, settings, paint, poses[0])[0], 0]
-
-    def step() -> None:
-        held[1] += 1
-        held[0] = rumple.solve_wrinkle_mesh(model, settings, paint, poses[held[1] % 2], held[0])[0]
-
-    return step
+def places() -> tuple[np.ndarray, np.ndarray]:
+    """Base vertices (n, 3) and barycentrics (n, 3) of every fine vertex."""
+    y, x = (axis.ravel() for axis in np.mgrid[:SIDE, :SIDE])
+    column, row = (np.minimum(v // SPLIT, SQUARES - 1) for v in (x, y))
+    u, v = (x / SPLIT - column), (y / SPLIT - row)
+    first = row * (SQUARES + 1) + column
+    across = first + SQUARES + 2
+    third = np.where(u >= v, first + 1, first + SQUARES + 1)
+    low, high = np.minimum(u, v), np.maximum(u, v)
+    return np.stack([first, third, across], 1), np.stack([1 - high, high - low, low], 1).astype(np.float32)
 
 
-def colours_of_grid() -> list[np.ndarray]:
-    """Pairs of the sheet's edges, both diagonals, and second neighbours' places, in batches that share no vertex."""
+def colours() -> list[tuple[np.ndarray, bool]]:
+    """Pairs in batches that share no vertex, and whether they bend: edges, then the vertices opposite to them."""
     index = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
-    families = ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1))
     batches = []
-    for down, right in families:
-        a = index[:SIDE - down, max(0, -right):SIDE - max(0, right)]
-        b = index[down:, max(0, right):SIDE + min(0, right)]
-        along = down if down else right
-        rows = np.arange(a.shape[0] if down else a.shape[1])
+    for up, right in ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1)):
+        a = index[:SIDE - up, max(0, -right):SIDE - max(0, right)]
+        b = index[up:, max(0, right):SIDE + min(0, right)]
+        along = up if up else right
+        chosen = np.arange(a.shape[0] if up else a.shape[1]) // along % 2
         for parity in range(2):
-            chosen = (rows // along) % 2 == parity
-            pick = (lambda m: m[chosen]) if down else (lambda m: m[:, chosen])
-            batches.append(np.stack([pick(a).ravel(), pick(b).ravel()], 1))
+            pick = (chosen == parity)[:, None] if up else (chosen == parity)[None, :]
+            pick = np.broadcast_to(pick, a.shape)
+            batches.append((np.stack([a[pick], b[pick]], 1), (up, right) not in ((0, 1), (1, 0), (1, 1))))
     return batches
 
 
-def numpy_step(positions: np.ndarray) -> Callable[[], None]:
-    """Equations (3) to (5) and (7), colour by colour."""
-    batches = colours_of_grid()
-    rests = [np.linalg.norm(positions[b[:, 0]] - positions[b[:, 1]], axis=1) for b in batches]
-    attachments = positions * np.array([0.85, 1, 1], np.float32)
-    radius = np.float32(SPACING)
+def numpy_step() -> Callable[[], None]:
+    """(1), then (3) to (5) colour by colour and (7), then normals, as whole arrays."""
+    rest = grid(SIDE, SPACING / SPLIT)
+    pose = grid(SQUARES + 1, SPACING) * np.array([0.85, 1, 1], np.float32)
+    corners, weights = places()
+    pairs = [(batch, np.linalg.norm(rest[batch[:, 0]] - rest[batch[:, 1]], axis=1),
+              np.float32(0.5) * (BENDING if bends else 1)) for batch, bends in colours()]
+    faces, radius = triangles(), np.float32(SPACING / SPLIT)
+    offset = np.zeros_like(rest)
 
     def step() -> None:
-        p = attachments.copy()
+        attachment = (pose[corners] * weights[:, :, None]).sum(1)
+        p = attachment + offset
         for _ in range(ITERATIONS):
-            for batch, rest in zip(batches, rests):
+            for batch, length, share in pairs:
                 difference = p[batch[:, 1]] - p[batch[:, 0]]
-                length = np.sqrt((difference * difference).sum(1))
-                half = difference * (0.5 * (length - rest) / length)[:, None]
+                now = np.sqrt((difference * difference).sum(1))
+                half = difference * (share * (now - length) / now)[:, None]
                 p[batch[:, 0]] += half
                 p[batch[:, 1]] -= half
-            offset = p - attachments
-            length = np.sqrt((offset * offset).sum(1))
-            p = attachments + offset * np.minimum(1, radius / np.maximum(length, 1e-12))[:, None]
+            out = p - attachment
+            far = np.sqrt((out * out).sum(1))
+            p = attachment + out * np.minimum(1, radius / np.maximum(far, 1e-12))[:, None]
+        offset[:] = p - attachment
+        a, b, c = (p[faces[:, k]] for k in range(3))
+        normal = np.cross(b - a, c - a)
+        total = np.stack([sum(np.bincount(faces[:, k], normal[:, axis], len(p)) for k in range(3))
+                          for axis in range(3)], 1)
+        total /= np.linalg.norm(total, axis=1, keepdims=True)
 
     return step
 
 
-def maps_steps(triangles: int, bones: int, poses: int) -> tuple[Callable[[], np.ndarray], Callable[[], np.ndarray]]:
-    """A frame of influences and masks (Dutreve et al., sections 5.1, 5.2), native and in NumPy. Four bones a vertex."""
-    random, vertices = np.random.default_rng(0), triangles // 2
-    neutral = random.uniform(-0.1, 0.1, (bones, 6)).astype(np.float32)
-    reference = neutral + random.uniform(-0.01, 0.01, (poses, bones, 6)).astype(np.float32)
-    now = neutral + random.uniform(-0.01, 0.01, (bones, 6)).astype(np.float32)
-    owners = np.sort(random.integers(0, bones, (vertices, 4)), 1).astype(np.int32)
-    weights = random.dirichlet(np.ones(4), vertices).astype(np.float32)
-    model = rumple.build_wrinkle_maps(
-        [str(bone) for bone in range(bones)], ["BOTH"] * bones, np.full(bones, -1, np.int32), neutral,
-        [(str(pose), bones_of_pose) for pose, bones_of_pose in enumerate(reference)],
-        np.arange(0, 4 * vertices + 1, 4, dtype=np.int32), owners.ravel(), weights.ravel())
-    ways = reference - neutral
-
-    def native() -> np.ndarray:
-        return rumple.masks_of_wrinkle_maps(model, rumple.evaluate_wrinkle_maps(model, now))
-
-    def rival() -> np.ndarray:
-        alpha = np.einsum("bc,obc->bo", now - neutral, ways) / np.einsum("obc,obc->bo", ways, ways)
-        influence = np.clip(alpha, 0, 1)
-        return np.einsum("vi,vio->ov", weights, influence[owners])
-
-    assert np.allclose(native(), rival(), atol=1e-4)
-    return native, rival
-
-
-def best(step: Callable[[], None], rounds: int) -> float:
-    """Milliseconds of the fastest of some rounds of CPU time."""
+def best(step: Callable[[], None]) -> float:
+    """Milliseconds of processor time, of the fastest of some rounds."""
     times = []
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         began = time.process_time()
         step()
         times.append(1e3 * (time.process_time() - began))
     return min(times)
 
 
+def native(program: str) -> float:
+    """The same number for the native step."""
+    text = subprocess.run([program, f"--benchmark_filter={NATIVE}$", "--benchmark_format=json",
+                           f"--benchmark_repetitions={ROUNDS}"], check=True, capture_output=True, text=True).stdout
+    return min(row["cpu_time"] for row in json.loads(text)["benchmarks"] if row["run_type"] == "iteration")
+
+
 def main() -> None:
-    positions, quads = sheet()
-    native, rival = best(native_step(positions, quads), 20), best(numpy_step(positions), 5)
-    print(f"32,768 triangles, {ITERATIONS} iterations, one core: native {native:.1f} ms, NumPy {rival:.0f} ms, "
-          f"ratio {rival / native:.0f}; the paper's machine in 2010: 5 ms")
-    for triangles, bones, poses in ((9_040, 21, 2), (50_000, 100, 8)):
-        native, rival = (best(step, 200) for step in maps_steps(triangles, bones, poses))
-        print(f"Wrinkle Maps, {triangles:,} triangles, {bones} bones, {poses} poses, one core: native {native:.3f} ms, "
-              f"NumPy {rival:.2f} ms, ratio {rival / native:.0f}")
+    ours, rival = native(sys.argv[1]), best(numpy_step())
+    print("| attachments + 10 iterations + normals, 32,768 triangles, one core | ms |\n|---|---|\n"
+          f"| the paper, 2010 | 5 |\n| native | {ours:.1f} |\n| NumPy | {rival:.0f} ({rival / ours:.0f} times) |")
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the panels for the user guide: panel.png and viewport.jpg beside this file.
+"""Pictures of the panel with everything open, panel_<version>.png, and of the viewport (3.4), beside this file.
 
     scripts/demo                                   # makes out/demo/wrinkled.blend
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
-        xvfb-run -a -s "-screen 0 1200x1500x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
-        --window-geometry 0 0 1200 1500 --python docs/pictures/make_panels.py
+        xvfb-run -a -s "-screen 0 1000x1800x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
+        --window-geometry 0 0 1000 1800 --python docs/pictures/make_panels.py
 """
 from __future__ import annotations
 
@@ -14,56 +14,76 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from PIL import Image
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path[:0] = [str(ROOT / "addon"), os.environ["RUMPLE_NATIVE"]]
+sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "blender_tests"), str(ROOT / "blender_tests/window"),
+                os.environ["RUMPLE_NATIVE"]]
+import case  # noqa: E402
 import rumple  # noqa: E402
+from rumple.blender import panels  # noqa: E402
+
+FRAME = 52
+VERSION = "{}.{}".format(*bpy.app.version)
 
 
-def screen() -> Image.Image:
-    """What the X server shows, from its frame buffer (an XWD file)."""
-    data = Path(os.environ["RUMPLE_FRAMEBUFFER"]).read_bytes()
-    head = np.frombuffer(data[:100], ">u4")
-    width, height, stride = int(head[4]), int(head[5]), int(head[12])
-    start = int(head[0]) + int(head[19]) * 12
-    rows = np.frombuffer(data, np.uint8, stride * height, start).reshape(height, stride)
-    return Image.fromarray(np.ascontiguousarray(rows[:, :4 * width].reshape(height, width, 4)[:, :, 2::-1]))
+def picture_of(area: bpy.types.Area) -> np.ndarray:
+    """What the screen shows of an area, (height, width, 3) uint8, the top row first."""
+    pixels = case.WindowCase().pixels()
+    top = len(pixels) - area.y - area.height
+    return pixels[top:top + area.height, area.x:area.x + area.width]
 
 
-def area_picture(area: bpy.types.Area, name: str) -> None:
-    picture = screen()
-    top = picture.size[1] - area.y - area.height
-    picture = picture.crop((area.x, top, area.x + area.width, top + area.height))
-    if name.endswith(".png"):
-        picture = picture.convert("P", palette=Image.ADAPTIVE)
-    picture.save(HERE / name, optimize=True, quality=88)
+def save_jpeg(pixels: np.ndarray, path: Path) -> None:
+    height, width, _ = pixels.shape
+    image = bpy.data.images.new("Picture", width, height)
+    image.pixels.foreach_set(np.dstack([pixels[::-1], np.full((height, width), 255)]).astype(np.float32).ravel() / 255)
+    image.filepath_raw, image.file_format = str(path), "JPEG"
+    image.save()
 
 
-def steps():
-    """One step a redraw."""
-    window = bpy.context.window_manager.windows[0]
-    area = max(window.screen.areas, key=lambda a: a.width * a.height)
-    bpy.context.scene.frame_set(48)
+def viewport(area: bpy.types.Area) -> None:
     space = area.spaces.active
     space.shading.type = "SOLID"
     space.region_3d.view_perspective = "CAMERA"
     space.overlay.show_overlays = False
-    yield 1.0
-    area_picture(area, "viewport.jpg")
+
+
+def without_ground(pixels: np.ndarray) -> np.ndarray:
+    """Without the empty rows below the last panel."""
+    used = np.flatnonzero(np.ptp(pixels[:, 40:-20], axis=1).max(axis=1) > 8)
+    return pixels[:used[-1] + 12]
+
+
+def steps():
+    """One step a redraw."""
+    area = max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height)
+    for frame in range(1, FRAME + 1):
+        bpy.context.scene.frame_set(frame)
+    viewport(area)
+    bpy.context.window_manager.windows[0].cursor_warp(2, 2)
+    yield 1.5
+    if VERSION == "3.4":
+        picture = picture_of(area)
+        save_jpeg(picture[len(picture) // 4:-len(picture) // 4], HERE / "viewport.jpg")
     area.type = "PROPERTIES"
     yield 0.5
     area.spaces.active.context = "MODIFIER"
-    yield 1.5
-    area_picture(area, "panel.png")
+    yield 2.0
+    (HERE / f"panel_{VERSION}.png").write_bytes(case.png(without_ground(picture_of(area))))
 
 
 def main() -> None:
+    for cls in panels.CLASSES:
+        if "DEFAULT_CLOSED" in getattr(cls, "bl_options", ()):
+            cls.bl_options = cls.bl_options - {"DEFAULT_CLOSED"}
     rumple.register()
+    bpy.context.preferences.view.show_splash = False
     garment = bpy.data.objects["Shirt"]
     bpy.context.view_layer.objects.active = garment
     garment.select_set(True)
+    for modifier in garment.modifiers:
+        modifier.show_expanded = False
     running = steps()
 
     def advance() -> float | None:
