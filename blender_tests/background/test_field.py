@@ -68,7 +68,8 @@ class OneClick(unittest.TestCase):
         mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         corners = len(mesh.loops)
         for name in (PHASE, WEIGHT, *VECTORS, U_GRADIENT):
-            self.assertEqual((mesh.attributes[name].domain, mesh.attributes[name].data_type), ("CORNER", "FLOAT_VECTOR"))
+            self.assertEqual(mesh.attributes[name].domain, "CORNER")
+            self.assertEqual(mesh.attributes[name].data_type, "FLOAT_VECTOR")
         weight = versions.read_attribute(mesh.attributes[WEIGHT])
         self.assertEqual(len(weight), corners)
         for corner in range(3):
