@@ -2,34 +2,18 @@
 """Baked clips: shown without handlers, whole or not at all, and stale ones are said."""
 import os
 import struct
-import subprocess
 import tempfile
 import unittest
+from pathlib import Path
 
 import bpy
 import numpy as np
 import sleeve
+import stranger
 from rumple.blender import bake_state, handlers, modifier, registry, structure
 from rumple.core import engine
 
 ATTRIBUTES = tuple(attribute.name for attribute in engine.COMMON_ATTRIBUTES)
-
-# Run by a Blender without the add-on: every attribute of the sleeve at some frames, into a file.
-STRANGER = """
-import sys, bpy, numpy as np
-assert not any(name.split(".")[0] in ("rumple", "rumple_native") for name in sys.modules)
-seen = {}
-for frame, subframe in TIMES:
-    bpy.context.scene.frame_set(frame, subframe=subframe)
-    mesh = bpy.data.objects["Sleeve"].evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    for name in NAMES:
-        data = mesh.attributes[name].data
-        prop, width = ("value", 1) if mesh.attributes[name].data_type == "FLOAT" else ("vector", 3)
-        flat = np.empty(len(data) * width, np.float32)
-        data.foreach_get(prop, flat)
-        seen[f"{frame + subframe:g} {name}"] = flat.reshape(-1, width)
-np.savez(PATH, **seen)
-"""
 
 
 class Baked(unittest.TestCase):
@@ -38,7 +22,7 @@ class Baked(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         self.obj = sleeve.scene()
-        self.blend = os.path.join(self.folder.name, "scene.blend")
+        self.blend = os.path.join(self.folder.name, stranger.FILE)
         bpy.ops.wm.save_as_mainfile(filepath=self.blend)
 
     def clip(self):
@@ -81,35 +65,30 @@ class Baked(unittest.TestCase):
         sleeve.at(13, 0.5)
         np.testing.assert_allclose(sleeve.shown(self.obj), live, atol=1e-6)
 
-    def attributes(self, frame, subframe=0.0):
-        sleeve.at(frame, subframe)
+    def attributes(self, time):
+        sleeve.at(int(time), time - int(time))
         return {name: sleeve.attribute(self.obj, name) for name in ATTRIBUTES}
 
     def test_attributes_play_too_without_the_add_on_and_at_subframes(self):
         # They stayed as they were in the last live frame: the cache had positions only.
-        times = ((20, 0.0), (1, 0.0), (13, 0.5), (9, 0.0))
+        times = (20.0, 1.0, 13.5, 9.0)
         self.obj.rumple.bake_samples = 2
         sleeve.play()
-        live = {time: self.attributes(*time) for time in times}
+        live = {time: self.attributes(time) for time in times}
         bpy.ops.object.rumple_bake()
         bpy.ops.wm.save_mainfile()
-        result = os.path.join(self.folder.name, "seen.npz")
-        subprocess.run([bpy.app.binary_path, "-b", "--factory-startup", self.blend, "--python-exit-code", "1",
-                        "--python-expr", f"TIMES, NAMES, PATH = {times!r}, {ATTRIBUTES!r}, {result!r}" + STRANGER],
-                       check=True, stdout=subprocess.DEVNULL, timeout=120,
-                       env={key: value for key, value in os.environ.items() if key != "RUMPLE_NATIVE"})
-        with np.load(result) as seen:
-            for frame, subframe in times:
-                here = self.attributes(frame, subframe)
-                for name, value in live[frame, subframe].items():
-                    np.testing.assert_allclose(here[name], value, atol=1e-6, err_msg=f"{name}, {frame + subframe}")
-                    np.testing.assert_allclose(seen[f"{frame + subframe:g} {name}"], value, atol=1e-6, err_msg=name)
+        seen = stranger.look(Path(self.folder.name), "Sleeve", times, attributes=ATTRIBUTES)
+        for time in times:
+            here = self.attributes(time)
+            for name, value in live[time].items():
+                np.testing.assert_allclose(here[name], value, atol=1e-6, err_msg=f"{name}, {time}")
+                np.testing.assert_allclose(seen[time][name], value, atol=1e-6, err_msg=f"{name}, {time}")
         for name in ATTRIBUTES:
-            self.assertGreater(np.abs(live[20, 0.0][name] - live[1, 0.0][name]).max(), 1e-3, name)
+            self.assertGreater(np.abs(live[20.0][name] - live[1.0][name]).max(), 1e-3, name)
 
     def test_attributes_between_two_samples(self):
         bpy.ops.object.rumple_bake()
-        before, between, after = self.attributes(13), self.attributes(13, 0.25), self.attributes(14)
+        before, between, after = self.attributes(13), self.attributes(13.25), self.attributes(14)
         for name in ("rumple_stretch_min", "rumple_stretch_max", "rumple_offset"):
             np.testing.assert_allclose(between[name], 0.75 * before[name] + 0.25 * after[name], atol=1e-6)
         direction = between["rumple_stretch_direction"]

@@ -2,9 +2,6 @@
 """The frame rendered is the frame solved: renders against plain meshes that were solved apart."""
 from __future__ import annotations
 
-import json
-import os
-import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -15,6 +12,7 @@ import rendered
 import shots
 import sleeve
 import solved_apart
+import stranger
 from rumple.blender import modifier, registry
 
 
@@ -111,20 +109,12 @@ class WithoutTheAddOn(unittest.TestCase):
         self.save()
 
     def save(self) -> None:
-        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "scene.blend"))
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / stranger.FILE))
 
     def elsewhere(self, times: tuple[float, ...], render: int = 0) -> dict[float, np.ndarray]:
-        """What the other Blender shows at these times; with render, a still.png of that frame too."""
-        program = Path(__file__).resolve().parent.parent / "stranger.py"
-        wanted = json.dumps(dict(object="Sleeve", times=times, render=render, folder=str(self.folder)))
-        done = subprocess.run([bpy.app.binary_path, "-b", "--factory-startup", str(self.folder / "scene.blend"),
-                               "--python-exit-code", "1", "--python", str(program), "--", wanted],
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300,
-                              env={k: v for k, v in os.environ.items() if k != "RUMPLE_NATIVE"})
-        self.assertEqual(done.returncode, 0, done.stdout)
-        self.assertNotIn("Traceback", done.stdout)
-        with np.load(self.folder / "seen.npz") as seen:
-            return {time: seen[f"{index}"] for index, time in enumerate(times)}
+        """What the other Blender shows at these times."""
+        seen = stranger.look(self.folder, "Sleeve", times, render)
+        return {time: seen[time][stranger.POSITION] for time in times}
 
     def here(self, time: float) -> np.ndarray:
         whole = int(np.floor(time))
@@ -151,7 +141,7 @@ class WithoutTheAddOn(unittest.TestCase):
         seen = self.elsewhere(times, render=7)
         for time in times:
             np.testing.assert_allclose(seen[time], self.here(time), atol=1e-6, err_msg=f"frame {time}")
-        there = shots.read(str(self.folder / "still.png"))
+        there = shots.read(str(self.folder / stranger.STILL))
         bpy.ops.object.rumple_bake_free()
         bpy.ops.object.rumple_clear_frames()
         right = solved_apart.expected(self.obj, range(1, 8))[-1]
@@ -177,8 +167,8 @@ class WithoutTheAddOn(unittest.TestCase):
         live = self.here(18.0)
         self.save()
         self.elsewhere((5.0,))
-        self.assertTrue((self.folder / "resaved.blend").is_file())
-        bpy.ops.wm.open_mainfile(filepath=str(self.folder / "resaved.blend"))
+        self.assertTrue((self.folder / stranger.SAVED).is_file())
+        bpy.ops.wm.open_mainfile(filepath=str(self.folder / stranger.SAVED))
         self.obj = bpy.data.objects["Sleeve"]
         sleeve.play()
         np.testing.assert_array_equal(self.here(18.0), live)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Structural work: fine meshes, carriers, duplicates, leftovers.
 
-It makes and removes data-blocks, so it runs outside handlers: from operators, from a timer in the window,
-and in background mode directly while nothing renders. live.py asks for it with request().
+It makes and removes data-blocks, so it runs outside handlers: from operators, from a timer in the window, and in
+background mode directly while nothing renders; also before a render that runs in the main thread, but never in the
+thread of an F12 job. live.py asks for it with request().
 """
 from __future__ import annotations
 
