@@ -122,11 +122,11 @@ class Checks(unittest.TestCase):
 class Frames(unittest.TestCase):
     def test_mute_and_solo(self) -> None:
         rig = face(3)
-        self.assertEqual(rig.strengths(), [1.0, 1.0, 1.0])
+        self.assertEqual(poses.strengths(rig.poses), [1.0, 1.0, 1.0])
         rig.poses[0].muted, rig.poses[1].strength = True, 0.5
-        self.assertEqual(rig.strengths(), [0.0, 0.5, 1.0])
+        self.assertEqual(poses.strengths(rig.poses), [0.0, 0.5, 1.0])
         rig.poses[1].solo = True
-        self.assertEqual(rig.strengths(), [0.0, 0.5, 0.0])
+        self.assertEqual(poses.strengths(rig.poses), [0.0, 0.5, 0.0])
         masks = PoseComparison.build(rig, one_bone_each(4)).frame(rig.poses[1].bones)
         np.testing.assert_array_equal(masks.pose[1], np.full(4, 0.5, np.float32))
         self.assertEqual(masks.presence[1], 1.0)     # the bar still says that the pose is there

@@ -7,19 +7,23 @@ import threading
 import bpy
 from bpy.app.handlers import persistent
 
-from . import bake_state, live, modifier, registry, structure
+from . import bake_state, live, maps_live, maps_tree, modifier, registry, structure
 
 
 @persistent
 def _on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     live.note_updates(depsgraph)
     live.process(scene, depsgraph)
+    maps_live.note_updates(depsgraph)
+    maps_live.process(depsgraph)
 
 
 @persistent
 def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     live.note_updates(depsgraph)
     live.process(scene, depsgraph)
+    maps_live.note_updates(depsgraph)
+    maps_live.process(depsgraph)
 
 
 @persistent
@@ -27,12 +31,14 @@ def _on_load(*_arguments: object) -> None:
     """Another file: nothing of the former one counts. Structural work is allowed here."""
     structure.set_rendering(False)
     registry.forget_all()
+    maps_live.forget_all()
     structure.settle_all()
 
 
 @persistent
 def _on_undo(*_arguments: object) -> None:
     registry.doubt_all()
+    maps_live.doubt_all()
     structure.request()
 
 
@@ -53,12 +59,13 @@ def _on_render_end(*_arguments: object) -> None:
         structure.set_rendering(False)
         for obj, _ours in modifier.wrinkled_objects():
             registry.runtime(obj).forget_written()
+        maps_live.forget_written()
     if not bpy.app.background and not bpy.app.timers.is_registered(_tag_all):
         bpy.app.timers.register(_tag_all, first_interval=0.0)
 
 
 def _tag_all() -> None:
-    for obj, _ours in modifier.wrinkled_objects():
+    for obj, _ours in (*modifier.wrinkled_objects(), *maps_tree.mapped_objects()):
         obj.update_tag()
 
 
@@ -83,4 +90,5 @@ def unregister() -> None:
     if bpy.app.timers.is_registered(_tag_all):
         bpy.app.timers.unregister(_tag_all)
     structure.stop()
+    maps_live.forget_all()
     registry.forget_all()

@@ -59,7 +59,7 @@ def changes_topology(modifier: bpy.types.Modifier) -> bool:
 def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
     """The first modifier in front of the wrinkles (or of where they would stand) that changes the topology."""
     ours = find(obj)
-    last = list(obj.modifiers).index(ours) if ours is not None else _place(obj)
+    last = list(obj.modifiers).index(ours) if ours is not None else place_behind_deforming(obj)
     return next((m for m in list(obj.modifiers)[:last] if changes_topology(m)), None)
 
 
@@ -79,7 +79,7 @@ def leans_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
     return leans_on(obj, [other for other, _ in wrinkled_objects() if other != obj])
 
 
-def _place(obj: bpy.types.Object) -> int:
+def place_behind_deforming(obj: bpy.types.Object) -> int:
     """Index behind the last modifier that deforms: in front of Subdivision and Solidify."""
     place = 0
     for index, modifier in enumerate(obj.modifiers):
@@ -90,7 +90,7 @@ def _place(obj: bpy.types.Object) -> int:
 
 def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
     """Put the modifier behind the last deforming one. It has no carrier yet and shows the coarse mesh."""
-    place = _place(obj)
+    place = place_behind_deforming(obj)
     modifier = obj.modifiers.new(SYSTEMS[method].label, "NODES")
     modifier.node_group = node_tree.ensure(method)
     last = len(obj.modifiers) - 1

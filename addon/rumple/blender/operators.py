@@ -16,6 +16,9 @@ from . import field_nodes, mesh_io, modifier, node_tree, properties, registry, s
 _KEPT_BY_PRESETS = ("source", "density", "wavelength", "level", "segments", "edge_length", "weld", "rest_shape",
                     "iterations", "start_iterations", "stateless", "offset_space", "seed")
 
+# No method of its own: it may stand beside the wrinkles that its maps are baked from.
+MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
+
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
@@ -55,7 +58,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     bl_label = "Add Wrinkles"
     bl_options = {"REGISTER", "UNDO"}
 
-    method: bpy.props.EnumProperty(name="Method", items=properties.METHODS[1:], default="MESH", options={"SKIP_SAVE"})
+    method: bpy.props.EnumProperty(name="Method", items=(*properties.METHODS[1:], MAPS), default="MESH",
+                                   options={"SKIP_SAVE"})
     shade: bpy.props.BoolProperty(name="Add to Materials", default=True, options={"SKIP_SAVE"},
                                   description="Wrinkle Field: let the materials of the object draw the waves")
 
@@ -68,6 +72,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
+        if self.method == "MAPS":
+            return bpy.ops.rumple.maps_add()
         try:
             native.load()
         except native.NativeMissing as error:

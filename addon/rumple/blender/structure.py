@@ -135,6 +135,8 @@ def settle_all() -> None:
             if registry.runtime(obj).stale:
                 prepare(obj, ours)
         _tidy_removed({obj.name_full for obj, _ in objects})
+        from . import maps_live  # it asks this module when structural work is allowed
+        maps_live.settle()
 
 
 def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Sequence
 
 import numpy as np
 
@@ -44,6 +44,15 @@ class ReferencePose:
     solo: bool = False
 
 
+def strengths(poses: Sequence[Any]) -> list[float]:
+    """For each pose what its mask is multiplied by: 0 where it is muted, or another one is solo.
+
+    poses: anything with strength, muted and solo.
+    """
+    solo = any(pose.solo for pose in poses)
+    return [pose.strength if (pose.solo if solo else not pose.muted) else 0.0 for pose in poses]
+
+
 @dataclass
 class PoseRig:
     """All reference poses of one character. b tracked bones; object units of the armature."""
@@ -78,12 +87,6 @@ class PoseRig:
         return np.array([numbers.setdefault(bone.group, len(numbers)) if bone.group else -1 for bone in self.bones],
                         np.int32)
 
-    def strengths(self) -> list[float]:
-        """For each pose what its mask is multiplied by: 0 where it is muted, or another one is solo."""
-        solo = any(pose.solo for pose in self.poses)
-        return [0.0 if (solo and not pose.solo) or (pose.muted and not pose.solo) else pose.strength
-                for pose in self.poses]
-
     def to_json(self) -> str:
         """The rig as documented. Numbers are written so that reading gives back the same bits."""
         return json.dumps(dict(
@@ -92,7 +95,7 @@ class PoseRig:
             bones=[dict(name=bone.name, tracked=bone.tracked.lower(), group=bone.group, **_points(place))
                    for bone, place in zip(self.bones, self.neutral)],
             poses=[dict(name=pose.name, map=pose.map, strength=strength, bones=[_points(place) for place in pose.bones])
-                   for pose, strength in zip(self.poses, self.strengths())]), indent=1) + "\n"
+                   for pose, strength in zip(self.poses, strengths(self.poses))]), indent=1) + "\n"
 
 
 def from_json(text: str) -> PoseRig:
@@ -205,12 +208,14 @@ class PoseComparison:
             raise Refused(f"{rig.name}: {error}") from error
         return cls(rig, model)
 
-    def frame(self, bones: np.ndarray) -> Masks:
-        """bones: (b, 6) float32, root space. Raises Refused."""
+    def frame(self, bones: np.ndarray, gain: float | None = None, strength: list[float] | None = None) -> Masks:
+        """bones: (b, 6) float32, root space. gain, strength for each pose: the rig's unless given. Raises Refused."""
         kernels = native.load()
+        gain = self.rig.gain if gain is None else gain
+        strength = strengths(self.rig.poses) if strength is None else strength
         try:
             at = kernels.evaluate_wrinkle_maps(self.model, _flat(bones))
-            masks = kernels.masks_of_wrinkle_maps(self.model, at, self.rig.gain, self.rig.strengths())
+            masks = kernels.masks_of_wrinkle_maps(self.model, at, gain, strength)
         except ValueError as error:
             raise Refused(f"{self.rig.name}: {error}") from error
         return Masks(masks, at.pose, at.rest, kernels.presence_of_wrinkle_maps(self.model, at))

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The reference poses, in the modifier tab of the mesh and, for posing, in the sidebar of the 3D view."""
+from __future__ import annotations
+
+import bpy
+
+from . import maps_live, maps_nodes, maps_operators, maps_tree
+from .panels import draw_message, wrapped
+
+
+class RUMPLE_UL_poses(bpy.types.UIList):
+    """Name, map, how present the pose is, solo and mute."""
+
+    def draw_item(self, _context, layout, _data, pose, _icon, _active_data, _active_property, _index=0) -> None:
+        row = layout.row(align=True)
+        row.prop(pose, "name", text="", emboss=False, icon="ARMATURE_DATA" if pose.image is None else "IMAGE_DATA")
+        bar = row.row()
+        bar.enabled = False
+        bar.prop(pose, "present", text="", slider=True)
+        row.prop(pose, "solo", text="", icon="SOLO_ON" if pose.solo else "SOLO_OFF", emboss=False)
+        row.prop(pose, "muted", text="", icon="HIDE_ON" if pose.muted else "HIDE_OFF", emboss=False)
+
+
+class RUMPLE_UL_tracked_bones(bpy.types.UIList):
+    """Name, which end is followed, and the group."""
+
+    def draw_item(self, _context, layout, _data, bone, _icon, _active_data, _active_property, _index=0) -> None:
+        row = layout.row(align=True)
+        row.label(text=bone.name, icon="BONE_DATA")
+        row.prop(bone, "tracked", text="")
+        row.prop(bone, "group", text="")
+
+
+class _Maps:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.object is not None and context.object.type == "MESH" and \
+            maps_tree.find(context.object) is not None
+
+    def object(self, context: bpy.types.Context) -> bpy.types.Object:
+        return maps_operators.target(context)
+
+
+class _InSidebar(_Maps):
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Rumple"
+    bl_context = ""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return maps_operators.target(context) is not None
+
+
+class _Poses(_Maps):
+    bl_label = "Wrinkle Maps"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, obj = self.layout, self.object(context)
+        settings = obj.rumple_maps
+        draw_message(layout, maps_live.message(obj))
+        layout.operator("rumple.maps_remove", icon="X")
+        row = layout.row()
+        row.template_list("RUMPLE_UL_poses", "", settings, "poses", settings, "active", rows=4)
+        side = row.column(align=True)
+        side.operator("rumple.pose_add", text="", icon="ADD")
+        side.operator("rumple.pose_remove", text="", icon="REMOVE")
+        side.separator()
+        side.operator("rumple.pose_move", text="", icon="TRIA_UP").direction = "UP"
+        side.operator("rumple.pose_move", text="", icon="TRIA_DOWN").direction = "DOWN"
+        row = layout.row(align=True)
+        row.operator("rumple.pose_go")
+        row.operator("rumple.pose_update", text="Update")
+        if 0 <= settings.active < len(settings.poses):
+            pose = settings.poses[settings.active]
+            layout.template_ID(pose, "image", new="image.new", open="image.open")
+            layout.prop(pose, "strength", slider=True)
+        row = layout.row(align=True)
+        row.label(text="Neutral: captured" if settings.neutral else "Neutral: rest pose")
+        row.operator("rumple.pose_go", text="Go").neutral = True
+        row.operator("rumple.neutral_capture", text="Capture")
+        if settings.neutral:
+            row.operator("rumple.neutral_rest", text="", icon="X")
+
+
+class _Shading(_Maps):
+    bl_label = "Shading"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, obj = self.layout, self.object(context)
+        settings = obj.rumple_maps
+        layout.use_property_split, layout.use_property_decorate = True, False
+        materials = [slot.material for slot in obj.material_slots if slot.material is not None]
+        shown = settings.group is not None and any(maps_nodes.shown_in(m) == settings.group for m in materials)
+        layout.operator("rumple.maps_show", icon="NODE_MATERIAL")
+        if shown:
+            layout.operator("rumple.maps_hide")
+        layout.prop(settings, "maps")
+        layout.prop(settings, "gain")
+        layout.prop_search(settings, "uv_map", obj.data, "uv_layers")
+
+
+class _Bones(_Maps):
+    bl_label = "Bones"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, obj = self.layout, self.object(context)
+        settings, armature = obj.rumple_maps, obj.find_armature()
+        if armature is not None:
+            layout.prop_search(settings, "root", armature.data, "bones")
+        layout.template_list("RUMPLE_UL_tracked_bones", "", settings, "bones", settings, "active_bone", rows=4)
+        layout.operator("rumple.maps_bones")
+
+
+class _Status(_Maps):
+    bl_label = "Status"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        entry = maps_live.runtime(self.object(context))
+        lines = list(entry.notes)
+        if entry.comparison is not None:
+            model = entry.comparison.model
+            lines.insert(0, f"{model.bone_count} bones, {model.pose_count} poses, {model.vertex_count} vertices")
+        for line in lines:
+            for number, part in enumerate(wrapped(line)):
+                self.layout.label(text=part, icon="INFO" if number == 0 else "BLANK1")
+
+
+def _panel(body: type, place: type, name: str, parent: str = "") -> type:
+    """A panel class: what it draws, and where it stands."""
+    members = {"bl_idname": name, "bl_label": body.bl_label, "draw": body.draw, "bl_order": 101}
+    if parent:
+        members["bl_parent_id"] = parent
+    return type(name, (place, bpy.types.Panel), members)
+
+
+CLASSES = (RUMPLE_UL_poses, RUMPLE_UL_tracked_bones,
+           _panel(_Poses, _Maps, "DATA_PT_rumple_maps"),
+           _panel(_Shading, _Maps, "DATA_PT_rumple_maps_shading", "DATA_PT_rumple_maps"),
+           _panel(_Bones, _Maps, "DATA_PT_rumple_maps_bones", "DATA_PT_rumple_maps"),
+           _panel(_Status, _Maps, "DATA_PT_rumple_maps_status", "DATA_PT_rumple_maps"),
+           _panel(_Poses, _InSidebar, "VIEW3D_PT_rumple_maps"),
+           _panel(_Shading, _InSidebar, "VIEW3D_PT_rumple_maps_shading", "VIEW3D_PT_rumple_maps"))
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

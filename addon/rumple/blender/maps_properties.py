@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the Wrinkle Maps keep with an object: `object.rumple_maps`. Reference poses are stored bone by bone, by name."""
+from __future__ import annotations
+
+import bpy
+
+from ..core.poses import GAINS, MOST_POSES
+
+_OVERRIDE = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
+_TRACKED = (
+    ("BOTH", "Both", "Head and tail: a joint that turns and one that moves are both seen"),
+    ("HEAD", "Head", "The head only, as in the paper: a joint that turns in place is not seen"),
+    ("TAIL", "Tail", "The tail only"),
+)
+_MAPS = (
+    ("WRINKLES", "Wrinkles Only", "The maps are flat where there is no wrinkle: they add to the neutral normal map"),
+    ("WHOLE", "Whole Skin", "The maps contain the details of the neutral normal map: they take its place"),
+)
+
+
+def _rig_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """Poses, bones, weights of the comparison."""
+    from . import maps_live
+    maps_live.rig_changed(group.id_data)
+
+
+def _frame_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """What only changes the masks."""
+    group.id_data.update_tag()
+
+
+def _maps_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """The images or how they are blended."""
+    from . import maps_live
+    maps_live.maps_changed(group.id_data)
+
+
+def _pose_renamed(pose: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """Names are unique, as everywhere in Blender: the younger one gets a number."""
+    others = [other.name for other in pose.id_data.rumple_maps.poses if other != pose]
+    free = unused_name(pose.name, others)
+    if free != pose.name:
+        pose.name = free  # comes here once more
+        return
+    _rig_changed(pose, context)
+
+
+def unused_name(wanted: str, taken: list[str]) -> str:
+    """wanted, or the first of wanted.001, wanted.002, ... that is free."""
+    wanted = wanted or "Pose"
+    name, number = wanted, 0
+    while name in taken:
+        number += 1
+        name = f"{wanted}.{number:03d}"
+    return name
+
+
+def _presence(pose: bpy.types.PropertyGroup) -> float:
+    from . import maps_live
+    return maps_live.presence(pose.id_data, pose.name)
+
+
+def _message(settings: bpy.types.PropertyGroup) -> str:
+    from . import maps_live
+    return maps_live.message(settings.id_data)
+
+
+class RUMPLE_PosedBone(bpy.types.PropertyGroup):
+    """A bone in a stored pose, by its name. Armature space, object units."""
+
+    head: bpy.props.FloatVectorProperty(size=3, override={"LIBRARY_OVERRIDABLE"})
+    tail: bpy.props.FloatVectorProperty(size=3, override={"LIBRARY_OVERRIDABLE"})
+    matrix: bpy.props.FloatVectorProperty(size=16, override={"LIBRARY_OVERRIDABLE"},
+                                          description="Armature space; the root's is the space of comparison")
+    basis: bpy.props.FloatVectorProperty(size=16, override={"LIBRARY_OVERRIDABLE"},
+                                         description="The bone's own channels, for Go to Pose")
+
+
+class RUMPLE_ReferencePose(bpy.types.PropertyGroup):
+    """A pose of all bones and the wrinkle map that belongs to it."""
+
+    name: bpy.props.StringProperty(name="Name", maxlen=48, options=set(), override={"LIBRARY_OVERRIDABLE"},
+                                   update=_pose_renamed,
+                                   description="The masks come to shaders and nodes as rumple_pose_ and this name")
+    image: bpy.props.PointerProperty(type=bpy.types.Image, name="Wrinkle Map", override={"LIBRARY_OVERRIDABLE"},
+                                     update=_maps_changed,
+                                     description="Tangent-space normal map with the wrinkles of this pose")
+    strength: bpy.props.FloatProperty(name="Strength", default=1.0, min=0.0, max=1.0, subtype="FACTOR",
+                                      override={"LIBRARY_OVERRIDABLE"}, update=_frame_changed,
+                                      description="Share of this pose's wrinkles that is shown")
+    muted: bpy.props.BoolProperty(name="Mute", override={"LIBRARY_OVERRIDABLE"}, update=_frame_changed,
+                                  description="Do not show the wrinkles of this pose")
+    solo: bpy.props.BoolProperty(name="Solo", override={"LIBRARY_OVERRIDABLE"}, update=_frame_changed,
+                                 description="Show the wrinkles of this pose (and of others that are solo) only")
+    present: bpy.props.FloatProperty(name="Present", min=0.0, max=1.0, subtype="FACTOR", get=_presence,
+                                     description="How far the present pose has come to this one: mean over its bones")
+    bones: bpy.props.CollectionProperty(type=RUMPLE_PosedBone, override={"LIBRARY_OVERRIDABLE"})
+
+
+class RUMPLE_TrackedBone(bpy.types.PropertyGroup):
+    """A bone that is compared, by its name."""
+
+    tracked: bpy.props.EnumProperty(name="Follow", items=_TRACKED, default="BOTH", options=set(),
+                                    override={"LIBRARY_OVERRIDABLE"}, update=_rig_changed,
+                                    description="Which end of the bone is compared")
+    group: bpy.props.StringProperty(name="Group", options=set(), override={"LIBRARY_OVERRIDABLE"}, update=_rig_changed,
+                                    description="Bones of one group share the mean of their influences, so that a "
+                                                "wrinkle across them does not break")
+
+
+class RUMPLE_Maps(bpy.types.PropertyGroup):
+    """Reference poses, the bones that are compared, and how the maps are blended and baked."""
+
+    root: bpy.props.StringProperty(name="Root Bone", options=set(), override={"LIBRARY_OVERRIDABLE"},
+                                   update=_rig_changed,
+                                   description="Poses are compared in the space of this bone: its motion has no effect")
+    bones: bpy.props.CollectionProperty(type=RUMPLE_TrackedBone, override=_OVERRIDE)
+    active_bone: bpy.props.IntProperty(options=set(), override={"LIBRARY_OVERRIDABLE"})
+    neutral: bpy.props.CollectionProperty(type=RUMPLE_PosedBone, override={"LIBRARY_OVERRIDABLE"},
+                                          description="The neutral pose where one is captured; else the rest pose")
+    poses: bpy.props.CollectionProperty(type=RUMPLE_ReferencePose, override=_OVERRIDE,
+                                        description=f"At most {MOST_POSES}")
+    active: bpy.props.IntProperty(name="Active Pose", options=set(), override={"LIBRARY_OVERRIDABLE"})
+    maps: bpy.props.EnumProperty(name="Maps Contain", items=_MAPS, default="WRINKLES", options=set(),
+                                 override={"LIBRARY_OVERRIDABLE"}, update=_maps_changed,
+                                 description="How the maps are blended with the neutral normal map")
+    gain: bpy.props.FloatProperty(name="Gain", default=1.0, min=GAINS[0], max=GAINS[1], soft_max=10.0,
+                                  override={"LIBRARY_OVERRIDABLE"}, update=_frame_changed,
+                                  description="Above 1 wrinkles fade less where the skin weight of their bones is small")
+    uv_map: bpy.props.StringProperty(name="UV Map", options=set(), override={"LIBRARY_OVERRIDABLE"},
+                                     update=_maps_changed, description="Of the wrinkle maps; empty: the active one")
+    message: bpy.props.StringProperty(name="Message", get=_message,
+                                      description="What is wrong, in words; empty when nothing is")
+    group: bpy.props.PointerProperty(type=bpy.types.NodeTree, override={"LIBRARY_OVERRIDABLE"},
+                                     description="The node group Rumple Maps of this object")
+
+
+CLASSES = (RUMPLE_PosedBone, RUMPLE_ReferencePose, RUMPLE_TrackedBone, RUMPLE_Maps)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Object.rumple_maps = bpy.props.PointerProperty(type=RUMPLE_Maps, override={"LIBRARY_OVERRIDABLE"})
+
+
+def unregister() -> None:
+    del bpy.types.Object.rumple_maps
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

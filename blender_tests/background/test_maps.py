@@ -1,0 +1,357 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrinkle Maps: reference poses, masks on the evaluated mesh, and what happens when things go wrong."""
+import os
+import tempfile
+import unittest
+
+import bpy
+import face
+import numpy as np
+import sleeve
+from mathutils import Euler, Matrix
+from rumple.blender import maps_live, maps_nodes, maps_tree, versions
+
+ROUNDING = 1e-4  # of a mask: bones of a head in single precision
+
+
+class Masks(unittest.TestCase):
+
+    def setUp(self):
+        self.obj, self.rig = face.scene()
+        self.settings = face.two_poses(self.obj, self.rig)
+
+    def test_a_mask_is_the_skin_weight_at_the_pose_and_nothing_at_the_neutral_one(self):
+        brows = face.weights(self.obj, "brow.L") + face.weights(self.obj, "brow.R")
+        face.pose(self.rig, brow_L=0.01, brow_R=0.01)
+        np.testing.assert_allclose(face.mask(self.obj, "Surprise"), brows, atol=1e-6)
+        self.assertFalse(face.mask(self.obj, "Anger").any())
+        face.pose(self.rig)
+        self.assertFalse(face.mask(self.obj, "Surprise").any())
+        self.assertEqual(self.obj.rumple_maps.message, "")
+
+    def test_one_brow_wrinkles_its_side_only(self):
+        face.pose(self.rig, brow_L=0.005)
+        mask = face.mask(self.obj, "Surprise")
+        np.testing.assert_allclose(mask, 0.5 * face.weights(self.obj, "brow.L"), atol=ROUNDING)
+        elsewhere = face.weights(self.obj, "brow.L") == 0.0
+        self.assertEqual(mask[elsewhere].max(), 0.0)
+
+    def test_the_whole_head_may_move_turn_and_grow(self):
+        face.pose(self.rig, brow_L=0.005, brow_R=0.01, jaw=0.003)
+        before = {name: face.mask(self.obj, name) for name in ("Surprise", "Anger")}
+        self.assertGreater(before["Surprise"].max(), 0.9)
+        for name, bone in (("neck", "neck"), ("head", "head")):
+            self.rig.pose.bones[bone].matrix_basis = (Matrix.Translation((0.3, 0.1, 0.2))
+                                                      @ Euler((0.5, 0.7, -0.4)).to_matrix().to_4x4()
+                                                      @ Matrix.Diagonal((1.3, 1.3, 1.3, 1.0)))
+            self.rig.location, self.rig.scale = (3.0, 0.0, 1.0), (2.0, 2.0, 2.0)
+            bpy.context.view_layer.update()
+            for pose, mask in before.items():
+                np.testing.assert_allclose(face.mask(self.obj, pose), mask, atol=1e-3, err_msg=name)
+
+    def test_packed_for_the_shader_as_one_by_one(self):
+        face.pose(self.rig, brow_L=0.004, jaw=0.002)
+        evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        packed = versions.read_attribute(evaluated.data.attributes[maps_nodes.MASKS.format(0)])
+        np.testing.assert_array_equal(packed[:, 0], face.mask(self.obj, "Surprise"))
+        np.testing.assert_array_equal(packed[:, 1], face.mask(self.obj, "Anger"))
+        self.assertTrue(packed[:, :2].any(0).all())
+        self.assertFalse(packed[:, 2].any())
+
+    def test_the_mesh_stays_what_it_was(self):
+        face.pose(self.rig, brow_L=0.01)
+        evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        self.assertEqual(len(evaluated.data.polygons), len(self.obj.data.polygons))
+        with_maps = versions.positions(evaluated.data).copy()
+        maps_tree.find(self.obj).show_viewport = False
+        bpy.context.view_layer.update()
+        evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        np.testing.assert_array_equal(versions.positions(evaluated.data), with_maps)
+
+    def test_animated_bones_in_any_order_of_frames(self):
+        for frame, height in ((1, 0.0), (11, 0.01)):
+            face.pose(self.rig, brow_L=height)
+            self.rig.pose.bones["brow.L"].keyframe_insert("location", frame=frame)
+        for curve in versions.action_curves(self.rig.animation_data.action):
+            for point in curve.keyframe_points:
+                point.interpolation = "LINEAR"
+        for frame in (6, 1, 11, 3, 8):
+            bpy.context.scene.frame_set(frame)
+            np.testing.assert_allclose(face.mask(self.obj, "Surprise"),
+                                       (frame - 1) / 10 * face.weights(self.obj, "brow.L"), atol=ROUNDING)
+
+    def test_an_animated_gain_and_strength_count(self):
+        face.pose(self.rig, brow_L=0.01, brow_R=0.01)
+        full = face.mask(self.obj, "Surprise")
+        self.settings.poses["Surprise"].strength = 0.5
+        bpy.context.view_layer.update()
+        np.testing.assert_allclose(face.mask(self.obj, "Surprise"), 0.5 * full, atol=1e-6)
+        self.settings.poses["Surprise"].strength = 1.0
+        for frame, gain in ((1, 1.0), (2, 4.0)):
+            self.settings.gain = gain
+            self.obj.keyframe_insert("rumple_maps.gain", frame=frame)
+        bpy.context.scene.frame_set(2)
+        np.testing.assert_allclose(face.mask(self.obj, "Surprise"), 4 * full / (1 + 3 * full), atol=1e-5)
+        bpy.context.scene.frame_set(1)
+        np.testing.assert_allclose(face.mask(self.obj, "Surprise"), full, atol=1e-6)
+
+    def test_mute_and_solo(self):
+        face.pose(self.rig, brow_L=0.01, jaw=0.005)
+        self.settings.poses["Surprise"].muted = True
+        bpy.context.view_layer.update()
+        self.assertFalse(face.mask(self.obj, "Surprise").any())
+        self.assertTrue(face.mask(self.obj, "Anger").any())
+        self.settings.poses["Surprise"].solo = True
+        bpy.context.view_layer.update()
+        self.assertTrue(face.mask(self.obj, "Surprise").any())
+        self.assertFalse(face.mask(self.obj, "Anger").any())
+
+    def test_the_bar_says_how_far_a_pose_is(self):
+        face.pose(self.rig, brow_L=0.01, brow_R=0.005)
+        self.assertAlmostEqual(self.settings.poses["Surprise"].present, 0.75, 4)
+        self.assertEqual(self.settings.poses["Anger"].present, 0.0)
+
+    def test_what_comes_after_keeps_the_masks(self):
+        subdivision = self.obj.modifiers.new("Subdivision", "SUBSURF")
+        subdivision.levels = 1
+        face.pose(self.rig, brow_L=0.01, brow_R=0.01)
+        mask = face.mask(self.obj, "Surprise")
+        self.assertGreater(len(mask), 3 * len(self.obj.data.vertices))
+        self.assertGreater(mask.max(), 0.4)
+
+
+class Poses(unittest.TestCase):
+
+    def setUp(self):
+        self.obj, self.rig = face.scene()
+
+    def test_the_first_pose_chooses_root_and_bones(self):
+        settings = face.two_poses(self.obj, self.rig)
+        self.assertEqual(settings.root, "head")
+        self.assertEqual(sorted(bone.name for bone in settings.bones), ["brow.L", "brow.R", "jaw"])
+
+    def test_selected_bones_are_chosen(self):
+        sleeve.make_active(self.rig)
+        bpy.ops.object.mode_set(mode="POSE")
+        for bone in self.rig.pose.bones:
+            (bone if bpy.app.version >= (5, 0, 0) else bone.bone).select = bone.name == "brow.L"
+        face.pose(self.rig, brow_L=0.01)
+        self.assertEqual(bpy.ops.rumple.pose_add(name="Left"), {"FINISHED"})    # the armature is active
+        bpy.ops.object.mode_set(mode="OBJECT")
+        self.assertEqual([bone.name for bone in self.obj.rumple_maps.bones], ["brow.L"])
+
+    def test_go_to_pose_update_move_remove(self):
+        settings = face.two_poses(self.obj, self.rig)
+        settings.active = 0
+        bpy.ops.rumple.pose_go()
+        self.assertEqual((settings.poses[0].present, settings.poses[1].present), (1.0, 0.0))
+        bpy.ops.rumple.pose_go(neutral=True)
+        self.assertEqual((settings.poses[0].present, settings.poses[1].present), (0.0, 0.0))
+        face.pose(self.rig, brow_L=0.02)
+        bpy.ops.rumple.pose_update()
+        face.pose(self.rig, brow_L=0.01)
+        self.assertAlmostEqual(settings.poses[0].present, 0.5, 4)
+        bpy.ops.rumple.pose_move(direction="DOWN")
+        self.assertEqual(([pose.name for pose in settings.poses], settings.active), (["Anger", "Surprise"], 1))
+        self.assertAlmostEqual(settings.poses[1].present, 0.5, 4)
+        bpy.ops.rumple.pose_remove()
+        self.assertEqual(([pose.name for pose in settings.poses], settings.active), (["Anger"], 0))
+        with sleeve.context():
+            bpy.context.view_layer.update()
+        evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        self.assertNotIn("rumple_pose_Surprise", evaluated.data.attributes)
+
+    def test_a_renamed_pose_renames_its_attribute_and_names_stay_unique(self):
+        settings = face.two_poses(self.obj, self.rig)
+        settings.poses[0].name = "Anger"
+        self.assertEqual([pose.name for pose in settings.poses], ["Anger.001", "Anger"])
+        face.pose(self.rig, brow_L=0.01)
+        self.assertTrue(face.mask(self.obj, "Anger.001").any())
+        bpy.ops.rumple.pose_add(name="Anger")
+        self.assertEqual(settings.poses[2].name, "Anger.002")
+
+    def test_a_captured_neutral_pose(self):
+        settings = face.two_poses(self.obj, self.rig)
+        face.pose(self.rig, brow_L=0.005, brow_R=0.005)
+        bpy.ops.rumple.neutral_capture()
+        face.pose(self.rig, brow_L=0.005, brow_R=0.005)
+        self.assertEqual(settings.poses["Surprise"].present, 0.0)
+        face.pose(self.rig, brow_L=0.0075, brow_R=0.0075)
+        self.assertAlmostEqual(settings.poses["Surprise"].present, 0.5, 3)
+        bpy.ops.rumple.pose_go(neutral=True)
+        self.assertAlmostEqual(self.rig.pose.bones["brow.L"].location.length, 0.005, 6)
+        bpy.ops.rumple.neutral_rest()
+        bpy.context.view_layer.update()
+        self.assertAlmostEqual(settings.poses["Surprise"].present, 0.5, 3)
+
+    def refused(self, call, *words):
+        """Operators raise in background mode what they report in the window."""
+        with self.assertRaises(RuntimeError) as caught:
+            call()
+        for word in words:
+            self.assertIn(word, str(caught.exception))
+
+    def test_equal_poses_are_refused_by_name_and_nothing_is_lost(self):
+        settings = face.two_poses(self.obj, self.rig)
+        face.pose(self.rig, brow_L=0.01, brow_R=0.01)
+        self.refused(lambda: bpy.ops.rumple.pose_add(name="Twin"), "pose Twin", "as in pose Surprise")
+        face.pose(self.rig)
+        self.refused(lambda: bpy.ops.rumple.pose_add(name="Still"), "pose Still", "neutral pose")
+        self.assertEqual([pose.name for pose in settings.poses], ["Surprise", "Anger"])
+        settings.active = 1
+        before = [tuple(bone.matrix) for bone in settings.poses[1].bones]
+        self.refused(bpy.ops.rumple.pose_update, "pose Anger", "neutral pose")
+        self.assertEqual([tuple(bone.matrix) for bone in settings.poses[1].bones], before)
+        face.pose(self.rig, brow_L=0.01, brow_R=0.01)
+        self.refused(bpy.ops.rumple.neutral_capture, "pose Surprise", "neutral pose")
+        self.assertEqual(len(settings.neutral), 0)
+        self.assertEqual(settings.poses["Surprise"].present, 1.0)
+
+    def test_sixteen_poses_and_not_one_more(self):
+        for number in range(16):
+            face.pose(self.rig, brow_L=0.001 * (number + 1), brow_R=0.001 * (number % 3))
+            bpy.ops.rumple.pose_add(name="P")
+        face.pose(self.rig, jaw=0.01)
+        self.refused(lambda: bpy.ops.rumple.pose_add(name="P"), "16 reference poses")
+        face.pose(self.rig, brow_L=0.016, brow_R=0.0)
+        self.assertAlmostEqual(face.mask(self.obj, "P.015").max(), face.weights(self.obj, "brow.L").max(), 5)
+
+
+class Wrong(unittest.TestCase):
+    """What a file may have gone through. Each is said in words, and the rest goes on."""
+
+    def setUp(self):
+        self.obj, self.rig = face.scene()
+        self.settings = face.two_poses(self.obj, self.rig)
+
+    def settle(self):
+        self.obj.update_tag()
+        bpy.context.view_layer.update()
+        bpy.context.view_layer.update()
+
+    def edit(self, change):
+        sleeve.make_active(self.rig)
+        bpy.ops.object.mode_set(mode="EDIT")
+        change(self.rig.data.edit_bones)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        sleeve.make_active(self.obj)
+        self.settle()
+
+    def test_a_deleted_bone_is_named_and_the_others_go_on(self):
+        self.edit(lambda bones: bones.remove(bones["brow.R"]))
+        face.pose(self.rig, brow_L=0.01)
+        self.assertIn("Rig has no bone brow.R", face.notes(self.obj))
+        np.testing.assert_allclose(face.mask(self.obj, "Surprise"), face.weights(self.obj, "brow.L"), atol=1e-2)
+
+    def test_a_renamed_bone_is_named(self):
+        self.rig.data.bones["jaw"].name = "chin"
+        maps_live.rig_changed(self.obj)
+        self.settle()
+        self.assertIn("no bone jaw", face.notes(self.obj))
+        face.pose(self.rig, brow_L=0.01)
+        self.assertTrue(face.mask(self.obj, "Surprise").any())
+
+    def test_a_lost_root_is_named(self):
+        self.edit(lambda bones: bones.remove(bones["head"]))
+        self.assertIn("Rig has no bone \"head\" to be the root", self.obj.rumple_maps.message)
+        self.assertEqual(len(self.settings.poses), 2)
+
+    def test_another_armature_without_these_bones(self):
+        self.obj.modifiers["Armature"].object = sleeve.arm()
+        sleeve.make_active(self.obj)
+        maps_live.rig_changed(self.obj)
+        self.settle()
+        self.assertIn("Arm has no bone \"head\"", self.obj.rumple_maps.message)
+        self.obj.modifiers["Armature"].object = self.rig
+        maps_live.rig_changed(self.obj)
+        self.settle()
+        self.assertEqual(self.obj.rumple_maps.message, "")
+
+    def test_a_mesh_without_the_vertex_group(self):
+        self.obj.vertex_groups.remove(self.obj.vertex_groups["brow.L"])
+        maps_live.rig_changed(self.obj)
+        face.pose(self.rig, brow_L=0.01, brow_R=0.01)
+        self.assertIn("no vertex group brow.L", face.notes(self.obj))
+        self.assertGreater(face.mask(self.obj, "Surprise").max(), 0.9)
+
+    def test_weights_that_do_not_sum_to_one_are_counted(self):
+        self.obj.vertex_groups["head"].add([0, 1, 2], 0.5, "REPLACE")
+        maps_live.rig_changed(self.obj)
+        self.settle()
+        self.assertIn("the skin weights of 3 vertices do not sum to 1", face.notes(self.obj))
+
+    def test_images_missing_of_another_size_or_read_as_colours(self):
+        for pose, size in zip(self.settings.poses, (64, 32)):
+            pose.image = bpy.data.images.new(pose.name, size, size)
+            pose.image.colorspace_settings.name = "Non-Color"
+        self.settle()
+        self.assertIn("has 32 x 32 texels, that of pose Surprise 64 x 64", face.notes(self.obj))
+        self.settings.poses[0].image.colorspace_settings.name = "sRGB"
+        self.settings.poses[1].image.source = "FILE"
+        self.settings.poses[1].image.filepath = "//not_there.png"
+        maps_live.maps_changed(self.obj)
+        self.settle()
+        self.assertIn("Surprise is read as a colour", face.notes(self.obj))
+        self.assertIn("Anger of pose Anger cannot be found: //not_there.png", face.notes(self.obj))
+
+    def test_other_vertices_get_other_masks(self):
+        mesh = face.sheet()
+        self.obj.data = mesh
+        self.settle()
+        face.pose(self.rig, brow_L=0.01)
+        self.assertFalse(face.mask(self.obj, "Surprise").any())     # the new mesh has no weights
+        self.assertIn("have no skin weight", face.notes(self.obj))
+
+    def test_without_an_armature_it_cannot_be_added(self):
+        bpy.ops.rumple.maps_remove()
+        self.obj.modifiers.remove(self.obj.modifiers["Armature"])
+        with self.assertRaisesRegex(RuntimeError, "No armature deforms|poll"):
+            bpy.ops.rumple.maps_add()
+
+
+class Files(unittest.TestCase):
+
+    def setUp(self):
+        self.obj, self.rig = face.scene()
+        self.settings = face.two_poses(self.obj, self.rig)
+
+    def test_saved_and_opened_all_is_there(self):
+        bpy.ops.rumple.maps_show()
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "face.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            bpy.ops.wm.read_homefile(use_empty=True)
+            bpy.ops.wm.open_mainfile(filepath=path)
+        obj, rig = bpy.data.objects["Face"], bpy.data.objects["Rig"]
+        face.pose(rig, brow_L=0.01, brow_R=0.01)
+        self.assertEqual(obj.rumple_maps.poses["Surprise"].present, 1.0)
+        self.assertGreater(face.mask(obj, "Surprise").max(), 0.9)
+        self.assertEqual(maps_nodes.shown_in(obj.data.materials[0]), obj.rumple_maps.group)
+
+    def test_a_duplicate_gets_its_own(self):
+        copy = self.obj.copy()
+        bpy.context.scene.collection.objects.link(copy)
+        bpy.context.view_layer.update()
+        copy.rumple_maps.poses["Anger"].name = "Fury"
+        face.pose(self.rig, brow_L=-0.008, brow_R=-0.008, jaw=0.005)
+        self.assertTrue(face.mask(copy, "Fury").any())
+        self.assertTrue(face.mask(self.obj, "Anger").any())
+        carriers = {maps_tree.carrier(maps_tree.find(obj)) for obj in (self.obj, copy)}
+        self.assertEqual(len(carriers), 2)
+
+    def test_removed_nothing_is_left_but_the_poses(self):
+        bpy.ops.rumple.maps_show()
+        bpy.ops.rumple.maps_remove()
+        self.assertEqual([m.name for m in self.obj.modifiers], ["Armature"])
+        self.assertFalse([o for o in bpy.data.objects if maps_tree.CARRIER_KEY in o])
+        self.assertFalse([g for g in bpy.data.node_groups if maps_tree.is_ours(g) or maps_nodes.is_ours(g)])
+        self.assertEqual([pose.name for pose in self.settings.poses], ["Surprise", "Anger"])
+        bpy.ops.rumple.maps_add()
+        face.pose(self.rig, brow_L=0.01, brow_R=0.01)
+        self.assertEqual(self.settings.poses["Surprise"].present, 1.0)
+
+    def test_deleted_by_blenders_own_button_the_carrier_goes(self):
+        self.obj.modifiers.remove(maps_tree.find(self.obj))
+        from rumple.blender import structure
+        structure.settle_all()
+        self.assertFalse([o for o in bpy.data.objects if maps_tree.CARRIER_KEY in o])

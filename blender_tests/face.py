@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A small face: a sheet with two brows that a bone each moves, on a head that may move as a whole."""
+import math
+
+import bpy
+import numpy as np
+import sleeve
+from rumple.blender import maps_live, maps_tree, versions
+
+SIDE = 13  # vertices along each side of 0.12 m
+BROWS = ("brow.L", "brow.R")
+
+
+def sheet():
+    """A flat face in the xz plane that looks along -y, with a UV map and a material."""
+    place = np.linspace(-0.06, 0.06, SIDE)
+    vertices = [(x, 0.0, z) for z in place for x in place]
+    quads = [(j * SIDE + i, j * SIDE + i + 1, (j + 1) * SIDE + i + 1, (j + 1) * SIDE + i)
+             for j in range(SIDE - 1) for i in range(SIDE - 1)]
+    mesh = bpy.data.meshes.new("Face")
+    mesh.from_pydata(vertices, [], quads)
+    corners = np.array([vertices[v] for quad in quads for v in quad], np.float32)
+    uv = (corners[:, [0, 2]] + 0.06) / 0.12
+    mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", np.ascontiguousarray(uv).ravel())
+    material = bpy.data.materials.new("Skin")
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
+    mesh.materials.append(material)
+    return mesh
+
+
+def head():
+    """Bones neck > head > brow.L, brow.R, jaw."""
+    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    places = dict(neck=((0, 0, -0.2), (0, 0, -0.1)), head=((0, 0, -0.1), (0, 0, 0.1)),
+                  jaw=((0, 0.02, -0.02), (0, 0, -0.06)))
+    places.update({"brow.L": ((0.03, 0.01, 0.02), (0.03, 0, 0.02)), "brow.R": ((-0.03, 0.01, 0.02), (-0.03, 0, 0.02))})
+    for name, (start, end) in places.items():
+        bone = rig.data.edit_bones.new(name)
+        bone.head, bone.tail = start, end
+    for name, parent in (("head", "neck"), ("jaw", "head"), ("brow.L", "head"), ("brow.R", "head")):
+        rig.data.edit_bones[name].parent = rig.data.edit_bones[parent]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return rig
+
+
+def share(x, z):
+    """Weights of (brow.L, brow.R, jaw); the head has the rest."""
+    def near(cx, cz, reach):
+        return max(0.0, 1.0 - math.hypot(x - cx, z - cz) / reach)
+    return near(0.03, 0.02, 0.03), near(-0.03, 0.02, 0.03), near(0.0, -0.06, 0.05)
+
+
+def scene(maps=True):
+    """(face, rig) in an empty file, with Wrinkle Maps unless told otherwise."""
+    sleeve.empty_file()
+    rig, mesh = head(), sheet()
+    obj = bpy.data.objects.new("Face", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    groups = [obj.vertex_groups.new(name=name) for name in (*BROWS, "jaw", "head")]
+    for vertex in mesh.vertices:
+        weights = share(vertex.co.x, vertex.co.z)
+        for group, weight in zip(groups, (*weights, 1.0 - sum(weights))):
+            if weight > 0.0:
+                group.add([vertex.index], weight, "REPLACE")
+    obj.modifiers.new("Armature", "ARMATURE").object = rig
+    sleeve.make_active(obj)
+    if maps:
+        bpy.ops.object.rumple_add(method="MAPS")
+    return obj, rig
+
+
+def pose(rig, **heights):
+    """Raise bones by metres: brow_L=0.01, jaw=-0.02. The others go to rest."""
+    for bone in rig.pose.bones:
+        bone.matrix_basis.identity()
+    for name, height in heights.items():
+        bone = rig.pose.bones[name.replace("_", ".")]
+        bone.location = bone.bone.matrix_local.to_3x3().inverted() @ _vector(height)
+    bpy.context.view_layer.update()
+
+
+def _vector(height):
+    from mathutils import Vector
+    return Vector((0.0, 0.0, height))
+
+
+def two_poses(obj, rig):
+    """Surprise: both brows up. Anger: both down and the jaw up."""
+    pose(rig, brow_L=0.01, brow_R=0.01)
+    bpy.ops.rumple.pose_add(name="Surprise")
+    pose(rig, brow_L=-0.008, brow_R=-0.008, jaw=0.005)
+    bpy.ops.rumple.pose_add(name="Anger")
+    pose(rig)
+    return obj.rumple_maps
+
+
+def mask(obj, name):
+    """A mask on the evaluated mesh, (n,)."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return versions.read_attribute(evaluated.data.attributes[maps_tree.MASK.format(name)])[:, 0]
+
+
+def weights(obj, name):
+    """(n,) of a vertex group."""
+    index = obj.vertex_groups[name].index
+    return np.array([sum(e.weight for e in vertex.groups if e.group == index) for vertex in obj.data.vertices],
+                    np.float32)
+
+
+def notes(obj):
+    return " | ".join(maps_live.runtime(obj).notes)
