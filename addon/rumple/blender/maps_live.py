@@ -197,7 +197,7 @@ def _tidy(mapped: list[bpy.types.Object]) -> None:
         from . import modifier
         for candidate, users in bpy.data.user_map(subset=candidates).items():
             if not users:
-                modifier.delete_carrier(candidate)
+                modifier.delete_hidden(candidate)
 
 
 # ---------------------------------------------------------------- the frame

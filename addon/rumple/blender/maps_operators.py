@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The buttons of the Wrinkle Maps.
 
-bpy.ops.rumple.maps_add() (or object.rumple_add(method="MAPS")), maps_remove(), pose_add(name="Surprise"), pose_update(), pose_remove(), pose_move(direction="UP"), pose_go(),
-pose_go(neutral=True), neutral_capture(), neutral_rest(), maps_bones(), maps_show(), maps_hide(). Renaming, muting and solo
-are properties of object.rumple_maps.poses[...]. They act on the active mesh or, while its armature is posed, on the
-mesh with Wrinkle Maps that it deforms.
+bpy.ops.rumple.maps_add() (or object.rumple_add(method="MAPS")), maps_remove(), maps_show(), maps_hide(), maps_bones(),
+pose_add(name="Surprise"), pose_update(), pose_remove(), pose_move(direction="UP"), pose_go(), pose_go(neutral=True),
+neutral_capture(), neutral_rest(). Renaming, muting and solo are properties of object.rumple_maps.poses[...]. They act
+on the active mesh or, while its armature is posed, on the mesh with Wrinkle Maps that it deforms.
 """
 from __future__ import annotations
 

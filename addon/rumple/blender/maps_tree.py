@@ -140,7 +140,7 @@ def remove(obj: bpy.types.Object) -> None:
     if group.users == 0 and versions.is_editable(group):
         bpy.data.node_groups.remove(group)
     if held is not None and not any(carrier(other) == held for _, other in mapped_objects()):
-        modifier.delete_carrier(held)
+        modifier.delete_hidden(held)
 
 
 def _set(ours: bpy.types.NodesModifier, name: str, value: object) -> None:
@@ -175,7 +175,7 @@ def give_carrier(obj: bpy.types.Object, ours: bpy.types.NodesModifier, count: in
     ours.node_group = ours.node_group
     obj.update_tag()
     if former is not None and former.users == 0:
-        modifier.delete_carrier(former)
+        modifier.delete_hidden(former)
     return held
 
 
