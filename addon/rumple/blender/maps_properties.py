@@ -126,7 +126,7 @@ class RUMPLE_Maps(bpy.types.PropertyGroup):
                                  description="How the maps are blended with the neutral normal map")
     gain: bpy.props.FloatProperty(name="Gain", default=1.0, min=GAINS[0], max=GAINS[1], soft_max=10.0,
                                   override={"LIBRARY_OVERRIDABLE"}, update=_frame_changed,
-                                  description="Above 1 wrinkles fade less where the skin weight of their bones is small")
+                                  description="Above 1 wrinkles fade less where the skin weight of their bones is low")
     uv_map: bpy.props.StringProperty(name="UV Map", options=set(), override={"LIBRARY_OVERRIDABLE"},
                                      update=_maps_changed, description="Of the wrinkle maps; empty: the active one")
     message: bpy.props.StringProperty(name="Message", get=_message,
