@@ -292,6 +292,7 @@ def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
 def _add_buttons(layout: bpy.types.UILayout) -> None:
     for system in SYSTEMS.values():
         layout.operator("object.rumple_add", text=system.label, icon="MOD_CLOTH").method = system.method
+    layout.operator("rumple.maps_add", icon="ARMATURE_DATA")
 
 
 CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
