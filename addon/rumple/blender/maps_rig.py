@@ -162,7 +162,9 @@ def rig_of(obj: bpy.types.Object) -> tuple[PoseRig, list[str]]:
         notes.append(f"{obj.name}: it has no vertex group {_listed(idle)}: these bones show no wrinkle")
     names = [bone.name for bone in bones]
     at_rest = _at_rest(armature, settings.root).relative(obj, settings.root, names, None)
-    neutral = _pose_of(obj, settings.neutral, "the neutral pose", names, at_rest, notes) if settings.neutral else at_rest
+    neutral = at_rest
+    if settings.neutral:
+        neutral = _pose_of(obj, settings.neutral, "the neutral pose", names, at_rest, notes)
     rig = PoseRig(obj.name, settings.root, bones, neutral, maps=settings.maps, gain=settings.gain)
     for pose in settings.poses:
         places = _pose_of(obj, pose.bones, f"pose {pose.name}", names, neutral, notes)
