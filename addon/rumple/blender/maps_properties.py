@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..core.poses import GAINS, MOST_POSES
+from .properties import METHODS
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
 _TRACKED = (
@@ -129,6 +130,24 @@ class RUMPLE_Maps(bpy.types.PropertyGroup):
                                   description="Above 1 wrinkles fade less where the skin weight of their bones is low")
     uv_map: bpy.props.StringProperty(name="UV Map", options=set(), override={"LIBRARY_OVERRIDABLE"},
                                      update=_maps_changed, description="Of the wrinkle maps; empty: the active one")
+    bake_source: bpy.props.EnumProperty(name="Wrinkles", items=METHODS[1:], default="MESH", options=set(),
+                                        override={"LIBRARY_OVERRIDABLE"},
+                                        description="What makes the wrinkles that are baked, with its settings as they "
+                                                    "are set on this object")
+    bake_size: bpy.props.IntProperty(name="Size", default=1024, min=16, max=16384, subtype="PIXEL", options=set(),
+                                     override={"LIBRARY_OVERRIDABLE"}, description="Texels along each side of the map")
+    bake_margin: bpy.props.IntProperty(name="Margin", default=16, min=0, max=256, subtype="PIXEL", options=set(),
+                                       override={"LIBRARY_OVERRIDABLE"},
+                                       description="Texels by which the map reaches beyond the islands of the UV map")
+    bake_cage: bpy.props.FloatProperty(name="Cage", default=0.0, min=0.0, soft_max=0.1, subtype="DISTANCE",
+                                       unit="LENGTH", precision=4, options=set(), override={"LIBRARY_OVERRIDABLE"},
+                                       description="How far outside the coarse mesh the baker looks for wrinkles. 0: "
+                                                   "from the height of the folds")
+    bake_deep: bpy.props.BoolProperty(name="16 Bit", options=set(), override={"LIBRARY_OVERRIDABLE"},
+                                      description="More than eight bits a channel: no steps in broad shallow wrinkles")
+    bake_folder: bpy.props.StringProperty(name="Folder", options=set(), override={"LIBRARY_OVERRIDABLE"},
+                                          subtype="DIR_PATH",
+                                          description="Where maps are saved. Empty: packed into the blend file")
     message: bpy.props.StringProperty(name="Message", get=_message,
                                       description="What is wrong, in words; empty when nothing is")
     group: bpy.props.PointerProperty(type=bpy.types.NodeTree, override={"LIBRARY_OVERRIDABLE"},

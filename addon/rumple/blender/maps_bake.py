@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake Wrinkle Map: the wrinkles that Rumple itself makes in a reference pose become the map of that pose.
+
+bpy.ops.rumple.maps_bake() bakes the active pose, maps_bake(every=True) all of them. A copy of the object gets the
+chosen wrinkles and settles in the pose; Blender's own baker (Cycles, selected to active) writes their normals to the
+coarse mesh's UV map. All of this happens on copies, in a scene of its own: the artist's objects and scene stay as
+they are, but for the image and the slot that gets it.
+"""
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import Iterator
+
+import bpy
+import numpy as np
+
+from ..core.engine import Refused
+from . import maps_live, maps_operators, maps_rig, maps_tree, modifier, operators, registry, structure, versions
+
+SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
+SETTLE_ITERATIONS = 100  # from the canonical start: a single picture may take its time
+CAGE_OFFSETS = 1.5  # an automatic cage stands outside the highest fold by half of its height
+
+
+class MapBake:
+    """Bakes poses one after the other. steps() does the work; close() leaves everything as it was before."""
+
+    def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, poses: list[int]) -> None:
+        """Raises Refused where nothing can be baked."""
+        self.context, self.obj, self.poses = context, obj, poses
+        self.armature = maps_rig.armature_of(obj)
+        self.done = 0
+        self.names: list[str] = []
+        if not obj.data.uv_layers:
+            raise Refused(f"{obj.name}: it has no UV map to bake to")
+        if "CYCLES" not in _engines():
+            raise Refused("Cycles bakes the maps: switch on its add-on in the preferences")
+        self._former = [(bone.name, bone.matrix_basis.copy()) for bone in self.armature.pose.bones]
+
+    @property
+    def count(self) -> int:
+        return 3 * len(self.poses)
+
+    def steps(self) -> Iterator[str]:
+        """Yields before each step what it does. Raises Refused."""
+        for number in self.poses:
+            pose = self.obj.rumple_maps.poses[number]
+            yield f"{pose.name}: settling the wrinkles"
+            maps_rig.go_to(pose.bones, self.armature)
+            with self._posed_copies() as (low, high, height):
+                self.done += 1
+                yield f"{pose.name}: baking"
+                image = self._bake(pose, low, high, height)
+                self.done += 1
+            yield f"{pose.name}: storing the map"
+            self._store(image)
+            pose.image = image
+            self.names.append(image.name)
+            self.done += 1
+
+    def close(self) -> None:
+        """Put the armature back."""
+        for name, basis in self._former:
+            self.armature.pose.bones[name].matrix_basis = basis
+        maps_live.maps_changed(self.obj)
+        self.context.view_layer.update()
+
+    # --- the two meshes
+    @contextmanager
+    def _posed_copies(self) -> Iterator[tuple[bpy.types.Object, bpy.types.Object, float]]:
+        """The coarse mesh and the wrinkled one in the present pose, without modifiers; height of the folds."""
+        low = high = None
+        coarse, wrinkled = self._plain_copy("low"), self._plain_copy("high")
+        try:
+            self._add_wrinkles(wrinkled)
+            low, high = (self._frozen(copy) for copy in (coarse, wrinkled))
+            if "rumple_offset" not in high.data.attributes:
+                raise Refused(registry.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this pose")
+            offsets = versions.read_attribute(high.data.attributes["rumple_offset"])
+            yield low, high, float(np.sqrt((offsets * offsets).sum(1)).max())
+        finally:
+            if modifier.find(wrinkled) is not None:
+                operators.remove_all(wrinkled)
+            for copy in (coarse, wrinkled, low, high):
+                if copy is not None:
+                    _delete(copy)
+
+    def _plain_copy(self, suffix: str) -> bpy.types.Object:
+        """A copy with the deforming modifiers only, in the artist's scene: its animation and drivers go on."""
+        copy = self.obj.copy()
+        copy.data = self.obj.data.copy()
+        copy.name = f"{self.obj.name} bake {suffix}"
+        ours, wrinkles = maps_tree.find(copy), modifier.find(copy)
+        behind = {m.name for m in list(copy.modifiers)[modifier.place_behind_deforming(copy):]}
+        for name in [m.name for m in copy.modifiers if m in (ours, wrinkles) or m.name in behind]:
+            copy.modifiers.remove(copy.modifiers[name])
+        copy.rumple.method = "NONE"
+        self.context.scene.collection.objects.link(copy)
+        copy.hide_set(False)
+        copy.hide_viewport = False
+        return copy
+
+    def _add_wrinkles(self, copy: bpy.types.Object) -> None:
+        method = self.obj.rumple_maps.bake_source
+        with self.context.temp_override(object=copy, active_object=copy, selected_objects=[copy]):
+            result = bpy.ops.object.rumple_add(method=method, shade=False)
+        if result != {"FINISHED"}:
+            raise Refused(registry.message(copy) or f"{self.obj.name}: the wrinkles cannot be made")
+        if method == "FIELD":
+            copy.rumple.field.output = "GEOMETRY"
+        else:
+            copy.rumple.mesh.start_iterations = max(SETTLE_ITERATIONS, copy.rumple.mesh.start_iterations)
+        structure.settle_all()
+        for _ in range(2):  # the solve, then its picture
+            copy.update_tag()
+            self.context.view_layer.update()
+
+    def _frozen(self, copy: bpy.types.Object) -> bpy.types.Object:
+        depsgraph = self.context.evaluated_depsgraph_get()
+        mesh = bpy.data.meshes.new_from_object(copy.evaluated_get(depsgraph), preserve_all_data_layers=True,
+                                              depsgraph=depsgraph)
+        frozen = bpy.data.objects.new(copy.name, mesh)
+        frozen.matrix_world = copy.matrix_world
+        return frozen
+
+    # --- the baker
+    def _bake(self, pose: bpy.types.PropertyGroup, low: bpy.types.Object, high: bpy.types.Object,
+              height: float) -> bpy.types.Image:
+        settings = self.obj.rumple_maps
+        size, name = settings.bake_size, f"{self.obj.name} {pose.name}"
+        image = bpy.data.images.new(name, size, size, alpha=False, float_buffer=settings.bake_deep, is_data=True)
+        image.colorspace_settings.name = "Non-Color"
+        material = _show_only(low, image)
+        if settings.uv_map in low.data.uv_layers:
+            low.data.uv_layers[settings.uv_map].active_render = True
+        scale = structure.metres_per_unit(self.obj, self.context.scene)
+        cage = settings.bake_cage or max(CAGE_OFFSETS * height * scale, 1e-6)
+        scene = bpy.data.scenes.new("Rumple Bake")
+        try:
+            for obj in (low, high):
+                scene.collection.objects.link(obj)
+                obj.rumple.method = "NONE"
+            scene.render.engine = "CYCLES"
+            scene.cycles.samples, scene.cycles.use_denoising = SAMPLES, False
+            layer = scene.view_layers[0]
+            layer.update()
+            with self.context.temp_override(scene=scene, view_layer=layer, object=low, active_object=low,
+                                            selected_objects=[low, high]):
+                bpy.ops.object.bake(type="NORMAL", normal_space="TANGENT", use_selected_to_active=True, use_clear=True,
+                                    cage_extrusion=cage, max_ray_distance=2.0 * cage, margin=settings.bake_margin,
+                                    target="IMAGE_TEXTURES", save_mode="INTERNAL")
+        except RuntimeError as error:
+            bpy.data.images.remove(image)
+            raise Refused(f"{self.obj.name}: pose {pose.name} cannot be baked: {error}") from error
+        finally:
+            bpy.data.scenes.remove(scene)
+            bpy.data.materials.remove(material)
+        return image
+
+    def _store(self, image: bpy.types.Image) -> None:
+        """Into the blend file, or as a file where a folder is set."""
+        settings = self.obj.rumple_maps
+        if not settings.bake_folder:
+            image.pack()
+            return
+        from . import maps_export
+        maps_export.save_image(image, settings.bake_folder, settings.bake_deep)
+
+
+def _engines() -> set[str]:
+    return {"CYCLES"} if hasattr(bpy.types.Scene, "cycles") else set()
+
+
+def _show_only(low: bpy.types.Object, image: bpy.types.Image) -> bpy.types.Material:
+    """One material for all faces, whose active node is the image: there the baker writes."""
+    material = bpy.data.materials.new(low.name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    texture = material.node_tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    material.node_tree.nodes.active = texture
+    low.data.materials.clear()
+    low.data.materials.append(material)
+    return material
+
+
+def _delete(obj: bpy.types.Object) -> None:
+    mesh = obj.data
+    bpy.data.objects.remove(obj)
+    if mesh.users == 0:
+        bpy.data.meshes.remove(mesh)
+
+
+class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
+    """Make the wrinkle map of the active reference pose from the object's own wrinkles"""
+
+    bl_idname = "rumple.maps_bake"
+    bl_label = "Bake Wrinkle Map"
+
+    every: bpy.props.BoolProperty(name="Every Pose", description="Bake the maps of all reference poses",
+                                  options={"SKIP_SAVE"})
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        bake = None
+        try:
+            bake = self._begin(context)
+            for _ in bake.steps():
+                pass
+        except Refused as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        finally:
+            if bake is not None:
+                bake.close()
+        return self._finished(bake)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        if bpy.app.background:
+            return self.execute(context)
+        try:
+            self._running = self._begin(context)
+        except Refused as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._steps = self._running.steps()
+        manager = context.window_manager
+        manager.progress_begin(0, self._running.count)
+        self._timer = manager.event_timer_add(0.05, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type == "ESC":
+            self._end_modal(context)
+            self.report({"INFO"}, f"Bake cancelled; finished maps: {', '.join(self._running.names) or 'none'}")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        try:
+            text = next(self._steps)
+        except StopIteration:
+            self._end_modal(context)
+            return self._finished(self._running)
+        except Refused as error:
+            self._end_modal(context)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        context.window_manager.progress_update(self._running.done)
+        if context.workspace is not None:
+            context.workspace.status_text_set(f"{text} ({self._running.done} of {self._running.count}). Esc cancels")
+        return {"RUNNING_MODAL"}
+
+    def _begin(self, context: bpy.types.Context) -> MapBake:
+        obj = maps_operators.target(context)
+        settings = obj.rumple_maps
+        return MapBake(context, obj, list(range(len(settings.poses))) if self.every else [settings.active])
+
+    def _end_modal(self, context: bpy.types.Context) -> None:
+        self._steps.close()  # deletes the copies
+        self._running.close()
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+
+    def _finished(self, bake: MapBake) -> set[str]:
+        self.report({"INFO"}, f"Baked {', '.join(bake.names)}")
+        return {"FINISHED"}
+
+
+CLASSES = (RUMPLE_OT_maps_bake,)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
