@@ -9,17 +9,21 @@ they are, but for the image and the slot that gets it.
 from __future__ import annotations
 
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Iterator
 
 import bpy
 import numpy as np
 
 from ..core.engine import Refused
-from . import maps_live, maps_operators, maps_rig, maps_tree, modifier, operators, registry, structure, versions
+from . import maps_export, maps_live, maps_nodes, maps_operators, maps_rig, maps_tree, modifier, operators, registry, structure, versions
 
 SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single picture may take its time
-CAGE_OFFSETS = 1.5  # an automatic cage stands outside the highest fold by half of its height
+HIGH_FOLDS = 99.0  # per cent of the points: the others lie in corners of mouth and eyes, where skin meets skin ...
+CAGE_OFFSETS = 2.0  # ... and an automatic cage that stands this many heights outside sees no other skin
+
+STEEPEST = 0.2  # cosine of the steepest slope that a wrinkle can have: 78 degrees
 
 
 class MapBake:
@@ -53,8 +57,8 @@ class MapBake:
                 image = self._bake(pose, low, high, height)
                 self.done += 1
             yield f"{pose.name}: storing the map"
-            self._store(image)
             pose.image = image
+            self._store(image)
             self.names.append(image.name)
             self.done += 1
 
@@ -77,7 +81,7 @@ class MapBake:
             if "rumple_offset" not in high.data.attributes:
                 raise Refused(registry.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this pose")
             offsets = versions.read_attribute(high.data.attributes["rumple_offset"])
-            yield low, high, float(np.sqrt((offsets * offsets).sum(1)).max())
+            yield low, high, float(np.percentile(np.sqrt((offsets * offsets).sum(1)), HIGH_FOLDS))
         finally:
             if modifier.find(wrinkled) is not None:
                 operators.remove_all(wrinkled)
@@ -155,6 +159,7 @@ class MapBake:
         finally:
             bpy.data.scenes.remove(scene)
             bpy.data.materials.remove(material)
+        _flatten_strays(image)
         return image
 
     def _store(self, image: bpy.types.Image) -> None:
@@ -163,8 +168,11 @@ class MapBake:
         if not settings.bake_folder:
             image.pack()
             return
-        from . import maps_export
-        maps_export.save_image(image, settings.bake_folder, settings.bake_deep)
+        try:
+            maps_export.save_image(image, Path(bpy.path.abspath(settings.bake_folder)), settings.bake_deep)
+        except (OSError, RuntimeError) as error:
+            image.pack()
+            raise Refused(f"{self.obj.name}: the map {image.name} cannot be saved and is packed: {error}") from error
 
 
 def _engines() -> set[str]:
@@ -182,6 +190,18 @@ def _show_only(low: bpy.types.Object, image: bpy.types.Image) -> bpy.types.Mater
     low.data.materials.clear()
     low.data.materials.append(material)
     return material
+
+
+def _flatten_strays(image: bpy.types.Image) -> None:
+    """Texels that lean almost sideways saw other skin, where a mesh folds over itself: they become flat."""
+    pixels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(pixels)
+    texels = pixels.reshape(-1, 4)
+    strays = texels[:, 2] < 0.5 + 0.5 * STEEPEST
+    if strays.any():
+        texels[strays] = maps_nodes.FLAT
+        image.pixels.foreach_set(pixels)
+        image.update()
 
 
 def _delete(obj: bpy.types.Object) -> None:

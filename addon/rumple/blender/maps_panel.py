@@ -117,6 +117,21 @@ class _Bones(_Maps):
         layout.operator("rumple.maps_bones")
 
 
+class _Bake(_Maps):
+    bl_label = "Bake Maps"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, self.object(context).rumple_maps
+        layout.use_property_split, layout.use_property_decorate = True, False
+        for name in ("bake_source", "bake_size", "bake_margin", "bake_cage", "bake_deep", "bake_folder"):
+            layout.prop(settings, name)
+        row = layout.row(align=True)
+        row.operator("rumple.maps_bake", icon="RENDER_STILL")
+        row.operator("rumple.maps_bake", text="All Poses").every = True
+        layout.operator("rumple.maps_export", icon="EXPORT")
+
+
 class _Status(_Maps):
     bl_label = "Status"
 
@@ -143,6 +158,7 @@ CLASSES = (RUMPLE_UL_poses, RUMPLE_UL_tracked_bones,
            _panel(_Poses, _Maps, "DATA_PT_rumple_maps"),
            _panel(_Shading, _Maps, "DATA_PT_rumple_maps_shading", "DATA_PT_rumple_maps"),
            _panel(_Bones, _Maps, "DATA_PT_rumple_maps_bones", "DATA_PT_rumple_maps"),
+           _panel(_Bake, _Maps, "DATA_PT_rumple_maps_bake", "DATA_PT_rumple_maps"),
            _panel(_Status, _Maps, "DATA_PT_rumple_maps_status", "DATA_PT_rumple_maps"),
            _panel(_Poses, _InSidebar, "VIEW3D_PT_rumple_maps"),
            _panel(_Shading, _InSidebar, "VIEW3D_PT_rumple_maps_shading", "VIEW3D_PT_rumple_maps"))

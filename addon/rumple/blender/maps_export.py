@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrinkle Maps for a game engine: the rig as JSON (core/poses.py), the maps as PNG beside it, influences by frame.
+
+bpy.ops.rumple.maps_export(filepath="face.json", frames=True). docs/wrinkle_maps.md says what an engine does with it.
+"""
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..core.engine import Refused
+from ..core.poses import PoseRig, from_json
+from . import maps_live, maps_operators, maps_rig
+
+
+def save_image(image: bpy.types.Image, folder: Path, deep: bool) -> Path:
+    """As PNG of 8 or 16 bits a channel, values as they are; the image then refers to the file. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{bpy.path.clean_name(image.name)}.png"
+    _write_png(image, path, deep)
+    if image.packed_file is not None:
+        image.unpack(method="REMOVE")
+    image.source, image.filepath = "FILE", bpy.path.relpath(str(path)) if bpy.data.filepath else str(path)
+    image.reload()
+    return path
+
+
+def _write_png(image: bpy.types.Image, path: Path, deep: bool) -> None:
+    scene = bpy.data.scenes.new("Rumple Save")  # its settings say how: the artist's scene keeps its own
+    try:
+        scene.view_settings.view_transform = "Raw"
+        settings = scene.render.image_settings
+        settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "16" if deep else "8"
+        image.save_render(str(path), scene=scene)
+    finally:
+        bpy.data.scenes.remove(scene)
+    if not path.is_file():
+        raise OSError(f"{path} cannot be written")
+
+
+def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
+    """Write the rig and, beside it, every map under the name that the rig gives. Raises Refused, OSError."""
+    rig, _ = maps_rig.rig_of(obj)
+    rig.check()
+    written = [path]
+    for pose, stored in zip(rig.poses, obj.rumple_maps.poses):
+        pose.map = f"{path.stem}_{bpy.path.clean_name(pose.name)}.png" if stored.image is not None else ""
+        if images and stored.image is not None:
+            if not tuple(stored.image.size)[0]:
+                raise Refused(f"{obj.name}: the wrinkle map {stored.image.name} of pose {pose.name} cannot be found")
+            written.append(path.with_name(pose.map))
+            _write_png(stored.image, written[-1], stored.image.is_float)
+    text = rig.to_json()
+    from_json(text)  # what is written can be read
+    path.write_text(text, encoding="utf-8")
+    return written
+
+
+def sampled(context: bpy.types.Context, obj: bpy.types.Object, rig: PoseRig, first: int, last: int) -> dict[str, Any]:
+    """Influences of whole frames: {fps, first, poses, bones, influence[frame][bone][pose]}, rounded to 1e-5."""
+    scene, entry = context.scene, maps_live.runtime(obj)
+    now = scene.frame_current, scene.frame_subframe
+    frames = []
+    try:
+        for frame in range(first, last + 1):
+            scene.frame_set(frame)
+            if obj.rumple_maps.message or entry.masks is None:
+                raise Refused(obj.rumple_maps.message or f"{obj.name}: its reference poses are not compared")
+            frames.append([[round(float(value), 5) for value in row] for row in entry.masks.influence])
+    finally:
+        scene.frame_set(now[0], subframe=now[1])
+    return dict(fps=scene.render.fps / scene.render.fps_base, first=first, poses=[pose.name for pose in rig.poses],
+                bones=[bone.name for bone in rig.bones], influence=frames)
+
+
+class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
+    """Write the reference poses as JSON for a game engine, with the maps and, if wanted, the influences of every frame"""
+
+    bl_idname = "rumple.maps_export"
+    bl_label = "Export for an Engine"
+    bl_options = {"REGISTER"}
+
+    filepath: bpy.props.StringProperty(subtype="FILE_PATH")
+    filter_glob: bpy.props.StringProperty(default="*.json", options={"HIDDEN"})
+    images: bpy.props.BoolProperty(name="Maps", default=True, description="Save the wrinkle maps beside the file")
+    frames: bpy.props.BoolProperty(name="Influences by Frame", description="Also write the influences of the scene's "
+                                   "frames, for engines that play the clip and compare no poses")
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        self.filepath = f"{bpy.path.clean_name(maps_operators.target(context).name)}.json"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj, path = maps_operators.target(context), Path(bpy.path.abspath(self.filepath)).with_suffix(".json")
+        try:
+            written = export(obj, path, self.images)
+            if self.frames:
+                clip = sampled(context, obj, maps_rig.rig_of(obj)[0], context.scene.frame_start,
+                               context.scene.frame_end)
+                written.append(path.with_suffix(".frames.json"))
+                written[-1].write_text(json.dumps(clip) + "\n", encoding="utf-8")
+        except (Refused, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Wrote {', '.join(file.name for file in written)}")
+        return {"FINISHED"}
+
+
+CLASSES = (RUMPLE_OT_maps_export,)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

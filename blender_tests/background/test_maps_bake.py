@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps baked from the object's own wrinkles, and what goes to a game engine."""
+import json
+import os
+import tempfile
+import unittest
+from pathlib import Path
+
+import bpy
+import face
+import numpy as np
+from rumple.blender import maps_export
+from rumple.core import poses
+
+
+def texels(image):
+    """(height, width, 3), the lowest row first."""
+    flat = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(flat)
+    return flat.reshape(image.size[1], image.size[0], 4)[:, :, :3]
+
+
+def everything():
+    """Names of all data-blocks that a bake might leave behind."""
+    return {kind: sorted(block.name for block in getattr(bpy.data, kind))
+            for kind in ("objects", "meshes", "materials", "scenes", "node_groups")}
+
+
+class Bake(unittest.TestCase):
+
+    def setUp(self):
+        self.obj, self.rig = face.scene()
+        face.pose(self.rig, brow_L=-0.012)
+        bpy.ops.rumple.pose_add(name="Left")
+        face.pose(self.rig, brow_R=-0.012)
+        bpy.ops.rumple.pose_add(name="Right")
+        face.pose(self.rig, jaw=0.003)
+        self.settings = self.obj.rumple_maps
+        self.settings.bake_size = 128
+        self.obj.rumple.mesh.hem_rings = 0
+
+    def slopes(self, pose):
+        """How far each texel leans, 0..1, and the column of its centre: 0 left, 1 right of the face."""
+        lean = np.abs(texels(self.settings.poses[pose].image)[:, :, :2] - 0.5).max(2)
+        return lean, (np.arange(128) + 0.5) / 128
+
+    def test_wrinkles_come_where_the_pose_compresses_the_skin(self):
+        before = everything()
+        self.assertEqual(bpy.ops.rumple.maps_bake(every=True), {"FINISHED"})
+        self.assertEqual(everything(), before)
+        for pose, centre in (("Left", 0.75), ("Right", 0.25)):     # x of 0.03 and -0.03 on a face of 0.12 m
+            lean, place = self.slopes(pose)
+            near, far = np.abs(place - centre) < 0.25, np.abs(place - centre) > 0.35
+            self.assertGreater(lean[:, near].max(), 0.1, pose)
+            self.assertLess((lean[:, far] ** 2).mean(), 0.05 * (lean[:, near] ** 2).mean(), pose)
+        image = self.settings.poses["Left"].image
+        self.assertTrue(image.packed_file is not None and image.colorspace_settings.is_data)
+
+    def test_the_artists_scene_and_pose_stay(self):
+        basis = {bone.name: bone.matrix_basis.copy() for bone in self.rig.pose.bones}
+        scene = bpy.context.scene
+        engine, active, frame = scene.render.engine, bpy.context.view_layer.objects.active, scene.frame_current
+        bpy.ops.rumple.maps_bake()
+        self.assertEqual({bone.name: bone.matrix_basis for bone in self.rig.pose.bones}, basis)
+        self.assertEqual((scene.render.engine, bpy.context.view_layer.objects.active, scene.frame_current),
+                         (engine, active, frame))
+        self.assertEqual([m.type for m in self.obj.modifiers], ["ARMATURE", "NODES"])
+
+    def test_without_compression_the_map_is_flat(self):
+        face.pose(self.rig, brow_L=1e-4, brow_R=1e-4, jaw=1e-4)
+        bpy.ops.rumple.pose_add(name="Hardly")
+        bpy.ops.rumple.maps_bake()
+        self.assertLess(self.slopes("Hardly")[0].max(), 0.02)
+
+    def test_sixteen_bits_have_more_than_256_steps(self):
+        self.settings.bake_deep = True
+        bpy.ops.rumple.maps_bake()
+        image = self.settings.poses[self.settings.active].image
+        self.assertTrue(image.is_float)
+        self.assertGreater(np.abs(255 * texels(image) - np.rint(255 * texels(image))).max(), 0.1)
+
+    def test_a_wrinkle_field_can_be_baked_too(self):
+        self.settings.bake_source = "FIELD"
+        self.obj.rumple.field.wavelength = 0.01
+        bpy.ops.rumple.maps_bake(every=True)
+        self.assertGreater(self.slopes("Left")[0].max(), 0.05)
+
+    def test_saved_to_a_folder_the_values_stay(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for deep in (False, True):
+                self.settings.bake_deep, self.settings.bake_folder = deep, ""
+                bpy.ops.rumple.maps_bake()
+                image = self.settings.poses[self.settings.active].image
+                before = texels(image).copy()
+                path = maps_export.save_image(image, Path(folder) / "maps", deep)
+                self.assertTrue(path.is_file())
+                np.testing.assert_allclose(texels(image), before, atol=1 / 65535 if deep else 1 / 255)
+                self.assertTrue(image.packed_file is None and image.colorspace_settings.is_data)
+
+    def test_without_uv_map_it_is_refused(self):
+        self.obj.data.uv_layers.remove(self.obj.data.uv_layers[0])
+        with self.assertRaisesRegex(RuntimeError, "Face: it has no UV map"):
+            bpy.ops.rumple.maps_bake()
+        self.assertIsNone(self.settings.poses[0].image)
+
+
+class Export(unittest.TestCase):
+
+    def setUp(self):
+        self.obj, self.rig = face.scene()
+        self.settings = face.two_poses(self.obj, self.rig)
+
+    def test_json_images_and_influences(self):
+        self.settings.poses[0].image = bpy.data.images.new("Lines", 8, 8, is_data=True)
+        for frame, height in ((1, 0.0), (5, 0.01)):
+            face.pose(self.rig, brow_L=height)
+            self.rig.pose.bones["brow.L"].keyframe_insert("location", frame=frame)
+        bpy.context.scene.frame_end = 5
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "face.json")
+            self.assertEqual(bpy.ops.rumple.maps_export(filepath=path, frames=True), {"FINISHED"})
+            self.assertEqual(sorted(os.listdir(folder)), ["face.frames.json", "face.json", "face_Surprise.png"])
+            with open(path, encoding="utf-8") as file:
+                rig = poses.from_json(file.read())
+            with open(os.path.join(folder, "face.frames.json"), encoding="utf-8") as file:
+                clip = json.load(file)
+        self.assertEqual([(pose.name, pose.map) for pose in rig.poses],
+                         [("Surprise", "face_Surprise.png"), ("Anger", "")])
+        bone = clip["bones"].index("brow.L")
+        self.assertEqual([row[bone][0] for row in clip["influence"]][::4], [0.0, 1.0])
+        self.assertEqual((len(clip["influence"]), clip["fps"], clip["poses"]), (5, 24.0, ["Surprise", "Anger"]))
+        self.assertEqual(bpy.context.scene.frame_current, 1)
+
+    def test_where_nothing_can_be_written_it_is_said(self):
+        with self.assertRaisesRegex(RuntimeError, "not_there"):
+            bpy.ops.rumple.maps_export(filepath="/not_there/face.json")
