@@ -16,7 +16,8 @@ import bpy
 import numpy as np
 
 from ..core.engine import Refused
-from . import maps_export, maps_live, maps_nodes, maps_operators, maps_rig, maps_tree, modifier, operators, registry, structure, versions
+from . import (maps_export, maps_live, maps_nodes, maps_operators, maps_rig, maps_tree, modifier, operators, registry,
+               structure, versions)
 
 SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single picture may take its time

@@ -77,7 +77,7 @@ def sampled(context: bpy.types.Context, obj: bpy.types.Object, rig: PoseRig, fir
 
 
 class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
-    """Write the reference poses as JSON for a game engine, with the maps and, if wanted, the influences of every frame"""
+    """Write the reference poses as JSON for a game engine, with the maps and, if wanted, influences by frame"""
 
     bl_idname = "rumple.maps_export"
     bl_label = "Export for an Engine"
