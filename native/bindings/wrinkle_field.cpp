@@ -157,15 +157,20 @@ void bind_wrinkle_field(py::module_& module) {
             return to_numpy<float>(std::vector<float>(p.slope.begin(), p.slope.end()), 0);
         });
     py::class_<State>(module, "WrinkleFieldState", "What lives from frame to frame.")
-        .def(py::init([](const py::array& phase, const py::array& direction) {
+        .def(py::init([](const py::array& phase, const py::array& direction, const py::array& offset) {
                  return State{copied(scalars<float>(phase, "phase", 0)),
-                              copied(vectors2(direction, "direction"))};
+                              copied(vectors2(direction, "direction")),
+                              copied(scalars<float>(offset, "solved_offset", 0))};
              }),
-             py::arg("phase"), py::arg("direction"))
+             py::arg("phase"), py::arg("direction"), py::arg("solved_offset"))
+        .def_property_readonly("solved_offset", numpy(&State::solved_offset),
+                               "(neighbours,) float32, radians: when it was last relaxed")
+        .def("woken", &woken, "The same phases with no vertex held: for a solve with other settings.")
         .def_property_readonly("phase", numpy(&State::phase), "(w,) float32, radians")
         .def_property_readonly("direction", numpy(&State::direction), "(w, 2) float32, rest frame")
         .def_property_readonly("nbytes", [](const State& s) {
-            return s.phase.size() * sizeof(float) + s.direction.size() * sizeof(Vec2);
+            return (s.phase.size() + s.solved_offset.size()) * sizeof(float) +
+                   s.direction.size() * sizeof(Vec2);
         });
     py::class_<Report>(module, "WrinkleFieldReport", "How a solve went.")
         .def_readonly("rounds", &Report::rounds)

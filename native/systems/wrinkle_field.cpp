@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <glm/gtc/noise.hpp>
+#include <limits>
 #include <utility>
 
 #include "base/expect.h"
@@ -139,17 +140,38 @@ std::vector<Pull> collect_pulls(const Model& model, const Settings& settings, co
     return pulls;
 }
 
-// One vertex's share of a round.
-float relax_vertex(std::span<const Pull> pulls, std::span<const float> phase, float own, float rate) {
-    float sum = 0.0f;
-    for (const Pull& pull : pulls) {
-        if (pull.weight > 0.0f) sum += pull.weight * formulas::misfit(pull.link, own, phase[pull.vertex]);
-    }
-    return formulas::relaxed(own, sum, float(pulls.size()), rate);
-}
-
 std::span<const Pull> pulls_of(const Model& model, std::span<const Pull> pulls, size_t v) {
     return pulls.subspan(model.neighbour_start[v], model.neighbour_start[v + 1] - model.neighbour_start[v]);
+}
+
+// How much of a round every vertex takes: 0 where the waves around it ask for the same as when it was last
+// relaxed, so that a standing leg does not creep because the arm moves. Updates the offsets that were
+// relaxed.
+std::vector<float> activity(const Model& model, std::span<const Pull> pulls, std::span<float> solved_offset) {
+    std::vector<float> active(model.base.positions_rest.size(), 0.0f);
+    for (size_t v = 0; v < active.size(); ++v) {
+        for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
+            if (pulls[i].weight <= 0.0f) continue;
+            const float act = formulas::activity(pulls[i].link.offset - solved_offset[i]);
+            active[v] = std::max(active[v], act);
+            if (act > 0.0f) solved_offset[i] = pulls[i].link.offset;
+        }
+    }
+    return active;
+}
+
+float misfit_of(const Model& model, const Waves& waves, std::span<const Pull> pulls,
+                std::span<const float> phase) {
+    double sum = 0.0, weights = 0.0;
+    for (size_t v = 0; v < phase.size(); ++v) {
+        const double own = formulas::attenuation(waves.fullness[v]);
+        for (const Pull& pull : pulls_of(model, pulls, v)) {
+            const double error = formulas::misfit(pull.link, phase[v], phase[pull.vertex]);
+            sum += own * pull.weight * error * error;
+            weights += own * pull.weight;
+        }
+    }
+    return weights > 0.0 ? static_cast<float>(std::sqrt(sum / weights)) : 0.0f;
 }
 
 // step(v, from) -> new value, for all vertices, so many rounds, from one buffer into another.
@@ -176,6 +198,45 @@ float largest_change(const Waves& waves, std::span<const float> before, std::spa
         largest = std::max(largest, std::abs(formulas::wrapped(after[v] - before[v])));
     }
     return largest;
+}
+
+void align_phases(const Model& model, const Settings& settings, std::span<const Pull> pulls, int rounds,
+                  std::vector<float>& phase) {
+    using Complex = std::complex<double>;  // in doubles: the length may shrink with every round
+    std::vector<Complex> asked(pulls.size());
+    for (size_t i = 0; i < pulls.size(); ++i) {
+        asked[i] = std::polar(double(pulls[i].weight), double(pulls[i].link.offset));
+    }
+    std::vector<Complex> waves_at;
+    for (const float phi : phase) waves_at.push_back(std::polar(1.0, double(phi)));
+    ping_pong(settings, rounds, waves_at, [&](size_t v, const std::vector<Complex>& from) {
+        Complex sum = from[v];
+        double weights = 1.0;
+        for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
+            const Complex other = from[pulls[i].vertex];
+            sum += asked[i] * (pulls[i].link.flip < 0.0f ? std::conj(other) : other);
+            weights += pulls[i].weight;
+        }
+        return sum / weights;
+    });
+    for (size_t v = 0; v < phase.size(); ++v) {
+        if (waves_at[v] != Complex()) phase[v] = formulas::wrapped(static_cast<float>(std::arg(waves_at[v])));
+    }
+}
+
+// active: share of a round that every vertex takes; empty: all of it.
+void relax_phases(const Model& model, const Settings& settings, std::span<const Pull> pulls,
+                  std::span<const float> active, int rounds, std::vector<float>& phase) {
+    ping_pong(settings, rounds, phase, [&](size_t v, const std::vector<float>& from) {
+        float sum = 0.0f;
+        for (const Pull& pull : pulls_of(model, pulls, v)) {
+            if (pull.weight > 0.0f)
+                sum += pull.weight * formulas::misfit(pull.link, from[v], from[pull.vertex]);
+        }
+        const float neighbours = float(model.neighbour_start[v + 1] - model.neighbour_start[v]);
+        return formulas::relaxed(from[v], sum, neighbours,
+                                 settings.rate * (active.empty() ? 1.0f : active[v]));
+    });
 }
 
 }  // namespace
@@ -236,66 +297,54 @@ Waves crush(const Model& model, const Settings& settings, const Paint& paint, st
 
 void align(const Model& model, const Settings& settings, const Waves& waves, int rounds,
            std::vector<float>& phase) {
-    using Complex = std::complex<double>;  // in doubles: the length may shrink with every round
-    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
-    std::vector<Complex> asked(pulls.size());
-    for (size_t i = 0; i < pulls.size(); ++i) {
-        asked[i] = std::polar(double(pulls[i].weight), double(pulls[i].link.offset));
-    }
-    std::vector<Complex> waves_at;
-    for (const float phi : phase) waves_at.push_back(std::polar(1.0, double(phi)));
-    ping_pong(settings, rounds, waves_at, [&](size_t v, const std::vector<Complex>& from) {
-        Complex sum = from[v];
-        double weights = 1.0;
-        for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
-            const Complex other = from[pulls[i].vertex];
-            sum += asked[i] * (pulls[i].link.flip < 0.0f ? std::conj(other) : other);
-            weights += pulls[i].weight;
-        }
-        return sum / weights;
-    });
-    for (size_t v = 0; v < phase.size(); ++v) {
-        if (waves_at[v] != Complex()) phase[v] = formulas::wrapped(static_cast<float>(std::arg(waves_at[v])));
-    }
+    align_phases(model, settings, collect_pulls(model, settings, waves), rounds, phase);
 }
 
 void relax(const Model& model, const Settings& settings, const Waves& waves, int rounds,
            std::vector<float>& phase) {
-    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
-    ping_pong(settings, rounds, phase, [&](size_t v, const std::vector<float>& from) {
-        return relax_vertex(pulls_of(model, pulls, v), from, from[v], settings.rate);
-    });
+    relax_phases(model, settings, collect_pulls(model, settings, waves), {}, rounds, phase);
 }
 
 float misfit(const Model& model, const Waves& waves, std::span<const float> phase) {
-    const std::vector<Pull> pulls = collect_pulls(model, Settings{}, waves);
-    double sum = 0.0, weights = 0.0;
-    for (size_t v = 0; v < phase.size(); ++v) {
-        const double own = formulas::attenuation(waves.fullness[v]);
-        for (const Pull& pull : pulls_of(model, pulls, v)) {
-            const double error = formulas::misfit(pull.link, phase[v], phase[pull.vertex]);
-            sum += own * pull.weight * error * error;
-            weights += own * pull.weight;
-        }
-    }
-    return weights > 0.0 ? static_cast<float>(std::sqrt(sum / weights)) : 0.0f;
+    return misfit_of(model, waves, collect_pulls(model, Settings{}, waves), phase);
+}
+
+State woken(const State& state) {
+    // No wave has infinite phase: every link has changed.
+    return {state.phase, state.direction,
+            std::vector<float>(state.solved_offset.size(), std::numeric_limits<float>::infinity())};
 }
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             const State* state, Report& report) {
-    const size_t vertices = model.base.positions_rest.size();
-    if (state && (state->phase.size() != vertices || state->direction.size() != vertices)) state = nullptr;
+    if (state && (state->phase.size() != model.base.positions_rest.size() ||
+                  state->direction.size() != state->phase.size() ||
+                  state->solved_offset.size() != model.neighbours.size())) {
+        state = nullptr;
+    }
     const Waves waves = crush(model, settings, paint, positions,
                               state ? std::span(state->direction) : std::span<const Vec2>());
-    State after{state ? state->phase : random_phases(model, settings.seed), waves.direction};
+    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
+    State after;
+    after.direction = waves.direction;
     report = {};
     report.rounds = state ? settings.rounds : settings.start_rounds;
-    report.misfit_before = misfit(model, waves, after.phase);
-    if (!state && settings.aligned_start) align(model, settings, waves, settings.start_rounds, after.phase);
-    relax(model, settings, waves, report.rounds, after.phase);
-    report.misfit_after = misfit(model, waves, after.phase);
-    if (state) report.largest_change = largest_change(waves, state->phase, after.phase);
-    for (size_t v = 0; v < vertices; ++v) {
+    if (state) {
+        after.phase = state->phase;
+        after.solved_offset = state->solved_offset;
+        report.misfit_before = misfit_of(model, waves, pulls, after.phase);
+        const std::vector<float> active = activity(model, pulls, after.solved_offset);
+        relax_phases(model, settings, pulls, active, settings.rounds, after.phase);
+        report.largest_change = largest_change(waves, state->phase, after.phase);
+    } else {
+        after.phase = random_phases(model, settings.seed);
+        for (const Pull& pull : pulls) after.solved_offset.push_back(pull.link.offset);
+        report.misfit_before = misfit_of(model, waves, pulls, after.phase);
+        if (settings.aligned_start) align_phases(model, settings, pulls, settings.start_rounds, after.phase);
+        relax_phases(model, settings, pulls, {}, settings.start_rounds, after.phase);
+    }
+    report.misfit_after = misfit_of(model, waves, pulls, after.phase);
+    for (size_t v = 0; v < after.phase.size(); ++v) {
         report.wrinkled += formulas::attenuation(waves.fullness[v]) > 0.0f;
         report.collapsed += waves.compression[v] < formulas::kCollapsed;
     }

@@ -96,9 +96,13 @@ std::shared_ptr<const Model> build(Surface base, const Plan& plan);
 
 // What lives from frame to frame, per welded vertex.
 struct State {
-    std::vector<float> phase;     // phi, radians, -pi..pi
-    std::vector<Vec2> direction;  // k in the rest frame: the sign that phi belongs to
+    std::vector<float> phase;          // phi, radians, -pi..pi
+    std::vector<Vec2> direction;       // k in the rest frame: the sign that phi belongs to
+    std::vector<float> solved_offset;  // radians, per neighbour: Link::offset when it was last relaxed
 };
+
+// The same phases with no vertex held: for a solve with other settings than the state was solved with.
+State woken(const State& state);
 
 // The field of one frame, per welded vertex: equations (1) to (4).
 struct Waves {
@@ -143,8 +147,10 @@ void relax(const Model& model, const Settings& settings, const Waves& waves, int
 // RMS of the phase error over the edges, in turns, 0..0.5, weighted by the attenuation of both ends.
 float misfit(const Model& model, const Waves& waves, std::span<const float> phase);
 
-// Crush and relax, from `state` (the frame before) or from the canonical start when there is none. A state of
-// another model counts as none. Throws InvalidInput as crush() and check() do. Cost: O(rounds x edges).
+// Crush and relax, from `state` (the frame before) or from the canonical start when there is none. A vertex
+// whose links have not changed since it was last relaxed is held: rigid motion and a standing pose change no
+// phase. A state of another model counts as none. Throws InvalidInput as crush() and check() do. Cost:
+// O(rounds x edges).
 State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             const State* state, Report& report);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/errors.h"
@@ -107,6 +108,14 @@ TEST(WrinkleFieldExact, ARoundMovesBySharesOfTheMisfit) {
     EXPECT_EQ(formulas::relaxed(1.0f, 0.5f, 0.0f, 0.5f), 1.0f);   // no neighbours
     EXPECT_EQ(formulas::relaxed(1.0f, 1e-5f, 5.0f, 0.5f), 1.0f);  // too little to see
     EXPECT_LT(formulas::relaxed(3.1f, 1.0f, 1.0f, 0.5f), 0.0f);   // wrapped
+}
+
+TEST(WrinkleFieldExact, ActivityGrowsWithTheChangeOfALink) {
+    EXPECT_EQ(formulas::activity(0.0f), 0.0f);
+    EXPECT_EQ(formulas::activity(-1.9e-3f), 0.0f);
+    EXPECT_FLOAT_EQ(formulas::activity(-0.025f), 0.5f);
+    EXPECT_EQ(formulas::activity(0.05f), 1.0f);
+    EXPECT_EQ(formulas::activity(std::numeric_limits<float>::infinity()), 1.0f);
 }
 
 TEST(WrinkleFieldExact, AttenuationIsThePapersRelativeToTheLargestAmplitude) {

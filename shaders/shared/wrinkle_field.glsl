@@ -16,6 +16,10 @@ const float kNoTangent = 1e-3f;
 // rest to the bit. A ten-thousandth of a radian is 1/60,000 of a wavelength.
 const float kStillPhase = 1e-4f;
 
+// Unit: radians. See activity().
+const float kHeldPhase = 2e-3f;
+const float kFreePhase = 5e-2f;
+
 // Intervals of a profile table over half a period.
 const int kProfileIntervals = 64;
 
@@ -117,6 +121,13 @@ FORMULA Link link_waves(vec3 wave_vector, vec3 neighbour_wave_vector, vec3 way) 
 // (psi_n - psi_0) / 2 pi - i of the error E_0, in turns, with the integer i that makes it smallest.
 FORMULA float misfit(Link link, float phase, float neighbour_phase) {
     return to_nearest((link.flip * neighbour_phase - phase + link.offset) / kTwoPi);
+}
+
+// The share of a round that a link asks for whose offset has changed by so much (radians) since it was last relaxed:
+// none below the jitter of bone matrices, all of it from where the change begins to show. It begins with a jump: a
+// smooth beginning would relax next to nothing and count it as done, so that slow drift were never followed.
+FORMULA float activity(float change) {
+    return abs(change) < kHeldPhase ? 0.0f : min(abs(change) / kFreePhase, 1.0f);
 }
 
 // A phase in [-pi, pi).

@@ -70,6 +70,8 @@ class WrinkleField(Wrinkles):
 
     def _solve(self, settings: FieldSettings, positions: np.ndarray, before: Any, same_settings: bool,
                world_from_object: np.ndarray | None) -> tuple[Any, Any]:
+        if before is not None and not same_settings:
+            before = before.woken()  # under other settings nothing of it may be held
         return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
                                                  before)
 
