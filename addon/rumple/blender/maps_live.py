@@ -250,5 +250,6 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     if inputs == entry.inputs and key == entry.carrier_key:
         return
     entry.masks = entry.comparison.frame(bones, inputs[1], list(inputs[2]))
-    maps_tree.write(held, entry.masks.packed())
-    entry.inputs, entry.carrier_key = inputs, key
+    if ours.show_render if depsgraph.mode == "RENDER" else ours.show_viewport:  # else for the bars only
+        maps_tree.write(held, entry.masks.packed())
+        entry.inputs, entry.carrier_key = inputs, key

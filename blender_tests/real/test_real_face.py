@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrinkle Maps on a real face with expressions: two reference poses, 21 skinning bones below the head."""
+import os
+import time
+import unittest
+from pathlib import Path
+
+import bpy
+import numpy as np
+from rumple.blender import maps_live, maps_tree, versions
+
+DATA = Path(os.environ["RUMPLE_DATA"])
+HELD = {"Surprise": 21, "Anger": 51}  # frames that hold these expressions
+BROWS = ("oculi01.L", "oculi01.R")
+
+
+class Face(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls):
+        bpy.ops.wm.open_mainfile(filepath=str(DATA / "S4_face_expressions.blend"))
+        cls.scene = bpy.context.scene
+        cls.head, cls.rig = bpy.data.objects["Head"], bpy.data.objects["HeadRig"]
+        bpy.context.view_layer.objects.active = cls.head
+        assert bpy.ops.object.rumple_add(method="MAPS") == {"FINISHED"}
+        for name, frame in HELD.items():
+            cls.scene.frame_set(frame)
+            assert bpy.ops.rumple.pose_add(name=name) == {"FINISHED"}
+        cls.settings = cls.head.rumple_maps
+
+    def masks(self):
+        """{pose: (n,)} on the evaluated mesh."""
+        attributes = self.head.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.attributes
+        return {name: versions.read_attribute(attributes[maps_tree.MASK.format(name)])[:, 0] for name in HELD}
+
+    def weights(self, name):
+        index = self.head.vertex_groups[name].index
+        return np.array([sum(e.weight for e in vertex.groups if e.group == index) for vertex in self.head.data.vertices])
+
+    def test_root_and_bones_are_chosen_by_themselves(self):
+        self.assertEqual(self.settings.root, "head")
+        self.assertEqual(len(self.settings.bones), 21)
+        self.assertEqual(self.settings.message, "")
+        self.assertEqual(maps_live.runtime(self.head).notes, [])
+
+    def test_every_frame_of_the_clip(self):
+        """Within 0 and 1; 1 in the frames that hold a pose; 0 where the face is neutral; rising on the way."""
+        former = None
+        for frame in range(self.scene.frame_start, self.scene.frame_end + 1):
+            self.scene.frame_set(frame)
+            masks = self.masks()
+            for name, mask in masks.items():
+                self.assertTrue(np.isfinite(mask).all() and mask.min() >= 0.0 and mask.max() <= 1.0, (frame, name))
+                if frame == HELD[name]:
+                    self.assertEqual(self.settings.poses[name].present, 1.0)
+                    self.assertGreater((mask > 0.99).mean(), 0.03)
+                if frame in (self.scene.frame_start, self.scene.frame_end):
+                    self.assertLess(mask.max(), 1e-3, (frame, name))    # the clip ends in rest, but for roundings
+            if frame <= HELD["Surprise"] and former is not None:     # on the way there from rest, nothing fades
+                self.assertGreater((masks["Surprise"] - former["Surprise"]).min(), -1e-4, frame)
+            former = masks
+        self.assertEqual(self.settings.message, "")
+
+    def test_one_brow_wrinkles_its_side_only(self):
+        """Figure 5: only the left brow goes to its place in Anger."""
+        self.scene.frame_set(HELD["Anger"])
+        for bone in self.rig.pose.bones:
+            if bone.name not in ("oculi01.L", "oculi02.L"):
+                bone.matrix_basis.identity()
+        bpy.context.view_layer.update()
+        mask = self.masks()["Anger"]
+        left, right = (self.weights(name) for name in BROWS)
+        side = np.sign(self.rig.data.bones[BROWS[0]].head_local.x)
+        across = side * np.array([vertex.co.x for vertex in self.head.data.vertices])
+        np.testing.assert_allclose(mask, left, atol=0.01)
+        self.assertGreater(mask.max(), 0.5)
+        elsewhere = left < 0.001
+        self.assertGreater(elsewhere.mean(), 0.9)
+        self.assertLess(mask[elsewhere].max(), 0.01)
+        beyond_the_middle = across < -0.005     # the skin of the middle itself belongs to both brows
+        self.assertGreater(right[beyond_the_middle].max(), 0.5)
+        self.assertLess(mask[beyond_the_middle].max(), 0.01)
+
+    def test_the_head_may_turn(self):
+        self.scene.frame_set(HELD["Surprise"])
+        here = self.masks()
+        for name in ("neck01", "head"):
+            self.rig.pose.bones[name].rotation_mode = "XYZ"
+            self.rig.pose.bones[name].rotation_euler = (0.3, 0.4, -0.2)
+        self.rig.location = (1.0, 2.0, 0.5)
+        bpy.context.view_layer.update()
+        turned = self.masks()
+        for name in HELD:
+            np.testing.assert_allclose(turned[name], here[name], atol=2e-3)
+        self.rig.location = (0.0, 0.0, 0.0)
+
+    def test_what_a_frame_costs_is_written_down(self):
+        """Not judged: a busy machine would fail it."""
+        ours = maps_tree.find(self.head)
+        times = {}
+        for shown in (False, True):
+            ours.show_viewport = shown
+            for _ in range(2):
+                began = time.perf_counter()
+                for frame in range(1, 132):
+                    self.scene.frame_set(frame)
+                times[shown] = 1e3 * (time.perf_counter() - began) / 131
+        (Path(os.environ["RUMPLE_OUT"]) / "face_milliseconds.txt").write_text(
+            f"bare {times[False]:.2f} ms a frame, with Wrinkle Maps {times[True]:.2f} ms\n", encoding="utf-8")
