@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The masks that are rendered are those of the frame that is rendered: never one late, and right under motion blur."""
+import os
+import tempfile
+import unittest
+
+import bpy
+import face
+import numpy as np
+from mathutils import Euler
+from rumple.blender import maps_tree, versions
+
+SIZE = 104  # pixels over the face: the brightest lies within a millimetre of the middle of the brow
+
+
+def show_mask(obj, name):
+    """The material emits the mask of a pose."""
+    tree = obj.data.materials[0].node_tree
+    tree.nodes.clear()
+    attribute, emission, output = (tree.nodes.new(kind) for kind in (
+        "ShaderNodeAttribute", "ShaderNodeEmission", "ShaderNodeOutputMaterial"))
+    attribute.attribute_name = maps_tree.MASK.format(name)
+    tree.links.new(attribute.outputs["Fac"], emission.inputs["Strength"])
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+
+
+class Renders(unittest.TestCase):
+
+    def setUp(self):
+        self.obj, self.rig = face.scene()
+        face.pose(self.rig, brow_L=0.01, brow_R=0.01)
+        bpy.ops.rumple.pose_add(name="Surprise")
+        for frame, height in ((1, 0.0), (11, 0.01)):
+            face.pose(self.rig, brow_L=height)
+            self.rig.pose.bones["brow.L"].keyframe_insert("location", frame=frame)
+        for curve in versions.action_curves(self.rig.animation_data.action):
+            for point in curve.keyframe_points:
+                point.interpolation = "LINEAR"
+        show_mask(self.obj, "Surprise")
+        scene = bpy.context.scene
+        camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        camera.data.type, camera.data.ortho_scale = "ORTHO", 0.12
+        camera.location, camera.rotation_euler = (0.0, -1.0, 0.0), Euler((np.pi / 2, 0.0, 0.0))
+        scene.collection.objects.link(camera)
+        scene.camera = camera
+        scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 16, False
+        scene.render.resolution_x = scene.render.resolution_y = SIZE
+        scene.render.resolution_percentage = 100
+        scene.view_settings.view_transform = "Raw"
+        scene.render.image_settings.file_format = "OPEN_EXR"
+
+    def rendered(self, **how):
+        """The brightest pixel of every picture that a render writes, in the order of their names."""
+        with tempfile.TemporaryDirectory() as folder:
+            bpy.context.scene.render.filepath = os.path.join(folder, "f")
+            bpy.ops.render.render(**how)
+            brightest = []
+            for name in sorted(os.listdir(folder)):
+                image = bpy.data.images.load(os.path.join(folder, name))
+                brightest.append(np.array(image.pixels[:]).reshape(-1, 4)[:, 0].max())
+                bpy.data.images.remove(image)
+        return np.array(brightest)
+
+    def check(self, found, frames):
+        """The mask rises linearly: 0 at frame 1, full at frame 11."""
+        full = face.weights(self.obj, "brow.L").max()
+        np.testing.assert_allclose(found, full * (np.array(frames) - 1) / 10, atol=0.04)
+
+    def test_an_animation(self):
+        bpy.context.scene.frame_start, bpy.context.scene.frame_end = 2, 7
+        self.check(self.rendered(animation=True), range(2, 8))
+
+    def test_stills_in_any_order(self):
+        for frame in (9, 2, 6):
+            bpy.context.scene.frame_set(frame)
+            self.check(self.rendered(write_still=True), [frame])
+
+    def test_switched_off_in_the_viewport_it_renders(self):
+        maps_tree.find(self.obj).show_viewport = False
+        bpy.context.scene.frame_start, bpy.context.scene.frame_end = 6, 8
+        self.check(self.rendered(animation=True), range(6, 9))
+
+    def test_motion_blur_leaves_the_mask_of_the_frame(self):
+        bpy.context.scene.render.use_motion_blur = True
+        bpy.context.scene.frame_set(6)
+        self.check(self.rendered(write_still=True), [6])
