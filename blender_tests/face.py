@@ -5,6 +5,7 @@ import math
 import bpy
 import numpy as np
 import sleeve
+from mathutils import Vector
 from rumple.blender import maps_live, maps_tree, versions
 
 SIDE = 13  # vertices along each side of 0.12 m
@@ -57,19 +58,20 @@ def share(x, z):
 def scene(maps=True):
     """(face, rig) in an empty file, with Wrinkle Maps unless told otherwise."""
     sleeve.empty_file()
-    rig, mesh = head(), sheet()
-    obj = bpy.data.objects.new("Face", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    groups = [obj.vertex_groups.new(name=name) for name in (*BROWS, "jaw", "head")]
-    for vertex in mesh.vertices:
-        weights = share(vertex.co.x, vertex.co.z)
-        for group, weight in zip(groups, (*weights, 1.0 - sum(weights))):
-            if weight > 0.0:
-                group.add([vertex.index], weight, "REPLACE")
-    obj.modifiers.new("Armature", "ARMATURE").object = rig
-    sleeve.make_active(obj)
-    if maps:
-        bpy.ops.object.rumple_add(method="MAPS")
+    with sleeve.context():
+        rig, mesh = head(), sheet()
+        obj = bpy.data.objects.new("Face", mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        groups = [obj.vertex_groups.new(name=name) for name in (*BROWS, "jaw", "head")]
+        for vertex in mesh.vertices:
+            weights = share(vertex.co.x, vertex.co.z)
+            for group, weight in zip(groups, (*weights, 1.0 - sum(weights))):
+                if weight > 0.0:
+                    group.add([vertex.index], weight, "REPLACE")
+        obj.modifiers.new("Armature", "ARMATURE").object = rig
+        sleeve.make_active(obj)
+        if maps:
+            bpy.ops.object.rumple_add(method="MAPS")
     return obj, rig
 
 
@@ -79,21 +81,18 @@ def pose(rig, **heights):
         bone.matrix_basis.identity()
     for name, height in heights.items():
         bone = rig.pose.bones[name.replace("_", ".")]
-        bone.location = bone.bone.matrix_local.to_3x3().inverted() @ _vector(height)
-    bpy.context.view_layer.update()
-
-
-def _vector(height):
-    from mathutils import Vector
-    return Vector((0.0, 0.0, height))
+        bone.location = bone.bone.matrix_local.to_3x3().inverted() @ Vector((0.0, 0.0, height))
+    with sleeve.context():
+        bpy.context.view_layer.update()
 
 
 def two_poses(obj, rig):
     """Surprise: both brows up. Anger: both down and the jaw up."""
-    pose(rig, brow_L=0.01, brow_R=0.01)
-    bpy.ops.rumple.pose_add(name="Surprise")
-    pose(rig, brow_L=-0.008, brow_R=-0.008, jaw=0.005)
-    bpy.ops.rumple.pose_add(name="Anger")
+    for name, heights in (("Surprise", dict(brow_L=0.01, brow_R=0.01)),
+                          ("Anger", dict(brow_L=-0.008, brow_R=-0.008, jaw=0.005))):
+        pose(rig, **heights)
+        with sleeve.context():
+            bpy.ops.rumple.pose_add(name=name)
     pose(rig)
     return obj.rumple_maps
 

@@ -1,10 +1,105 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group "Rumple Maps" in the engine that needs a screen."""
+"""Wrinkle Maps with a window: EEVEE, panels, undo, the modal bake."""
+import bpy
+import face
 import maps_shots
+import sleeve
 from case import WindowCase
+from rumple.blender import maps_tree
+
+
+def biggest_area():
+    return max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height)
 
 
 class MapsInEevee(WindowCase):
 
     def test_eevee_shows_the_native_blend(self):
         maps_shots.check(self, "EEVEE")
+
+
+class MapsInWindow(WindowCase):
+
+    def make(self):
+        self.obj, self.rig = face.scene()
+        self.settings = face.two_poses(self.obj, self.rig)
+        face.pose(self.rig, brow_L=0.0075, brow_R=0.01)
+        with sleeve.context():
+            bpy.ops.rumple.maps_show()
+
+    def test_panels_draw_in_the_modifier_tab(self):
+        self.make()
+        area = biggest_area()
+        area.type = "PROPERTIES"
+        yield
+        area.spaces.active.context = "MODIFIER"
+        yield 0.5
+        self.screenshot("maps_panel")
+        self.obj.vertex_groups.remove(self.obj.vertex_groups["jaw"])
+        self.rig.data.bones["head"].name = "skull"
+        self.obj.rumple_maps.bones[0].tracked = "HEAD"
+        yield from self.until(lambda: "no bone" in self.settings.message)
+        self.assertIn("Rig has no bone", self.settings.message)
+        yield 0.2
+        self.screenshot("maps_panel_refusal")
+
+    def test_the_sidebar_is_there_while_posing(self):
+        self.make()
+        area = biggest_area()
+        area.type = "VIEW_3D"
+        yield 0.2
+        area.spaces.active.show_region_ui = True
+        with sleeve.context():
+            sleeve.make_active(self.rig)
+        with self.area("VIEW_3D"):
+            bpy.ops.object.mode_set(mode="POSE")
+        yield 0.3
+        region = next(region for region in area.regions if region.type == "UI")
+        if hasattr(region, "active_panel_category"):    # 4.2 on; it is read-only before the first redraw
+            region.active_panel_category = "Rumple"
+        yield 0.5
+        self.screenshot("maps_sidebar")
+        with self.area("VIEW_3D"):
+            bpy.ops.rumple.pose_go()
+            bpy.ops.object.mode_set(mode="OBJECT")
+        self.assertEqual(self.settings.poses[1].present, 1.0)
+
+    def test_undo_and_redo(self):
+        self.make()
+        with self.area("VIEW_3D"):
+            bpy.ops.ed.undo_push(message="two poses")
+            sleeve.make_active(self.obj)
+            bpy.ops.rumple.pose_remove()
+            bpy.ops.ed.undo_push(message="one pose")
+            bpy.ops.ed.undo()
+        yield 0.5
+        obj, rig = bpy.data.objects["Face"], bpy.data.objects["Rig"]
+        self.assertEqual([pose.name for pose in obj.rumple_maps.poses], ["Surprise", "Anger"])
+        face.pose(rig, brow_L=-0.008, brow_R=-0.008, jaw=0.005)
+        yield from self.until(lambda: "Anger" in maps_tree.find(obj).node_group[maps_tree.KEY])
+        self.assertGreater(face.mask(obj, "Anger").max(), 0.9)
+        with self.area("VIEW_3D"):
+            bpy.ops.ed.redo()
+        yield 0.5
+        self.assertEqual([pose.name for pose in bpy.data.objects["Face"].rumple_maps.poses], ["Surprise"])
+
+    def test_the_bake_runs_modal_and_can_be_cancelled(self):
+        self.make()
+        self.settings.bake_size = 64
+        window = bpy.context.window_manager.windows[0]
+        with self.area("VIEW_3D"):
+            self.assertEqual(bpy.ops.rumple.maps_bake("INVOKE_DEFAULT", every=True), {"RUNNING_MODAL"})
+        yield from self.until(lambda: all(pose.image for pose in self.settings.poses))
+        yield 0.3
+        former = [pose.image for pose in self.settings.poses]
+        self.assertNotIn(None, former)
+        objects = sorted(obj.name for obj in bpy.data.objects)
+        with self.area("VIEW_3D"):
+            bpy.ops.rumple.maps_bake("INVOKE_DEFAULT", every=True)
+        yield 0.06
+        window.event_simulate("ESC", "PRESS", x=400, y=400)
+        window.event_simulate("ESC", "RELEASE", x=400, y=400)
+        yield 1.0
+        self.assertIs(self.settings.poses[1].image, former[1])
+        self.assertEqual(sorted(obj.name for obj in bpy.data.objects), objects)
+        self.assertEqual(len(list(maps_tree.mapped_objects())), 1)

@@ -234,7 +234,7 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     armature = obj.find_armature()
     if held is None or not versions.is_editable(held) or entry.refusal or obj.mode in _BUSY_MODES:
         return
-    if entry.comparison is None:
+    if entry.comparison is None or entry.stale:  # the timer's turn comes later; reading is allowed here
         ensure_comparison(obj, entry)
     if entry.comparison is None or armature is None:
         return
