@@ -63,17 +63,18 @@ class _Poses(_Maps):
         layout, obj = self.layout, self.object(context)
         settings = obj.rumple_maps
         draw_message(layout, maps_live.message(obj))
-        layout.operator("rumple.maps_remove", icon="X")
+        row = layout.row(align=True)
+        row.operator("rumple.pose_add", icon="ADD")
+        row.operator("rumple.maps_remove", text="", icon="X")
         row = layout.row()
         row.template_list("RUMPLE_UL_poses", "", settings, "poses", settings, "active", rows=4)
         side = row.column(align=True)
-        side.operator("rumple.pose_add", text="", icon="ADD")
         side.operator("rumple.pose_remove", text="", icon="REMOVE")
         side.separator()
         side.operator("rumple.pose_move", text="", icon="TRIA_UP").direction = "UP"
         side.operator("rumple.pose_move", text="", icon="TRIA_DOWN").direction = "DOWN"
         row = layout.row(align=True)
-        row.operator("rumple.pose_go")
+        row.operator("rumple.pose_go").neutral = False
         row.operator("rumple.pose_update", text="Update")
         if 0 <= settings.active < len(settings.poses):
             pose = settings.poses[settings.active]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..core.systems import SYSTEMS
-from . import bake_state, mesh_io, modifier, operators, properties, registry, versions
+from . import bake_state, maps_tree, mesh_io, modifier, operators, properties, registry, versions
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
@@ -292,7 +292,8 @@ def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
 def _add_buttons(layout: bpy.types.UILayout) -> None:
     for system in SYSTEMS.values():
         layout.operator("object.rumple_add", text=system.label, icon="MOD_CLOTH").method = system.method
-    layout.operator("rumple.maps_add", icon="ARMATURE_DATA")
+    if maps_tree.find(bpy.context.object) is None:
+        layout.operator("rumple.maps_add", icon="ARMATURE_DATA")
 
 
 CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
