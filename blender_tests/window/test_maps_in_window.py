@@ -3,8 +3,10 @@
 import bpy
 import face
 import maps_shots
+import numpy as np
 import sleeve
 from case import WindowCase
+from mathutils import Euler
 from rumple.blender import maps_tree
 
 
@@ -63,6 +65,26 @@ class MapsInWindow(WindowCase):
             bpy.ops.rumple.pose_go()
             bpy.ops.object.mode_set(mode="OBJECT")
         self.assertEqual(self.settings.poses[1].present, 1.0)
+
+    def test_influences_show_as_colours(self):
+        self.make()
+        face.pose(self.rig, brow_L=0.01)
+        area = biggest_area()
+        area.type = "VIEW_3D"
+        yield 0.2
+        region = area.spaces.active.region_3d
+        region.view_perspective, region.view_rotation = "ORTHO", Euler((np.pi / 2, 0.0, 0.0)).to_quaternion()
+        region.view_location, region.view_distance = (0.0, 0.0, 0.0), 0.3
+        area.spaces.active.overlay.show_overlays = True
+        counts = []
+        for shown in (False, True):
+            self.settings.show_influences = shown
+            area.tag_redraw()
+            yield 0.5
+            pixels = self.pixels()[:, :area.width].astype(int)
+            counts.append(int((pixels[:, :, 0] - pixels[:, :, 1:].max(2) > 60).sum()))
+        self.screenshot("maps_influences")
+        self.assertGreater(counts[1], counts[0] + 500)
 
     def test_undo_and_redo(self):
         self.make()

@@ -113,7 +113,7 @@ class MapBake:
             raise Refused(registry.message(copy) or f"{self.obj.name}: the wrinkles cannot be made")
         if method == "FIELD":
             copy.rumple.field.output = "GEOMETRY"
-        else:
+        elif method == "MESH":
             copy.rumple.mesh.start_iterations = max(SETTLE_ITERATIONS, copy.rumple.mesh.start_iterations)
         structure.settle_all()
         for _ in range(2):  # the solve, then its picture

@@ -103,6 +103,7 @@ class _Shading(_Maps):
         layout.prop(settings, "maps")
         layout.prop(settings, "gain")
         layout.prop_search(settings, "uv_map", obj.data, "uv_layers")
+        layout.prop(settings, "show_influences")
 
 
 class _Bones(_Maps):

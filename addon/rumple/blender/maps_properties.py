@@ -130,6 +130,10 @@ class RUMPLE_Maps(bpy.types.PropertyGroup):
                                   description="Above 1 wrinkles fade less where the skin weight of their bones is low")
     uv_map: bpy.props.StringProperty(name="UV Map", options=set(), override={"LIBRARY_OVERRIDABLE"},
                                      update=_maps_changed, description="Of the wrinkle maps; empty: the active one")
+    show_influences: bpy.props.BoolProperty(name="Influences as Colors", options=set(),
+                                            override={"LIBRARY_OVERRIDABLE"}, update=_frame_changed,
+                                            description="Color the mesh in the viewport by the masks: a hue for each "
+                                                        "pose")
     bake_source: bpy.props.EnumProperty(name="Wrinkles", items=METHODS[1:], default="MESH", options=set(),
                                         override={"LIBRARY_OVERRIDABLE"},
                                         description="What makes the wrinkles that are baked, with its settings as they "

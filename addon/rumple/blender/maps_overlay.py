@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Influences as colours over the mesh in the viewport: a hue for each pose, as strong as its mask."""
+from __future__ import annotations
+
+import colorsys
+
+import bpy
+import numpy as np
+
+from ..core.poses import PACKED
+from . import maps_nodes, maps_tree, versions
+
+STRONGEST = 0.85  # alpha where the masks sum to 1: the shading stays visible
+NEARER = 1e-4  # share of the depth by which colours lie in front of the mesh
+
+
+def palette(count: int) -> np.ndarray:
+    """(count, 3) hues, the first red, as far apart as they can be."""
+    return np.array([colorsys.hsv_to_rgb(number / count, 0.9, 1.0) for number in range(count)], np.float32)
+
+
+def colours(masks: np.ndarray) -> np.ndarray:
+    """(n, 4) from the masks of o poses, (n, o): the sum of their hues. Premultiplied: no dark rims where they fade."""
+    masks = STRONGEST * masks / np.maximum(masks.sum(1, keepdims=True), 1.0)
+    return np.concatenate([masks @ palette(masks.shape[1]), masks.sum(1, keepdims=True)], 1).astype(np.float32)
+
+
+def _masks(mesh: bpy.types.Mesh, count: int) -> np.ndarray | None:
+    packs = [mesh.attributes.get(maps_nodes.MASKS.format(pack)) for pack in range((count + PACKED - 1) // PACKED)]
+    if not packs or None in packs:
+        return None
+    return np.concatenate([versions.read_attribute(pack) for pack in packs], 1)[:, :count]
+
+
+def _draw() -> None:
+    """Called by every 3D view. Must not throw: Blender would print it at every redraw."""
+    objects = [obj for obj, _ in maps_tree.mapped_objects() if obj.rumple_maps.show_influences and obj.visible_get()]
+    if not objects:
+        return
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    for obj in objects:
+        evaluated = obj.evaluated_get(depsgraph)
+        masks = _masks(evaluated.data, len(obj.rumple_maps.poses))
+        if masks is not None:
+            _draw_mesh(evaluated, colours(masks))
+
+
+def _draw_mesh(evaluated: bpy.types.Object, colour: np.ndarray) -> None:
+    import gpu  # not in background mode, where 3.4 has none
+    from gpu_extras.batch import batch_for_shader
+    from mathutils import Vector
+    mesh = evaluated.data
+    mesh.calc_loop_triangles()
+    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    shader = gpu.shader.from_builtin(versions.SMOOTH_COLOR_SHADER)
+    batch = batch_for_shader(shader, "TRIS", dict(pos=versions.positions(mesh), color=colour),
+                             indices=triangles.reshape(-1, 3))
+    gpu.state.blend_set("ALPHA_PREMULT")
+    gpu.state.depth_test_set("LESS_EQUAL")
+    with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+        projection = gpu.matrix.get_projection_matrix()
+        projection[2] = projection[2] - NEARER * Vector(projection[3])
+        gpu.matrix.load_projection_matrix(projection)
+        gpu.matrix.multiply_matrix(evaluated.matrix_world)
+        batch.draw(shader)
+    gpu.state.depth_test_set("NONE")
+    gpu.state.blend_set("NONE")
+
+
+_handle = None
+
+
+def register() -> None:
+    global _handle
+    if not bpy.app.background:
+        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+
+
+def unregister() -> None:
+    global _handle
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+        _handle = None
