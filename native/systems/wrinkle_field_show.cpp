@@ -44,6 +44,20 @@ Vec3 point_at(const Corners& corners, const Weights& weights, std::span<const Ve
     return sum;
 }
 
+// Equations (5) and (8). weights: barycentric coordinates of the point.
+Height height_at(const Waves& waves, const Profile& profile, std::span<const float> phase,
+                 const Corners& corners, const Weights& weights, const Vec3& point) {
+    Height out{0.0f, Vec3(0.0f)};
+    for (int k = 0; k < 3; ++k) {
+        const Index v = corners.vertex[k];
+        const formulas::ProfilePlace at = formulas::profile_place(phase_at(waves, phase, v, point));
+        const float weight = weights.of[k] * waves.height[v];
+        out.height += weight * between(profile.height, at);
+        out.gradient += weight * at.sign * between(profile.slope, at) * waves.wave_vector[v];
+    }
+    return out;
+}
+
 void fill_corners(const Model& model, const Waves& waves, std::span<const float> phase, Picture& picture) {
     const Index triangles = static_cast<Index>(model.base.triangles.size());
     for (Index t = 0; t < triangles; ++t) {
@@ -109,11 +123,15 @@ void displace(const Model& model, const Waves& waves, const Profile& profile, st
     attach(model.base, model.attachments, waves.positions, waves.normals, positions, 0, fine);
     for (size_t v = 0; v < fine; ++v) {
         const SurfacePoint& place = model.attachments.places[v];
-        const Vec3 normal =
-            point_at(corners_of(model.base, place.triangle), weights_of(place), waves.normals);
+        const Corners corners = corners_of(model.base, place.triangle);
+        const Weights weights = weights_of(place);
+        const Vec3 normal = point_at(corners, weights, waves.normals);
         const float length = glm::length(normal);
         if (length < kShortestNormal) continue;
-        offset[v] = evaluate(model, waves, profile, phase, place).height / length * normal;
+        // At the attachment, not at the point of the flat triangle: on an irregular mesh a smooth surface has
+        // it elsewhere, and straight crests would wobble.
+        const Height at = height_at(waves, profile, phase, corners, weights, positions[v]);
+        offset[v] = at.height / length * normal;
         positions[v] += offset[v];
     }
     std::vector<TriangleFrame> frames(model.base.triangles.size());
@@ -162,16 +180,7 @@ Height evaluate(const Model& model, const Waves& waves, const Profile& profile, 
                 const SurfacePoint& place) {
     const Corners corners = corners_of(model.base, place.triangle);
     const Weights weights = weights_of(place);
-    const Vec3 point = point_at(corners, weights, waves.positions);
-    Height out{0.0f, Vec3(0.0f)};
-    for (int k = 0; k < 3; ++k) {
-        const Index v = corners.vertex[k];
-        const formulas::ProfilePlace at = formulas::profile_place(phase_at(waves, phase, v, point));
-        const float weight = weights.of[k] * waves.height[v];
-        out.height += weight * between(profile.height, at);                                    // equation (5)
-        out.gradient += weight * at.sign * between(profile.slope, at) * waves.wave_vector[v];  // equation (8)
-    }
-    return out;
+    return height_at(waves, profile, phase, corners, weights, point_at(corners, weights, waves.positions));
 }
 
 Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,

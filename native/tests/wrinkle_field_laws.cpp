@@ -278,6 +278,24 @@ TEST(WrinkleFieldLaws, TheGeometryIsTheHeightAlongTheNormal) {
     }
 }
 
+// A smooth surface has the points of an irregular flat mesh elsewhere in its plane; crests stay straight.
+TEST(WrinkleFieldLaws, CrestsAreStraightOnTheSmoothSurfaceToo) {
+    Plan plan;
+    plan.output = Output::kGeometry;
+    plan.fine.level = 3;
+    Field field(irregular_square(), plan);
+    field.settings.wavelength = 0.25f;
+    const Pose3 pose = scaled(field.mesh, {0.5f, 1.0f, 1.0f});
+    const State state = field.solve(pose);
+    const Waves waves = field.crush(pose, state.direction);
+    const Picture picture = field.show(pose, state);
+    for (const Vec3& p : picture.positions) {
+        const float phase = std::abs(waves.wave_vector[0].x) * (p.x - waves.positions[0].x);
+        const float sign = waves.wave_vector[0].x < 0.0f ? -1.0f : 1.0f;
+        EXPECT_NEAR(p.z, waves.height[0] * std::cos(sign * phase + state.phase[0]), 0.02f * waves.height[0]);
+    }
+}
+
 TEST(WrinkleFieldLaws, NothingBreaksOnBrokenSurfaces) {
     // A fan of one triangle, collapsed edges, a flipped corner, a fold onto itself, a point.
     for (const MeshData& mesh : bases()) {
