@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pictures of the Wrinkle Field for the docs: field_square.jpg and, with ../shared/data, field_s1.jpg beside this file.
+"""The pictures of the Wrinkle Field for the docs: field_square.jpg and, with ../shared/data, s1_field.jpg beside this file.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python xvfb-run -a blender -b --factory-startup --python-exit-code 1 \
@@ -145,7 +145,7 @@ def make_s1(folder: Path) -> None:
         engine(name)
         scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 560, 640, 100
         tiles.append((label, render(folder / f"s1{len(tiles)}.png")))
-    save([tiles[i] for i in (0, 2, 1, 3)], folder, "field_s1.jpg")
+    save([tiles[i] for i in (0, 2, 1, 3)], folder, "s1_field.jpg")
 
 
 def save(tiles: list[tuple[str, Path]], folder: Path, name: str) -> None:
