@@ -71,4 +71,21 @@ inline constexpr double kSameStretch = 1e-9;
 // Unit: none (length over length). A triangle folded up farther says nothing more.
 inline constexpr float kMostCompression = 10.0f;
 
+// Unit: none (stretch over stretch, less 1). A triangle stretched so evenly has no direction that
+// a fold would follow: it keeps the one it came with.
+inline constexpr float kEvenStretch = 0.05f;
+
+// Unit: none (4 sqrt 3 area over the sum of squared edges). The direction of a thinner triangle is
+// noise: its eigenvector turns by 10 degrees when a corner moves by a hundredth of an edge.
+inline constexpr float kSliver = 0.15f;
+
+// Unit: none (sine of an angle). A path that enters a triangle at a smaller angle runs along its edge.
+inline constexpr double kShallow = 0.05;
+
+// Unit: edges. A path keeps so far from vertices: there it would lie on many edges at a time.
+inline constexpr double kEdgeMargin = 1e-3;
+
+// Unit: fold widths. Moves of a path below this are not made: nobody sees a thousandth of a fold.
+inline constexpr float kStill = 1e-3f;
+
 }  // namespace rumple

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Wrinkle Paths: R. Gillette, Augmentation of Coarse Meshes with Wrinkles, UBC 2015 (with C. Peters). Folds
+// traced over a coarse animated mesh across its compression, which live from frame to frame. No rest pose is
+// needed. Chapter and equation numbers are the thesis's; docs/wrinkle_paths.md says where we leave it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "surface/attachments.h"
+#include "surface/deformation.h"
+#include "surface/shown_mesh.h"
+#include "surface/triangle_net.h"
+#include "systems/wrinkle_paths_labels.h"
+#include "systems/wrinkle_paths_profile.h"
+
+namespace rumple::wrinkle_paths {
+
+// What compression is measured against (section 4.2): reference triangles that start from the rest pose or
+// from the first frame and adapt, or the rest pose itself.
+enum class Reference { kRestPose, kFirstFrame, kStaticRest };
+enum class Direction { kOutward, kInward, kBoth };
+
+// What the user sets for every solve.
+struct Settings {
+    float window = 0.1f;  // labels compare with the pose so long ago, seconds, >= 0; 0: the previous frame
+    Reference reference = Reference::kRestPose;
+    float relaxation = 0.01f;    // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
+    float growth = 1.05f;        // most length of a reference triangle over the rest pose's (kRestPose), >= 1
+    float threshold = 1.3f;      // tau: folds live where lambda~_min is above it, > 1
+    float width = 0.012f;        // L_min: width of the tightest fold, object units, > 0
+    float spacing = 2.24f;       // of seeds from folds, in widths, > 0
+    float alignment = 0.4f;      // alpha of eq. 5.2: low keeps folds where they are, high turns them, >= 0
+    float growth_limit = 0.15f;  // most change of a fold's length, share per 1/30 s, >= 0
+    float fade = 0.15f;          // time in which a fold rises at birth and sinks at its end, seconds, >= 0
+    bool persistent = true;      // false: every frame is traced anew (the thesis's figure 5.2, to compare)
+    std::uint32_t seed = 0;      // of the places where folds may start
+    Profile profile = Profile::kSpline;
+    Direction direction = Direction::kOutward;
+    float height = 1.0f;  // factor on the height that keeps the arc length, >= 0
+};
+
+// Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
+void check(const Settings& settings);
+
+// Painted factors per vertex of the base as the artist has it, 0..1. Empty means 1 everywhere.
+struct Paint {
+    std::vector<float> mask;  // on the compression above 1: where folds may start, and how long they get
+};
+
+// Built once at rest, then immutable; may be shared between objects.
+struct Model {
+    Surface base;
+    TriangleNet net;
+    std::vector<FlatTriangle> rest;    // per triangle
+    std::vector<float> quality;        // per triangle at rest: 1 equilateral, 0 a sliver
+    Attachments attachments;           // of the fine vertices
+    std::vector<Vec3> positions_rest;  // of the fine vertices, object space
+    std::vector<Index> fine_start;     // per triangle, into fine_vertex:
+    std::vector<Index> fine_vertex;    //   the fine vertices that lie in it
+    StretchModel stretch;
+    ShownMesh shown;
+};
+
+// Throws InvalidInput (a fine mesh of more than most_vertices). A target edge of 3/8 L_min (section 7.3)
+// shows every fold. Cost: that of the fine mesh.
+std::shared_ptr<const Model> build(Surface base, const FineSource& fine, AttachmentKind attachment);
+
+// A point of a fold on the surface. Inside a path: on the edge that its segment leaves `triangle` by, `at.x`
+// of the way along half-edge 3 triangle + edge. At an end: edge kNone, weights `at` of corners 1 and 2 of the
+// triangle.
+struct PathPoint {
+    Index triangle = kNone;
+    Index edge = kNone;  // 0..2
+    Vec2 at{0.0f};
+};
+
+struct Path {
+    Index id = 0;                   // in order of birth, never used twice
+    float fade = 1.0f;              // 0 at birth, 1 at full height
+    float compression = 1.0f;       // lambda~ that its width and height follow, smoothed in time
+    std::vector<PathPoint> points;  // >= 2; consecutive ones share a triangle
+};
+
+// What lives from frame to frame. All plain values: a stored state continues as the one that was stored.
+struct State {
+    double time = 0.0;                    // seconds
+    Labels labels;                        // per triangle
+    std::vector<FlatTriangle> reference;  // per triangle
+    std::vector<double>
+        past_times;  // of the poses that labels still need, the oldest first; the last is this one
+    std::vector<Vec3> past_positions;  // poses x welded vertices, object space
+    std::vector<Path> paths;           // by id
+    Index next_id = 0;
+};
+
+// One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
+struct Input {
+    std::span<const Vec3> positions;
+    double time = 0.0;  // seconds; the frame number over the frame rate
+    std::span<const std::uint8_t>
+        labels{};  // from label_clip(), per triangle; empty: cut here, the past fixed
+    std::span<const Vec3> next_positions{};  // one frame of look-ahead for the cut; or empty
+    double next_time = 0.0;
+};
+
+struct Report {
+    Index paths = 0;
+    Index born = 0;
+    Index died = 0;
+    Index merged = 0;      // paths that were shortened because they lie on another
+    Index compressed = 0;  // triangles by label
+    Index stretched = 0;
+    Index collapsed_triangles = 0;  // without area in this pose
+    float moved_mean = 0.0f;        // of path points along the surface since the frame before, in L_min
+    float moved_most = 0.0f;        // ... of the 99th percentile
+};
+
+// Labels of a whole clip in one cut (section 4.1.2), frames x triangles; for bakes. positions: frames x
+// vertices. Throws InvalidInput as solve() does, and when times do not ascend. Cost: about 1 ms per frame and
+// 1,000 triangles.
+Labels label_clip(const Model& model, const Settings& settings, std::span<const double> times,
+                  std::span<const Vec3> positions);
+
+// Chapters 4 and 5: one frame, from `state` (of the frame before), or from the canonical start when there is
+// none. The same input gives the same bits, whatever the numbering of vertices. Throws InvalidInput when
+// positions, labels, paint or state do not match the model, are not finite, or the state is of a later time.
+State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+            const State* state, Report& report);
+
+// Empty when every path lies on the surface: each point on an edge or in a triangle, consecutive ones in one
+// triangle, no point twice. Else what is wrong with the first that does not. For tests and for stored states.
+std::string fault(const Model& model, const std::vector<Path>& paths);
+
+// The stretch of every triangle from its reference: what seeds and paths see.
+std::vector<Stretch> stretches(const Model& model, const State& state,
+                               std::span<const Vec3> welded_positions);
+
+// Chapters 6 to 8: the shown mesh of a frame and its state.
+struct Picture {
+    std::vector<Vec3> positions;     // per shown vertex, object space
+    std::vector<Vec3> local_offset;  // from the linear embedding, in the frame of the deformed base triangle
+    std::vector<Vec3> offset;        // from the unwrinkled surface, object space
+    std::vector<float> height;       // along the smooth normal, object units
+    StretchField stretch;            // of the base, from its rest pose
+};
+// Throws InvalidInput when positions or state do not match the model.
+void show(const Model& model, const Settings& settings, const Input& input, const State& state,
+          Picture& picture);
+
+// The paths as lines in space, smoothed as they are shown (section 6.2).
+struct Curves {
+    std::vector<Index> start{0};  // curves + 1, into positions
+    std::vector<Index> id;        // per curve
+    std::vector<Vec3> positions;  // on the triangles of the deformed base but for the smoothing, object space
+    std::vector<float> width;     // L there, object units
+    std::vector<float> height;    // signed
+};
+Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state);
+
+}  // namespace rumple::wrinkle_paths

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "base/errors.h"
+#include "systems/wrinkle_paths_ground.h"
+
+namespace rumple::wrinkle_paths {
+namespace {
+
+// 4 sqrt(3) area over the sum of squared edges: 1 for an equilateral triangle.
+float quality_of(const FlatTriangle& t) {
+    if (!t.has_area()) return 0.0f;
+    const Vec2 u1(t.x1, 0.0f), u2(t.x2, t.y2);
+    const float squares = glm::dot(u1, u1) + glm::dot(u2, u2) + glm::dot(u2 - u1, u2 - u1);
+    return 4.0f * std::sqrt(3.0f) * t.area() / squares;
+}
+
+void check_range(const char* name, double value, double low, double high, bool low_excluded = false) {
+    if (value <= high && (low_excluded ? value > low : value >= low)) return;  // false for NaN
+    throw InvalidInput(std::string(name) + ": expected a value " + (low_excluded ? "above " : "from ") +
+                       std::to_string(low) + " to " + std::to_string(high) + ", got " +
+                       std::to_string(value));
+}
+
+void sort_by_triangle(Model& model) {
+    const std::vector<SurfacePoint>& places = model.attachments.places;
+    model.fine_start.assign(model.rest.size() + 1, 0);
+    for (const SurfacePoint& place : places) ++model.fine_start[place.triangle + 1];
+    std::partial_sum(model.fine_start.begin(), model.fine_start.end(), model.fine_start.begin());
+    model.fine_vertex.resize(places.size());
+    std::vector<Index> end = model.fine_start;
+    for (size_t v = 0; v < places.size(); ++v) model.fine_vertex[end[places[v].triangle]++] = Index(v);
+}
+
+}  // namespace
+
+void check(const Settings& s) {
+    constexpr double kMost = 1e6;
+    check_range("window", s.window, 0.0, 10.0);
+    check_range("relaxation", s.relaxation, 0.0, 1.0);
+    check_range("growth", s.growth, 1.0, kMost);
+    check_range("threshold", s.threshold, 1.0, kMost, true);
+    check_range("width", s.width, 0.0, kMost, true);
+    check_range("spacing", s.spacing, 0.0, kMost, true);
+    check_range("alignment", s.alignment, 0.0, kMost);
+    check_range("growth_limit", s.growth_limit, 0.0, kMost);
+    check_range("fade", s.fade, 0.0, kMost);
+    check_range("height", s.height, 0.0, kMost);
+}
+
+std::shared_ptr<const Model> build(Surface base, const FineSource& source, AttachmentKind attachment) {
+    auto model = std::make_shared<Model>();
+    model->base = std::move(base);
+    model->net = build_net(model->base);
+    model->rest = flat_triangles(*model, model->base.positions_rest);
+    for (const FlatTriangle& t : model->rest) model->quality.push_back(quality_of(t));
+    const FineMesh fine = refine(model->base, source);
+    model->attachments.kind = attachment;
+    model->attachments.places = locate_on_parents(model->base, fine);
+    if (attachment == AttachmentKind::kLimit) {
+        model->attachments.limit = source.kind == FineSource::Kind::kSubdivision
+                                       ? subdivision_stencils(model->base.welded, source.level, true)
+                                       : limit_stencils(model->base, model->attachments.places);
+    }
+    model->positions_rest.resize(fine.mesh.vertex_count);
+    std::vector<Vec3> normals(model->base.welded.vertex_count);
+    vertex_normals(model->base, model->base.positions_rest, normals);
+    attach(model->base, model->attachments, model->base.positions_rest, normals, model->positions_rest, 0,
+           model->positions_rest.size());
+    sort_by_triangle(*model);
+    model->stretch = build_stretch(model->base);
+    model->shown = show_fine(model->base, model->base, fine, 0, model->positions_rest);
+    return model;
+}
+
+}  // namespace rumple::wrinkle_paths

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Section 5.2.3 of Gillette 2015: folds grow, shrink, merge and end.
+#include <algorithm>
+#include <cmath>
+
+#include "base/tolerances.h"
+#include "systems/wrinkle_paths_life.h"
+
+namespace rumple::wrinkle_paths {
+namespace {
+
+using glm::dvec2;
+
+// A fold that lives stays down to this share of the compression that lets one start.
+constexpr float kKeepShare = 0.75f;
+
+float keep_threshold(const Settings& settings) {
+    return 1.0f + kKeepShare * (settings.threshold - 1.0f);
+}
+
+// How much of the last part of a path should go: where the compression is too low, where it lies on an older
+// path, and beyond a crossing with one in its last half.
+float surplus(const Ground& ground, const Settings& settings, const SegmentMap& map,
+              const std::vector<PathPoint>& points, bool& merged) {
+    const std::vector<Vec3> at = positions(ground, points);
+    const float half = 0.5f * length(ground, points);
+    float way = 0.0f, cut = 0.0f;
+    bool slack = true, beside = true;
+    for (size_t i = points.size() - 1; i > 0 && way < half; --i) {
+        const Index t = segment_triangle(ground.model, points, i - 1);
+        const float size = glm::distance(at[i - 1], at[i]);
+        const dvec2 a = ground.to_flat(t, at[i]), b = ground.to_flat(t, at[i - 1]);
+        float crossing = -1.0f;
+        map.in_triangle(t, [&](const SegmentMap::Segment& s) {
+            double share = 0.0;
+            if (segments_cross(a, b, ground.to_flat(t, s.a), ground.to_flat(t, s.b), share))
+                crossing = std::max(crossing, float(share) * size);
+        });
+        slack = slack && ground.compression[t] < keep_threshold(settings);
+        const float near = kMergeDistance * settings.width * 0.9f;  // less than where growth stops
+        beside = beside && map.distance(t, at[i], near) <= near;
+        if (slack || beside) cut = way + size;
+        if (crossing >= 0.0f) cut = std::max(cut, way + crossing);
+        merged = merged || beside || crossing >= 0.0f;
+        way += size;
+    }
+    return cut;
+}
+
+// Takes `amount` off the end; at least one segment stays.
+void shorten(const Ground& ground, std::vector<PathPoint>& points, float amount) {
+    while (true) {
+        const size_t last = points.size() - 1;
+        const Index t = segment_triangle(ground.model, points, last - 1);
+        const dvec2 a = flat_in(ground, t, points[last]), b = flat_in(ground, t, points[last - 1]);
+        const float size = float(glm::distance(a, b));
+        if (size > amount || last == 1) {
+            points[last] = inside(ground, t, glm::mix(a, b, double(std::min(amount, 0.9f * size) / size)));
+            return;
+        }
+        amount -= size;
+        points.pop_back();
+    }
+}
+
+// Goes on straight in the triangle of the end, then as a new path would.
+bool lengthen(const Ground& ground, const Settings& settings, const SegmentMap& map, float amount,
+              std::vector<PathPoint>& points) {
+    const size_t last = points.size() - 1;
+    const Index t = points[last].triangle;
+    const dvec2 from = flat_in(ground, t, points[last - 1]), at = flat_in(ground, t, points[last]);
+    const double size = glm::distance(from, at);
+    if (size <= 0.0 || ground.compression[t] < settings.threshold) return false;
+    WalkLimits limits;
+    limits.compression = settings.threshold;
+    limits.length = amount;
+    limits.others = &map;
+    limits.near_others = kMergeDistance * settings.width;
+    std::vector<Index> visited;
+    for (size_t i = 0; i < last; ++i) visited.push_back(segment_triangle(ground.model, points, i));
+    const Walk more = walk(ground, t, at, (at - from) / size, limits, visited);
+    if (more.length < kStill * settings.width) return false;
+    points.pop_back();
+    points.insert(points.end(), more.points.begin(), more.points.end());
+    return true;
+}
+
+// True when the end has moved.
+bool update_end(const Ground& ground, const Settings& settings, const SegmentMap& map, float most,
+                std::vector<PathPoint>& points, bool& merged) {
+    if (!ground.pose.shapes[points.back().triangle].has_area()) return false;
+    const float cut = std::min(surplus(ground, settings, map, points, merged), most);
+    if (cut <= 0.0f) return lengthen(ground, settings, map, most, points);
+    if (cut < kStill * settings.width) return false;
+    shorten(ground, points, cut);
+    return true;
+}
+
+// One value towards another within `fade` seconds.
+void approach(float& value, float target, double seconds, float fade) {
+    const float step = fade > 0.0f ? float(seconds / fade) : 1.0f;
+    value = std::clamp(target, value - step, value + step);
+}
+
+}  // namespace
+
+void live(const Ground& ground, const Settings& settings, double seconds, std::vector<Path>& paths,
+          SegmentMap& map, Report& report) {
+    std::vector<Path> left;
+    for (Path& path : paths) {
+        const float size = std::max(length(ground, path.points), kShortestPath * settings.width);
+        const float most = 0.5f * size * float(std::pow(1.0 + settings.growth_limit, 30.0 * seconds) - 1.0);
+        bool merged = false;
+        update_end(ground, settings, map, most, path.points, merged);
+        std::vector<PathPoint> other_way = reversed(ground.model, path.points);
+        if (update_end(ground, settings, map, most, other_way, merged))
+            path.points = reversed(ground.model, other_way);
+        report.merged += merged;
+
+        const float compression = strongest(ground, path.points);
+        const bool alive = compression >= keep_threshold(settings) &&
+                           length(ground, path.points) >= 0.5f * kShortestPath * settings.width &&
+                           overlap(ground, map, path.points, kCrowdDistance * settings.width) <= kMostOverlap;
+        approach(path.fade, alive ? 1.0f : 0.0f, seconds, settings.fade);
+        approach(path.compression, compression, seconds, settings.fade);
+        if (!alive && path.fade <= 0.0f) {
+            ++report.died;
+            continue;
+        }
+        if (alive) map.add(path.points);
+        left.push_back(std::move(path));
+    }
+    paths = std::move(left);
+}
+
+}  // namespace rumple::wrinkle_paths

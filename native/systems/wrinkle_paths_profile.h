@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The cross-section of a fold: Gillette 2015, section 6.1.
+#pragma once
+
+#include <array>
+
+namespace rumple::wrinkle_paths {
+
+enum class Profile { kSpline, kQuartic, kCircularArcs, kSine };
+
+// Height at x of the way from the crest (0) to the foot (1), of a fold of height 1. Even; 0 beyond the foot.
+// kCircularArcs: two arcs of equal radius for flat folds; their shape does not depend on the height here.
+float profile(Profile kind, float x);
+
+// A fold of the cloth s = L_max is L wide and h high. Heights h / L that keep the arc length s of the
+// profile, by lookup over the ratio s / L, as the thesis does for the circle.
+class HeightTable {
+  public:
+    explicit HeightTable(Profile kind);
+    // ratio: s / L, held within 1 .. kMostRatio. Linear between entries; within 1e-3.
+    float height_over_width(float ratio) const;
+
+  private:
+    static constexpr int kIntervals = 128;
+    std::array<float, kIntervals + 1> ratio_;  // at heights evenly spaced from 0
+};
+const HeightTable& height_table(Profile kind);
+
+// The fold is no narrower than this: L = s / kMostRatio.
+inline constexpr float kMostRatio = 1.5707964f;
+
+// The circle of the thesis: phi of eq. 6.1 (half the angle of the arc) for s / L = ratio, in 0 .. pi, by
+// Newton's method from pi; and the height of that arc over L. For tests and comparison.
+float circle_half_angle(float ratio);
+float circle_height_over_width(float ratio);
+
+}  // namespace rumple::wrinkle_paths

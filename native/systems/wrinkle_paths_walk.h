@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Walking over the triangles, and who is near: Gillette 2015, sections 5.1 and 8.2. Inside this system only.
+#pragma once
+
+#include "systems/wrinkle_paths_ground.h"
+
+namespace rumple::wrinkle_paths {
+
+Vec3 position(const Ground& ground, const PathPoint& p);
+std::vector<Vec3> positions(const Ground& ground, const std::vector<PathPoint>& points);
+float length(const Ground& ground, const std::vector<PathPoint>& points);
+
+// A point of a path in the plane of a triangle that it lies on.
+glm::dvec2 flat_in(const Ground& ground, Index triangle, const PathPoint& p);
+// A point inside a triangle (weights are held within it).
+PathPoint inside(const Ground& ground, Index triangle, const glm::dvec2& at);
+// The same points from the other end.
+std::vector<PathPoint> reversed(const Model& model, const std::vector<PathPoint>& points);
+
+// Segments of paths by the triangle they lie in.
+class SegmentMap {
+  public:
+    explicit SegmentMap(const Ground& ground) : ground_(ground), first_(ground.model.rest.size(), kNone) {}
+
+    void add(const std::vector<PathPoint>& points);
+
+    struct Segment {
+        Vec3 a, b;
+        Index next;
+    };
+    // visit(segment) for those in one triangle.
+    template <typename Visit>
+    void in_triangle(Index triangle, Visit&& visit) const {
+        for (Index s = first_[triangle]; s != kNone; s = segments_[s].next) visit(segments_[s]);
+    }
+
+    // Distance through space from a point of a triangle to the nearest segment, over triangles that are
+    // reached without leaving a ball of `radius`; infinite where there is none within it.
+    float distance(Index triangle, const Vec3& p, float radius) const;
+
+  private:
+    const Ground& ground_;
+    std::vector<Index> first_;  // per triangle
+    std::vector<Segment> segments_;
+    mutable std::vector<Index> seen_;  // per triangle: the last query that was there
+    mutable Index query_ = 0;
+};
+
+// How a walk goes on and where it ends.
+struct WalkLimits {
+    float compression = 1.0f;            // it enters no triangle below
+    float length = 0.0f;                 // it ends after so much, object units
+    const SegmentMap* others = nullptr;  // it ends on these, or so near to them:
+    float near_others = 0.0f;
+};
+
+// Section 5.1: from `at` in a triangle in `direction` (unit, in its plane), then in every triangle at right
+// angles to its compression. points: edge points and, last, the end.
+struct Walk {
+    std::vector<PathPoint> points;
+    float length = 0.0f;
+    bool met = false;  // it ended at another path
+};
+// visited: triangles that it must not enter; it adds those it enters.
+Walk walk(const Ground& ground, Index triangle, glm::dvec2 at, glm::dvec2 direction, const WalkLimits& limits,
+          std::vector<Index>& visited);
+
+// Both ends of [a, b] and [c, d] on the other's two sides; share: of the way from a to b.
+bool segments_cross(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d,
+                    double& share);
+
+}  // namespace rumple::wrinkle_paths
