@@ -58,6 +58,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("growth", &Settings::growth,
                        "most length of a reference triangle over the rest pose's, >= 1")
         .def_readwrite("threshold", &Settings::threshold, "tau: compression from which folds live, > 1")
+        .def_readwrite("reach", &Settings::reach, "folds go on down to this share of tau's compression, 0..1")
         .def_readwrite("width", &Settings::width, "L_min: width of the tightest fold, object units, > 0")
         .def_readwrite("spacing", &Settings::spacing, "of seeds from folds, in widths, > 0")
         .def_readwrite("alignment", &Settings::alignment, "alpha of eq. 5.2, >= 0")

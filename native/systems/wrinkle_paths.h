@@ -29,9 +29,10 @@ struct Settings {
     Reference reference = Reference::kRestPose;
     float relaxation = 0.01f;    // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
     float growth = 1.05f;        // most length of a reference triangle over the rest pose's (kRestPose), >= 1
-    float threshold = 1.3f;      // tau: folds live where lambda~_min is above it, > 1
-    float width = 0.012f;        // L_min: width of the tightest fold, object units, > 0
-    float spacing = 2.24f;       // of seeds from folds, in widths, > 0
+    float threshold = 1.3f;      // tau: folds start where lambda~_min is above it, > 1
+    float reach = 0.4f;          // folds go on down to this share of tau's compression, 0..1; printed: 1
+    float width = 0.02f;         // L_min: width of the tightest fold, object units, > 0
+    float spacing = 1.12f;       // of seeds from folds, in widths, > 0
     float alignment = 0.4f;      // alpha of eq. 5.2: low keeps folds where they are, high turns them, >= 0
     float growth_limit = 0.15f;  // most change of a fold's length, share per 1/30 s, >= 0
     float fade = 0.15f;          // time in which a fold rises at birth and sinks at its end, seconds, >= 0

@@ -43,6 +43,7 @@ void check(const Settings& s) {
     check_range("relaxation", s.relaxation, 0.0, 1.0);
     check_range("growth", s.growth, 1.0, kMost);
     check_range("threshold", s.threshold, 1.0, kMost, true);
+    check_range("reach", s.reach, 0.0, 1.0);
     check_range("width", s.width, 0.0, kMost, true);
     check_range("spacing", s.spacing, 0.0, kMost, true);
     check_range("alignment", s.alignment, 0.0, kMost);

@@ -19,6 +19,14 @@ inline constexpr float kMergeDistance = 0.3f;
 inline constexpr float kCrowdDistance = 0.6f;
 inline constexpr float kMostOverlap = 0.6f;
 
+// Compression that a fold goes on to, and that it keeps to its end.
+inline float reach_threshold(const Settings& settings) {
+    return 1.0f + settings.reach * (settings.threshold - 1.0f);
+}
+inline float keep_threshold(const Settings& settings) {
+    return 1.0f + 0.75f * settings.reach * (settings.threshold - 1.0f);
+}
+
 // Section 5.2.1: moves the inner points of a path along their edges (eq. 5.2), over vertices where they leave
 // them. before: the pose that the points stood on. moved: gets the way of every inner point along its edge,
 // object units.

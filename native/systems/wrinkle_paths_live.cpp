@@ -11,13 +11,6 @@ namespace {
 
 using glm::dvec2;
 
-// A fold that lives stays down to this share of the compression that lets one start.
-constexpr float kKeepShare = 0.75f;
-
-float keep_threshold(const Settings& settings) {
-    return 1.0f + kKeepShare * (settings.threshold - 1.0f);
-}
-
 // How much of the last part of a path should go: where the compression is too low, where it lies on an older
 // path, and beyond a crossing with one in its last half.
 float surplus(const Ground& ground, const Settings& settings, const SegmentMap& map,
@@ -70,9 +63,9 @@ bool lengthen(const Ground& ground, const Settings& settings, const SegmentMap& 
     const Index t = points[last].triangle;
     const dvec2 from = flat_in(ground, t, points[last - 1]), at = flat_in(ground, t, points[last]);
     const double size = glm::distance(from, at);
-    if (size <= 0.0 || ground.compression[t] < settings.threshold) return false;
+    if (size <= 0.0 || ground.compression[t] < reach_threshold(settings)) return false;
     WalkLimits limits;
-    limits.compression = settings.threshold;
+    limits.compression = reach_threshold(settings);
     limits.length = amount;
     limits.others = &map;
     limits.near_others = kMergeDistance * settings.width;
@@ -118,7 +111,7 @@ void live(const Ground& ground, const Settings& settings, double seconds, std::v
         report.merged += merged;
 
         const float compression = strongest(ground, path.points);
-        const bool alive = compression >= keep_threshold(settings) &&
+        const bool alive = compression >= reach_threshold(settings) &&
                            length(ground, path.points) >= 0.5f * kShortestPath * settings.width &&
                            overlap(ground, map, path.points, kCrowdDistance * settings.width) <= kMostOverlap;
         approach(path.fade, alive ? 1.0f : 0.0f, seconds, settings.fade);

@@ -67,7 +67,7 @@ std::vector<PathPoint> trace(const Ground& ground, const Settings& settings, con
     const Stretch& s = ground.stretch[seed.triangle];
     if (s.compression * s.stretch < 1.0f + kEvenStretch) return {};
     WalkLimits limits;
-    limits.compression = settings.threshold;
+    limits.compression = reach_threshold(settings);
     limits.length = kLongestPath * settings.width;
     limits.others = &map;
     limits.near_others = kMergeDistance * settings.width;
