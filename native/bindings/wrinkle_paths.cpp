@@ -62,6 +62,8 @@ void bind_settings(py::module_& module) {
         .def_readwrite("width", &Settings::width, "L_min: width of the tightest fold, object units, > 0")
         .def_readwrite("spacing", &Settings::spacing, "of seeds from folds, in widths, > 0")
         .def_readwrite("alignment", &Settings::alignment, "alpha of eq. 5.2, >= 0")
+        .def_readwrite("hem_rings", &Settings::hem_rings,
+                       "rings over which compression counts less towards open borders, >= 0")
         .def_readwrite("growth_limit", &Settings::growth_limit,
                        "most change of a fold's length, share per 1/30 s, >= 0")
         .def_readwrite("fade", &Settings::fade, "seconds in which a fold rises and sinks, >= 0")

@@ -127,17 +127,27 @@ std::vector<Stretch> stretches(const Model& model, const State& state,
     return out;
 }
 
-Ground make_ground(const Model& model, const Paint& paint, const Pose& pose,
+namespace {
+
+// How much compression counts at a corner of the base: painted, and less at hems.
+float weight_at(const Model& model, const Settings& settings, const Paint& paint, Index corner) {
+    const float painted = paint.mask.empty() ? 1.0f : paint.mask[model.base.display.corner_vertex[corner]];
+    const Index ring = model.border_ring[model.base.welded.corner_vertex[corner]];
+    if (settings.hem_rings == 0 || ring == kNone || ring >= settings.hem_rings) return painted;
+    const float x = float(ring) / float(settings.hem_rings);
+    return painted * x * x * (3.0f - 2.0f * x);
+}
+
+}  // namespace
+
+Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
                    const std::vector<FlatTriangle>& reference) {
     Ground ground{model, pose, {}, {}};
     for (size_t t = 0; t < reference.size(); ++t) {
         ground.stretch.push_back(measure_stretch(reference[t], pose.shapes[t]));
-        float mask = 1.0f;
-        if (!paint.mask.empty()) {
-            mask = 0.0f;
-            for (const Index corner : model.base.triangles[t].corner)
-                mask += paint.mask[model.base.display.corner_vertex[corner]] / 3.0f;
-        }
+        float mask = 0.0f;
+        for (const Index corner : model.base.triangles[t].corner)
+            mask += weight_at(model, settings, paint, corner) / 3.0f;
         ground.compression.push_back(1.0f + mask * (ground.stretch[t].compression - 1.0f));
     }
     return ground;
@@ -156,7 +166,7 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
     next.reference = update_reference(model, settings, pose, next.labels, seconds, state);
     remember(settings, pose, state, next);
     report = {};
-    const Ground ground = make_ground(model, paint, pose, next.reference);
+    const Ground ground = make_ground(model, settings, paint, pose, next.reference);
     SegmentMap map(ground);
     const bool from_state = state && settings.persistent;
     if (from_state) {

@@ -27,13 +27,14 @@ enum class Direction { kOutward, kInward, kBoth };
 struct Settings {
     float window = 0.1f;  // labels compare with the pose so long ago, seconds, >= 0; 0: the previous frame
     Reference reference = Reference::kRestPose;
-    float relaxation = 0.01f;    // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
-    float growth = 1.05f;        // most length of a reference triangle over the rest pose's (kRestPose), >= 1
-    float threshold = 1.3f;      // tau: folds start where lambda~_min is above it, > 1
-    float reach = 0.4f;          // folds go on down to this share of tau's compression, 0..1; printed: 1
-    float width = 0.02f;         // L_min: width of the tightest fold, object units, > 0
-    float spacing = 1.12f;       // of seeds from folds, in widths, > 0
-    float alignment = 0.4f;      // alpha of eq. 5.2: low keeps folds where they are, high turns them, >= 0
+    float relaxation = 0.01f;  // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
+    float growth = 1.05f;      // most length of a reference triangle over the rest pose's (kRestPose), >= 1
+    float threshold = 1.25f;   // tau: folds start where lambda~_min is above it, > 1
+    float reach = 0.3f;        // folds go on down to this share of tau's compression, 0..1; printed: 1
+    float width = 0.02f;       // L_min: width of the tightest fold, object units, > 0
+    float spacing = 1.12f;     // of seeds from folds, in widths, > 0
+    float alignment = 0.4f;    // alpha of eq. 5.2: low keeps folds where they are, high turns them, >= 0
+    int hem_rings = 2;         // rings over which compression counts less and less towards open borders, >= 0
     float growth_limit = 0.15f;  // most change of a fold's length, share per 1/30 s, >= 0
     float fade = 0.15f;          // time in which a fold rises at birth and sinks at its end, seconds, >= 0
     bool persistent = true;      // false: every frame is traced anew (the thesis's figure 5.2, to compare)
@@ -55,9 +56,11 @@ struct Paint {
 struct Model {
     Surface base;
     TriangleNet net;
-    std::vector<FlatTriangle> rest;    // per triangle
-    std::vector<float> quality;        // per triangle at rest: 1 equilateral, 0 a sliver
-    Attachments attachments;           // of the fine vertices
+    std::vector<FlatTriangle> rest;  // per triangle
+    std::vector<float> quality;      // per triangle at rest: 1 equilateral, 0 a sliver
+    std::vector<Index>
+        border_ring;          // per welded vertex: edges to the nearest open border; kNone: there is none
+    Attachments attachments;  // of the fine vertices
     std::vector<Vec3> positions_rest;  // of the fine vertices, object space
     std::vector<Index> fine_start;     // per triangle, into fine_vertex:
     std::vector<Index> fine_vertex;    //   the fine vertices that lie in it

@@ -35,6 +35,27 @@ void sort_by_triangle(Model& model) {
     for (size_t v = 0; v < places.size(); ++v) model.fine_vertex[end[places[v].triangle]++] = Index(v);
 }
 
+// By breadth-first search over the edges of the triangles.
+std::vector<Index> rings_from_border(const Surface& surface, const TriangleNet& net) {
+    std::vector<Index> ring(size_t(surface.welded.vertex_count), kNone);
+    for (size_t v = 0; v < ring.size(); ++v) {
+        if (surface.boundary_vertex[v]) ring[v] = 0;
+    }
+    bool more = true;
+    for (Index reached = 0; more; ++reached) {
+        more = false;
+        for (Index h = 0; h < Index(net.vertex.size()); ++h) {
+            const Index a = net.vertex[h], b = net.vertex[next_in_triangle(h)];
+            for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
+                if (ring[from] != reached || ring[to] != kNone) continue;
+                ring[to] = reached + 1;
+                more = true;
+            }
+        }
+    }
+    return ring;
+}
+
 }  // namespace
 
 void check(const Settings& s) {
@@ -49,6 +70,7 @@ void check(const Settings& s) {
     check_range("alignment", s.alignment, 0.0, kMost);
     check_range("growth_limit", s.growth_limit, 0.0, kMost);
     check_range("fade", s.fade, 0.0, kMost);
+    check_range("hem_rings", s.hem_rings, 0.0, kMost);
     check_range("height", s.height, 0.0, kMost);
 }
 
@@ -58,6 +80,7 @@ std::shared_ptr<const Model> build(Surface base, const FineSource& source, Attac
     model->net = build_net(model->base);
     model->rest = flat_triangles(*model, model->base.positions_rest);
     for (const FlatTriangle& t : model->rest) model->quality.push_back(quality_of(t));
+    model->border_ring = rings_from_border(model->base, model->net);
     const FineMesh fine = refine(model->base, source);
     model->attachments.kind = attachment;
     model->attachments.places = locate_on_parents(model->base, fine);

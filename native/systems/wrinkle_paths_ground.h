@@ -57,7 +57,7 @@ struct Ground {
         return pose.frames[triangle].to_object(Vec3(stretch[triangle].direction, 0.0f));
     }
 };
-Ground make_ground(const Model& model, const Paint& paint, const Pose& pose,
+Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
                    const std::vector<FlatTriangle>& reference);
 
 inline Index half_edge(const PathPoint& p) {
