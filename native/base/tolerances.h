@@ -85,6 +85,11 @@ inline constexpr double kShallow = 0.05;
 // Unit: edges. A path keeps so far from vertices: there it would lie on many edges at a time.
 inline constexpr double kEdgeMargin = 1e-3;
 
+// Unit: none (strain since a tenth of a second ago). A fold turns towards the compression only where
+// the cloth moves: below the first not at all, as if by friction; above the second in full.
+inline constexpr float kHeldChange = 2e-3f;
+inline constexpr float kFreeChange = 2e-2f;
+
 // Unit: fold widths. Moves of a path below this are not made: nobody sees a thousandth of a fold.
 inline constexpr float kStill = 1e-3f;
 

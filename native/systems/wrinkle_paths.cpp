@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/errors.h"
+#include "base/tolerances.h"
 #include "systems/wrinkle_paths_life.h"
 
 namespace rumple::wrinkle_paths {
@@ -141,13 +142,16 @@ float weight_at(const Model& model, const Settings& settings, const Paint& paint
 }  // namespace
 
 Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
-                   const std::vector<FlatTriangle>& reference) {
-    Ground ground{model, pose, {}, {}};
+                   const std::vector<FlatTriangle>& reference, const std::vector<Stretch>& changes) {
+    Ground ground{model, pose, {}, {}, {}};
     for (size_t t = 0; t < reference.size(); ++t) {
         ground.stretch.push_back(measure_stretch(reference[t], pose.shapes[t]));
         float mask = 0.0f;
         for (const Index corner : model.base.triangles[t].corner)
             mask += weight_at(model, settings, paint, corner) / 3.0f;
+        const float strain = std::max(changes[t].compression, changes[t].stretch) - 1.0f;
+        const float x = std::clamp((strain - kHeldChange) / (kFreeChange - kHeldChange), 0.0f, 1.0f);
+        ground.activity.push_back(x * x * (3.0f - 2.0f * x));
         ground.compression.push_back(1.0f + mask * (ground.stretch[t].compression - 1.0f));
     }
     return ground;
@@ -162,11 +166,12 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
     const double seconds = state ? input.time - state->time : 0.0;
     State next;
     next.time = input.time;
-    next.labels = label_frame(model, settings, input, pose, state);
+    const std::vector<Stretch> changes = recent_changes(model, settings, input.time, pose, state);
+    next.labels = label_frame(model, settings, input, pose, changes, state);
     next.reference = update_reference(model, settings, pose, next.labels, seconds, state);
     remember(settings, pose, state, next);
     report = {};
-    const Ground ground = make_ground(model, settings, paint, pose, next.reference);
+    const Ground ground = make_ground(model, settings, paint, pose, next.reference, changes);
     SegmentMap map(ground);
     const bool from_state = state && settings.persistent;
     if (from_state) {

@@ -114,7 +114,7 @@ struct Report {
     Index paths = 0;
     Index born = 0;
     Index died = 0;
-    Index merged = 0;      // paths that were shortened because they lie on another
+    Index merged = 0;      // paths that are being cut back to where they cross an older one
     Index compressed = 0;  // triangles by label
     Index stretched = 0;
     Index collapsed_triangles = 0;  // without area in this pose

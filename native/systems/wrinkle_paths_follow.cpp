@@ -63,17 +63,27 @@ dvec3 edge_vector(const Model& model, const std::vector<Vec3>& positions, const 
     return dvec3(positions[model.net.vertex[next_in_triangle(h)]]) - dvec3(positions[model.net.vertex[h]]);
 }
 
-// A frame at a point of a path that turns with the surface: along the edge, and between the normals beside
-// it.
-glm::dmat3 frame_at(const Model& model, const Pose& pose, const PathPoint& p) {
-    const TriangleFrame& frame = pose.frames[p.triangle];
-    if (p.edge == kNone) return {frame.tangent, frame.bitangent, frame.normal};
-    const dvec3 edge = edge_vector(model, pose.positions, p);
-    const dvec3 other(pose.frames[triangle_of(model.net.twin[half_edge(p)])].normal);
-    const dvec3 x = glm::dot(edge, edge) > 0.0 ? glm::normalize(edge) : edge;
-    const dvec3 side = glm::cross(dvec3(frame.normal) + other, x);
-    const dvec3 y = glm::dot(side, side) > 0.0 ? glm::normalize(side) : side;
-    return {x, y, glm::cross(x, y)};
+// How a triangle turned between two poses: the rotation of its deformation (polar decomposition), so that a
+// squeeze, which turns every edge, turns nothing.
+glm::dmat3 turn_of(const Pose& before, const Pose& now, Index t) {
+    const FlatTriangle& a = before.shapes[t];
+    const FlatTriangle& b = now.shapes[t];
+    double angle = 0.0;
+    if (a.has_area() && b.has_area()) {
+        const double f00 = double(b.x1) / a.x1, f01 = (b.x2 - f00 * a.x2) / a.y2, f11 = double(b.y2) / a.y2;
+        angle = std::atan2(-f01, f00 + f11);
+    }
+    const double c = std::cos(angle), s = std::sin(angle);
+    const auto frame = [](const TriangleFrame& f) { return glm::dmat3(f.tangent, f.bitangent, f.normal); };
+    return frame(now.frames[t]) * glm::dmat3(c, s, 0, -s, c, 0, 0, 0, 1) *
+           glm::transpose(frame(before.frames[t]));
+}
+
+// ... of the triangles at a point of a path.
+glm::dmat3 turn_at(const Model& model, const Pose& before, const Pose& now, const PathPoint& p) {
+    const glm::dmat3 turn = turn_of(before, now, p.triangle);
+    if (p.edge == kNone) return turn;
+    return 0.5 * (turn + turn_of(before, now, triangle_of(model.net.twin[half_edge(p)])));
 }
 
 // p_i - (p_i-1 + p_i+1) / 2, with p_-1 = p_1 and p_n+1 = p_n-1.
@@ -86,7 +96,7 @@ dvec3 bend(const std::vector<Vec3>& p, size_t i) {
 std::vector<double> slide(const Ground& ground, const Pose& before, const Settings& settings, double seconds,
                           const Points& points) {
     const Model& model = ground.model;
-    const Ground stood{model, before, {}, {}};
+    const Ground stood{model, before, {}, {}, {}};
     const std::vector<Vec3> now = positions(ground, points), then = positions(stood, points);
     const size_t last = points.size() - 1;
     std::vector<dvec3> edge(points.size(), dvec3(0.0));  // dp_i / dt_i; the ends stay on the cloth
@@ -99,7 +109,7 @@ std::vector<double> slide(const Ground& ground, const Pose& before, const Settin
         const Index t = segment_triangle(model, points, i);
         const double certain =
             std::clamp(double(ground.compression[t] - 1.0f) / double(settings.threshold - 1.0f), 0.0, 1.0);
-        const double weight = std::sqrt(settings.alignment * per_frame * certain);
+        const double weight = std::sqrt(settings.alignment * per_frame * certain * ground.activity[t]);
         const dvec3 e = weight * dvec3(ground.across(t));
         squares.add(glm::dot(dvec3(now[i + 1]) - dvec3(now[i]), e),
                     {{unknown(i), -glm::dot(edge[i], e)}, {unknown(i + 1), glm::dot(edge[i + 1], e)}});
@@ -107,9 +117,7 @@ std::vector<double> slide(const Ground& ground, const Pose& before, const Settin
     for (size_t i = 1; i < last; ++i)
         squares.add(0.0, {{unknown(i), std::max(glm::length(edge[i]), double(kShortestEdge))}});  // its place
     for (size_t i = 0; i <= last; ++i) {                                                          // its shape
-        const glm::dmat3 turn =
-            frame_at(model, ground.pose, points[i]) * glm::transpose(frame_at(model, before, points[i]));
-        const dvec3 change = bend(now, i) - turn * bend(then, i);
+        const dvec3 change = bend(now, i) - turn_at(model, before, ground.pose, points[i]) * bend(then, i);
         const double side = i == 0 || i == last ? 1.0 : 0.5;
         for (int c = 0; c < 3; ++c) {
             if (i == 0 || i == last) {

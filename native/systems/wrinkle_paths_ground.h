@@ -22,9 +22,12 @@ Pose make_pose(const Model& model, std::span<const Vec3> positions);
 Pose make_welded_pose(const Model& model, std::vector<Vec3> welded);
 std::vector<FlatTriangle> flat_triangles(const Model& model, std::span<const Vec3> welded);
 
-// Section 4.1: labels of this frame from the change since settings.window ago, which `state` remembers.
+// Section 4.1: how every triangle changed since settings.window ago, which `state` remembers. Undefined where
+// there is no state.
+std::vector<Stretch> recent_changes(const Model& model, const Settings& settings, double time,
+                                    const Pose& pose, const State* state);
 Labels label_frame(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
-                   const State* state);
+                   const std::vector<Stretch>& changes, const State* state);
 // The poses that later frames need: those of `state` and this one, less what is too old.
 void remember(const Settings& settings, const Pose& pose, const State* state, State& next);
 
@@ -38,6 +41,7 @@ struct Ground {
     const Pose& pose;
     std::vector<Stretch> stretch;    // per triangle
     std::vector<float> compression;  // lambda~_min after the mask; 1 where nothing is known
+    std::vector<float> activity;     // 0: has kept its shape of late, 1: moves
 
     // Corners of a triangle in its plane: (0, 0), u1, u2.
     glm::dvec2 corner(Index triangle, Index k) const {
@@ -58,7 +62,7 @@ struct Ground {
     }
 };
 Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
-                   const std::vector<FlatTriangle>& reference);
+                   const std::vector<FlatTriangle>& reference, const std::vector<Stretch>& changes);
 
 inline Index half_edge(const PathPoint& p) {
     return 3 * p.triangle + p.edge;

@@ -12,9 +12,6 @@ inline constexpr float kShortestPath = 2.0f;
 // A longer one is cut off, in widths: round a sleeve it would meet itself before.
 inline constexpr float kLongestPath = 200.0f;
 
-// A path ends where it comes so near to an older one, in widths.
-inline constexpr float kMergeDistance = 0.3f;
-
 // More than kMostOverlap of a path within this of older ones, in widths: it is no fold of its own.
 inline constexpr float kCrowdDistance = 0.6f;
 inline constexpr float kMostOverlap = 0.6f;

@@ -11,30 +11,27 @@ namespace {
 
 using glm::dvec2;
 
-// How much of the last part of a path should go: where the compression is too low, where it lies on an older
-// path, and beyond a crossing with one in its last half.
+// How much of the last half of a path should go: where the compression is too low, and beyond a crossing with
+// an older path.
 float surplus(const Ground& ground, const Settings& settings, const SegmentMap& map,
-              const std::vector<PathPoint>& points, bool& merged) {
+              const std::vector<PathPoint>& points, bool& crosses) {
     const std::vector<Vec3> at = positions(ground, points);
     const float half = 0.5f * length(ground, points);
     float way = 0.0f, cut = 0.0f;
-    bool slack = true, beside = true;
+    bool slack = true;
     for (size_t i = points.size() - 1; i > 0 && way < half; --i) {
         const Index t = segment_triangle(ground.model, points, i - 1);
         const float size = glm::distance(at[i - 1], at[i]);
         const dvec2 a = ground.to_flat(t, at[i]), b = ground.to_flat(t, at[i - 1]);
-        float crossing = -1.0f;
+        slack = slack && ground.compression[t] < keep_threshold(settings);
+        if (slack) cut = way + size;
         map.in_triangle(t, [&](const SegmentMap::Segment& s) {
             double share = 0.0;
-            if (segments_cross(a, b, ground.to_flat(t, s.a), ground.to_flat(t, s.b), share))
-                crossing = std::max(crossing, float(share) * size);
+            if (!segments_cross(a, b, ground.to_flat(t, s.a), ground.to_flat(t, s.b), share)) return;
+            const float beyond = way + float(share) * size;
+            crosses = crosses || beyond > kStill * settings.width;
+            cut = std::max(cut, beyond);
         });
-        slack = slack && ground.compression[t] < keep_threshold(settings);
-        const float near = kMergeDistance * settings.width * 0.9f;  // less than where growth stops
-        beside = beside && map.distance(t, at[i], near) <= near;
-        if (slack || beside) cut = way + size;
-        if (crossing >= 0.0f) cut = std::max(cut, way + crossing);
-        merged = merged || beside || crossing >= 0.0f;
         way += size;
     }
     return cut;
@@ -68,7 +65,6 @@ bool lengthen(const Ground& ground, const Settings& settings, const SegmentMap& 
     limits.compression = reach_threshold(settings);
     limits.length = amount;
     limits.others = &map;
-    limits.near_others = kMergeDistance * settings.width;
     std::vector<Index> visited;
     for (size_t i = 0; i < last; ++i) visited.push_back(segment_triangle(ground.model, points, i));
     const Walk more = walk(ground, t, at, (at - from) / size, limits, visited);
@@ -80,9 +76,9 @@ bool lengthen(const Ground& ground, const Settings& settings, const SegmentMap& 
 
 // True when the end has moved.
 bool update_end(const Ground& ground, const Settings& settings, const SegmentMap& map, float most,
-                std::vector<PathPoint>& points, bool& merged) {
+                std::vector<PathPoint>& points, bool& crosses) {
     if (!ground.pose.shapes[points.back().triangle].has_area()) return false;
-    const float cut = std::min(surplus(ground, settings, map, points, merged), most);
+    const float cut = std::min(surplus(ground, settings, map, points, crosses), most);
     if (cut <= 0.0f) return lengthen(ground, settings, map, most, points);
     if (cut < kStill * settings.width) return false;
     shorten(ground, points, cut);
@@ -103,12 +99,12 @@ void live(const Ground& ground, const Settings& settings, double seconds, std::v
     for (Path& path : paths) {
         const float size = std::max(length(ground, path.points), kShortestPath * settings.width);
         const float most = 0.5f * size * float(std::pow(1.0 + settings.growth_limit, 30.0 * seconds) - 1.0);
-        bool merged = false;
-        update_end(ground, settings, map, most, path.points, merged);
+        bool crosses = false;
+        update_end(ground, settings, map, most, path.points, crosses);
         std::vector<PathPoint> other_way = reversed(ground.model, path.points);
-        if (update_end(ground, settings, map, most, other_way, merged))
+        if (update_end(ground, settings, map, most, other_way, crosses))
             path.points = reversed(ground.model, other_way);
-        report.merged += merged;
+        report.merged += crosses;
 
         const float compression = strongest(ground, path.points);
         const bool alive = compression >= reach_threshold(settings) &&

@@ -65,20 +65,26 @@ float share_in(float share_per_thirtieth, double seconds) {
     return float(1.0 - std::pow(1.0 - share_per_thirtieth, 30.0 * seconds));
 }
 
+std::vector<Stretch> recent_changes(const Model& model, const Settings& settings, double time,
+                                    const Pose& pose, const State* state) {
+    std::vector<Stretch> changes(pose.shapes.size());
+    const PastPoses past = past_of(model, settings, state);
+    if (past.empty()) return changes;
+    const Shapes before = past.before(time);
+    for (size_t t = 0; t < changes.size(); ++t) changes[t] = measure_stretch(before[t], pose.shapes[t]);
+    return changes;
+}
+
 Labels label_frame(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
-                   const State* state) {
+                   const std::vector<Stretch>& changes, const State* state) {
     if (!input.labels.empty()) return {input.labels.begin(), input.labels.end()};
     const size_t triangles = model.rest.size();
-    PastPoses past = past_of(model, settings, state);
     std::vector<LabelCosts> costs;
-    if (past.empty()) {
-        costs.assign(triangles, label_costs({}));  // nothing is known yet
-    } else {
-        add_costs(past.before(input.time), pose.shapes, costs);
-    }
+    for (const Stretch& change : changes) costs.push_back(label_costs(change));
     Pose next;
     if (!input.next_positions.empty()) {
         next = make_pose(model, input.next_positions);
+        PastPoses past = past_of(model, settings, state);
         past.add(input.time, pose.positions);
         add_costs(past.before(input.next_time), next.shapes, costs);
     }

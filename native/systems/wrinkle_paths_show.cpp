@@ -222,7 +222,7 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
     check(settings);
     check_shown(model, input, state);
     const Pose pose = make_pose(model, input.positions);
-    const Ground ground{model, pose, {}, {}};
+    const Ground ground{model, pose, {}, {}, {}};
     const std::vector<float> height = fine_heights(ground, settings, state.paths);
     std::vector<Vec3> normals(pose.positions.size());
     vertex_normals(model.base, pose.positions, normals);
@@ -253,7 +253,7 @@ Curves curves(const Model& model, const Settings& settings, const Input& input, 
     check(settings);
     check_shown(model, input, state);
     const Pose pose = make_pose(model, input.positions);
-    const Ground ground{model, pose, {}, {}};
+    const Ground ground{model, pose, {}, {}, {}};
     Curves out;
     for (const Path& path : state.paths) {
         const Fold fold = make_fold(ground, settings, path);

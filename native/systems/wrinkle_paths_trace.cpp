@@ -70,7 +70,6 @@ std::vector<PathPoint> trace(const Ground& ground, const Settings& settings, con
     limits.compression = reach_threshold(settings);
     limits.length = kLongestPath * settings.width;
     limits.others = &map;
-    limits.near_others = kMergeDistance * settings.width;
     std::vector<Index> visited{seed.triangle};
     const dvec2 at = flat_in(ground, seed.triangle, seed.at), along(-s.direction.y, s.direction.x);
     const Walk ahead = walk(ground, seed.triangle, at, along, limits, visited);

@@ -188,22 +188,13 @@ Walk walk(const Ground& ground, Index triangle, dvec2 at, dvec2 direction, const
         const double way = way_to_crossing(ground, limits, triangle, at, direction, exit.way);
         out.length += float(std::min(way, left));
         if (left <= way) return end(at + left * direction);
-        if (way < exit.way) {
-            out.met = true;
-            return end(at + way * direction);
-        }
+        if (way < exit.way) return end(at + way * direction);
         at += way * direction;
         const Index twin = ground.model.net.twin[3 * triangle + exit.edge];
         if (twin == kNone) return end(at);
         const Index next = triangle_of(twin);
         if (ground.compression[next] < limits.compression) return end(at);
         if (std::find(visited.begin(), visited.end(), next) != visited.end()) return end(at);
-        if (limits.others && limits.near_others > 0.0f &&
-            limits.others->distance(triangle, ground.to_object(triangle, at), limits.near_others) <=
-                limits.near_others) {
-            out.met = true;
-            return end(at);
-        }
         const double share = std::clamp(exit.along_edge, kEdgeMargin, 1.0 - kEdgeMargin);
         out.points.push_back({triangle, exit.edge, Vec2(float(share), 0.0f)});
         const dvec2 ahead = unfolded(ground, direction, triangle, exit.edge, twin);

@@ -50,8 +50,7 @@ class SegmentMap {
 struct WalkLimits {
     float compression = 1.0f;            // it enters no triangle below
     float length = 0.0f;                 // it ends after so much, object units
-    const SegmentMap* others = nullptr;  // it ends on these, or so near to them:
-    float near_others = 0.0f;
+    const SegmentMap* others = nullptr;  // it ends where it meets one of these
 };
 
 // Section 5.1: from `at` in a triangle in `direction` (unit, in its plane), then in every triangle at right
@@ -59,7 +58,6 @@ struct WalkLimits {
 struct Walk {
     std::vector<PathPoint> points;
     float length = 0.0f;
-    bool met = false;  // it ended at another path
 };
 // visited: triangles that it must not enter; it adds those it enters.
 Walk walk(const Ground& ground, Index triangle, glm::dvec2 at, glm::dvec2 direction, const WalkLimits& limits,
