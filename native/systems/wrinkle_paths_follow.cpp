@@ -160,7 +160,7 @@ bool spokes_between(const Model& model, Index vertex, Index not_by, Index to_tri
 
 // Where the straight line between the points before and after crosses the spokes, unfolded around the vertex,
 // but not farther from the vertex than the path went beyond it.
-void place_on_spokes(const Ground& ground, Index vertex, const Vec3& before, const Vec3& after, float beyond,
+void place_on_spokes(const Ground& ground, Index vertex, const Vec3& before, const Vec3& after, double beyond,
                      const std::vector<Index>& spokes, Points& out) {
     const dvec3 centre(ground.pose.positions[vertex]);
     const auto ray = [&](Index h) {
@@ -195,27 +195,33 @@ void place_on_spokes(const Ground& ground, Index vertex, const Vec3& before, con
     }
 }
 
-// Point i left its edge over a vertex: the path now passes the vertex on the other side. At a border it
-// stays.
+// How far a point lies from a vertex of its edge, on the side that the path passes it; below 0 beyond it.
+double distance_from(const Ground& ground, const PathPoint& p, Index vertex) {
+    const bool from = ground.model.net.vertex[half_edge(p)] == vertex;
+    return glm::length(edge_vector(ground.model, ground.pose.positions, p)) * (from ? p.at.x : 1.0 - p.at.x);
+}
+
+// Point i left its edge over a vertex: the path passes the vertex on the other side from now on. At a border
+// it stays, and while the points on the other edges of the vertex would rather stay on this side.
 void pass_vertex(const Ground& ground, Points& points, size_t i) {
     const Model& model = ground.model;
     const Index h = half_edge(points[i]);
-    const bool over_start = points[i].at.x < 0.0f;
-    const Index vertex = model.net.vertex[over_start ? h : next_in_triangle(h)];
-    const float excess = over_start ? -points[i].at.x : points[i].at.x - 1.0f;
-    const float beyond = excess * float(glm::length(edge_vector(model, ground.pose.positions, points[i])));
+    const Index vertex = model.net.vertex[points[i].at.x < 0.0f ? h : next_in_triangle(h)];
     size_t first = i, last = i;  // the run of points on edges at this vertex
     while (first > 1 && touches(model, half_edge(points[first - 1]), vertex)) --first;
     while (last + 2 < points.size() && touches(model, half_edge(points[last + 1]), vertex)) ++last;
+    double side = 0.0;
+    for (size_t k = first; k <= last; ++k)
+        side += distance_from(ground, points[k], vertex) / double(last - first + 1);
     std::vector<Index> spokes;
     const Index to = triangle_of(model.net.twin[half_edge(points[last])]);
-    if (!spokes_between(model, vertex, half_edge(points[first]), to, spokes)) {
+    if (side > 0.0 || !spokes_between(model, vertex, half_edge(points[first]), to, spokes)) {
         points[i].at.x = float(std::clamp(double(points[i].at.x), kEdgeMargin, 1.0 - kEdgeMargin));
         return;
     }
     Points around;
     place_on_spokes(ground, vertex, position(ground, points[first - 1]), position(ground, points[last + 1]),
-                    beyond, spokes, around);
+                    -side, spokes, around);
     points.erase(points.begin() + first, points.begin() + last + 1);
     points.insert(points.begin() + first, around.begin(), around.end());
 }

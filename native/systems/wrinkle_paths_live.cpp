@@ -111,7 +111,7 @@ void live(const Ground& ground, const Settings& settings, double seconds, std::v
                            length(ground, path.points) >= 0.5f * kShortestPath * settings.width &&
                            overlap(ground, map, path.points, kCrowdDistance * settings.width) <= kMostOverlap;
         approach(path.fade, alive ? 1.0f : 0.0f, seconds, settings.fade);
-        approach(path.compression, compression, seconds, settings.fade);
+        approach(path.compression, std::min(compression, kMostRatio), seconds, settings.fade);
         if (!alive && path.fade <= 0.0f) {
             ++report.died;
             continue;

@@ -135,7 +135,7 @@ void bear(const Ground& ground, const Settings& settings, bool grown, State& sta
         if (length(ground, points) < kShortestPath * settings.width) continue;
         if (overlap(ground, map, points, kCrowdDistance * settings.width) > kMostOverlap) continue;
         map.add(points);
-        const float compression = strongest(ground, points);
+        const float compression = std::min(strongest(ground, points), kMostRatio);
         state.paths.push_back({state.next_id++, grown ? 1.0f : 0.0f, compression, std::move(points)});
         ++report.born;
     }
