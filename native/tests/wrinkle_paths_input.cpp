@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bad input to the Wrinkle Paths: refused, with a message that names what is bad.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "base/errors.h"
+#include "tests/wrinkle_paths_cloth.h"
+
+namespace rumple::tests {
+namespace {
+
+using namespace wrinkle_paths;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+void expect_refused(const std::function<void()>& call, std::initializer_list<std::string> parts) {
+    try {
+        call();
+    } catch (const InvalidInput& error) {
+        for (const std::string& part : parts) {
+            EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
+                << "'" << error.what() << "' does not say '" << part << "'";
+        }
+        return;
+    }
+    ADD_FAILURE() << "accepted: " << *parts.begin();
+}
+
+struct Range {
+    const char* name;
+    float Settings::*field;
+    float low;  // refused
+    float first;
+    float last;
+    float high;  // refused
+};
+
+const Range kRanges[] = {
+    {"window", &Settings::window, -0.1f, 0.0f, 10.0f, 11.0f},
+    {"relaxation", &Settings::relaxation, -0.1f, 0.0f, 1.0f, 1.1f},
+    {"growth", &Settings::growth, 0.9f, 1.0f, 1e6f, 2e6f},
+    {"threshold", &Settings::threshold, 1.0f, 1.01f, 1e6f, 2e6f},
+    {"reach", &Settings::reach, -0.1f, 0.0f, 1.0f, 1.1f},
+    {"width", &Settings::width, 0.0f, 1e-4f, 1e6f, 2e6f},
+    {"spacing", &Settings::spacing, 0.0f, 0.1f, 1e6f, 2e6f},
+    {"alignment", &Settings::alignment, -0.1f, 0.0f, 1e6f, 2e6f},
+    {"growth_limit", &Settings::growth_limit, -0.1f, 0.0f, 1e6f, 2e6f},
+    {"fade", &Settings::fade, -0.1f, 0.0f, 1e6f, 2e6f},
+    {"height", &Settings::height, -0.1f, 0.0f, 1e6f, 2e6f},
+};
+
+TEST(WrinklePathsInput, ASettingOutOfItsRangeIsNamedWithItsRangeAndValue) {
+    EXPECT_NO_THROW(check(Settings{}));
+    const PathCloth cloth(grid(2, 2, 0.1f));
+    for (const Range& range : kRanges) {
+        for (const float value : {range.first, range.last}) {
+            Settings settings;
+            settings.*range.field = value;
+            EXPECT_NO_THROW(check(settings)) << range.name << " = " << value;
+        }
+        for (const float value : {range.low, range.high, kNan, kInfinity, -kInfinity}) {
+            PathCloth bad = cloth;
+            bad.settings.*range.field = value;
+            const std::string begins = std::string(range.name) + ": expected ";
+            expect_refused([&] { check(bad.settings); }, {begins, "got " + std::to_string(double(value))});
+            expect_refused([&] { bad.solve(bad.mesh.positions); }, {begins});
+        }
+    }
+    PathCloth bad = cloth;
+    bad.settings.hem_rings = -1;
+    expect_refused([&] { bad.solve(bad.mesh.positions); }, {"hem_rings: expected ", "got -1"});
+}
+
+TEST(WrinklePathsInput, APoseThatIsNotFiniteNamesItsFirstBadVertex) {
+    const PathCloth cloth(grid(2, 2, 0.1f));
+    const State state = cloth.solve(cloth.mesh.positions);
+    for (const float bad : {kNan, kInfinity, -kInfinity}) {
+        Pose3 pose = cloth.mesh.positions;
+        pose[5].y = pose[7].x = bad;
+        expect_refused([&] { cloth.solve(pose, &state); }, {"positions", "vertex 5 "});
+        expect_refused([&] { cloth.show(pose, state); }, {"positions", "vertex 5 "});
+        expect_refused([&] { cloth.curves(pose, state); }, {"positions", "vertex 5 "});
+    }
+}
+
+TEST(WrinklePathsInput, APoseOfAnotherMeshNamesBothCounts) {
+    const PathCloth cloth(grid(2, 2, 0.1f));
+    for (const size_t count : {size_t(0), size_t(8), size_t(10)}) {
+        expect_refused([&] { cloth.solve(Pose3(count, Vec3(0.0f))); },
+                       {"positions", "expected 9 ", "got " + std::to_string(count)});
+    }
+}
+
+TEST(WrinklePathsInput, AStateOfAnotherMeshOrOfALaterTimeIsRefused) {
+    const PathCloth cloth(grid(2, 2, 0.1f)), other(grid(3, 3, 0.1f));
+    const State foreign = other.solve(other.mesh.positions);
+    expect_refused([&] { cloth.solve(cloth.mesh.positions, &foreign); }, {"state.labels", "expected 8 "});
+    State late = cloth.solve(cloth.mesh.positions);
+    late.time = 5.0;
+    Input input;
+    input.positions = cloth.mesh.positions;
+    input.time = 4.0;
+    Report report;
+    expect_refused([&] { solve(*cloth.model, cloth.settings, {}, input, &late, report); },
+                   {"time: ", "5.0", "4.0"});
+    State spoiled = cloth.solve(cloth.mesh.positions);
+    spoiled.paths = {{7, 1.0f, 1.0f, {{0, kNone, {0.1f, 0.1f}}, {3, kNone, {0.1f, 0.1f}}}}};
+    expect_refused([&] { cloth.solve(cloth.mesh.positions, &spoiled); }, {"state.paths: path 7, point 1"});
+    expect_refused([&] { cloth.show(cloth.mesh.positions, spoiled); }, {"state.paths: path 7, point 1"});
+    spoiled.paths.clear();
+    spoiled.labels[3] = 9;
+    expect_refused([&] { cloth.solve(cloth.mesh.positions, &spoiled); }, {"state.labels", "got 9"});
+}
+
+TEST(WrinklePathsInput, LabelsPaintAndTimesAreChecked) {
+    const PathCloth cloth(grid(2, 2, 0.1f));
+    Input input;
+    input.positions = cloth.mesh.positions;
+    Report report;
+    const auto call = [&](const Paint& paint) {
+        return solve(*cloth.model, cloth.settings, paint, input, nullptr, report);
+    };
+    expect_refused([&] { call({std::vector<float>(5, 1.0f)}); }, {"paint.mask", "expected 9 ", "got 5"});
+    std::vector<float> mask(9, 1.0f);
+    mask[4] = 1.5f;
+    expect_refused([&] { call({mask}); }, {"paint.mask: vertex 4 is 1.5"});
+    mask[4] = kNan;
+    expect_refused([&] { call({mask}); }, {"paint.mask: vertex 4 is "});
+    Labels labels(7, kRest);
+    input.labels = labels;
+    expect_refused([&] { call({}); }, {"labels", "expected 8 ", "got 7"});
+    labels.assign(8, 3);
+    input.labels = labels;
+    expect_refused([&] { call({}); }, {"labels: expected 0..2, got 3"});
+    input.labels = {};
+    input.time = std::numeric_limits<double>::quiet_NaN();
+    expect_refused([&] { call({}); }, {"time: "});
+    input.time = 1.0;
+    input.next_positions = cloth.mesh.positions;
+    input.next_time = 1.0;
+    expect_refused([&] { call({}); }, {"next_time: expected later than 1.0"});
+    const std::vector<Vec3> two(18, Vec3(0.0f));
+    const std::vector<double> backwards{1.0, 0.5};
+    expect_refused([&] { label_clip(*cloth.model, cloth.settings, backwards, two); },
+                   {"times: ", "frame 1 "});
+    expect_refused([&] { label_clip(*cloth.model, cloth.settings, backwards, std::span(two).first(17)); },
+                   {"2 frames of 9 vertices", "got 17"});
+}
+
+// Collapsed and duplicated triangles are not refused: they have no direction, and folds end at them.
+TEST(WrinklePathsInput, CollapsedTrianglesAreTolerated) {
+    PathCloth cloth(grid(8, 8, 0.03f));
+    Pose3 pose = cloth.squeezed(0.6f);
+    for (int i = 30; i < 45; ++i) pose[i] = pose[30];
+    Report report;
+    State state = cloth.solve(cloth.mesh.positions);
+    for (int f = 0; f < 20; ++f) {
+        state = cloth.solve(f % 2 ? pose : cloth.squeezed(0.6f), &state, &report);
+        ASSERT_EQ(cloth.fault(state), "");
+        for (const Vec3& p : cloth.show(f % 2 ? pose : cloth.squeezed(0.6f), state).positions)
+            ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+    }
+    EXPECT_GT(report.collapsed_triangles, 0);
+    state = cloth.solve(Pose3(pose.size(), Vec3(1.0f)), &state, &report);  // all at one point
+    EXPECT_EQ(report.collapsed_triangles, 128);
+    EXPECT_EQ(cloth.fault(state), "");
+}
+
+TEST(WrinklePathsInput, AClipOfOneFrameIsAllRest) {
+    const PathCloth cloth(grid(2, 2, 0.1f));
+    const std::vector<double> times{0.0};
+    EXPECT_EQ(label_clip(*cloth.model, cloth.settings, times, cloth.mesh.positions), Labels(8, kRest));
+}
+
+}  // namespace
+}  // namespace rumple::tests

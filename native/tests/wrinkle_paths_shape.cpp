@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The shape of the folds of the Wrinkle Paths: cross-sections, heights on the shown mesh.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "systems/wrinkle_paths_walk.h"
+#include "tests/wrinkle_paths_cloth.h"
+
+namespace rumple::tests {
+namespace {
+
+using namespace wrinkle_paths;
+
+// ---- section 6.1
+
+TEST(PathProfile, IsOneAtTheCrestFlatThereAndAtTheFoot) {
+    for (const Profile kind : {Profile::kSpline, Profile::kQuartic, Profile::kCircularArcs, Profile::kSine}) {
+        EXPECT_FLOAT_EQ(profile(kind, 0.0f), 1.0f);
+        EXPECT_NEAR(profile(kind, 1.0f), 0.0f, 1e-6f);
+        EXPECT_EQ(profile(kind, 1.5f), 0.0f);
+        EXPECT_NEAR(profile(kind, 1e-3f), 1.0f, 1e-5f);
+        EXPECT_NEAR(profile(kind, 1.0f - 1e-3f), 0.0f, 1e-5f);
+        EXPECT_EQ(profile(kind, -0.4f), profile(kind, 0.4f));
+    }
+    EXPECT_NEAR(profile(Profile::kSpline, 1.0f / 3.0f), 2.0f / 3.0f, 1e-6f);  // the knot of figure 6.3
+}
+
+TEST(PathProfile, KeepsTheArcLength) {
+    for (const Profile kind : {Profile::kSpline, Profile::kQuartic, Profile::kCircularArcs, Profile::kSine}) {
+        for (const float ratio : {1.01f, 1.1f, 1.2f, 1.35f, 1.5f, kMostRatio}) {
+            const float height = height_table(kind).height_over_width(ratio);
+            double length = 0.0;
+            const int steps = 4000;
+            for (int i = 0; i < steps; ++i) {
+                const double rise = profile(kind, 2.0f * float(i + 1) / steps - 1.0f) -
+                                    profile(kind, 2.0f * float(i) / steps - 1.0f);
+                length += std::hypot(1.0 / steps, height * rise);
+            }
+            EXPECT_NEAR(length, ratio, 2e-3) << int(kind) << ' ' << ratio;
+        }
+        EXPECT_EQ(height_table(kind).height_over_width(1.0f), 0.0f);
+        EXPECT_EQ(height_table(kind).height_over_width(5.0f),
+                  height_table(kind).height_over_width(kMostRatio));
+    }
+}
+
+TEST(PathProfile, OfTheSplineHasTheHeightsFoundBefore) {
+    EXPECT_NEAR(height_table(Profile::kSpline).height_over_width(1.2f), 0.296f, 1e-3f);
+    EXPECT_NEAR(height_table(Profile::kSpline).height_over_width(1.3f), 0.375f, 1e-3f);
+    EXPECT_NEAR(height_table(Profile::kSpline).height_over_width(1.4f), 0.447f, 1e-3f);
+}
+
+// sin(phi) = phi L / s: a half circle (phi = pi / 2) for s / L = pi / 2, as high as half its width.
+TEST(PathProfile, OfTheCircleSolvesEquation61) {
+    EXPECT_NEAR(circle_half_angle(kMostRatio), 0.5f * std::numbers::pi_v<float>, 1e-5f);
+    EXPECT_NEAR(circle_height_over_width(kMostRatio), 0.5f, 1e-5f);
+    EXPECT_EQ(circle_half_angle(1.0f), 0.0f);
+    for (const float ratio : {1.05f, 1.3f, 2.0f, 3.0f}) {
+        const float phi = circle_half_angle(ratio);
+        EXPECT_GT(phi, 0.1f);  // not the false root
+        EXPECT_NEAR(std::sin(phi) - phi / ratio, 0.0f, 1e-5f);
+    }
+    EXPECT_NEAR(circle_half_angle(std::numbers::pi_v<float>) * 180.0f / std::numbers::pi_v<float>, 132.3f,
+                0.5f);
+}
+
+// ---- chapters 6 to 8
+
+// A sheet squeezed to 1 / 1.4 with one fold across its middle, shown finely: the crest is h high, the cloth
+// beyond L / 2 lies flat, and a line across the fold has the arc length s where it had L.
+TEST(PathShow, AFoldKeepsTheLengthOfTheClothAcrossIt) {
+    PathCloth cloth(grid(4, 4, 0.1f), 6);
+    cloth.settings.width = 0.05f;
+    const Pose3 pose = cloth.squeezed(1.0f / 1.4f);
+    State state = cloth.solve(pose);
+    const Pose flat = make_pose(*cloth.model, pose);
+    const Ground ground{*cloth.model, flat, {}, {}, {}};
+    Path path;
+    path.compression = 1.4f;
+    const float x = 0.2f / 1.4f + 0.01f;
+    for (Index t = 0; t < 32; ++t) {  // straight up from y = 0.02: found by walking
+        const glm::dvec2 at = ground.to_flat(t, {x, 0.02f, 0}), u1 = ground.corner(t, 1),
+                         u2 = ground.corner(t, 2);
+        const double b = at.y / u2.y, a = (at.x - b * u2.x) / u1.x;
+        if (a < 0 || b < 0 || a + b > 1) continue;
+        Ground field = ground;
+        field.stretch.assign(32, {});
+        for (Index s = 0; s < 32; ++s)
+            field.stretch[s] = measure_stretch(cloth.model->rest[s], flat.shapes[s]);
+        field.compression.assign(32, 1.4f);
+        WalkLimits limits;
+        limits.length = 0.36f;
+        std::vector<Index> visited{t};
+        path.points = walk(field, t, at, field.to_flat(t, {x, 1.02f, 0}) - at, limits, visited).points;
+        path.points.insert(path.points.begin(), inside(ground, t, at));
+        break;
+    }
+    ASSERT_GT(path.points.size(), 3u);
+    state.paths = {path};
+    ASSERT_EQ(cloth.fault(state), "");
+    const Picture picture = cloth.show(pose, state);
+    const float s = kMostRatio * cloth.settings.width, width = s / 1.4f;
+    const float high = width * height_table(Profile::kSpline).height_over_width(1.4f);
+    std::vector<std::pair<float, float>> section;  // x, height along the line y = 0.2
+    for (size_t v = 0; v < picture.positions.size(); ++v) {
+        const Vec3& p = picture.positions[v];
+        if (std::abs(p.y - 0.2f) < 1e-6f) section.emplace_back(p.x, p.z);
+        if (std::abs(p.x - x) > 0.5f * s + 1e-5f) {
+            EXPECT_EQ(p.z, 0.0f);
+        }
+        EXPECT_NEAR(picture.height[v], p.z, 1e-7f);
+    }
+    std::sort(section.begin(), section.end());
+    float length = 0.0f, top = 0.0f;
+    for (size_t i = 0; i + 1 < section.size(); ++i) {
+        top = std::max(top, section[i].second);
+        length +=
+            std::hypot(section[i + 1].first - section[i].first, section[i + 1].second - section[i].second);
+    }
+    EXPECT_NEAR(top, high, 0.02f * high);
+    EXPECT_NEAR(length - (section.back().first - section.front().first), s - width, 0.03f * s);
+}
+
+TEST(PathShow, TurnsFoldsToTheSideAskedFor) {
+    PathCloth cloth(grid(8, 8, 0.03f), 3);
+    cloth.settings.reference = Reference::kStaticRest;
+    const Pose3 pose = cloth.squeezed(0.7f);
+    const State state = cloth.solve(pose);
+    const auto range = [&](Direction direction, float height) {
+        cloth.settings.direction = direction;
+        cloth.settings.height = height;
+        const std::vector<float> h = cloth.show(pose, state).height;
+        return std::pair(*std::min_element(h.begin(), h.end()), *std::max_element(h.begin(), h.end()));
+    };
+    const auto out = range(Direction::kOutward, 1.0f), in = range(Direction::kInward, 1.0f),
+               both = range(Direction::kBoth, 1.0f), half = range(Direction::kOutward, 0.5f);
+    EXPECT_EQ(out.first, 0.0f);
+    EXPECT_GT(out.second, 0.2f * cloth.settings.width);
+    EXPECT_EQ(in.first, -out.second);
+    EXPECT_EQ(in.second, 0.0f);
+    EXPECT_LT(both.first, -0.2f * cloth.settings.width);
+    EXPECT_GT(both.second, 0.2f * cloth.settings.width);
+    EXPECT_FLOAT_EQ(half.second, 0.5f * out.second);
+}
+
+TEST(PathShow, WithoutPathsIsTheUnwrinkledSurface) {
+    PathCloth cloth(tube(12, 6, 0.1f, 0.4f), 2);
+    const State state = cloth.solve(cloth.mesh.positions);
+    const Picture picture = cloth.show(cloth.mesh.positions, state);
+    ASSERT_EQ(picture.positions.size(), cloth.model->shown.positions_rest.size());
+    for (size_t v = 0; v < picture.positions.size(); ++v) {
+        EXPECT_LT(glm::distance(picture.positions[v], cloth.model->shown.positions_rest[v]), 1e-6f);
+        EXPECT_EQ(picture.height[v], 0.0f);
+        EXPECT_LT(glm::length(picture.local_offset[v]), 1e-6f);  // linear attachment: the embedding itself
+    }
+}
+
+}  // namespace
+}  // namespace rumple::tests
