@@ -63,7 +63,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("spacing", &Settings::spacing, "of seeds from folds, in widths, > 0")
         .def_readwrite("alignment", &Settings::alignment, "alpha of eq. 5.2, >= 0")
         .def_readwrite("hem_rings", &Settings::hem_rings,
-                       "rings over which compression counts less towards open borders, >= 0")
+                       "rings over which compression and height fade towards open borders, >= 0")
         .def_readwrite("growth_limit", &Settings::growth_limit,
                        "most change of a fold's length, share per 1/30 s, >= 0")
         .def_readwrite("fade", &Settings::fade, "seconds in which a fold rises and sinks, >= 0")
@@ -280,20 +280,21 @@ void bind_wrinkle_paths(py::module_& module) {
         "label_clip. next_positions, next_time: the frame to come, to look ahead when labels are cut.");
     module.def(
         "label_clip",
-        [](const Model& model, const Settings& settings, const py::array& times, const py::array& positions) {
+        [](const Model& model, const Settings& settings, const py::array& times, const py::array& positions,
+           bool raw) {
             const auto seconds = scalars<double>(times, "times", 0);
             const auto flat = vectors(positions, "positions");
             Labels labels;
             {
                 const py::gil_scoped_release release;
-                labels = label_clip(model, settings, seconds, flat);
+                labels = label_clip(model, settings, seconds, flat, raw);
             }
             return to_numpy<std::uint8_t>(labels, py::ssize_t(model.net.triangles()));
         },
-        py::arg("model"), py::arg("settings"), py::arg("times"), py::arg("positions"),
+        py::arg("model"), py::arg("settings"), py::arg("times"), py::arg("positions"), py::arg("raw") = false,
         "Labels of a whole clip in one cut, (f, t) uint8. times: (f,) float64, seconds, ascending. "
         "positions:\n"
-        "(f n, 3) float32, frame after frame.");
+        "(f n, 3) float32, frame after frame. raw: every triangle's cheapest label for itself.");
     module.def(
         "show_wrinkle_paths",
         [](const Model& model, const Settings& settings, const py::array& positions, const State& state) {

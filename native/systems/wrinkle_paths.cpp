@@ -128,18 +128,12 @@ std::vector<Stretch> stretches(const Model& model, const State& state,
     return out;
 }
 
-namespace {
-
-// How much compression counts at a corner of the base: painted, and less at hems.
-float weight_at(const Model& model, const Settings& settings, const Paint& paint, Index corner) {
-    const float painted = paint.mask.empty() ? 1.0f : paint.mask[model.base.display.corner_vertex[corner]];
-    const Index ring = model.border_ring[model.base.welded.corner_vertex[corner]];
-    if (settings.hem_rings == 0 || ring == kNone || ring >= settings.hem_rings) return painted;
+float hem_weight(const Model& model, const Settings& settings, Index vertex) {
+    const Index ring = model.border_ring[vertex];
+    if (settings.hem_rings == 0 || ring == kNone || ring >= settings.hem_rings) return 1.0f;
     const float x = float(ring) / float(settings.hem_rings);
-    return painted * x * x * (3.0f - 2.0f * x);
+    return x * x * (3.0f - 2.0f * x);
 }
-
-}  // namespace
 
 Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
                    const std::vector<FlatTriangle>& reference, const std::vector<Stretch>& changes) {
@@ -147,8 +141,11 @@ Ground make_ground(const Model& model, const Settings& settings, const Paint& pa
     for (size_t t = 0; t < reference.size(); ++t) {
         ground.stretch.push_back(measure_stretch(reference[t], pose.shapes[t]));
         float mask = 0.0f;
-        for (const Index corner : model.base.triangles[t].corner)
-            mask += weight_at(model, settings, paint, corner) / 3.0f;
+        for (const Index corner : model.base.triangles[t].corner) {
+            const float painted =
+                paint.mask.empty() ? 1.0f : paint.mask[model.base.display.corner_vertex[corner]];
+            mask += painted * hem_weight(model, settings, model.base.welded.corner_vertex[corner]) / 3.0f;
+        }
         const float strain = std::max(changes[t].compression, changes[t].stretch) - 1.0f;
         const float x = std::clamp((strain - kHeldChange) / (kFreeChange - kHeldChange), 0.0f, 1.0f);
         ground.activity.push_back(x * x * (3.0f - 2.0f * x));

@@ -27,14 +27,14 @@ enum class Direction { kOutward, kInward, kBoth };
 struct Settings {
     float window = 0.1f;  // labels compare with the pose so long ago, seconds, >= 0; 0: the previous frame
     Reference reference = Reference::kRestPose;
-    float relaxation = 0.01f;  // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
-    float growth = 1.05f;      // most length of a reference triangle over the rest pose's (kRestPose), >= 1
-    float threshold = 1.25f;   // tau: folds start where lambda~_min is above it, > 1
-    float reach = 0.3f;        // folds go on down to this share of tau's compression, 0..1; printed: 1
-    float width = 0.02f;       // L_min: width of the tightest fold, object units, > 0
-    float spacing = 1.12f;     // of seeds from folds, in widths, > 0
-    float alignment = 0.4f;    // alpha of eq. 5.2: low keeps folds where they are, high turns them, >= 0
-    int hem_rings = 2;         // rings over which compression counts less and less towards open borders, >= 0
+    float relaxation = 0.01f;    // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
+    float growth = 1.05f;        // most length of a reference triangle over the rest pose's (kRestPose), >= 1
+    float threshold = 1.25f;     // tau: folds start where lambda~_min is above it, > 1
+    float reach = 0.3f;          // folds go on down to this share of tau's compression, 0..1; printed: 1
+    float width = 0.02f;         // L_min: width of the tightest fold, object units, > 0
+    float spacing = 1.12f;       // of seeds from folds, in widths, > 0
+    float alignment = 0.4f;      // alpha of eq. 5.2: low keeps folds where they are, high turns them, >= 0
+    int hem_rings = 2;           // rings over which compression and height fade towards open borders, >= 0
     float growth_limit = 0.15f;  // most change of a fold's length, share per 1/30 s, >= 0
     float fade = 0.15f;          // time in which a fold rises at birth and sinks at its end, seconds, >= 0
     bool persistent = true;      // false: every frame is traced anew (the thesis's figure 5.2, to compare)
@@ -122,11 +122,11 @@ struct Report {
     float moved_most = 0.0f;        // ... of the 99th percentile
 };
 
-// Labels of a whole clip in one cut (section 4.1.2), frames x triangles; for bakes. positions: frames x
-// vertices. Throws InvalidInput as solve() does, and when times do not ascend. Cost: about 1 ms per frame and
-// 1,000 triangles.
+// Labels of a whole clip in one cut (section 4.1.2), frames x triangles; for bakes. raw: without the cut.
+// positions: frames x vertices. Throws InvalidInput as solve() does, and when times do not ascend. Cost:
+// about 1 ms per frame and 1,000 triangles.
 Labels label_clip(const Model& model, const Settings& settings, std::span<const double> times,
-                  std::span<const Vec3> positions);
+                  std::span<const Vec3> positions, bool raw = false);
 
 // Chapters 4 and 5: one frame, from `state` (of the frame before), or from the canonical start when there is
 // none. The same input gives the same bits, whatever the numbering of vertices. Throws InvalidInput when

@@ -73,6 +73,9 @@ inline Index segment_triangle(const Model& model, const std::vector<PathPoint>& 
     return points[i].edge == kNone ? points[i].triangle : triangle_of(model.net.twin[half_edge(points[i])]);
 }
 
+// 0 at open borders, 1 from settings.hem_rings on: for compression and height.
+float hem_weight(const Model& model, const Settings& settings, Index vertex);
+
 // A share per 1/30 s as a share of `seconds`, so that any frame rate gives the same in the same time.
 float share_in(float share_per_thirtieth, double seconds);
 

@@ -119,6 +119,13 @@ Labels cut(const TriangleNet& net, std::span<const LabelCosts> costs, std::span<
     return graph.solve(costs.size());
 }
 
+Labels cheapest(std::span<const LabelCosts> costs) {
+    Labels labels;
+    for (const LabelCosts& cost : costs)
+        labels.push_back(std::uint8_t(std::min_element(cost.begin(), cost.end()) - cost.begin()));
+    return labels;
+}
+
 double label_energy(const TriangleNet& net, std::span<const LabelCosts> costs,
                     std::span<const std::uint8_t> before, std::span<const std::uint8_t> labels) {
     double sum = 0.0;

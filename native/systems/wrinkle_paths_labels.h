@@ -33,6 +33,9 @@ LabelCosts label_costs_printed(const Stretch& change);
 // about 0.5 ms for one frame of 3,000 triangles.
 Labels cut(const TriangleNet& net, std::span<const LabelCosts> costs, std::span<const std::uint8_t> before);
 
+// The cheapest label of every node for itself (figure 4.1, middle): to see what the cut does.
+Labels cheapest(std::span<const LabelCosts> costs);
+
 // The sum of eq. 4.3 for given labels.
 double label_energy(const TriangleNet& net, std::span<const LabelCosts> costs,
                     std::span<const std::uint8_t> before, std::span<const std::uint8_t> labels);

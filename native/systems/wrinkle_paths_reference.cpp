@@ -133,7 +133,7 @@ std::vector<FlatTriangle> update_reference(const Model& model, const Settings& s
 }
 
 Labels label_clip(const Model& model, const Settings& settings, std::span<const double> times,
-                  std::span<const Vec3> positions) {
+                  std::span<const Vec3> positions, bool raw) {
     check(settings);
     const size_t vertices = size_t(model.base.display.vertex_count);
     if (positions.size() != times.size() * vertices) {
@@ -162,7 +162,7 @@ Labels label_clip(const Model& model, const Settings& settings, std::span<const 
         for (size_t i = first; i < f; ++i) past.add(times[i], poses[i].positions);
         add_costs(past.before(times[f]), poses[f].shapes, costs);
     }
-    return cut(model.net, costs, {});
+    return raw ? cheapest(costs) : cut(model.net, costs, {});
 }
 
 }  // namespace rumple::wrinkle_paths

@@ -183,6 +183,13 @@ float deviation(const Fold& fold, Index begin, Index end) {
     return most;
 }
 
+float hem_weight_at(const Model& model, const Settings& settings, const SurfacePoint& place) {
+    const auto corner = [&](Index k) {
+        return hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]);
+    };
+    return (1.0f - place.b0 - place.b1) * corner(0) + place.b0 * corner(1) + place.b1 * corner(2);
+}
+
 // Section 7.5: the highest of all folds that reach a fine vertex.
 std::vector<float> fine_heights(const Ground& ground, const Settings& settings,
                                 const std::vector<Path>& paths) {
@@ -205,6 +212,9 @@ std::vector<float> fine_heights(const Ground& ground, const Settings& settings,
             };
             reach.visit(segment_triangle(model, path.points, i), fold.at[begin], fold.at[end], radius, lift);
         }
+    }
+    for (size_t v = 0; v < height.size(); ++v) {
+        if (height[v] != 0.0f) height[v] *= hem_weight_at(model, settings, model.attachments.places[v]);
     }
     return height;
 }

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Wrinkle Paths from Python: stored states, and whole real clips. SOURCES.md beside the scenes says whose they are."""
+from __future__ import annotations
+
+import os
+import unittest
+from pathlib import Path
+
+import numpy as np
+import rumple_native as native
+from meshes import compressed, tube
+
+DATA = Path(os.environ.get("RUMPLE_DATA", "../shared/data"))
+
+
+def make_model(base, level: int = 1):
+    """The native model of a BaseMesh."""
+    surface = native.build_surface(base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner)
+    return native.build_wrinkle_paths(surface, level=level)
+
+
+def play(model, settings, frames: np.ndarray, rate: float, state=None, first: int = 0, labels=None):
+    """Yields (state, report) of frames[first:]."""
+    paint = native.WrinklePathsPaint(model)
+    for f in range(first, len(frames)):
+        cut = None if labels is None else labels[f]
+        state, report = native.solve_wrinkle_paths(model, settings, paint, frames[f], f / rate, state, cut)
+        yield state, report
+
+
+class StoredStates(unittest.TestCase):
+    def setUp(self) -> None:
+        base = tube(16, 12)
+        self.model = make_model(base)
+        self.settings = native.WrinklePathsSettings()
+        self.settings.width = 0.01
+        rng = np.random.default_rng(3)
+        shake = rng.uniform(-0.003, 0.003, base.positions.shape)
+        self.frames = [np.ascontiguousarray(compressed(base.positions, 1 - 0.03 * min(f, 12)) + shake * min(f / 6, 1),
+                                            np.float32) for f in range(20)]
+
+    def assert_same(self, one: dict, two: dict) -> None:
+        self.assertEqual(one.keys(), two.keys())
+        for name in one:
+            np.testing.assert_array_equal(one[name], two[name], err_msg=name)
+
+    def test_a_stored_state_continues_as_the_one_that_was_stored(self) -> None:
+        through = [state for state, _ in play(self.model, self.settings, self.frames, 30.0)]
+        self.assertGreater(through[-1].path_count, 3)
+        for cut in (1, 7, 14):
+            stored = native.WrinklePathsState(through[cut].arrays)
+            self.assert_same(stored.arrays, through[cut].arrays)
+            *_, (last, _) = play(self.model, self.settings, self.frames, 30.0, stored, cut + 1)
+            self.assert_same(last.arrays, through[-1].arrays)
+
+    def test_a_stored_state_that_was_spoiled_is_refused_with_its_name(self) -> None:
+        *_, (state, _) = play(self.model, self.settings, self.frames, 30.0)
+        good = state.arrays
+        for name, value in (("path_start", good["path_start"] + 99), ("path_fade", good["path_fade"][:-1]),
+                            ("point_at", good["point_at"].astype(np.float64)), ("labels", good["labels"][None])):
+            with self.assertRaisesRegex(ValueError, name):
+                native.WrinklePathsState({**good, name: value})
+        for name in good:
+            if name in ("time", "next_id"):
+                continue
+            with self.assertRaisesRegex(ValueError, name):
+                native.WrinklePathsState({k: v for k, v in good.items() if k != name})
+
+    def test_choices_go_by_name(self) -> None:
+        for name, choices in (("reference", ("REST", "FIRST_FRAME", "STATIC_REST")),
+                              ("direction", ("OUTWARD", "INWARD", "BOTH")),
+                              ("profile", ("SPLINE", "QUARTIC", "CIRCULAR_ARCS", "SINE"))):
+            for choice in choices:
+                setattr(self.settings, name, choice)
+                self.assertEqual(getattr(self.settings, name), choice)
+            with self.assertRaisesRegex(ValueError, f"{name}: expected one of .*{choices[-1]}.*, got WRONG"):
+                setattr(self.settings, name, "WRONG")
+
+
+class Clip:
+    """A garment of a real scene: its posed positions in every frame, and its model."""
+
+    def __init__(self, scene: str, garment: str, level: int) -> None:
+        data = np.load(DATA / f"{scene}.npz")
+        prefix = "" if str(data["primary"]) == garment else f"{garment}__"
+        rest = np.ascontiguousarray(data[prefix + "rest"], np.float32)
+        begin, size = data[prefix + "poly_start"], data[prefix + "poly_size"]
+        start = np.append(begin, begin[-1] + size[-1]).astype(np.int32)
+        fans = [(a, a + i, a + i + 1) for a, n in zip(begin, size) for i in range(1, n - 1)]
+        surface = native.build_surface(rest, start, np.ascontiguousarray(data[prefix + "poly_verts"], np.int32),
+                                       np.array(fans, np.int32))
+        self.model = native.build_wrinkle_paths(surface, level=level)
+        self.rate = float(data["fps"])
+        if prefix + "frames" in data:
+            self.frames = np.ascontiguousarray(data[prefix + "frames"], np.float32)
+        else:   # as SOURCES.md says
+            bones = data["bone_matrices"] @ np.linalg.inv(data["bone_rest"])
+            points = np.concatenate([rest, np.ones((len(rest), 1))], 1)
+            posed = [np.einsum("vk,vkij,vj->vi", data[prefix + "weights"], b[data[prefix + "joints"]], points)
+                     for b in bones]
+            self.frames = np.ascontiguousarray(np.array(posed)[:, :, :3], np.float32)
+        shown = self.model.shown
+        edges = np.sort(np.stack([shown.corner_vertex.reshape(-1, 4),
+                                  np.roll(shown.corner_vertex.reshape(-1, 4), -1, 1)], -1).reshape(-1, 2), 1)
+        lone, count = np.unique(edges, axis=0, return_counts=True)
+        self.border = np.unique(lone[count == 1])
+
+
+@unittest.skipUnless(DATA.is_dir(), "the real scenes are not there")
+class RealClips(unittest.TestCase):
+    GARMENTS = (("S1_walk_shirt", "shirt"), ("S1_walk_shirt", "trousers"), ("S2_squat_trousers", "trousers"),
+                ("S2_squat_trousers", "sweater"), ("S3_skirt_sim", "skirt"))
+
+    def look(self, clip: Clip, settings, labels=None) -> tuple[int, float]:
+        """The most folds of a frame, and the mean change of height a frame where there is a fold, metres."""
+        most, change, before = 0, [], None
+        for state, report in play(clip.model, settings, clip.frames, clip.rate, labels=labels):
+            frame = round(state.time * clip.rate)
+            self.assertEqual(native.wrinkle_path_fault(clip.model, state), "", f"frame {frame}")
+            picture = native.show_wrinkle_paths(clip.model, settings, clip.frames[frame], state)
+            self.assertTrue(np.isfinite(picture.positions).all())
+            self.assertLess(np.abs(picture.height).max(), 0.75 * settings.width)
+            self.assertLess(np.abs(picture.height[clip.border]).max(), 1e-8, f"a fold at the hem in frame {frame}")
+            folded = picture.height != 0
+            if before is not None and (folded | (before != 0)).any():
+                change.append(np.abs(picture.height - before)[folded | (before != 0)].mean())
+            before, most = picture.height, max(most, report.paths)
+        return most, float(np.mean(change))
+
+    def test_folds_stay_on_the_surface_through_whole_clips(self) -> None:
+        for scene, garment in self.GARMENTS:
+            with self.subTest(garment=f"{scene} {garment}"):
+                clip = Clip(scene, garment, 1)
+                settings = native.WrinklePathsSettings()
+                most, _ = self.look(clip, settings)
+                self.assertGreater(most, 5)
+                labels = native.label_clip(clip.model, settings, np.arange(len(clip.frames)) / clip.rate,
+                                           clip.frames.reshape(-1, 3))
+                self.assertGreater(self.look(clip, settings, labels)[0], 5)
+                settings.reference = "FIRST_FRAME"     # the rest pose withheld
+                self.assertGreater(self.look(clip, settings)[0], 5)
+
+    def test_persistence_makes_folds_move_several_times_less(self) -> None:
+        clip = Clip("S2_squat_trousers", "trousers", 2)
+        settings = native.WrinklePathsSettings()
+        _, kept = self.look(clip, settings)
+        settings.persistent = False
+        _, anew = self.look(clip, settings)
+        self.assertLess(3.0 * kept, anew)
+
+    def test_a_jump_folds_the_backs_of_the_knees(self) -> None:
+        clip = Clip("S2_squat_trousers", "trousers", 2)
+        settings = native.WrinklePathsSettings()
+        data = np.load(DATA / "S2_squat_trousers.npz")
+        names = [str(n) for n in data["bone_names"]]
+        deepest = 0
+        for state, _ in play(clip.model, settings, clip.frames, clip.rate):
+            frame = round(state.time * clip.rate)
+            curves = native.wrinkle_path_curves(clip.model, settings, clip.frames[frame], state)
+            for side in "lr":
+                thigh, calf, foot = (data["bone_heads"][frame, names.index(f"{bone}_{side}")]
+                                     for bone in ("thigh", "calf", "foot"))
+                bend = np.degrees(np.arccos(np.dot(calf - thigh, foot - calf) /
+                                            np.linalg.norm(calf - thigh) / np.linalg.norm(foot - calf)))
+                if bend < 80:
+                    continue
+                deepest += 1
+                behind = (thigh + foot) / 2 - calf
+                near = curves.positions[np.linalg.norm(curves.positions - calf, axis=1) < 0.17] - calf
+                self.assertGreater((near @ behind > 0).sum(), 3, f"frame {frame}, side {side}")
+        self.assertGreater(deepest, 10)
+
+    def test_the_cut_clears_isolated_labels(self) -> None:
+        clip = Clip("S2_squat_trousers", "trousers", 0)
+        settings = native.WrinklePathsSettings()
+        triangle_vertex = clip.model.triangle_vertex
+        edges = np.sort(np.stack([triangle_vertex, np.roll(triangle_vertex, -1, 1)], -1).reshape(-1, 2), 1)
+        _, edge = np.unique(edges, axis=0, return_inverse=True)
+        order = np.argsort(edge, kind="stable")
+        pairs = np.array([(a // 3, b // 3) for a, b in zip(order, order[1:]) if edge[a] == edge[b]])
+        isolated = {}
+        for raw in (False, True):
+            labels = native.label_clip(clip.model, settings, np.arange(len(clip.frames)) / clip.rate,
+                                       clip.frames.reshape(-1, 3), raw)
+            agree = np.zeros(labels.shape, bool)
+            same = labels[:, pairs[:, 0]] == labels[:, pairs[:, 1]]
+            for side in (0, 1):
+                for f in range(len(labels)):
+                    np.logical_or.at(agree[f], pairs[:, side], same[f])
+            still = labels[1:] == labels[:-1]
+            agree[1:] |= still
+            agree[:-1] |= still
+            isolated[raw] = 1.0 - agree.mean()
+        self.assertLess(5 * isolated[False], isolated[True])
+
+
+if __name__ == "__main__":
+    unittest.main()
