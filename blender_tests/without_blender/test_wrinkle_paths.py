@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Paths from Python: stored states, and whole real clips. SOURCES.md beside the scenes says whose they are."""
+"""The Wrinkle Paths from Python: stored states, and whole real clips (SOURCES.md beside them says whose they are)."""
 from __future__ import annotations
 
 import os

@@ -64,6 +64,7 @@ inline constexpr double kStillBone = 1e-5;
 // Unit: none (sum of skin weights). Weights that miss 1 by less than this are a
 // rounding: painted floats, or bytes of a game format.
 inline constexpr double kWeightSum = 5e-3;
+
 // Unit: none (difference of squared stretches over the larger one). Below it a triangle is
 // stretched the same in all directions and has no direction of strongest compression.
 inline constexpr double kSameStretch = 1e-9;
