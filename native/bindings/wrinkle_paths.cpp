@@ -57,6 +57,9 @@ void bind_settings(py::module_& module) {
                        "share per 1/30 s by which compressed reference triangles give in, 0..1")
         .def_readwrite("growth", &Settings::growth,
                        "most length of a reference triangle over the rest pose's, >= 1")
+        .def_readwrite("growth_time", &Settings::growth_time,
+                       "seconds in which a reference triangle takes over a longer shape, >= 0")
+        .def_readwrite("smoothing", &Settings::smoothing, "of compression in time, seconds, >= 0")
         .def_readwrite("threshold", &Settings::threshold, "tau: compression from which folds live, > 1")
         .def_readwrite("reach", &Settings::reach, "folds go on down to this share of tau's compression, 0..1")
         .def_readwrite("width", &Settings::width, "L_min: width of the tightest fold, object units, > 0")
@@ -94,6 +97,7 @@ py::dict state_arrays(const State& state) {
     out["time"] = state.time;
     out["labels"] = to_numpy<std::uint8_t>(state.labels, 0);
     out["reference"] = to_numpy<float>(state.reference, 3);
+    out["compression"] = to_numpy<float>(state.compression, 0);
     out["past_times"] = to_numpy<double>(state.past_times, 0);
     out["past_positions"] = to_numpy(state.past_positions);
     out["next_id"] = state.next_id;
@@ -124,27 +128,29 @@ State state_from(const py::dict& from) {
     state.next_id = py::cast<Index>(from["next_id"]);
     const auto labels = scalars<std::uint8_t>(item(from, "labels"), "labels", 0);
     const auto reference = vectors(item(from, "reference"), "reference");
+    const auto compression = scalars<float>(item(from, "compression"), "compression", 0);
     const auto times = scalars<double>(item(from, "past_times"), "past_times", 0);
     const auto past = vectors(item(from, "past_positions"), "past_positions");
     state.labels.assign(labels.begin(), labels.end());
     for (const Vec3& r : reference) state.reference.push_back({r.x, r.y, r.z});
+    state.compression.assign(compression.begin(), compression.end());
     state.past_times.assign(times.begin(), times.end());
     state.past_positions.assign(past.begin(), past.end());
 
     const auto id = scalars<Index>(item(from, "path_id"), "path_id", 0);
     const auto fade = scalars<float>(item(from, "path_fade"), "path_fade", 0);
-    const auto compression = scalars<float>(item(from, "path_compression"), "path_compression", 0);
+    const auto path_compression = scalars<float>(item(from, "path_compression"), "path_compression", 0);
     const auto start = scalars<Index>(item(from, "path_start"), "path_start", 0);
     const auto place = scalars<Index>(item(from, "point_triangle_edge"), "point_triangle_edge", 2);
     const auto at = scalars<float>(item(from, "point_at"), "point_at", 2);
     expect_size("path_fade", fade.size(), id.size());
-    expect_size("path_compression", compression.size(), id.size());
+    expect_size("path_compression", path_compression.size(), id.size());
     expect_size("path_start", start.size(), id.size() + 1);
     expect_size("point_at", at.size(), place.size());
     for (size_t i = 0; i < id.size(); ++i) {
         if (start[i] < 0 || start[i + 1] < start[i] || size_t(start[i + 1]) > at.size() / 2)
             throw InvalidInput("path_start: path " + std::to_string(i) + " is not within the points");
-        Path path{id[i], fade[i], compression[i], {}};
+        Path path{id[i], fade[i], path_compression[i], {}};
         for (Index p = start[i]; p < start[i + 1]; ++p)
             path.points.push_back({place[2 * p], place[2 * p + 1], {at[2 * p], at[2 * p + 1]}});
         state.paths.push_back(std::move(path));
@@ -155,9 +161,10 @@ State state_from(const py::dict& from) {
 size_t state_bytes(const State& state) {
     size_t points = 0;
     for (const Path& path : state.paths) points += path.points.size();
-    return state.labels.size() + state.reference.size() * sizeof(FlatTriangle) +
-           state.past_times.size() * sizeof(double) + state.past_positions.size() * sizeof(Vec3) +
-           state.paths.size() * sizeof(Path) + points * sizeof(PathPoint);
+    return state.labels.size() + state.compression.size() * sizeof(float) +
+           state.reference.size() * sizeof(FlatTriangle) + state.past_times.size() * sizeof(double) +
+           state.past_positions.size() * sizeof(Vec3) + state.paths.size() * sizeof(Path) +
+           points * sizeof(PathPoint);
 }
 
 void bind_values(py::module_& module) {

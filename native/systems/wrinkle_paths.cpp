@@ -33,6 +33,7 @@ void check(const Model& model, const State& state) {
     const size_t triangles = model.rest.size(), vertices = size_t(model.base.welded.vertex_count);
     expect_count("state.labels", state.labels.size(), triangles, "triangles");
     expect_count("state.reference", state.reference.size(), triangles, "triangles");
+    expect_count("state.compression", state.compression.size(), triangles, "triangles");
     if (state.past_times.empty())
         throw InvalidInput("state.past_times: expected at least the state's own, got none");
     expect_count("state.past_positions", state.past_positions.size(), state.past_times.size() * vertices,
@@ -154,6 +155,16 @@ Ground make_ground(const Model& model, const Settings& settings, const Paint& pa
     return ground;
 }
 
+// Lambda_min, not its inverse, is filtered: a collapse of one frame is soon forgotten.
+void smooth_in_time(const Settings& settings, double seconds, const State* state, Ground& ground) {
+    if (!state) return;
+    const float share = share_of(seconds, settings.smoothing);
+    for (size_t t = 0; t < ground.compression.size(); ++t) {
+        const float before = 1.0f / state->compression[t], now = 1.0f / ground.compression[t];
+        ground.compression[t] = 1.0f / (before + share * (now - before));
+    }
+}
+
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report) {
     check(settings);
@@ -168,7 +179,9 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
     next.reference = update_reference(model, settings, pose, next.labels, seconds, state);
     remember(settings, pose, state, next);
     report = {};
-    const Ground ground = make_ground(model, settings, paint, pose, next.reference, changes);
+    Ground ground = make_ground(model, settings, paint, pose, next.reference, changes);
+    smooth_in_time(settings, seconds, state, ground);
+    next.compression = ground.compression;
     SegmentMap map(ground);
     const bool from_state = state && settings.persistent;
     if (from_state) {

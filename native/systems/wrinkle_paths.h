@@ -27,8 +27,11 @@ enum class Direction { kOutward, kInward, kBoth };
 struct Settings {
     float window = 0.1f;  // labels compare with the pose so long ago, seconds, >= 0; 0: the previous frame
     Reference reference = Reference::kRestPose;
-    float relaxation = 0.01f;    // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
-    float growth = 1.05f;        // most length of a reference triangle over the rest pose's (kRestPose), >= 1
+    float relaxation = 0.01f;  // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
+    float growth = 1.05f;      // most length of a reference triangle over the rest pose's (kRestPose), >= 1
+    float growth_time =
+        0.1f;  // in which a reference triangle takes over a longer shape, seconds, >= 0; printed: 0
+    float smoothing = 0.1f;      // of compression in time, seconds, >= 0; printed: 0
     float threshold = 1.25f;     // tau: folds start where lambda~_min is above it, > 1
     float reach = 0.3f;          // folds go on down to this share of tau's compression, 0..1; printed: 1
     float width = 0.02f;         // L_min: width of the tightest fold, object units, > 0
@@ -93,6 +96,7 @@ struct State {
     double time = 0.0;                    // seconds
     Labels labels;                        // per triangle
     std::vector<FlatTriangle> reference;  // per triangle
+    std::vector<float> compression;       // per triangle, as the paths see it: masked, smoothed in time
     std::vector<double>
         past_times;  // of the poses that labels still need, the oldest first; the last is this one
     std::vector<Vec3> past_positions;  // poses x welded vertices, object space

@@ -63,6 +63,8 @@ void check(const Settings& s) {
     check_range("window", s.window, 0.0, 10.0);
     check_range("relaxation", s.relaxation, 0.0, 1.0);
     check_range("growth", s.growth, 1.0, kMost);
+    check_range("growth_time", s.growth_time, 0.0, 10.0);
+    check_range("smoothing", s.smoothing, 0.0, 10.0);
     check_range("threshold", s.threshold, 1.0, kMost, true);
     check_range("reach", s.reach, 0.0, 1.0);
     check_range("width", s.width, 0.0, kMost, true);

@@ -64,6 +64,9 @@ struct Ground {
 Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
                    const std::vector<FlatTriangle>& reference, const std::vector<Stretch>& changes);
 
+// The compression that the paths see, as an exponential filter of what it was in `state`.
+void smooth_in_time(const Settings& settings, double seconds, const State* state, Ground& ground);
+
 inline Index half_edge(const PathPoint& p) {
     return 3 * p.triangle + p.edge;
 }
@@ -78,5 +81,8 @@ float hem_weight(const Model& model, const Settings& settings, Index vertex);
 
 // A share per 1/30 s as a share of `seconds`, so that any frame rate gives the same in the same time.
 float share_in(float share_per_thirtieth, double seconds);
+
+// What an exponential filter of this time constant takes over in `seconds`.
+float share_of(double seconds, double time);
 
 }  // namespace rumple::wrinkle_paths

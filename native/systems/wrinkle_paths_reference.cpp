@@ -61,6 +61,10 @@ void add_costs(const Shapes& before, const Shapes& now, std::vector<LabelCosts>&
 
 }  // namespace
 
+float share_of(double seconds, double time) {
+    return time > 0.0 ? float(1.0 - std::exp(-seconds / time)) : 1.0f;
+}
+
 float share_in(float share_per_thirtieth, double seconds) {
     return float(1.0 - std::pow(1.0 - share_per_thirtieth, 30.0 * seconds));
 }
@@ -114,6 +118,7 @@ std::vector<FlatTriangle> update_reference(const Model& model, const Settings& s
     const bool from_rest = settings.reference == Reference::kRestPose;
     std::vector<FlatTriangle> reference = state ? state->reference : from_rest ? model.rest : pose.shapes;
     const float share = share_in(settings.relaxation, seconds);
+    const float growth = share_of(seconds, settings.growth_time);
     for (size_t t = 0; t < reference.size(); ++t) {
         const FlatTriangle& now = pose.shapes[t];
         FlatTriangle& ref = reference[t];
@@ -123,7 +128,8 @@ std::vector<FlatTriangle> update_reference(const Model& model, const Settings& s
         } else if (labels[t] == kCompress) {
             ref = relaxed(ref, now, share);
         } else if (labels[t] == kStretch && measure_stretch(ref, now).compression < 1.0f) {
-            ref = now;  // both eigenvalues above one: a fold that was never seen has dissolved
+            // Both eigenvalues above one: a fold that was never seen has dissolved.
+            ref = between(ref, now, growth);
         } else {
             continue;
         }

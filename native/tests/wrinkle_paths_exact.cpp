@@ -78,12 +78,38 @@ TEST(PathReference, FollowsTheLabel) {
     state.reference = {kRight};
     expect_shape(one.updated(one.make(1.0f, 0.5f), kCompress, &state), 1.0f, 0.0f, 0.5f / 0.505f);
     expect_shape(one.updated(one.make(1.0f, 0.5f), kRest, &state), 1.0f, 0.0f, 1.0f);
+    one.settings.growth_time = 0.0f;  // as printed
     expect_shape(one.updated(one.make(1.02f, 1.04f), kStretch, &state), 1.02f, 0.0f, 1.04f);
     expect_shape(one.updated(one.make(1.3f, 1.04f), kStretch, &state), 1.05f, 0.0f,
                  1.04f);  // capped at rest x 1.05
     expect_shape(one.updated(one.make(1.3f, 0.98f), kStretch, &state), 1.0f, 0.0f,
                  1.0f);  // not both above one
     expect_shape(one.updated(one.make(1.0f, 0.0f), kCompress, &state), 1.0f, 0.0f, 1.0f);  // collapsed: kept
+}
+
+TEST(PathReference, GrowsInTime) {
+    OneTriangle one;
+    one.settings.growth_time = 0.1f;
+    State state;
+    state.reference = {kRight};
+    // Squared lengths take over 1 - exp(-(1 / 30) / 0.1) of the way from 1 to 1.04^2.
+    const float y = std::sqrt(1.0f + (1.0f - std::exp(-1.0f / 3.0f)) * (1.04f * 1.04f - 1.0f));
+    expect_shape(one.updated(one.make(1.0001f, 1.04f), kStretch, &state), 1.0f, 0.0f, y, 1e-4f);
+}
+
+// Lambda_min is filtered: from 1 to 1/2 in one time constant it goes 1 - exp(-1) of the way.
+TEST(PathReference, CompressionIsFilteredInTime) {
+    OneTriangle one;
+    one.settings.smoothing = 0.1f;
+    const Pose pose = one.make(1.0f, 0.5f);
+    Ground ground{*one.model, pose, {}, {2.0f}, {}};
+    State state;
+    state.compression = {1.0f};
+    smooth_in_time(one.settings, 0.1, &state, ground);
+    EXPECT_NEAR(1.0f / ground.compression[0], 1.0f - 0.5f * (1.0f - std::exp(-1.0f)), 1e-6f);
+    ground.compression = {2.0f};
+    smooth_in_time(one.settings, 0.1, nullptr, ground);
+    EXPECT_EQ(ground.compression[0], 2.0f);
 }
 
 TEST(PathReference, StartsWhereItIsAskedTo) {

@@ -43,6 +43,8 @@ const Range kRanges[] = {
     {"window", &Settings::window, -0.1f, 0.0f, 10.0f, 11.0f},
     {"relaxation", &Settings::relaxation, -0.1f, 0.0f, 1.0f, 1.1f},
     {"growth", &Settings::growth, 0.9f, 1.0f, 1e6f, 2e6f},
+    {"growth_time", &Settings::growth_time, -0.1f, 0.0f, 10.0f, 11.0f},
+    {"smoothing", &Settings::smoothing, -0.1f, 0.0f, 10.0f, 11.0f},
     {"threshold", &Settings::threshold, 1.0f, 1.01f, 1e6f, 2e6f},
     {"reach", &Settings::reach, -0.1f, 0.0f, 1.0f, 1.1f},
     {"width", &Settings::width, 0.0f, 1e-4f, 1e6f, 2e6f},

@@ -167,21 +167,23 @@ TEST(WrinklePaths, ComeBackToNothingWhenTheClothIsStretchedOut) {
 }
 
 TEST(WrinklePaths, OfAGlitchOfOneFrameAreGoneAfterASecond) {
-    PathCloth cloth = sleeve();
-    size_t at_once = 0;
-    const State state = cloth.play(
-        1.5,
-        [&](double t) {
-            const bool glitch = std::abs(t - 0.5) < 0.01;
-            return glitch ? cloth.squeezed(0.5f) : cloth.mesh.positions;
-        },
-        [&](const State& s, const Report&) { at_once = std::max(at_once, s.paths.size()); });
-    EXPECT_GT(at_once, 0u);
-    EXPECT_TRUE(state.paths.empty());
-    for (size_t t = 0; t < state.reference.size(); ++t) {
-        const Stretch left = measure_stretch(cloth.model->rest[t], state.reference[t]);
-        EXPECT_LT(left.compression, 1.06f);
-        EXPECT_LT(left.stretch, 1.06f);
+    for (const bool printed : {false, true}) {
+        PathCloth cloth = sleeve();
+        if (printed) cloth.settings.smoothing = cloth.settings.growth_time = 0.0f;
+        size_t most = 0;
+        const auto pose = [&](double t) {
+            return std::abs(t - 0.5) < 0.01 ? cloth.squeezed(0.5f) : cloth.mesh.positions;
+        };
+        const State state = cloth.play(
+            1.5, pose, [&](const State& s, const Report&) { most = std::max(most, s.paths.size()); });
+        // The smoothing keeps such folds from being born at all.
+        EXPECT_EQ(most > 0, printed);
+        EXPECT_TRUE(state.paths.empty());
+        for (size_t t = 0; t < state.reference.size(); ++t) {
+            const Stretch left = measure_stretch(cloth.model->rest[t], state.reference[t]);
+            EXPECT_LT(left.compression, 1.06f);
+            EXPECT_LT(left.stretch, 1.06f);
+        }
     }
 }
 
@@ -293,7 +295,9 @@ TEST(WrinklePaths, HoldAPoseThatJitters) {
         state = cloth.solve(jittered, &state);
         ASSERT_EQ(cloth.fault(state), "");
     }
-    EXPECT_GT(total_length(cloth.curves(pose(9.0), state)), 0.7f * before);
+    const float after = total_length(cloth.curves(pose(9.0), state));
+    EXPECT_GT(after, 0.7f * before);
+    EXPECT_LT(after, 1.4f * before);
 }
 
 }  // namespace
