@@ -111,7 +111,7 @@ float overlap(const Ground& ground, const SegmentMap& map, const std::vector<Pat
         const double part = glm::distance(at[i], at[i + 1]) / 3.0;
         for (const float share : {1.0f / 6.0f, 0.5f, 5.0f / 6.0f}) {
             all += part;
-            if (map.distance(triangle, glm::mix(at[i], at[i + 1], share), radius) <= radius) inside += part;
+            if (map.has_near(triangle, glm::mix(at[i], at[i + 1], share), radius)) inside += part;
         }
     }
     return all > 0.0 ? float(inside / all) : 1.0f;
@@ -128,7 +128,7 @@ void bear(const Ground& ground, const Settings& settings, bool grown, State& sta
           Report& report) {
     for (const Seed& seed : seeds(ground, settings)) {
         const float spacing = settings.spacing * settings.width;
-        if (map.distance(seed.triangle, position(ground, seed.at), spacing) < spacing) continue;
+        if (map.has_near(seed.triangle, position(ground, seed.at), spacing)) continue;
         std::vector<PathPoint> points = trace(ground, settings, map, seed);
         if (points.size() < 2) continue;
         smooth(ground, points);

@@ -151,26 +151,26 @@ void SegmentMap::add(const std::vector<PathPoint>& points) {
     }
 }
 
-float SegmentMap::distance(Index triangle, const Vec3& p, float radius) const {
+bool SegmentMap::has_near(Index triangle, const Vec3& p, float radius) const {
     if (seen_.empty()) seen_.assign(first_.size(), kNone);
-    float nearest = std::numeric_limits<float>::infinity();
-    std::vector<Index> front{triangle};
+    front_.assign(1, triangle);
     seen_[triangle] = ++query_;
-    while (!front.empty()) {
-        const Index t = front.back();
-        front.pop_back();
-        in_triangle(t,
-                    [&](const Segment& s) { nearest = std::min(nearest, distance_to_segment(p, s.a, s.b)); });
+    while (!front_.empty()) {
+        const Index t = front_.back();
+        front_.pop_back();
+        for (Index s = first_[t]; s != kNone; s = segments_[s].next) {
+            if (distance_to_segment(p, segments_[s].a, segments_[s].b) <= radius) return true;
+        }
         for (Index h = 3 * t; h < 3 * t + 3; ++h) {
             const Index twin = ground_.model.net.twin[h];
             if (twin == kNone || seen_[triangle_of(twin)] == query_) continue;
             if (distance_to_segment(p, ground_.vertex(h), ground_.vertex(next_in_triangle(h))) > radius)
                 continue;
             seen_[triangle_of(twin)] = query_;
-            front.push_back(triangle_of(twin));
+            front_.push_back(triangle_of(twin));
         }
     }
-    return nearest <= radius ? nearest : std::numeric_limits<float>::infinity();
+    return false;
 }
 
 Walk walk(const Ground& ground, Index triangle, dvec2 at, dvec2 direction, const WalkLimits& limits,

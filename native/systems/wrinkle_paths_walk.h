@@ -34,9 +34,9 @@ class SegmentMap {
         for (Index s = first_[triangle]; s != kNone; s = segments_[s].next) visit(segments_[s]);
     }
 
-    // Distance through space from a point of a triangle to the nearest segment, over triangles that are
-    // reached without leaving a ball of `radius`; infinite where there is none within it.
-    float distance(Index triangle, const Vec3& p, float radius) const;
+    // Whether a segment lies within `radius`, through space, of a point of a triangle; over triangles that
+    // are reached without leaving that ball.
+    bool has_near(Index triangle, const Vec3& p, float radius) const;
 
   private:
     const Ground& ground_;
@@ -44,6 +44,7 @@ class SegmentMap {
     std::vector<Segment> segments_;
     mutable std::vector<Index> seen_;  // per triangle: the last query that was there
     mutable Index query_ = 0;
+    mutable std::vector<Index> front_;
 };
 
 // How a walk goes on and where it ends.
