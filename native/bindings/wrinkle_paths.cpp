@@ -207,7 +207,7 @@ void bind_values(py::module_& module) {
         .def_readonly("paths", &Report::paths)
         .def_readonly("born", &Report::born)
         .def_readonly("died", &Report::died)
-        .def_readonly("merged", &Report::merged,
+        .def_readonly("merging", &Report::merging,
                       "paths that are being cut back to where they cross an older one")
         .def_readonly("compressed", &Report::compressed, "triangles by label")
         .def_readonly("stretched", &Report::stretched)

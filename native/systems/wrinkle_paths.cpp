@@ -6,7 +6,6 @@
 #include <string>
 
 #include "base/errors.h"
-#include "base/tolerances.h"
 #include "systems/wrinkle_paths_life.h"
 
 namespace rumple::wrinkle_paths {
@@ -34,12 +33,30 @@ void check(const Model& model, const State& state) {
     expect_count("state.labels", state.labels.size(), triangles, "triangles");
     expect_count("state.reference", state.reference.size(), triangles, "triangles");
     expect_count("state.compression", state.compression.size(), triangles, "triangles");
-    if (state.past_times.empty())
-        throw InvalidInput("state.past_times: expected at least the state's own, got none");
+    if (state.past_times.empty()) throw InvalidInput("state.past_times: expected the state's own, got none");
     expect_count("state.past_positions", state.past_positions.size(), state.past_times.size() * vertices,
                  "vertices");
-    for (const std::uint8_t label : state.labels) {
-        if (label > kStretch) throw InvalidInput("state.labels: expected 0..2, got " + std::to_string(label));
+    const auto refuse = [](const char* name, size_t at) {
+        throw InvalidInput(std::string("state.") + name + ": number " + std::to_string(at) +
+                           " is out of range");
+    };
+    for (size_t t = 0; t < triangles; ++t) {
+        const FlatTriangle& r = state.reference[t];
+        if (state.labels[t] > kStretch) refuse("labels", t);
+        if (!(r.x1 >= 0.0f) || !(r.y2 >= 0.0f) || !std::isfinite(r.x1 + r.x2 + r.y2)) refuse("reference", t);
+        if (!(state.compression[t] > 0.0f) || !std::isfinite(state.compression[t])) refuse("compression", t);
+    }
+    for (size_t i = 0; i < state.past_times.size(); ++i) {
+        if (!(state.past_times[i] <= state.time) || (i > 0 && state.past_times[i] < state.past_times[i - 1]))
+            refuse("past_times", i);
+    }
+    for (size_t v = 0; v < state.past_positions.size(); ++v) {
+        const Vec3& p = state.past_positions[v];
+        if (!std::isfinite(p.x + p.y + p.z)) refuse("past_positions", v);
+    }
+    for (size_t i = 0; i < state.paths.size(); ++i) {
+        if (!(state.paths[i].fade >= 0.0f && state.paths[i].fade <= 1.0f)) refuse("path_fade", i);
+        if (!std::isfinite(state.paths[i].compression)) refuse("path_compression", i);
     }
     const std::string wrong = fault(model, state.paths);
     if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
@@ -96,101 +113,35 @@ void check_positions(const Model& model, std::span<const Vec3> positions, const 
     }
 }
 
-std::vector<FlatTriangle> flat_triangles(const Model& model, std::span<const Vec3> welded) {
-    std::vector<FlatTriangle> shapes(size_t(model.net.triangles()));
-    for (size_t t = 0; t < shapes.size(); ++t) {
-        const Index* vertex = &model.net.vertex[3 * t];
-        shapes[t] = flatten(welded[vertex[0]], welded[vertex[1]], welded[vertex[2]]);
-    }
-    return shapes;
-}
-
-Pose make_pose(const Model& model, std::span<const Vec3> positions) {
-    std::vector<Vec3> welded(size_t(model.base.welded.vertex_count));
-    weld_positions(model.base, positions, welded);
-    return make_welded_pose(model, std::move(welded));
-}
-
-Pose make_welded_pose(const Model& model, std::vector<Vec3> welded) {
-    Pose pose;
-    pose.positions = std::move(welded);
-    pose.frames.resize(model.rest.size());
-    triangle_frames(model.base, pose.positions, pose.frames);
-    pose.shapes = flat_triangles(model, pose.positions);
-    for (const FlatTriangle& shape : pose.shapes) pose.collapsed += !shape.has_area();
-    return pose;
-}
-
-std::vector<Stretch> stretches(const Model& model, const State& state,
-                               std::span<const Vec3> welded_positions) {
-    const std::vector<FlatTriangle> shapes = flat_triangles(model, welded_positions);
-    std::vector<Stretch> out;
-    for (size_t t = 0; t < shapes.size(); ++t) out.push_back(measure_stretch(state.reference[t], shapes[t]));
-    return out;
-}
-
-float hem_weight(const Model& model, const Settings& settings, Index vertex) {
-    const Index ring = model.border_ring[vertex];
-    if (settings.hem_rings == 0 || ring == kNone || ring >= settings.hem_rings) return 1.0f;
-    const float x = float(ring) / float(settings.hem_rings);
-    return x * x * (3.0f - 2.0f * x);
-}
-
-Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
-                   const std::vector<FlatTriangle>& reference, const std::vector<Stretch>& changes) {
-    Ground ground{model, pose, {}, {}, {}};
-    for (size_t t = 0; t < reference.size(); ++t) {
-        ground.stretch.push_back(measure_stretch(reference[t], pose.shapes[t]));
-        float mask = 0.0f;
-        for (const Index corner : model.base.triangles[t].corner) {
-            const float painted =
-                paint.mask.empty() ? 1.0f : paint.mask[model.base.display.corner_vertex[corner]];
-            mask += painted * hem_weight(model, settings, model.base.welded.corner_vertex[corner]) / 3.0f;
-        }
-        const float strain = std::max(changes[t].compression, changes[t].stretch) - 1.0f;
-        const float x = std::clamp((strain - kHeldChange) / (kFreeChange - kHeldChange), 0.0f, 1.0f);
-        ground.activity.push_back(x * x * (3.0f - 2.0f * x));
-        ground.compression.push_back(1.0f + mask * (ground.stretch[t].compression - 1.0f));
-    }
-    return ground;
-}
-
-// Lambda_min, not its inverse, is filtered: a collapse of one frame is soon forgotten.
-void smooth_in_time(const Settings& settings, double seconds, const State* state, Ground& ground) {
-    if (!state) return;
-    const float share = share_of(seconds, settings.smoothing);
-    for (size_t t = 0; t < ground.compression.size(); ++t) {
-        const float before = 1.0f / state->compression[t], now = 1.0f / ground.compression[t];
-        ground.compression[t] = 1.0f / (before + share * (now - before));
-    }
-}
-
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report) {
     check(settings);
     check(model, paint);
     check(model, input, state);
+    report = {};
     const Pose pose = make_pose(model, input.positions);
     const double seconds = state ? input.time - state->time : 0.0;
     State next;
     next.time = input.time;
+    next.next_id = state ? state->next_id : 0;
+    remember(settings, pose, state, next);
+
     const std::vector<Stretch> changes = recent_changes(model, settings, input.time, pose, state);
     next.labels = label_frame(model, settings, input, pose, changes, state);
     next.reference = update_reference(model, settings, pose, next.labels, seconds, state);
-    remember(settings, pose, state, next);
-    report = {};
     Ground ground = make_ground(model, settings, paint, pose, next.reference, changes);
     smooth_in_time(settings, seconds, state, ground);
     next.compression = ground.compression;
+
     SegmentMap map(ground);
-    const bool from_state = state && settings.persistent;
-    if (from_state) {
+    const bool goes_on = state && settings.persistent;
+    if (goes_on) {
         next.paths = state->paths;
         follow_all(ground, *state, settings, seconds, next.paths, report);
         live(ground, settings, seconds, next.paths, map, report);
     }
-    next.next_id = state ? state->next_id : 0;
-    bear(ground, settings, !from_state, next, map, report);
+    bear(ground, settings, !goes_on, next, map, report);
+
     report.paths = static_cast<Index>(next.paths.size());
     report.collapsed_triangles = pose.collapsed;
     for (const std::uint8_t label : next.labels) {

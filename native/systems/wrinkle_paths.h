@@ -27,10 +27,9 @@ enum class Direction { kOutward, kInward, kBoth };
 struct Settings {
     float window = 0.1f;  // labels compare with the pose so long ago, seconds, >= 0; 0: the previous frame
     Reference reference = Reference::kRestPose;
-    float relaxation = 0.01f;  // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
-    float growth = 1.05f;      // most length of a reference triangle over the rest pose's (kRestPose), >= 1
-    float growth_time =
-        0.1f;  // in which a reference triangle takes over a longer shape, seconds, >= 0; printed: 0
+    float relaxation = 0.01f;    // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
+    float growth = 1.05f;        // most length of a reference triangle over the rest pose's (kRestPose), >= 1
+    float growth_time = 0.1f;    // of reference triangles that take over a longer shape, s, >= 0; printed: 0
     float smoothing = 0.1f;      // of compression in time, seconds, >= 0; printed: 0
     float threshold = 1.25f;     // tau: folds start where lambda~_min is above it, > 1
     float reach = 0.3f;          // folds go on down to this share of tau's compression, 0..1; printed: 1
@@ -59,11 +58,10 @@ struct Paint {
 struct Model {
     Surface base;
     TriangleNet net;
-    std::vector<FlatTriangle> rest;  // per triangle
-    std::vector<float> quality;      // per triangle at rest: 1 equilateral, 0 a sliver
-    std::vector<Index>
-        border_ring;          // per welded vertex: edges to the nearest open border; kNone: there is none
-    Attachments attachments;  // of the fine vertices
+    std::vector<FlatTriangle> rest;    // per triangle
+    std::vector<float> quality;        // per triangle at rest: 1 equilateral, 0 a sliver
+    std::vector<Index> border_ring;    // per welded vertex: edges to the nearest open border, or kNone
+    Attachments attachments;           // of the fine vertices
     std::vector<Vec3> positions_rest;  // of the fine vertices, object space
     std::vector<Index> fine_start;     // per triangle, into fine_vertex:
     std::vector<Index> fine_vertex;    //   the fine vertices that lie in it
@@ -97,19 +95,17 @@ struct State {
     Labels labels;                        // per triangle
     std::vector<FlatTriangle> reference;  // per triangle
     std::vector<float> compression;       // per triangle, as the paths see it: masked, smoothed in time
-    std::vector<double>
-        past_times;  // of the poses that labels still need, the oldest first; the last is this one
-    std::vector<Vec3> past_positions;  // poses x welded vertices, object space
-    std::vector<Path> paths;           // by id
+    std::vector<double> past_times;       // of the poses that labels still need, oldest first, this one last
+    std::vector<Vec3> past_positions;     // poses x welded vertices, object space
+    std::vector<Path> paths;              // by id
     Index next_id = 0;
 };
 
 // One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
 struct Input {
     std::span<const Vec3> positions;
-    double time = 0.0;  // seconds; the frame number over the frame rate
-    std::span<const std::uint8_t>
-        labels{};  // from label_clip(), per triangle; empty: cut here, the past fixed
+    double time = 0.0;                       // seconds; the frame number over the frame rate
+    std::span<const std::uint8_t> labels{};  // of label_clip(), per triangle; or empty: they are cut here
     std::span<const Vec3> next_positions{};  // one frame of look-ahead for the cut; or empty
     double next_time = 0.0;
 };
@@ -118,7 +114,7 @@ struct Report {
     Index paths = 0;
     Index born = 0;
     Index died = 0;
-    Index merged = 0;      // paths that are being cut back to where they cross an older one
+    Index merging = 0;     // paths that are being cut back to where they cross an older one
     Index compressed = 0;  // triangles by label
     Index stretched = 0;
     Index collapsed_triangles = 0;  // without area in this pose
@@ -139,7 +135,7 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
             const State* state, Report& report);
 
 // Empty when every path lies on the surface: each point on an edge or in a triangle, consecutive ones in one
-// triangle, no point twice. Else what is wrong with the first that does not. For tests and for stored states.
+// triangle. Else what is wrong with the first that does not. For tests and for stored states.
 std::string fault(const Model& model, const std::vector<Path>& paths);
 
 // The stretch of every triangle from its reference: what seeds and paths see.

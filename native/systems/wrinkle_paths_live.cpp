@@ -104,7 +104,7 @@ void live(const Ground& ground, const Settings& settings, double seconds, std::v
         std::vector<PathPoint> other_way = reversed(ground.model, path.points);
         if (update_end(ground, settings, map, most, other_way, crosses))
             path.points = reversed(ground.model, other_way);
-        report.merged += crosses;
+        report.merging += crosses;
 
         const float compression = strongest(ground, path.points);
         const bool alive = compression >= reach_threshold(settings) &&

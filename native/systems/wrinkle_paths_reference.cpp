@@ -61,14 +61,6 @@ void add_costs(const Shapes& before, const Shapes& now, std::vector<LabelCosts>&
 
 }  // namespace
 
-float share_of(double seconds, double time) {
-    return time > 0.0 ? float(1.0 - std::exp(-seconds / time)) : 1.0f;
-}
-
-float share_in(float share_per_thirtieth, double seconds) {
-    return float(1.0 - std::pow(1.0 - share_per_thirtieth, 30.0 * seconds));
-}
-
 std::vector<Stretch> recent_changes(const Model& model, const Settings& settings, double time,
                                     const Pose& pose, const State* state) {
     std::vector<Stretch> changes(pose.shapes.size());

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_paths_ground.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/tolerances.h"
+
+namespace rumple::wrinkle_paths {
+
+float share_of(double seconds, double time) {
+    return time > 0.0 ? float(1.0 - std::exp(-seconds / time)) : 1.0f;
+}
+
+float share_in(float share_per_thirtieth, double seconds) {
+    return float(1.0 - std::pow(1.0 - share_per_thirtieth, 30.0 * seconds));
+}
+
+std::vector<FlatTriangle> flat_triangles(const Model& model, std::span<const Vec3> welded) {
+    std::vector<FlatTriangle> shapes(size_t(model.net.triangles()));
+    for (size_t t = 0; t < shapes.size(); ++t) {
+        const Index* vertex = &model.net.vertex[3 * t];
+        shapes[t] = flatten(welded[vertex[0]], welded[vertex[1]], welded[vertex[2]]);
+    }
+    return shapes;
+}
+
+Pose make_pose(const Model& model, std::span<const Vec3> positions) {
+    std::vector<Vec3> welded(size_t(model.base.welded.vertex_count));
+    weld_positions(model.base, positions, welded);
+    return make_welded_pose(model, std::move(welded));
+}
+
+Pose make_welded_pose(const Model& model, std::vector<Vec3> welded) {
+    Pose pose;
+    pose.positions = std::move(welded);
+    pose.frames.resize(model.rest.size());
+    triangle_frames(model.base, pose.positions, pose.frames);
+    pose.shapes = flat_triangles(model, pose.positions);
+    for (const FlatTriangle& shape : pose.shapes) pose.collapsed += !shape.has_area();
+    return pose;
+}
+
+std::vector<Stretch> stretches(const Model& model, const State& state,
+                               std::span<const Vec3> welded_positions) {
+    const std::vector<FlatTriangle> shapes = flat_triangles(model, welded_positions);
+    std::vector<Stretch> out;
+    for (size_t t = 0; t < shapes.size(); ++t) out.push_back(measure_stretch(state.reference[t], shapes[t]));
+    return out;
+}
+
+float hem_weight(const Model& model, const Settings& settings, Index vertex) {
+    const Index ring = model.border_ring[vertex];
+    if (settings.hem_rings == 0 || ring == kNone || ring >= settings.hem_rings) return 1.0f;
+    const float x = float(ring) / float(settings.hem_rings);
+    return x * x * (3.0f - 2.0f * x);
+}
+
+Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
+                   const std::vector<FlatTriangle>& reference, const std::vector<Stretch>& changes) {
+    Ground ground{model, pose, {}, {}, {}};
+    for (size_t t = 0; t < reference.size(); ++t) {
+        ground.stretch.push_back(measure_stretch(reference[t], pose.shapes[t]));
+        float mask = 0.0f;
+        for (const Index corner : model.base.triangles[t].corner) {
+            const float painted =
+                paint.mask.empty() ? 1.0f : paint.mask[model.base.display.corner_vertex[corner]];
+            mask += painted * hem_weight(model, settings, model.base.welded.corner_vertex[corner]) / 3.0f;
+        }
+        const float strain = std::max(changes[t].compression, changes[t].stretch) - 1.0f;
+        const float x = std::clamp((strain - kHeldChange) / (kFreeChange - kHeldChange), 0.0f, 1.0f);
+        ground.activity.push_back(x * x * (3.0f - 2.0f * x));
+        ground.compression.push_back(1.0f + mask * (ground.stretch[t].compression - 1.0f));
+    }
+    return ground;
+}
+
+// Lambda_min, not its inverse, is filtered: a collapse of one frame is soon forgotten.
+void smooth_in_time(const Settings& settings, double seconds, const State* state, Ground& ground) {
+    if (!state) return;
+    const float share = share_of(seconds, settings.smoothing);
+    for (size_t t = 0; t < ground.compression.size(); ++t) {
+        const float before = 1.0f / state->compression[t], now = 1.0f / ground.compression[t];
+        ground.compression[t] = 1.0f / (before + share * (now - before));
+    }
+}
+
+}  // namespace rumple::wrinkle_paths
