@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import sleeve
 import waves_rendered
-from rumple.blender import field_nodes, mesh_io, modifier, registry, structure, versions
+from rumple.blender import field_curve, field_nodes, mesh_io, modifier, registry, structure, versions
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT
 
 
@@ -123,6 +123,32 @@ class Settings(unittest.TestCase):
                   if n.type == "GROUP"}
         self.assertEqual(groups, {"ACCORDION"})
 
+    def test_a_drawn_profile_reaches_materials_and_geometry(self) -> None:
+        obj = waving(profile="CURVE")
+        sleeve.at(20)
+        first = field_curve.heights(obj)
+        np.testing.assert_allclose(first, np.cos(np.pi * np.linspace(0.0, 1.0, 65)), atol=0.03)  # a new curve is a sine
+        keys = {group[field_nodes.PROFILE_KEY] for group in bpy.data.node_groups if field_nodes.is_ours(group)}
+        self.assertEqual(keys, {field_curve.key(obj)})
+        mapping = field_curve.node(obj).mapping
+        for point in mapping.curves[0].points:
+            point.location = (point.location[0], 0.25)
+        mapping.update()
+        structure.note_drawn_profile(obj)
+        structure.settle_all()
+        np.testing.assert_allclose(field_curve.heights(obj), -0.5, atol=1e-4)
+        keys = {group[field_nodes.PROFILE_KEY] for group in bpy.data.node_groups if field_nodes.is_ours(group)}
+        self.assertEqual(keys, {field_curve.key(obj)})
+        obj.rumple.field.output = "GEOMETRY"  # a flat profile: every point at half the amplitude below the surface
+        structure.settle_all()
+        sleeve.at(19)
+        sleeve.at(20)
+        offset = np.sqrt((sleeve.attribute(obj, "rumple_offset")**2).sum(1))
+        np.testing.assert_allclose(offset, 0.5 * sleeve.attribute(obj, "rumple_amplitude")[:, 0], atol=1e-6)
+        bpy.ops.object.duplicate()
+        structure.settle_all()
+        self.assertNotEqual(bpy.context.object.rumple.profile_curve, obj.rumple.profile_curve)
+
     def test_mask_by_vertex_group_and_by_attribute(self) -> None:
         obj = waving()
         sleeve.at(20)
@@ -192,11 +218,12 @@ class Materials(unittest.TestCase):
     def test_in_and_out_again_leaves_the_links_as_they_were(self) -> None:
         material = self.material()
         before = self.links(material)
-        field_nodes.shade(material, "SINE")
+        obj = sleeve.skinned(sleeve.tube(), sleeve.arm())
+        field_nodes.shade(material, obj)
         between = self.links(material)
         self.assertIn(("Bump", "Normal", field_nodes.NAME, "Normal"), between)
         self.assertIn((field_nodes.NAME, "Normal", "Principled BSDF", "Normal"), between)
-        field_nodes.shade(material, "SINE")
+        field_nodes.shade(material, obj)
         self.assertEqual(self.links(material), between)
         field_nodes.unshade(material)
         self.assertEqual(self.links(material), before)

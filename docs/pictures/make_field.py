@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pictures of the Wrinkle Field for the docs: field_square.jpg and, with ../shared/data, s1_field.jpg beside this file.
+"""The pictures of the Wrinkle Field for the docs: field_square.jpg and, with ../shared/data, s1_field.jpg.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python xvfb-run -a blender -b --factory-startup --python-exit-code 1 \
@@ -64,8 +64,9 @@ def square() -> bpy.types.Object:
     """The irregular square: 91 points, 148 triangles, side 1 m."""
     random = np.random.RandomState(1)
     grid = [(i, j) for j in range(CELLS + 1) for i in range(CELLS + 1)]
-    points = [np.array([i + random.uniform(-0.3, 0.3) * (0 < i < CELLS), j + random.uniform(-0.3, 0.3) * (0 < j < CELLS),
-                        0.0]) / CELLS for i, j in grid]
+    shaken = [(i + random.uniform(-0.3, 0.3) * (0 < i < CELLS), j + random.uniform(-0.3, 0.3) * (0 < j < CELLS), 0.0)
+              for i, j in grid]
+    points = [np.array(p) / CELLS for p in shaken]
     triangles = []
     for v, (i, j) in enumerate(grid):
         if i < CELLS and j < CELLS:

@@ -13,13 +13,13 @@ Input "Normal": what other nodes made of the normal, or nothing. "Parallax": how
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 import numpy as np
 
-from .. import native
 from ..core import wrinkle_field
-from . import versions
+from . import field_curve, versions
 
 NAME = "Rumple Field"
 VERSION = 1  # raise it when the nodes change: groups in older files are then rebuilt in place
@@ -35,8 +35,9 @@ def is_ours(group: bpy.types.NodeTree | None) -> bool:
     return group is not None and PROFILE_KEY in group
 
 
-def ensure(profile: str) -> bpy.types.NodeTree:
-    """The node group of this file for a profile, made or upgraded where needed."""
+def ensure(obj: bpy.types.Object) -> bpy.types.NodeTree:
+    """The node group of this file for the profile of an object, made or upgraded where needed."""
+    profile = field_curve.key(obj)
     for group in bpy.data.node_groups:
         if is_ours(group) and group[PROFILE_KEY] == profile and versions.is_editable(group):
             break
@@ -44,19 +45,19 @@ def ensure(profile: str) -> bpy.types.NodeTree:
         group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
         group[PROFILE_KEY], group[VERSION_KEY] = profile, 0
     if group[VERSION_KEY] != VERSION:
-        _rebuild(group)
+        _rebuild(group, field_curve.table(obj))
         group[VERSION_KEY] = VERSION
     return group
 
 
-def _rebuild(group: bpy.types.NodeTree) -> None:
+def _rebuild(group: bpy.types.NodeTree, profile: Any) -> None:
+    """profile: the native table."""
     group.nodes.clear()
     for direction, sockets in (("INPUT", _INPUTS), ("OUTPUT", _OUTPUTS)):
         present = versions.group_sockets(group, direction)
         for name, socket_type in sockets:
             if name not in present:
                 versions.new_group_socket(group, name, direction, socket_type)
-    profile = native.load().WrinkleFieldProfile(group[PROFILE_KEY])
     _Builder(group).build(profile.height, profile.slope)
 
 
@@ -170,10 +171,10 @@ class _Builder:
 
 
 # ---------------------------------------------------------------- materials
-def shade(material: bpy.types.Material, profile: str) -> None:
+def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
     """Let a material show the waves: in front of the normal of every shader, and of textures without coordinates."""
     versions.use_nodes(material)
-    if set_profile(material, profile):
+    if set_profile(material, obj):
         return
     nodes, links = material.node_tree.nodes, material.node_tree.links
     textures = [n for n in nodes if n.type == "TEX_IMAGE" and not n.inputs["Vector"].is_linked]
@@ -183,7 +184,7 @@ def shade(material: bpy.types.Material, profile: str) -> None:
         given = target.links[0].from_socket if target.is_linked else None
         if given not in fields:
             fields[given] = field = nodes.new("ShaderNodeGroup")
-            field.node_tree, field.name, field.label = ensure(profile), NAME, NAME
+            field.node_tree, field.name, field.label = ensure(obj), NAME, NAME
             field.inputs["Parallax"].default_value = 1.0
             field.location = (shader.location.x - 250.0, shader.location.y - 300.0)
             if given is not None:
@@ -193,12 +194,14 @@ def shade(material: bpy.types.Material, profile: str) -> None:
         links.new(next(iter(fields.values())).outputs["UV"], texture.inputs["Vector"])
 
 
-def set_profile(material: bpy.types.Material, profile: str) -> bool:
-    """Change the profile of a material that shows waves. False where it shows none."""
+def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
+    """Give a material that shows waves the profile of an object. False where it shows none."""
     ours = _our_nodes(material)
-    for node in ours:
-        if node.node_tree[PROFILE_KEY] != profile or node.node_tree[VERSION_KEY] != VERSION:
-            node.node_tree = ensure(profile)
+    if ours:
+        group = ensure(obj)
+        for node in ours:
+            if node.node_tree != group:
+                node.node_tree = group
     return bool(ours)
 
 
@@ -234,9 +237,11 @@ def shade_object(obj: bpy.types.Object) -> int:
             obj.material_slots[0].material = material
         else:
             obj.data.materials.append(material)
+    if obj.rumple.field.profile == "CURVE":
+        field_curve.ensure(obj)
     materials = materials_of(obj)
     for material in materials:
-        shade(material, obj.rumple.field.profile)
+        shade(material, obj)
     return len(materials)
 
 
@@ -246,5 +251,10 @@ def unshade_object(obj: bpy.types.Object, still_waving: list[bpy.types.Object]) 
     for material in materials_of(obj):
         if material not in kept:
             unshade(material)
+    drop_orphans()
+
+
+def drop_orphans() -> None:
+    """Groups of profiles that no material shows any more."""
     for group in [g for g in bpy.data.node_groups if is_ours(g) and g.users == 0 and versions.is_editable(g)]:
         bpy.data.node_groups.remove(group)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core import engine
 from ..core.settings import FieldSettings, MeshSettings
-from . import node_tree, versions
+from . import field_curve, node_tree, versions
 
 # Paint of the Wrinkle Mesh: key of the engine -> vertex group on the coarse mesh.
 MESH_GROUPS: dict[str, str] = {
@@ -127,6 +127,8 @@ def paint(obj: bpy.types.Object, settings: MeshSettings | FieldSettings) -> dict
         return painted
     if "wavelength" in painted:
         painted["wavelength"] = np.maximum(painted["wavelength"], np.float32(LEAST_WAVELENGTH))
+    if settings.profile == "CURVE":
+        painted["profile"] = field_curve.heights(obj)
     attributes = obj.data.attributes
     for key, name, data_type in (("mask", settings.mask, "FLOAT"), ("wavelength", settings.wavelength_scale, "FLOAT"),
                                  ("rest_wrinkle", REST_WRINKLE, "FLOAT_VECTOR")):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ..core.systems import SYSTEMS
-from . import bake_state, maps_tree, mesh_io, modifier, operators, properties, registry, versions
+from . import (bake_state, field_curve, maps_tree, mesh_io, modifier, operators, properties, registry, structure,
+               versions)
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
@@ -114,8 +115,12 @@ class DATA_PT_rumple_waves(_Panel, bpy.types.Panel):
             for name in ("source", "detail", "attachment"):
                 column.prop(settings, name)
         column.separator()
-        for name in ("wavelength", "strength", "profile", "irregularity", "seed"):
+        for name in ("wavelength", "strength", "irregularity", "seed", "profile"):
             column.prop(settings, name)
+        curve = field_curve.node(obj) if settings.profile == "CURVE" else None
+        if curve is not None:
+            self.layout.template_curve_mapping(curve, "mapping")
+            structure.note_drawn_profile(obj)
         column.separator()
         for name, group in (("mask", "mask"), ("wavelength_scale", "wavelength")):
             row = column.row(align=True)

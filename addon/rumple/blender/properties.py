@@ -77,6 +77,8 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Own Mesh", override=_OVERRIDE,
                                         poll=_is_own_mesh, update=_changed("MESH"),
                                         description="Your own fine mesh, in place over the undeformed coarse mesh")
+    profile_curve: bpy.props.PointerProperty(type=bpy.types.NodeTree, name="Profile Curve", override=_OVERRIDE,
+                                             description="The node group with the curve that was drawn as profile")
     rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), override=_OVERRIDE, update=_changed("MESH"),
                                        description="The shape key that is the unwrinkled cloth")
     rest_frame: bpy.props.IntProperty(name="Rest Frame", default=1, options=set(), override=_OVERRIDE,

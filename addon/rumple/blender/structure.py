@@ -20,7 +20,7 @@ from .. import native
 from ..core import engine
 from ..core.settings import FieldSettings
 from . import carrier as carriers
-from . import field_nodes, mesh_io, modifier, node_tree, properties, registry, versions
+from . import field_curve, field_nodes, mesh_io, modifier, node_tree, properties, registry, versions
 from .registry import LOCK, Runtime
 
 CARRIER_KEY = "rumple_carrier"  # custom property on carriers and players: tells leftovers from the artist's objects
@@ -177,8 +177,7 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
         return False  # the clip counts on the carrier as it is
     entry.bake_note = ""
     if method == "FIELD":
-        for material in field_nodes.materials_of(obj):
-            field_nodes.set_profile(material, obj.rumple.field.profile)
+        _settle_profile(obj, entry)
     ensure_fine(obj, entry)
     source = source_of(obj)
     held = modifier.carrier(ours)
@@ -194,6 +193,26 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     modifier.set_carrier(ours, held, count)
     entry.forget_written()
     return True
+
+
+def _settle_profile(obj: bpy.types.Object, entry: Runtime) -> None:
+    """The materials, and the fine mesh, have the profile that is set, or drawn."""
+    if obj.rumple.field.profile == "CURVE":
+        field_curve.ensure(obj)
+        entry.paint = None
+        obj.update_tag()
+    for material in field_nodes.materials_of(obj):
+        field_nodes.set_profile(material, obj)
+    field_nodes.drop_orphans()
+
+
+def note_drawn_profile(obj: bpy.types.Object) -> None:
+    """Called by the panel that shows the curve: editing a curve tells nobody."""
+    entry = registry.runtime(obj)
+    used = entry.paint.get("profile") if entry.paint is not None else None
+    if used is not None and not np.array_equal(used, field_curve.heights(obj)):
+        entry.stale = True
+        request(SETTLE_SECONDS)
 
 
 def _is_local(held: bpy.types.Object) -> bool:
@@ -333,6 +352,7 @@ def _tidy_removed(wrinkled: set[str]) -> None:
         if obj.rumple.method != "NONE":
             drop_traces(obj)
     drop_orphan_carriers()
+    field_curve.drop_orphans()
 
 
 def drop_orphan_carriers() -> None:

@@ -124,6 +124,7 @@ PROFILES = (
     ("SINE", "Sine", "Round crests and round valleys"),
     ("ACCORDION", "Accordion Pleats", "Straight flanks and sharp edges"),
     ("PENCIL_PLEATS", "Pencil Pleats", "Round crests and sharp valleys"),
+    ("CURVE", "Curve", "Half a wave that you draw, from crest to valley"),
 )
 STARTS = (
     ("ALIGNED", "Aligned", "The first waves agree over the whole mesh before they are relaxed"),

@@ -29,6 +29,11 @@ def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{2.0 * edge:.2g}") if edge > 0.0 else FieldSettings.wavelength
 
 
+def native_profile(kind: str, drawn: np.ndarray | None) -> Any:
+    """The native table of f and df/dphi. drawn: PROFILE_INTERVALS + 1 heights in -1..1 for kind CURVE."""
+    return native.load().WrinkleFieldProfile(kind, drawn if kind == "CURVE" else None)
+
+
 class WrinkleField(Wrinkles):
     """Waves on the base: in the shading of its own triangles, or as the shape of a fine mesh."""
 
@@ -65,6 +70,7 @@ class WrinkleField(Wrinkles):
         return lines
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
+        self._drawn = paint.get("profile")
         return native.load().WrinkleFieldPaint(
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != "profile"})
 
@@ -78,8 +84,8 @@ class WrinkleField(Wrinkles):
     def _show(self, settings: FieldSettings, positions: np.ndarray, state: Any,
               world_from_object: np.ndarray | None) -> Picture:
         shown = native.load().show_wrinkle_field(self.model, self._native_settings(settings),
-                                                 native.load().WrinkleFieldProfile(settings.profile), self._paint,
-                                                 positions, state)
+                                                 native_profile(settings.profile, self._drawn), self._paint, positions,
+                                                 state)
         own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
         nothing = np.zeros((len(self.corner_vertex), 3), np.float32)
         corners = {PHASE: shown.corner_phase, WEIGHT: shown.corner_weight,

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The profile that an artist draws: half a wave, from crest (left) to valley (right).
+
+Blender has curves in nodes only, so one lives in a hidden node group, pointed to by object.rumple.profile_curve.
+Editing it tells nobody: the panel that shows it compares it with what is in use whenever it is drawn.
+"""
+from __future__ import annotations
+
+import hashlib
+
+import bpy
+import numpy as np
+
+from .. import native
+from ..core import engine, wrinkle_field
+from . import versions
+
+NAME = "Rumple Profile"
+NODE = "Profile"
+FIRST_POINTS = 7  # of a new curve: a sine
+
+
+def ensure(obj: bpy.types.Object) -> None:
+    """Give an object a curve of its own; a duplicate's is copied."""
+    shared = obj.rumple.profile_curve
+    if shared is not None and not any(o.rumple.profile_curve == shared for o in bpy.data.objects if o != obj):
+        return
+    if shared is not None:
+        obj.rumple.profile_curve = shared.copy()
+        return
+    group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
+    mapping = group.nodes.new("ShaderNodeFloatCurve")
+    mapping.name = NODE
+    points = mapping.mapping.curves[0].points
+    for _ in range(FIRST_POINTS - len(points)):
+        points.new(0.5, 0.5)
+    for point, x in zip(points, np.linspace(0.0, 1.0, FIRST_POINTS)):
+        point.location = (float(x), float(0.5 + 0.5 * np.cos(np.pi * x)))
+    mapping.mapping.update()
+    obj.rumple.profile_curve = group
+
+
+def node(obj: bpy.types.Object) -> bpy.types.Node | None:
+    """The node with the curve."""
+    group = obj.rumple.profile_curve
+    return group.nodes.get(NODE) if group is not None else None
+
+
+def heights(obj: bpy.types.Object) -> np.ndarray:
+    """The drawn heights, -1 (valley) to 1 (crest), for the kernel. Raises engine.Refused."""
+    curve = node(obj)
+    if curve is None:
+        raise engine.Refused(f"{obj.name}: its profile curve is gone: choose another profile and Curve again")
+    mapping = curve.mapping
+    mapping.initialize()
+    places = np.linspace(0.0, 1.0, native.load().PROFILE_INTERVALS + 1)
+    drawn = [mapping.evaluate(mapping.curves[0], float(place)) for place in places]
+    return np.clip(2.0 * np.array(drawn, np.float32) - 1.0, -1.0, 1.0)
+
+
+def key(obj: bpy.types.Object) -> str:
+    """The name of an object's profile: equal where the tables are."""
+    kind = obj.rumple.field.profile
+    if kind != "CURVE":
+        return kind
+    return f"CURVE {hashlib.sha1(heights(obj).tobytes()).hexdigest()[:12]}"
+
+
+def table(obj: bpy.types.Object) -> object:
+    """The native profile of an object."""
+    kind = obj.rumple.field.profile
+    return wrinkle_field.native_profile(kind, heights(obj) if kind == "CURVE" else None)
+
+
+def drop_orphans() -> None:
+    """Curves that no object points to."""
+    used = {obj.rumple.profile_curve for obj in bpy.data.objects}
+    for group in [g for g in bpy.data.node_groups if NODE in g.nodes and g.name.startswith(NAME)]:
+        if group not in used and versions.is_editable(group):
+            bpy.data.node_groups.remove(group)
