@@ -9,7 +9,7 @@ import face
 import numpy as np
 import sleeve
 from mathutils import Euler, Matrix
-from rumple.blender import maps_live, maps_nodes, maps_tree, versions
+from rumple.blender import maps_live, maps_nodes, maps_tree, structure, versions
 
 ROUNDING = 1e-4  # of a mask: bones of a head in single precision
 
@@ -328,6 +328,21 @@ class Files(unittest.TestCase):
         self.assertGreater(face.mask(obj, "Surprise").max(), 0.9)
         self.assertEqual(maps_nodes.shown_in(obj.data.materials[0]), obj.rumple_maps.group)
 
+    def test_linked_into_another_file_it_is_left_alone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "face.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            sleeve.empty_file()
+            with bpy.data.libraries.load(path, link=True) as (_, wanted):
+                wanted.objects = ["Face"]
+            bpy.context.scene.collection.objects.link(wanted.objects[0])
+            before = sorted(obj.name for obj in bpy.data.objects)
+            for frame in (2, 3, 4):
+                bpy.context.scene.frame_set(frame)
+            self.assertEqual(sorted(obj.name for obj in bpy.data.objects), before)
+            self.assertIn("Rig", before)
+            sleeve.empty_file()
+
     def test_a_duplicate_gets_its_own(self):
         copy = self.obj.copy()
         bpy.context.scene.collection.objects.link(copy)
@@ -352,6 +367,5 @@ class Files(unittest.TestCase):
 
     def test_deleted_by_blenders_own_button_the_carrier_goes(self):
         self.obj.modifiers.remove(maps_tree.find(self.obj))
-        from rumple.blender import structure
         structure.settle_all()
         self.assertFalse([o for o in bpy.data.objects if maps_tree.CARRIER_KEY in o])

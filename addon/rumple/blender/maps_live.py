@@ -14,7 +14,7 @@ import numpy as np
 from .. import native
 from ..core.engine import Refused
 from ..core.poses import Masks, PoseComparison, PoseRig, SkinWeights, strengths
-from . import maps_nodes, maps_rig, maps_tree, structure, versions
+from . import maps_nodes, maps_rig, maps_tree, modifier, structure, versions
 from .registry import LOCK
 
 _BUSY_MODES = frozenset(("EDIT", "SCULPT"))
@@ -115,11 +115,13 @@ def settle() -> None:
     present = {versions.session_key(obj) for obj, _ in objects}
     for key in [key for key in _runtimes if key not in present]:
         del _runtimes[key]
+    held = {maps_tree.carrier(ours) for _, ours in objects}
+    objects = [(obj, ours) for obj, ours in objects if versions.is_editable(obj)]  # linked ones cannot be written
     _split_shared(objects)
     for obj, ours in objects:
         if runtime(obj).stale:
             prepare(obj, ours)
-    _tidy([obj for obj, _ in objects])
+    _tidy(held | {maps_tree.carrier(ours) for _, ours in objects})
 
 
 def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
@@ -189,12 +191,10 @@ def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]
         seen |= {ours.node_group, maps_tree.carrier(ours), obj.rumple_maps.group}
 
 
-def _tidy(mapped: list[bpy.types.Object]) -> None:
+def _tidy(held: set[bpy.types.Object | None]) -> None:
     """Carriers whose modifier was removed or applied by Blender's own buttons."""
-    held = {maps_tree.carrier(maps_tree.find(obj)) for obj in mapped}
     candidates = {o for o in bpy.data.objects if maps_tree.CARRIER_KEY in o} - held
     if candidates:
-        from . import modifier
         for candidate, users in bpy.data.user_map(subset=candidates).items():
             if not users:
                 modifier.delete_hidden(candidate)
@@ -209,7 +209,7 @@ def process(depsgraph: bpy.types.Depsgraph) -> None:
         return
     with LOCK:
         objects = list(maps_tree.mapped_objects())
-        if structure.allowed_now() and any(runtime(obj).stale for obj, _ in objects):
+        if structure.allowed_now() and any(runtime(obj).stale and versions.is_editable(obj) for obj, _ in objects):
             settle()
         for obj, ours in objects:
             _process_guarded(obj, ours, depsgraph)
