@@ -8,6 +8,7 @@ from pathlib import Path
 
 import bpy
 import face
+import maps_shots
 import numpy as np
 from rumple.blender import maps_export
 from rumple.core import poses
@@ -112,6 +113,8 @@ class Export(unittest.TestCase):
 
     def test_json_images_and_influences(self):
         self.settings.poses[0].image = bpy.data.images.new("Lines", 8, 8, is_data=True)
+        self.obj.material_slots[0].material = maps_shots.material("Pores", bpy.data.images.new("Pores", 8, 8))
+        bpy.ops.rumple.maps_show()
         for frame, height in ((1, 0.0), (5, 0.01)):
             face.pose(self.rig, brow_L=height)
             self.rig.pose.bones["brow.L"].keyframe_insert("location", frame=frame)
@@ -119,13 +122,15 @@ class Export(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "face.json")
             self.assertEqual(bpy.ops.rumple.maps_export(filepath=path, frames=True), {"FINISHED"})
-            self.assertEqual(sorted(os.listdir(folder)), ["face.frames.json", "face.json", "face_Surprise.png"])
+            self.assertEqual(sorted(os.listdir(folder)), ["face.frames.json", "face.json", "face_Surprise.png",
+                                                          "face_neutral.png"])
             with open(path, encoding="utf-8") as file:
                 rig = poses.from_json(file.read())
             with open(os.path.join(folder, "face.frames.json"), encoding="utf-8") as file:
                 clip = json.load(file)
         self.assertEqual([(pose.name, pose.map) for pose in rig.poses],
                          [("Surprise", "face_Surprise.png"), ("Anger", "")])
+        self.assertEqual(rig.neutral_map, "face_neutral.png")
         bone = clip["bones"].index("brow.L")
         self.assertEqual([row[bone][0] for row in clip["influence"]][::4], [0.0, 1.0])
         self.assertEqual((len(clip["influence"]), clip["fps"], clip["poses"]), (5, 24.0, ["Surprise", "Anger"]))

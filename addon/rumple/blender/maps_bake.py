@@ -79,6 +79,7 @@ class MapBake:
         try:
             self._add_wrinkles(wrinkled)
             low, high = (self._frozen(copy) for copy in (coarse, wrinkled))
+            high.data.polygons.foreach_set("use_smooth", np.ones(len(high.data.polygons), bool))  # no facets of its own
             if "rumple_offset" not in high.data.attributes:
                 raise Refused(registry.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this pose")
             offsets = versions.read_attribute(high.data.attributes["rumple_offset"])

@@ -13,7 +13,7 @@ import bpy
 
 from ..core.engine import Refused
 from ..core.poses import PoseRig, from_json
-from . import maps_live, maps_operators, maps_rig
+from . import maps_live, maps_nodes, maps_operators, maps_rig
 
 
 def save_image(image: bpy.types.Image, folder: Path, deep: bool) -> Path:
@@ -42,10 +42,20 @@ def _write_png(image: bpy.types.Image, path: Path, deep: bool) -> None:
 
 
 def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
-    """Write the rig and, beside it, every map under the name that the rig gives. Raises Refused, OSError."""
+    """Write the rig and, beside it, every map under the name that the rig gives. Raises Refused, OSError.
+
+    The neutral map is the image that the object's first material with the node group has behind it.
+    """
     rig, _ = maps_rig.rig_of(obj)
     rig.check()
     written = [path]
+    neutral = next(filter(None, (maps_nodes.neutral_image(slot.material) for slot in obj.material_slots
+                                 if slot.material is not None)), None)
+    if neutral is not None and tuple(neutral.size)[0]:
+        rig.neutral_map = f"{path.stem}_neutral.png"
+        if images:
+            written.append(path.with_name(rig.neutral_map))
+            _write_png(neutral, written[-1], neutral.is_float)
     for pose, stored in zip(rig.poses, obj.rumple_maps.poses):
         pose.map = f"{path.stem}_{bpy.path.clean_name(pose.name)}.png" if stored.image is not None else ""
         if images and stored.image is not None:

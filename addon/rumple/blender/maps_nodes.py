@@ -187,6 +187,16 @@ def shown_in(material: bpy.types.Material) -> bpy.types.NodeTree | None:
     return next((node.node_tree for node in nodes if _is_our_node(node)), None)
 
 
+def neutral_image(material: bpy.types.Material) -> bpy.types.Image | None:
+    """The image of the neutral details behind the group that a material has; None where it is no image."""
+    nodes = material.node_tree.nodes if material.node_tree is not None else ()
+    for node in (node for node in nodes if _is_our_node(node)):
+        _, source = _source_of(node.inputs[INPUT])
+        if source is not None and source.type == "TEX_IMAGE":
+            return source.image
+    return None
+
+
 def _is_our_node(node: bpy.types.Node) -> bool:
     return node.type == "GROUP" and is_ours(node.node_tree)
 
