@@ -9,7 +9,7 @@ import face
 import numpy as np
 import sleeve
 from mathutils import Euler, Matrix
-from rumple.blender import maps_live, maps_nodes, maps_tree, structure, versions
+from rumple.blender import maps_live, maps_nodes, maps_tree, modifier, structure, versions
 
 ROUNDING = 1e-4  # of a mask: bones of a head in single precision
 
@@ -307,6 +307,34 @@ class Wrong(unittest.TestCase):
         self.obj.modifiers.remove(self.obj.modifiers["Armature"])
         with self.assertRaisesRegex(RuntimeError, "No armature deforms|poll"):
             bpy.ops.rumple.maps_add()
+
+
+class BesideOtherWrinkles(unittest.TestCase):
+    """The wrinkles that maps are baked from stay on the object, switched off."""
+
+    def check(self, obj, rig):
+        for _ in range(2):
+            face.pose(rig, brow_L=0.01, brow_R=0.01)
+        self.assertEqual((obj.rumple.message, obj.rumple_maps.message), ("", ""))
+        attributes = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.attributes
+        self.assertIn("rumple_offset", attributes)
+        modifier.find(obj).show_viewport = False
+        bpy.context.view_layer.update()
+        self.assertGreater(face.mask(obj, "Surprise").max(), 0.9)
+        self.assertEqual((obj.rumple.message, obj.rumple_maps.message), ("", ""))
+
+    def test_maps_first(self):
+        obj, rig = face.scene()
+        face.two_poses(obj, rig)
+        bpy.ops.object.rumple_add(method="MESH")
+        self.check(obj, rig)
+
+    def test_a_wrinkle_mesh_first(self):
+        obj, rig = face.scene(maps=False)
+        bpy.ops.object.rumple_add(method="MESH")
+        bpy.ops.rumple.maps_add()
+        face.two_poses(obj, rig)
+        self.check(obj, rig)
 
 
 class Files(unittest.TestCase):

@@ -119,8 +119,9 @@ def _build(group: bpy.types.NodeTree, names: Sequence[str]) -> None:
 
 # ---------------------------------------------------------------- the modifier and its carrier
 def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
-    """Put the modifier behind the last deforming one, with a tree and a carrier of its own."""
-    place = modifier.place_behind_deforming(obj)
+    """Put the modifier behind the last deforming one, and behind other wrinkles, with a tree of its own."""
+    wrinkles = modifier.find(obj)
+    place = modifier.place_behind_deforming(obj) if wrinkles is None else list(obj.modifiers).index(wrinkles) + 1
     made = obj.modifiers.new(NAME, "NODES")
     made.node_group = new_tree(obj.name)
     last = len(obj.modifiers) - 1

@@ -52,6 +52,7 @@ class DATA_PT_rumple(bpy.types.Panel):
             row.label(text=modifier.system(ours).label)
         row.operator("object.rumple_apply", text="Apply")
         row.operator("object.rumple_remove", text="", icon="X")
+        _add_maps_button(layout)
 
 
 def draw_message(layout: bpy.types.UILayout, text: str) -> None:
@@ -297,7 +298,13 @@ def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
 def _add_buttons(layout: bpy.types.UILayout) -> None:
     for system in SYSTEMS.values():
         layout.operator("object.rumple_add", text=system.label, icon="MOD_CLOTH").method = system.method
-    if maps_tree.find(bpy.context.object) is None:
+    _add_maps_button(layout)
+
+
+def _add_maps_button(layout: bpy.types.UILayout) -> None:
+    """They stand beside other wrinkles, whose folds they may be baked from."""
+    obj = bpy.context.object
+    if maps_tree.find(obj) is None and obj.find_armature() is not None:
         layout.operator("rumple.maps_add", icon="ARMATURE_DATA")
 
 
