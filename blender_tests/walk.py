@@ -7,10 +7,16 @@ import bmesh
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import mesh_io, modifier, structure
+from rumple.blender import mesh_io, modifier, properties, structure
 
 MOST_OBJECTS = 4
 PAINT = "Rumple Radius"
+SETTINGS = dict(
+    MESH=(("radius", 0.5), ("bending", 0.2), ("level", 0), ("level", 1), ("hem_rings", 0), ("attachment", "PN"),
+          ("attachment", "LIMIT"), ("source", "REGULAR"), ("source", "SUBDIVISION"), ("display_steps", 1),
+          ("collision", "NONE")),
+    FIELD=(("output", "GEOMETRY"), ("output", "SHADING"), ("detail", 2), ("source", "EDGE_LENGTH"), ("profile", "CURVE"),
+           ("profile", "ACCORDION"), ("irregularity", 0.5), ("rounds", 3), ("seed", 2), ("start", "RANDOM")))
 
 
 class Walk:
@@ -95,14 +101,12 @@ class Walk:
     def do_setting(self):
         obj = self.pick()
         if obj:
-            name, value = self.random.choice((
-                ("radius", 0.5), ("bending", 0.2), ("level", 0), ("level", 1), ("hem_rings", 0), ("attachment", "PN"),
-                ("attachment", "LIMIT"), ("source", "REGULAR"), ("source", "SUBDIVISION"), ("display_steps", 1),
-                ("collision", "NONE")))
-            setattr(obj.rumple.mesh, name, value)
+            name, value = self.random.choice(SETTINGS[obj.rumple.method])
+            setattr(properties.group_of(obj), name, value)
 
     def do_preset(self):
-        if self.pick():
+        obj = self.pick()
+        if obj and obj.rumple.method == "MESH":
             bpy.ops.object.rumple_preset(preset=self.random.choice(("DENIM", "SILK", "COTTON")))
 
     def do_duplicate(self):
@@ -126,7 +130,11 @@ class Walk:
         obj = self.pick(wrinkled=False)
         if obj and len(obj.data.vertices) < 1500:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
-            bpy.ops.object.rumple_add(method="MESH")
+            bpy.ops.object.rumple_add(method=self.random.choice(("MESH", "FIELD")))
+
+    def do_materials(self):
+        if self.pick() and bpy.ops.object.rumple_shade.poll():
+            self.random.choice((bpy.ops.object.rumple_shade, bpy.ops.object.rumple_unshade))()
 
     def do_apply(self):
         if len([o for o in bpy.context.scene.objects if o.type == "MESH"]) > 2:
@@ -135,8 +143,10 @@ class Walk:
                 bpy.ops.object.rumple_apply()
 
     def do_paint(self):
-        if self.pick():
-            bpy.ops.object.rumple_paint(group=self.random.choice(("bending", "inside")))
+        obj = self.pick()
+        if obj:
+            groups = dict(MESH=("bending", "inside"), FIELD=("mask", "wavelength"))[obj.rumple.method]
+            bpy.ops.object.rumple_paint(group=self.random.choice(groups))
 
     def do_topology(self):
         obj = self.pick()
@@ -175,7 +185,7 @@ class Walk:
         obj = self.pick()
         if obj and not modifier.is_baked(modifier.find(obj)):
             bpy.ops.object.rumple_capture_rest(frame=self.random.randint(1, 5))
-            obj.rumple.mesh.rest_shape = "REST_POSE"
+            properties.group_of(obj).rest_shape = "REST_POSE"
 
     def do_bake(self):
         obj = self.pick()
