@@ -6,22 +6,21 @@ A frame depends on the present bones and on nothing before it: no history, and a
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import bpy
-import numpy as np
 
 from .. import native
 from ..core.engine import Refused
 from ..core.poses import Masks, PoseComparison, PoseRig, SkinWeights, strengths
-from . import maps_nodes, maps_rig, maps_tree, modifier, structure, versions
+from . import maps_nodes, maps_rig, maps_tree, modifier, registry, structure, versions
 from .registry import LOCK
 
 _BUSY_MODES = frozenset(("EDIT", "SCULPT"))
 
 
 @dataclass
-class Runtime:
+class Runtime(registry.Messages):
     """One object with Wrinkle Maps, outside the file."""
 
     comparison: PoseComparison | None = None
@@ -30,9 +29,6 @@ class Runtime:
     inputs: tuple | None = None  # what the carrier's masks were made from
     carrier_key: int = 0  # ... which carrier
     masks: Masks | None = None
-    refusal: str = ""  # what is wrong with rig and mesh: stays until they change
-    message: str = ""  # what is wrong with this frame
-    notes: list[str] = field(default_factory=list)
 
 
 _runtimes: dict[int, Runtime] = {}
@@ -130,17 +126,11 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
     entry.stale = False
     try:
         _prepare(obj, ours, entry)
-        entry.refusal = ""
+        registry.refuse(entry, "")
     except (Refused, native.NativeMissing) as error:
-        _refuse(entry, str(error))
+        registry.refuse(entry, str(error))
     except Exception as error:  # a message on the panel, never a traceback
-        _refuse(entry, structure.unexpected(obj, error))
-
-
-def _refuse(entry: Runtime, text: str) -> None:
-    if text != entry.refusal:
-        print(f"Rumple: {text}")
-    entry.refusal = text
+        registry.refuse(entry, structure.unexpected(obj, error))
 
 
 def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> None:
@@ -216,16 +206,14 @@ def process(depsgraph: bpy.types.Depsgraph) -> None:
 
 
 def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, depsgraph: bpy.types.Depsgraph) -> None:
-    entry, text = runtime(obj), ""
+    entry = runtime(obj)
     try:
         _process(obj, ours, entry, depsgraph)
+        registry.say(entry, "")
     except (Refused, native.NativeMissing) as error:
-        text = str(error)
+        registry.say(entry, str(error))
     except Exception as error:  # handlers must not throw: the last good masks stay, the panel says why
-        text = structure.unexpected(obj, error)
-    if text and text != entry.message:
-        print(f"Rumple: {text}")
-    entry.message = text
+        registry.say(entry, structure.unexpected(obj, error))
 
 
 def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, depsgraph: bpy.types.Depsgraph

@@ -40,7 +40,16 @@ class Inputs:
 
 
 @dataclass
-class Runtime:
+class Messages:
+    """What the panel says about an object."""
+
+    message: str = ""  # what is wrong with this frame
+    refusal: str = ""  # what is wrong with the meshes and settings: stays until they change
+    notes: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Runtime(Messages):
     """One wrinkled object."""
 
     fine: engine.Wrinkles | None = None
@@ -52,9 +61,6 @@ class Runtime:
     inputs: Inputs | None = None
     picture: engine.Picture | None = None  # what the carrier holds
     carrier_key: int = 0  # ... which carrier
-    message: str = ""  # what is wrong with this frame
-    refusal: str = ""  # what is wrong with the meshes and settings: stays until they change
-    notes: list[str] = field(default_factory=list)
     bake_note: str = ""  # what is wrong with the baked clip, whatever the frame
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it
 
@@ -100,13 +106,13 @@ def doubt_all() -> None:
         entry.forget_written()
 
 
-def say(entry: Runtime, text: str) -> None:
+def say(entry: Messages, text: str) -> None:
     """Set the message on the current frame; a new one goes to the console once."""
     _print_new(text, entry.message)
     entry.message = text
 
 
-def refuse(entry: Runtime, text: str) -> None:
+def refuse(entry: Messages, text: str) -> None:
     """Set the message on the structure; empty when it is right again."""
     _print_new(text, entry.refusal)
     entry.refusal = text
