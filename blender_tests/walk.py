@@ -15,8 +15,11 @@ SETTINGS = dict(
     MESH=(("radius", 0.5), ("bending", 0.2), ("level", 0), ("level", 1), ("hem_rings", 0), ("attachment", "PN"),
           ("attachment", "LIMIT"), ("source", "REGULAR"), ("source", "SUBDIVISION"), ("display_steps", 1),
           ("collision", "NONE")),
-    FIELD=(("output", "GEOMETRY"), ("output", "SHADING"), ("detail", 2), ("source", "EDGE_LENGTH"), ("profile", "CURVE"),
-           ("profile", "ACCORDION"), ("irregularity", 0.5), ("rounds", 3), ("seed", 2), ("start", "RANDOM")))
+    FIELD=(("output", "GEOMETRY"), ("output", "SHADING"), ("detail", 2), ("source", "EDGE_LENGTH"),
+           ("profile", "CURVE"), ("profile", "ACCORDION"), ("irregularity", 0.5), ("rounds", 3), ("seed", 2),
+           ("start", "RANDOM")),
+    PATHS=(("width", 0.03), ("threshold", 1.1), ("reference", "FIRST_FRAME"), ("direction", "BOTH"), ("seed", 2),
+           ("profile", "SINE"), ("source", "EDGE_LENGTH"), ("stateless", True)))
 
 
 class Walk:
@@ -130,7 +133,7 @@ class Walk:
         obj = self.pick(wrinkled=False)
         if obj and len(obj.data.vertices) < 1500:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
-            bpy.ops.object.rumple_add(method=self.random.choice(("MESH", "FIELD")))
+            bpy.ops.object.rumple_add(method=self.random.choice(("MESH", "FIELD", "PATHS")))
 
     def do_materials(self):
         if self.pick() and bpy.ops.object.rumple_shade.poll():
@@ -145,7 +148,7 @@ class Walk:
     def do_paint(self):
         obj = self.pick()
         if obj:
-            groups = dict(MESH=("bending", "inside"), FIELD=("mask", "wavelength"))[obj.rumple.method]
+            groups = dict(MESH=("bending", "inside"), FIELD=("mask", "wavelength"), PATHS=("mask",))[obj.rumple.method]
             bpy.ops.object.rumple_paint(group=self.random.choice(groups))
 
     def do_topology(self):

@@ -169,7 +169,8 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
     if inputs is None or (inputs.same_as(entry.inputs) and entry.carrier_key == versions.session_key(held.data)):
         return False
     picture = entry.fine.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
-                                     start=scene.frame_start, world_from_object=inputs.world_from_object)
+                                     start=scene.frame_start, world_from_object=inputs.world_from_object,
+                                     frame_rate=inputs.frame_rate)
     entry.inputs = inputs
     registry.say(entry, "")
     return _show(held, entry, picture)
@@ -186,7 +187,8 @@ def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime
     # The evaluated copy: animated settings are right there, in renders too.
     settings = properties.settings_of(evaluated, scene)
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
-    return Inputs(float(scene.frame_current_final), settings, positions, world, entry.paint)
+    return Inputs(float(scene.frame_current_final), settings, positions, world, entry.paint,
+                  scene.render.fps / scene.render.fps_base)
 
 
 def _fits(held: bpy.types.Object, entry: Runtime) -> bool:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+from typing import Union
 
 import bpy
 import numpy as np
 
 from ..core import engine
-from ..core.settings import FieldSettings, MeshSettings
+from ..core.settings import FieldSettings, MeshSettings, PathsSettings
 from . import field_curve, node_tree, versions
 
 # Paint of the Wrinkle Mesh: key of the engine -> vertex group on the coarse mesh.
@@ -110,33 +111,46 @@ def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, names: list[str])
     return weights
 
 
-def paint_groups(settings: MeshSettings | FieldSettings) -> dict[str, str]:
-    """Key of the engine -> vertex group (or attribute) that paints it."""
+Settings = Union[MeshSettings, FieldSettings, PathsSettings]
+
+
+def paint_groups(settings: Settings) -> dict[str, str]:
+    """Key of the engine -> vertex group (or, but for the Wrinkle Mesh, float attribute) that paints it."""
     if isinstance(settings, FieldSettings):
         return {"mask": settings.mask, "wavelength": settings.wavelength_scale}
+    if isinstance(settings, PathsSettings):
+        return {"mask": settings.mask}
     return MESH_GROUPS
 
 
-def paint(obj: bpy.types.Object, settings: MeshSettings | FieldSettings) -> dict[str, np.ndarray]:
+def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
     """What is painted for the solver: (n,) or (n, 3) float32 for everything that exists."""
     names = paint_groups(settings)
     keys = [key for key, name in names.items() if name in obj.vertex_groups]
     weights = group_weights(obj, obj.data, [names[key] for key in keys]) if keys else None
     painted = {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
-    if not isinstance(settings, FieldSettings):
+    if isinstance(settings, MeshSettings):
         return painted
     if "wavelength" in painted:
         painted["wavelength"] = np.maximum(painted["wavelength"], np.float32(LEAST_WAVELENGTH))
-    if settings.profile == "CURVE":
-        painted["profile"] = field_curve.heights(obj)
-    attributes = obj.data.attributes
-    for key, name, data_type in (("mask", settings.mask, "FLOAT"), ("wavelength", settings.wavelength_scale, "FLOAT"),
-                                 ("rest_wrinkle", REST_WRINKLE, "FLOAT_VECTOR")):
-        found = attributes.get(name)
-        if key not in painted and found is not None and (found.domain, found.data_type) == ("POINT", data_type):
-            values = versions.read_attribute(found)
-            painted[key] = values if data_type == "FLOAT_VECTOR" else np.ascontiguousarray(values[:, 0])
+    for key in names.keys() - painted.keys():
+        values = _point_attribute(obj.data, names[key], "FLOAT")
+        if values is not None:
+            painted[key] = np.ascontiguousarray(values[:, 0])
+    if isinstance(settings, FieldSettings):
+        vectors = _point_attribute(obj.data, REST_WRINKLE, "FLOAT_VECTOR")
+        if vectors is not None:
+            painted["rest_wrinkle"] = vectors
+        if settings.profile == "CURVE":
+            painted["profile"] = field_curve.heights(obj)
     return painted
+
+
+def _point_attribute(mesh: bpy.types.Mesh, name: str, data_type: str) -> np.ndarray | None:
+    found = mesh.attributes.get(name)
+    if found is None or (found.domain, found.data_type) != ("POINT", data_type):
+        return None
+    return versions.read_attribute(found)
 
 
 def attached(own: bpy.types.Object) -> np.ndarray | None:

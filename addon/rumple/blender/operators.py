@@ -102,10 +102,10 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         lengths = {name for name, f in properties.fields_of(obj).items()
                    if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
         values = properties.defaults(obj, lengths)
-        if "wavelength" in lengths and len(obj.data.polygons):
+        system = SYSTEMS[self.method].wrinkles
+        if system.FITTING in lengths and len(obj.data.polygons):
             base = mesh_io.base_mesh(obj, "REST_POSE", "")
-            fitting = SYSTEMS[self.method].wrinkles.fitting_wavelength
-            values["wavelength"] = fitting(base, structure.metres_per_unit(obj, context.scene))
+            values[system.FITTING] = system.fitting_length(base, structure.metres_per_unit(obj, context.scene))
         properties.apply_values(obj, context.scene, values)
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
 

@@ -124,10 +124,7 @@ class DATA_PT_rumple_waves(_Panel, bpy.types.Panel):
             structure.note_drawn_profile(obj)
         column.separator()
         for name, group in (("mask", "mask"), ("wavelength_scale", "wavelength")):
-            row = column.row(align=True)
-            row.prop(settings, name)
-            exists = getattr(settings, name) in obj.vertex_groups
-            row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = group
+            _named_paint(column, obj, name, group)
 
 
 class DATA_PT_rumple_relaxation(_Panel, bpy.types.Panel):
@@ -140,6 +137,44 @@ class DATA_PT_rumple_relaxation(_Panel, bpy.types.Panel):
         column = _column(self.layout)
         for name in ("rate", "rounds", "start", "start_rounds", "stateless", "weld"):
             column.prop(context.object.rumple.field, name)
+
+
+class DATA_PT_rumple_folds(_Panel, bpy.types.Panel):
+    bl_label = "Folds"
+    bl_parent_id = "DATA_PT_rumple"
+    method = "PATHS"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = _column(self.layout), context.object
+        settings = obj.rumple.paths
+        for name in ("threshold", "width", "height", "direction", "profile", "spacing", "seed"):
+            column.prop(settings, name)
+        column.separator()
+        _named_paint(column, obj, "mask", "mask")
+        column.separator()
+        for name in ("source", "attachment", "weld"):
+            column.prop(settings, name)
+
+
+class DATA_PT_rumple_persistence(_Panel, bpy.types.Panel):
+    bl_label = "Persistence"
+    bl_parent_id = "DATA_PT_rumple"
+    bl_options = {"DEFAULT_CLOSED"}
+    method = "PATHS"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = _column(self.layout)
+        for name in ("reference", "relaxation", "growth", "window", "smoothing", "alignment", "reach", "growth_limit",
+                     "fade", "hem_rings", "stateless"):
+            column.prop(context.object.rumple.paths, name)
+
+
+def _named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
+    """The name of a vertex group or an attribute, and the button that paints the group."""
+    row = column.row(align=True)
+    row.prop(properties.group_of(obj), name)
+    exists = getattr(properties.group_of(obj), name) in obj.vertex_groups
+    row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = group
 
 
 class DATA_PT_rumple_rest(_Panel, bpy.types.Panel):
@@ -309,6 +344,7 @@ def _add_maps_button(layout: bpy.types.UILayout) -> None:
 
 
 CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
+           DATA_PT_rumple_folds, DATA_PT_rumple_persistence,
            DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
            DATA_PT_rumple_bake, DATA_PT_rumple_status)
 

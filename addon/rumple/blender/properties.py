@@ -7,7 +7,7 @@ from typing import Any, Callable
 
 import bpy
 
-from ..core.settings import PRESETS, FieldSettings, MeshSettings
+from ..core.settings import PRESETS, FieldSettings, MeshSettings, PathsSettings
 from ..core.systems import SYSTEMS, System
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
@@ -53,6 +53,7 @@ def _settings_group(settings: type) -> type:
 
 RUMPLE_MeshSettings = _settings_group(MeshSettings)
 RUMPLE_FieldSettings = _settings_group(FieldSettings)
+RUMPLE_PathsSettings = _settings_group(PathsSettings)
 
 
 def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
@@ -71,6 +72,7 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                    description="How wrinkles are made; set by adding and removing them")
     mesh: bpy.props.PointerProperty(type=RUMPLE_MeshSettings, override=_OVERRIDE)
     field: bpy.props.PointerProperty(type=RUMPLE_FieldSettings, override=_OVERRIDE)
+    paths: bpy.props.PointerProperty(type=RUMPLE_PathsSettings, override=_OVERRIDE)
     preset: bpy.props.EnumProperty(name="Cloth", default="COTTON", options=set(), override=_OVERRIDE,
                                    items=[(key, *about[:2]) for key, about in PRESETS.items()],
                                    description="The material that was chosen last")
@@ -142,7 +144,7 @@ def defaults(obj: bpy.types.Object, names: set[str]) -> dict[str, Any]:
     return {name: f.default for name, f in fields_of(obj).items() if name in names}
 
 
-CLASSES = (RUMPLE_MeshSettings, RUMPLE_FieldSettings, RUMPLE_Object)
+CLASSES = (RUMPLE_MeshSettings, RUMPLE_FieldSettings, RUMPLE_PathsSettings, RUMPLE_Object)
 
 
 def register() -> None:

@@ -30,9 +30,11 @@ class Inputs:
     positions: np.ndarray
     world_from_object: np.ndarray
     paint: dict[str, np.ndarray]
+    frame_rate: float  # frames a second
 
     def same_as(self, other: "Inputs | None") -> bool:
         return (other is not None and self.frame == other.frame and self.settings == other.settings
+                and self.frame_rate == other.frame_rate
                 and self.paint.keys() == other.paint.keys()
                 and all(np.array_equal(self.paint[key], other.paint[key]) for key in self.paint)
                 and np.array_equal(self.positions, other.positions)

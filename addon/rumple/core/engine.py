@@ -113,6 +113,15 @@ class Picture:
                 and all(np.array_equal(values, other.attributes[name]) for name, values in self.attributes.items()))
 
 
+@dataclass(frozen=True)
+class Moment:
+    """When and where a frame is solved."""
+
+    frame: float
+    seconds: float
+    world_from_object: np.ndarray | None  # (3, 3) float32, where the system reads it
+
+
 class Wrinkles:
     """A shown mesh bound to a base, and the frames that were solved for it.
 
@@ -120,6 +129,8 @@ class Wrinkles:
     """
 
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
+    FITTING = "wavelength"  # the setting that suits the mesh when wrinkles are added: see fitting_length()
+    READS_TIME = False  # whether the solve depends on the frame rate
 
     def __init__(self, base: BaseMesh, source: BaseMesh, model: Any, warnings: list[str], unit_scale: float) -> None:
         """source: what the shown mesh inherits from: the base, or an artist's own mesh."""
@@ -184,22 +195,23 @@ class Wrinkles:
 
     # --- frames
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
-                    start: int, world_from_object: np.ndarray | None = None) -> Picture:
+                    start: int, world_from_object: np.ndarray | None = None, frame_rate: float = 24.0) -> Picture:
         """The picture of a frame: replayed when it is stored for the same input, else solved and stored.
 
         positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
-        start: first frame of the clip; it needs no frame before it. Raises Refused.
+        start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. Raises Refused.
         """
         try:
-            return self._solve_frame(frame, positions, settings, paint, start, world_from_object)
+            return self._solve_frame(frame, positions, settings, paint, start, world_from_object, frame_rate)
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
-                     start: int, world_from_object: np.ndarray | None) -> Picture:
-        chosen = self._take_inputs(frame, settings, paint, start)
+                     start: int, world_from_object: np.ndarray | None, frame_rate: float) -> Picture:
+        chosen = self._take_inputs(frame, settings, paint, start, frame_rate if self.READS_TIME else 0.0)
         world = self._reads_world(settings) and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
+        moment = Moment(frame, frame / frame_rate, matrix)
         digest = _digest(chosen, positions, matrix)
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
@@ -209,11 +221,11 @@ class Wrinkles:
         if not replayed:
             state = before.state if before is not None else None
             state, report = self._solve(settings, positions, state, before is not None and before.chosen == chosen,
-                                        matrix)
+                                        moment)
             entry = Entry(state, digest, chosen, final, report)
             self.history.put(frame, entry)
         solved = time.perf_counter()
-        picture = self._show(settings, positions, entry.state, matrix)
+        picture = self._show(settings, positions, entry.state, moment)
         picture.report, picture.replayed = entry.report, replayed
         picture.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
         return picture
@@ -222,7 +234,8 @@ class Wrinkles:
         """The stored whole frame that a frame goes on from: the one before it, or the one a subframe is in."""
         return self.history.get(float(math.ceil(frame) - 1))
 
-    def _take_inputs(self, frame: float, settings: Any, paint: dict[str, np.ndarray], start: int) -> bytes:
+    def _take_inputs(self, frame: float, settings: Any, paint: dict[str, np.ndarray], start: int,
+                     frame_rate: float) -> bytes:
         """A digest of the settings. Forgets stored frames when the artist changed them, or the paint.
 
         Settings that differ at another frame are animated: then every frame has its own, and stays stored.
@@ -231,7 +244,7 @@ class Wrinkles:
         for key in sorted(paint):
             painted.update(key.encode())
             painted.update(np.ascontiguousarray(paint[key], np.float32))
-        chosen = hashlib.blake2b(repr((settings, start)).encode(), digest_size=16).digest()
+        chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
         repainted = self._paint is None or painted.digest() != self._painted
         if repainted:
             self._paint = self._take_paint(paint)
@@ -242,8 +255,8 @@ class Wrinkles:
 
     # --- what a system says
     @staticmethod
-    def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
-        """Fold width, in metres, that suits a mesh as it is; unit_scale: metres per object unit."""
+    def fitting_length(base: BaseMesh, unit_scale: float) -> float:
+        """Value of the setting FITTING, in metres, that suits a mesh as it is; unit_scale: metres per object unit."""
         raise NotImplementedError
 
     @classmethod
@@ -264,11 +277,11 @@ class Wrinkles:
         raise NotImplementedError
 
     def _solve(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
-               world_from_object: np.ndarray | None) -> tuple[Any, Any]:
+               moment: Moment) -> tuple[Any, Any]:
         """(state, report) from the state of the frame before; same_settings: it was solved with these."""
         raise NotImplementedError
 
-    def _show(self, settings: Any, positions: np.ndarray, state: Any, world_from_object: np.ndarray | None) -> Picture:
+    def _show(self, settings: Any, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
         raise NotImplementedError
 
 

@@ -181,6 +181,77 @@ class FieldSettings:
         return {name: getattr(self, name) for name in names}
 
 
+REFERENCES = (
+    ("REST", "Adaptive, From Rest", "Starts from the rest shape and gives in slowly to what lasts"),
+    ("FIRST_FRAME", "Adaptive, From First Frame", "Starts from the first frame: for animation without a rest pose"),
+    ("STATIC_REST", "Rest", "Always the rest shape: every frame measures alike"),
+)
+DIRECTIONS = (
+    ("OUTWARD", "Outward", "Folds stand out of the surface"),
+    ("INWARD", "Inward", "Folds are creases in the surface"),
+    ("BOTH", "Both", "Every second fold is a crease"),
+)
+PATH_PROFILES = (
+    ("SPLINE", "B-Spline", "Round, as cloth: a quadratic B-spline"),
+    ("QUARTIC", "Quartic", "Round crest, flat feet"),
+    ("CIRCULAR_ARCS", "Circular Arcs", "As the thesis measures height"),
+    ("SINE", "Sine", "One wave of a cosine"),
+)
+
+
+@dataclass
+class PathsSettings:
+    """Settings of the Wrinkle Paths. Lengths are metres in world scale unless the unit says otherwise."""
+
+    # Where folds are (chapters 4 and 5 of the thesis)
+    width: float = setting(0.02, "Width", "Of the tightest folds. Weaker compression makes them wider", low=0.0001,
+                           high=10.0, unit="LENGTH", affects="MESH")
+    threshold: float = setting(1.25, "Compression Sensitivity", "Rest length over length from which folds start. "
+                               "Nearer to 1: more folds", low=1.01, high=5.0, soft=2.0)
+    reach: float = setting(0.3, "Reach", "Folds go on down to this share of the compression that they start from",
+                           low=0.0, high=1.0, unit="FACTOR")
+    spacing: float = setting(1.12, "Spacing", "Of new folds from others, in widths", low=0.5, high=10.0)
+    alignment: float = setting(0.4, "Turning", "Low: folds stay where they were born on the cloth. High: they turn "
+                               "across the compression", low=0.0, high=10.0, soft=2.0)
+    growth_limit: float = setting(0.15, "Growth Limit", "Most change of a fold's length in a thirtieth of a second",
+                                  low=0.0, high=1.0, unit="FACTOR")
+    fade: float = setting(0.15, "Fade", "Seconds in which a fold rises and sinks", low=0.0, high=5.0)
+    hem_rings: int = setting(2, "Hem Fade", "Rings of the mesh at open borders over which folds fade out", low=0,
+                             high=20)
+    seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
+    stateless: bool = setting(False, "Independent Frames", "Every frame is traced anew: repeats exactly on any machine "
+                              "and in any order, but folds jump")
+    # What compression is measured against (section 4.2)
+    reference: str = setting("REST", "Measured Against", "What counts as uncompressed", choices=REFERENCES)
+    window: float = setting(0.1, "Window", "Seconds back to the pose that tells compressing from stretching", low=0.0,
+                            high=2.0)
+    relaxation: float = setting(0.01, "Giving In", "Share by which the reference takes over a compressed shape in a "
+                                "thirtieth of a second", low=0.0, high=1.0)
+    growth: float = setting(1.05, "Growth", "Most length of the reference over the rest shape", low=1.0, high=10.0)
+    smoothing: float = setting(0.1, "Smoothing", "Seconds over which compression is smoothed: noise bears no folds",
+                               low=0.0, high=2.0)
+    # What they look like (chapter 6)
+    height: float = setting(1.0, "Height", "Over the height that keeps the length of the cloth", low=0.0, high=10.0,
+                            soft=2.0)
+    direction: str = setting("OUTWARD", "Direction", "The side that folds stand out to", choices=DIRECTIONS)
+    profile: str = setting("SPLINE", "Profile", "The shape of a fold", choices=PATH_PROFILES)
+    mask: str = setting("Rumple Mask", "Mask", "Vertex group or float attribute: where folds may start, from 0 to 1",
+                        affects="PAINT")
+    # The shown mesh
+    source: str = setting("SUBDIVISION", "Fine Mesh", "How the fine mesh is made", choices=FIELD_SOURCES,
+                          affects="MESH")
+    attachment: str = setting("LIMIT", "Attach To", "The surface that folds ride on", choices=ATTACHMENTS,
+                              affects="MESH")
+    weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that folds run "
+                         "on over the seams of a game mesh", affects="MESH")
+    rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=REST_SHAPES,
+                              affects="MESH")
+
+    def structural(self) -> dict[str, Any]:
+        """The settings that the shown mesh is made from."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
+
+
 PAPER = dict(attachment="PN", radius=0.45, bending=0.0, inside=0.0, stretch_relief=0.0,
              compression_limit=10.0, hem_rings=0, display_steps=0, damping=0.0, collision="PLANE")
 

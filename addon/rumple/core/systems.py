@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .engine import Wrinkles
-from .settings import FieldSettings, MeshSettings
+from .settings import FieldSettings, MeshSettings, PathsSettings
 from .wrinkle_field import WrinkleField
 from .wrinkle_mesh import WrinkleMesh
+from .wrinkle_paths import WrinklePaths
 
 
 @dataclass(frozen=True)
@@ -27,4 +28,6 @@ SYSTEMS: dict[str, System] = {system.method: system for system in (
            WrinkleMesh),
     System("FIELD", "Wrinkle Field", "Waves on the coarse mesh itself, across the direction of compression", "field",
            FieldSettings, WrinkleField),
+    System("PATHS", "Wrinkle Paths", "Crisp folds traced across the compression, which live from frame to frame",
+           "paths", PathsSettings, WrinklePaths),
 )}

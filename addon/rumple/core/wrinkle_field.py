@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from .. import native
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Picture, Refused, Wrinkles, checked_surface
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Moment, Picture, Refused, Wrinkles, \
+    checked_surface
 from .settings import FieldSettings
 
 # What the shader node group reads (../blender/field_nodes.py).
@@ -44,7 +45,7 @@ class WrinkleField(Wrinkles):
         *(Attribute(name, True, "CORNER") for name in VECTORS),
         Attribute(U_GRADIENT, True, "CORNER"), Attribute(V_GRADIENT, True, "CORNER"))
 
-    fitting_wavelength = staticmethod(fitting_wavelength)
+    fitting_length = staticmethod(fitting_wavelength)
 
     @classmethod
     def build(cls, base: BaseMesh, settings: FieldSettings, *, unit_scale: float = 1.0) -> "WrinkleField":
@@ -75,14 +76,14 @@ class WrinkleField(Wrinkles):
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != "profile"})
 
     def _solve(self, settings: FieldSettings, positions: np.ndarray, before: Any, same_settings: bool,
-               world_from_object: np.ndarray | None) -> tuple[Any, Any]:
+               moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
         return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
                                                  before)
 
     def _show(self, settings: FieldSettings, positions: np.ndarray, state: Any,
-              world_from_object: np.ndarray | None) -> Picture:
+              moment: Moment) -> Picture:
         shown = native.load().show_wrinkle_field(self.model, self._native_settings(settings),
                                                  native_profile(settings.profile, self._drawn), self._paint, positions,
                                                  state)

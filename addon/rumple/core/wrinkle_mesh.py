@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .. import native
-from .engine import MOST_VERTICES, BaseMesh, Picture, Refused, Wrinkles, checked_surface
+from .engine import MOST_VERTICES, BaseMesh, Moment, Picture, Refused, Wrinkles, checked_surface
 from .settings import MeshSettings
 
 MOST_LEVEL = 5
@@ -48,7 +48,7 @@ def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
 class WrinkleMesh(Wrinkles):
     """A fine mesh that is solved over the base."""
 
-    fitting_wavelength = staticmethod(fitting_wavelength)
+    fitting_length = staticmethod(fitting_wavelength)
 
     @classmethod
     def build(cls, base: BaseMesh, settings: MeshSettings, *, unit_scale: float = 1.0, own: BaseMesh | None = None,
@@ -108,16 +108,16 @@ class WrinkleMesh(Wrinkles):
         return native.load().WrinkleMeshPaint(self.model, paint)
 
     def _solve(self, settings: MeshSettings, positions: np.ndarray, before: Any, same_settings: bool,
-               world_from_object: np.ndarray | None) -> tuple[Any, Any]:
+               moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
         return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions, before,
-                                                world_from_object)
+                                                moment.world_from_object)
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any,
-              world_from_object: np.ndarray | None) -> Picture:
+              moment: Moment) -> Picture:
         return Picture.of(native.load().show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
-                                                          world_from_object))
+                                                          moment.world_from_object))
 
 
 def native_settings(settings: MeshSettings) -> Any:

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Wrinkle Paths for whoever has arrays: prepare and evaluate. Never imports bpy."""
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .. import native
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Moment, Picture, Refused, Wrinkles, \
+    checked_surface
+from .settings import PathsSettings
+
+MOST_LEVEL = 5
+EDGES_PER_WIDTH = 8.0 / 3.0  # of the fine mesh: section 7.3
+
+
+def fitting_width(base: BaseMesh, unit_scale: float) -> float:
+    """Width of the tightest folds, in metres, that suits a mesh as it is; two significant digits."""
+    edge = base.mean_edge() * unit_scale
+    return float(f"{0.7 * edge:.2g}") if edge > 0.0 else PathsSettings.width
+
+
+class WrinklePaths(Wrinkles):
+    """Folds traced over the base, on a fine mesh."""
+
+    ATTRIBUTES = (*COMMON_ATTRIBUTES, Attribute("rumple_height"))
+    FITTING = "width"
+    READS_TIME = True
+
+    fitting_length = staticmethod(fitting_width)
+
+    @classmethod
+    def build(cls, base: BaseMesh, settings: PathsSettings, *, unit_scale: float = 1.0) -> "WrinklePaths":
+        """Make the fine mesh and bind it. unit_scale: metres per object unit. Raises Refused."""
+        surface, warnings = checked_surface(base, settings.weld, unit_scale)
+        longest = settings.width / EDGES_PER_WIDTH
+        finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
+        try:
+            model = native.load().build_wrinkle_paths(
+                surface, source=settings.source, level=min(math.ceil(finer), MOST_LEVEL),
+                longest_edge=longest / unit_scale, most_vertices=MOST_VERTICES, attachment=settings.attachment)
+        except ValueError as error:
+            raise Refused(f"{base.name}: {error}") from error
+        return cls(base, base, model, warnings, unit_scale)
+
+    def status(self, picture: Picture) -> list[str]:
+        report = picture.report
+        lines = [f"{report.paths} folds; {report.born} born and {report.died} gone in this frame",
+                 f"{report.compressed} of {self.model.triangle_count} triangles are being compressed, "
+                 f"{report.stretched} stretched"]
+        if report.collapsed_triangles:
+            lines.append(f"{report.collapsed_triangles} coarse triangles have no area in this pose")
+        return lines
+
+    def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
+        return native.load().WrinklePathsPaint(self.model, paint)
+
+    def _solve(self, settings: PathsSettings, positions: np.ndarray, before: Any, same_settings: bool,
+               moment: Moment) -> tuple[Any, Any]:
+        return native.load().solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, positions,
+                                                 moment.seconds, before)
+
+    def _show(self, settings: PathsSettings, positions: np.ndarray, state: Any,
+              moment: Moment) -> Picture:
+        shown = native.load().show_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+        return Picture.of(shown, rumple_height=shown.height)
+
+    def _native_settings(self, settings: PathsSettings) -> Any:
+        options = native.load().WrinklePathsSettings()
+        for name in ("reference", "window", "relaxation", "growth", "smoothing", "threshold", "reach", "spacing",
+                     "alignment", "hem_rings", "growth_limit", "fade", "seed", "height", "direction", "profile"):
+            setattr(options, name, getattr(settings, name))
+        options.width = settings.width / self.unit_scale
+        return options
