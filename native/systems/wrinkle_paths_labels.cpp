@@ -2,7 +2,12 @@
 #include "systems/wrinkle_paths_labels.h"
 
 #define MAXFLOW_INCLUDE_TEMPLATE_IMPLEMENTATION
+// The library moves pointers into a block that realloc() has moved, by their distance from it. g++ 14 at -O3
+// sees the old address used, in code that it has inlined here, and warns although these are system headers.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuse-after-free"
 #include <maxflow.h>
+#pragma GCC diagnostic pop
 
 #include <algorithm>
 #include <cmath>
