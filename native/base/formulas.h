@@ -16,6 +16,7 @@ using namespace glm;
 #include "shared/tangents.glsl"
 #include "shared/wrinkle_field.glsl"
 #include "shared/wrinkle_maps.glsl"
+#include "shared/wrinkle_paths.glsl"
 
 }  // namespace rumple::formulas
 

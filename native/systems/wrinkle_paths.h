@@ -4,6 +4,7 @@
 // needed. Chapter and equation numbers are the thesis's; docs/wrinkle_paths.md says where we leave it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -153,6 +154,15 @@ struct Picture {
 // Throws InvalidInput when positions or state do not match the model.
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture);
+
+// Whom the folds reach, as the preview uploads it: the three buffers of section 7.2.
+struct Packed {
+    std::vector<Index> triangle_start{0};      // triangles + 1, into ranges
+    std::vector<std::array<Index, 2>> ranges;  // pieces [first, end) that reach the triangle
+    std::vector<formulas::FoldEnd> ends;  // piece i runs from ends[i] to ends[i + 1]; two RGBA texels each
+};
+// Chapter 8: walks outwards from each segment. Throws as show() does. Cost: that of the triangles reached.
+Packed pack(const Model& model, const Settings& settings, const Input& input, const State& state);
 
 // The paths as lines in space, smoothed as they are shown (section 6.2).
 struct Curves {

@@ -8,33 +8,13 @@
 namespace rumple::wrinkle_paths {
 namespace {
 
-double square(double x) {
-    return x * x;
-}
-
-double profile_at(Profile kind, double x) {
-    x = std::abs(x);
-    if (x >= 1.0) return 0.0;
-    switch (kind) {
-        case Profile::kSpline:  // three quadratic pieces (figure 6.3), uniform knots at -1, -1/3, 1/3, 1
-            return x < 1.0 / 3.0 ? 1.0 - 3.0 * square(x) : 1.5 * square(1.0 - x);
-        case Profile::kQuartic:
-            return square(1.0 - square(x));
-        case Profile::kCircularArcs:  // two parabolas are the arcs of a flat fold: equal curvature up and
-                                      // down
-            return x < 0.5 ? 1.0 - 2.0 * square(x) : 2.0 * square(1.0 - x);
-        case Profile::kSine:
-            return 0.5 * (1.0 + std::cos(std::numbers::pi * x));
-    }
-    return 0.0;
-}
-
 // Arc length over width of a fold h / L high.
 double arc_over_width(Profile kind, double height_over_width) {
     constexpr int kSteps = 2048;
     double sum = 0.0;
     for (int i = 0; i < kSteps; ++i) {
-        const double rise = profile_at(kind, (i + 1.0) / kSteps) - profile_at(kind, double(i) / kSteps);
+        const double rise = formulas::fold_profile(int(kind), float(i + 1) / kSteps).height -
+                            formulas::fold_profile(int(kind), float(i) / kSteps).height;
         sum += std::hypot(0.5 / kSteps, height_over_width * rise);
     }
     return 2.0 * sum;
@@ -44,10 +24,6 @@ double arc_over_width(Profile kind, double height_over_width) {
 constexpr double kHighest = 0.75;
 
 }  // namespace
-
-float profile(Profile kind, float x) {
-    return float(profile_at(kind, x));
-}
 
 HeightTable::HeightTable(Profile kind) {
     for (int i = 0; i <= kIntervals; ++i) ratio_[i] = float(arc_over_width(kind, kHighest * i / kIntervals));

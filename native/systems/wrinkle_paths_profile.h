@@ -4,13 +4,16 @@
 
 #include <array>
 
+#include "base/formulas.h"
+
 namespace rumple::wrinkle_paths {
 
-enum class Profile { kSpline, kQuartic, kCircularArcs, kSine };
-
-// Height at x of the way from the crest (0) to the foot (1), of a fold of height 1. Even; 0 beyond the foot.
-// kCircularArcs: two arcs of equal radius for flat folds; their shape does not depend on the height here.
-float profile(Profile kind, float x);
+enum class Profile {
+    kSpline = formulas::kFoldSpline,
+    kQuartic = formulas::kFoldQuartic,
+    kCircularArcs = formulas::kFoldCircularArcs,
+    kSine = formulas::kFoldSine
+};
 
 // A fold of the cloth s = L_max is L wide and h high. Heights h / L that keep the arc length s of the
 // profile, by lookup over the ratio s / L, as the thesis does for the circle.

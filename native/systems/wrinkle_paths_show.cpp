@@ -19,12 +19,12 @@ constexpr int kMostPieces = 16;
 // The ends of a fold taper over so many full widths, or over half of it where it is shorter.
 constexpr float kTaper = 2.0f;
 
-// A path smoothed (section 6.2) and cut into pieces, with its shape at every piece's ends.
+using formulas::FoldEnd;
+using formulas::FoldHeight;
+
+// A path smoothed (section 6.2) and cut into pieces.
 struct Fold {
-    std::vector<Vec3> at;
-    std::vector<Vec3> along;    // mean direction of the pieces beside, unit: s_i of eq. 7.1
-    std::vector<float> width;   // L
-    std::vector<float> height;  // signed
+    std::vector<FoldEnd> ends;  // of the pieces
     std::vector<Index> first;   // segments + 1, into pieces
 };
 
@@ -48,14 +48,17 @@ void smooth(const Settings& settings, const std::vector<Vec3>& points, Fold& fol
         const Vec3 b = a + size / 3.0f * direction[i], c = d - size / 3.0f * direction[i + 1];
         const int pieces =
             std::clamp(int(std::ceil(kPiecesPerWidth * size / settings.width)), 2, kMostPieces);
-        fold.first.push_back(static_cast<Index>(fold.at.size()));
+        fold.first.push_back(static_cast<Index>(fold.ends.size()));
         for (int k = 0; k < pieces; ++k) {
             const float t = float(k) / float(pieces), u = 1.0f - t;
-            fold.at.push_back(u * u * u * a + 3.0f * u * u * t * b + 3.0f * u * t * t * c + t * t * t * d);
+            fold.ends.push_back({u * u * u * a + 3.0f * u * u * t * b + 3.0f * u * t * t * c + t * t * t * d,
+                                 0.0f,
+                                 {},
+                                 0.0f});
         }
     }
-    fold.first.push_back(static_cast<Index>(fold.at.size()));
-    fold.at.push_back(points.back());
+    fold.first.push_back(static_cast<Index>(fold.ends.size()));
+    fold.ends.push_back({points.back(), 0.0f, {}, 0.0f});
 }
 
 float signed_side(Direction direction, Index id) {
@@ -69,68 +72,30 @@ float ease(float x) {
 }
 
 // Section 6.1: L_max wide and flat at the ends, as narrow as the compression asks for in the middle.
-void shape(const Settings& settings, const Path& path, Fold& fold) {
+void shape(const Settings& settings, const Path& path, std::vector<FoldEnd>& ends) {
     std::vector<float> way{0.0f};
-    for (size_t i = 0; i + 1 < fold.at.size(); ++i)
-        way.push_back(way.back() + glm::distance(fold.at[i], fold.at[i + 1]));
+    for (size_t i = 0; i + 1 < ends.size(); ++i)
+        way.push_back(way.back() + glm::distance(ends[i].at, ends[i + 1].at));
     const float widest = kMostRatio * settings.width;  // s = L_max
     const float taper = std::max(std::min(0.5f * way.back(), kTaper * widest), kShortestEdge);
     const float narrow = widest / std::clamp(path.compression, 1.0f, kMostRatio);
     const float rise = settings.height * ease(path.fade) * signed_side(settings.direction, path.id);
-    for (size_t i = 0; i < fold.at.size(); ++i) {
+    for (size_t i = 0; i < ends.size(); ++i) {
+        FoldEnd& end = ends[i];
         const float middle = ease(std::min(way[i], way.back() - way[i]) / taper);
-        const float width = glm::mix(widest, narrow, middle);
-        fold.width.push_back(width);
-        fold.height.push_back(rise * width *
-                              height_table(settings.profile).height_over_width(widest / width));
-        const Vec3 before = i > 0 ? unit(fold.at[i] - fold.at[i - 1]) : Vec3(0.0f);
-        const Vec3 after = i + 1 < fold.at.size() ? unit(fold.at[i + 1] - fold.at[i]) : Vec3(0.0f);
-        fold.along.push_back(unit(before + after));
+        end.width = glm::mix(widest, narrow, middle);
+        end.height = rise * end.width * height_table(settings.profile).height_over_width(widest / end.width);
+        const Vec3 before = i > 0 ? unit(end.at - ends[i - 1].at) : Vec3(0.0f);
+        const Vec3 after = i + 1 < ends.size() ? unit(ends[i + 1].at - end.at) : Vec3(0.0f);
+        end.along = unit(before + after);
     }
 }
 
 Fold make_fold(const Ground& ground, const Settings& settings, const Path& path) {
     Fold fold;
     smooth(settings, positions(ground, path.points), fold);
-    shape(settings, path, fold);
+    shape(settings, path, fold.ends);
     return fold;
-}
-
-// Roots in [0, 1] of a x^2 + b x + c; returns how many.
-int roots(double a, double b, double c, double (&out)[2]) {
-    int count = 0;
-    const auto take = [&](double x) {
-        if (x >= 0.0 && x <= 1.0) out[count++] = x;
-    };
-    const double square = b * b - 4.0 * a * c;
-    if (square < 0.0) return 0;
-    const double q = -0.5 * (b + std::copysign(std::sqrt(square), b));
-    if (q != 0.0) take(c / q);
-    if (a != 0.0) take(q / a);
-    return count;
-}
-
-// The height that pieces of a fold give a point: projected as eq. 7.1 to 7.3, so that neighbouring pieces
-// agree at the lines between them.
-float height_at(const Fold& fold, const Settings& settings, Index begin, Index end, const Vec3& p) {
-    float best = 0.0f;
-    for (Index i = begin; i < end; ++i) {
-        const glm::dvec3 z0(fold.at[i + 1] - fold.at[i]), z1(fold.at[i] - p), s1(fold.along[i]),
-            s0(fold.along[i + 1]);
-        double root[2];
-        const int count =
-            roots(glm::dot(z0, s0 - s1), glm::dot(z0, s1) + glm::dot(z1, s0 - s1), glm::dot(z1, s1),
-                  root);  // (7.3)
-        for (int r = 0; r < count; ++r) {
-            const float share = float(root[r]);
-            const float width = glm::mix(fold.width[i], fold.width[i + 1], share);
-            const float far = float(glm::length(z1 + root[r] * z0));
-            const float height = glm::mix(fold.height[i], fold.height[i + 1], share) *
-                                 profile(settings.profile, 2.0f * far / width);
-            if (std::abs(height) > std::abs(best)) best = height;
-        }
-    }
-    return best;
 }
 
 // The least distance between two segments in space.
@@ -175,12 +140,59 @@ class Reach {
     Index query_ = 0;
 };
 
-// How far the smoothed pieces leave the straight segment.
+// How far the smoothed pieces leave the straight segment: instead of the bounding ellipse of section 8.1.
 float deviation(const Fold& fold, Index begin, Index end) {
     float most = 0.0f;
-    for (Index i = begin + 1; i < end; ++i)
-        most = std::max(most, segment_distance(fold.at[begin], fold.at[end], fold.at[i], fold.at[i]));
+    for (Index i = begin + 1; i < end; ++i) {
+        const Vec3 p = fold.ends[i].at;
+        most = std::max(most, segment_distance(fold.ends[begin].at, fold.ends[end].at, p, p));
+    }
     return most;
+}
+
+struct Reached {
+    Index triangle;
+    std::array<Index, 2> pieces;
+};
+
+// Sorted into lists by triangle; ranges that follow one another become one.
+void sort_by_triangle(std::vector<Reached>& reached, Index triangles, Packed& out) {
+    std::stable_sort(reached.begin(), reached.end(),
+                     [](const Reached& a, const Reached& b) { return a.triangle < b.triangle; });
+    size_t next = 0;
+    for (Index t = 0; t < triangles; ++t) {
+        const size_t first = out.ranges.size();
+        for (; next < reached.size() && reached[next].triangle == t; ++next) {
+            const std::array<Index, 2>& pieces = reached[next].pieces;
+            if (out.ranges.size() > first && out.ranges.back()[1] == pieces[0]) {
+                out.ranges.back()[1] = pieces[1];
+            } else {
+                out.ranges.push_back(pieces);
+            }
+        }
+        out.triangle_start.push_back(static_cast<Index>(out.ranges.size()));
+    }
+}
+
+Packed pack(const Ground& ground, const Settings& settings, const std::vector<Path>& paths) {
+    Packed out;
+    Reach reach(ground);
+    std::vector<Reached> reached;
+    for (const Path& path : paths) {
+        const Fold fold = make_fold(ground, settings, path);
+        const Index base = static_cast<Index>(out.ends.size());
+        for (size_t i = 0; i + 1 < path.points.size(); ++i) {
+            const Index begin = fold.first[i], end = fold.first[i + 1];
+            const float radius = 0.5f * kMostRatio * settings.width + deviation(fold, begin, end);
+            reach.visit(segment_triangle(ground.model, path.points, i), fold.ends[begin].at,
+                        fold.ends[end].at, radius, [&](Index t) {
+                            reached.push_back({t, {base + begin, base + end}});
+                        });
+        }
+        out.ends.insert(out.ends.end(), fold.ends.begin(), fold.ends.end());
+    }
+    sort_by_triangle(reached, ground.model.net.triangles(), out);
+    return out;
 }
 
 float hem_weight_at(const Model& model, const Settings& settings, const SurfacePoint& place) {
@@ -190,31 +202,30 @@ float hem_weight_at(const Model& model, const Settings& settings, const SurfaceP
     return (1.0f - place.b0 - place.b1) * corner(0) + place.b0 * corner(1) + place.b1 * corner(2);
 }
 
-// Section 7.5: the highest of all folds that reach a fine vertex.
-std::vector<float> fine_heights(const Ground& ground, const Settings& settings,
-                                const std::vector<Path>& paths) {
-    const Model& model = ground.model;
-    std::vector<float> height(model.attachments.places.size(), 0.0f);
-    Reach reach(ground);
-    for (const Path& path : paths) {
-        const Fold fold = make_fold(ground, settings, path);
-        for (size_t i = 0; i + 1 < path.points.size(); ++i) {
-            const Index begin = fold.first[i], end = fold.first[i + 1];
-            const float radius = 0.5f * kMostRatio * settings.width + deviation(fold, begin, end);
-            const auto lift = [&](Index t) {
-                for (Index k = model.fine_start[t]; k < model.fine_start[t + 1]; ++k) {
-                    const Index v = model.fine_vertex[k];
-                    const Vec3 p =
-                        interpolate(model.base, model.attachments.places[v], ground.pose.positions);
-                    const float given = height_at(fold, settings, begin, end, p);
-                    if (std::abs(given) > std::abs(height[v])) height[v] = given;
-                }
-            };
-            reach.visit(segment_triangle(model, path.points, i), fold.at[begin], fold.at[end], radius, lift);
+// Section 7.5: the highest of all folds that reach a point of a triangle.
+float height_at(const Packed& packed, Profile kind, Index triangle, const Vec3& p) {
+    float best = 0.0f;
+    for (Index r = packed.triangle_start[triangle]; r < packed.triangle_start[triangle + 1]; ++r) {
+        for (Index i = packed.ranges[r][0]; i < packed.ranges[r][1]; ++i) {
+            const float height =
+                formulas::fold_height(int(kind), packed.ends[i], packed.ends[i + 1], p).height;
+            if (std::abs(height) > std::abs(best)) best = height;
         }
     }
-    for (size_t v = 0; v < height.size(); ++v) {
-        if (height[v] != 0.0f) height[v] *= hem_weight_at(model, settings, model.attachments.places[v]);
+    return best;
+}
+
+std::vector<float> fine_heights(const Ground& ground, const Settings& settings, const Packed& packed) {
+    const Model& model = ground.model;
+    std::vector<float> height(model.attachments.places.size(), 0.0f);
+    for (Index t = 0; t < model.net.triangles(); ++t) {
+        if (packed.triangle_start[t] == packed.triangle_start[t + 1]) continue;
+        for (Index k = model.fine_start[t]; k < model.fine_start[t + 1]; ++k) {
+            const Index v = model.fine_vertex[k];
+            const SurfacePoint& place = model.attachments.places[v];
+            const Vec3 p = interpolate(model.base, place, ground.pose.positions);
+            height[v] = height_at(packed, settings.profile, t, p) * hem_weight_at(model, settings, place);
+        }
     }
     return height;
 }
@@ -233,7 +244,7 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
     check_shown(model, input, state);
     const Pose pose = make_pose(model, input.positions);
     const Ground ground{model, pose, {}, {}, {}};
-    const std::vector<float> height = fine_heights(ground, settings, state.paths);
+    const std::vector<float> height = fine_heights(ground, settings, pack(ground, settings, state.paths));
     std::vector<Vec3> normals(pose.positions.size());
     vertex_normals(model.base, pose.positions, normals);
     std::vector<Vec3> smooth_surface(height.size()), offset(height.size()), lifted(height.size());
@@ -259,6 +270,13 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
     measure_stretch(model.base, model.stretch, pose.positions, mesh.places, picture.stretch);
 }
 
+Packed pack(const Model& model, const Settings& settings, const Input& input, const State& state) {
+    check(settings);
+    check_shown(model, input, state);
+    const Pose pose = make_pose(model, input.positions);
+    return pack(Ground{model, pose, {}, {}, {}}, settings, state.paths);
+}
+
 Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state) {
     check(settings);
     check_shown(model, input, state);
@@ -268,9 +286,11 @@ Curves curves(const Model& model, const Settings& settings, const Input& input, 
     for (const Path& path : state.paths) {
         const Fold fold = make_fold(ground, settings, path);
         out.id.push_back(path.id);
-        out.positions.insert(out.positions.end(), fold.at.begin(), fold.at.end());
-        out.width.insert(out.width.end(), fold.width.begin(), fold.width.end());
-        out.height.insert(out.height.end(), fold.height.begin(), fold.height.end());
+        for (const FoldEnd& end : fold.ends) {
+            out.positions.push_back(end.at);
+            out.width.push_back(end.width);
+            out.height.push_back(end.height);
+        }
         out.start.push_back(static_cast<Index>(out.positions.size()));
     }
     return out;

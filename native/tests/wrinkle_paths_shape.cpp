@@ -14,6 +14,10 @@ namespace {
 
 using namespace wrinkle_paths;
 
+float profile(Profile kind, float x) {
+    return formulas::fold_profile(int(kind), std::abs(x)).height;
+}
+
 // ---- section 6.1
 
 TEST(PathProfile, IsOneAtTheCrestFlatThereAndAtTheFoot) {
@@ -155,6 +159,94 @@ TEST(PathShow, WithoutPathsIsTheUnwrinkledSurface) {
         EXPECT_LT(glm::distance(picture.positions[v], cloth.model->shown.positions_rest[v]), 1e-6f);
         EXPECT_EQ(picture.height[v], 0.0f);
         EXPECT_LT(glm::length(picture.local_offset[v]), 1e-6f);  // linear attachment: the embedding itself
+    }
+}
+
+// On a flat sheet the distance through space is the one on the cloth: leaving out no piece at all must give
+// the same.
+TEST(PathShow, ListsMissNoPieceThatReachesATriangle) {
+    PathCloth cloth(shaken(triangulated(grid(10, 10, 0.03f)), 0.004f, 2), 2);
+    for (Vec3& p : cloth.mesh.positions) p.z = 0.0f;
+    cloth = PathCloth(cloth.mesh, 2);
+    cloth.settings.reference = Reference::kStaticRest;
+    const Pose3 pose = cloth.squeezed(0.7f);
+    const State state = cloth.solve(pose);
+    ASSERT_GT(state.paths.size(), 3u);
+    Input input;
+    input.positions = pose;
+    const Packed packed = pack(*cloth.model, cloth.settings, input, state);
+    const Curves lines = cloth.curves(pose, state);
+    const Picture picture = cloth.show(pose, state);
+    size_t lifted = 0;
+    for (size_t v = 0; v < picture.positions.size(); ++v) {
+        const Vec3 p(picture.positions[v].x, picture.positions[v].y, 0.0f);
+        float best = 0.0f;
+        for (size_t c = 0; c < lines.id.size(); ++c) {
+            for (Index i = lines.start[c]; i + 1 < lines.start[c + 1]; ++i)
+                best = std::max(best, formulas::fold_height(int(cloth.settings.profile), packed.ends[i],
+                                                            packed.ends[i + 1], p)
+                                          .height);
+        }
+        EXPECT_NEAR(picture.height[v], best, 1e-6f);
+        lifted += best > 1e-4f;
+    }
+    EXPECT_GT(lifted, 100u);
+}
+
+TEST(PathShow, ListsAreSortedAndWhole) {
+    PathCloth cloth(tube(16, 14, 0.06f, 0.5f));
+    cloth.settings.reference = Reference::kStaticRest;
+    const Pose3 pose = cloth.bent(2.0f, 0.5f);
+    const State state = cloth.solve(pose);
+    Input input;
+    input.positions = pose;
+    const Packed packed = pack(*cloth.model, cloth.settings, input, state);
+    ASSERT_EQ(packed.triangle_start.size(), size_t(cloth.model->net.triangles()) + 1);
+    EXPECT_EQ(size_t(packed.triangle_start.back()), packed.ranges.size());
+    const Curves lines = cloth.curves(pose, state);
+    ASSERT_EQ(packed.ends.size(), lines.positions.size());
+    for (const auto& [first, end] : packed.ranges) {
+        ASSERT_LT(first, end);
+        // Within one fold: no range runs over from one path to the next.
+        const auto fold = std::upper_bound(lines.start.begin(), lines.start.end(), first);
+        EXPECT_LT(end, *fold);
+    }
+    for (const Path& path : state.paths) {  // a triangle that a path crosses is on its list
+        for (size_t i = 0; i + 1 < path.points.size(); ++i) {
+            const Index t = segment_triangle(*cloth.model, path.points, i);
+            EXPECT_LT(packed.triangle_start[t], packed.triangle_start[t + 1]);
+        }
+    }
+}
+
+// A straight piece along y: height and slope depend on the distance only; the gradient is the slope of the
+// height.
+TEST(PathShow, TheGradientIsTheSlopeOfTheHeight) {
+    const formulas::FoldEnd a{{0, 0, 0}, 0.03f, {0, 1, 0}, 0.01f}, b{{0, 1, 0}, 0.03f, {0, 1, 0}, 0.01f};
+    for (const Profile kind : {Profile::kSpline, Profile::kQuartic, Profile::kCircularArcs, Profile::kSine}) {
+        for (const float x : {-0.012f, -0.004f, 0.002f, 0.006f, 0.0074f, 0.011f}) {
+            const auto at = [&](float dx) {
+                return formulas::fold_height(int(kind), a, b, Vec3(x + dx, 0.4f, 0.0f));
+            };
+            EXPECT_NEAR(at(0.0f).height, 0.01f * profile(kind, x / 0.015f), 1e-7f);
+            EXPECT_NEAR(at(0.0f).gradient.x, (at(1e-4f).height - at(-1e-4f).height) / 2e-4f, 5e-3f) << x;
+            EXPECT_NEAR(at(0.0f).gradient.y, 0.0f, 1e-4f);
+        }
+    }
+    EXPECT_EQ(formulas::fold_height(0, a, b, Vec3(0.001f, 1.2f, 0.0f)).height, 0.0f);  // beyond the end
+}
+
+// Two pieces at a right angle share the direction of their corner: a point on the bisector is projected to
+// the corner by both (eq. 7.1), inside the bend as outside of it.
+TEST(PathShow, PiecesAgreeWhereTheyMeet) {
+    const Vec3 bisector = glm::normalize(Vec3(1, 1, 0));
+    const formulas::FoldEnd a{{-1, 0, 0}, 2.0f, {1, 0, 0}, 1.0f}, corner{{0, 0, 0}, 2.0f, bisector, 1.0f},
+        b{{0, 1, 0}, 2.0f, {0, 1, 0}, 1.0f};
+    for (const float far : {-0.3f, -0.1f, 0.1f, 0.3f}) {
+        const Vec3 p = far * Vec3(1, -1, 0);
+        const float expected = profile(Profile::kSpline, std::abs(far) * std::sqrt(2.0f));
+        EXPECT_NEAR(formulas::fold_height(0, a, corner, p).height, expected, 1e-5f) << far;
+        EXPECT_NEAR(formulas::fold_height(0, corner, b, p).height, expected, 1e-5f) << far;
     }
 }
 
