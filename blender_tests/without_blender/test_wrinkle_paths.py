@@ -66,6 +66,19 @@ class StoredStates(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, name):
                 native.WrinklePathsState({k: v for k, v in good.items() if k != name})
 
+    def test_lists_name_pieces_that_are_there(self) -> None:
+        *_, (state, _) = play(self.model, self.settings, self.frames, 30.0)
+        lists = native.wrinkle_path_lists(self.model, self.settings, self.frames[-1], state)
+        curves = native.wrinkle_path_curves(self.model, self.settings, self.frames[-1], state)
+        self.assertEqual(lists.triangle_start.shape, (self.model.triangle_count + 1,))
+        self.assertEqual(lists.triangle_start[-1], len(lists.ranges))
+        self.assertTrue((lists.ranges[:, 0] < lists.ranges[:, 1]).all())
+        self.assertLess(lists.ranges.max(), len(lists.ends))
+        np.testing.assert_array_equal(lists.ends[:, :3], curves.positions)
+        np.testing.assert_array_equal(lists.ends[:, 3], curves.width)
+        np.testing.assert_array_equal(lists.ends[:, 7], curves.height)
+        np.testing.assert_allclose(np.linalg.norm(lists.ends[:, 4:7], axis=1), 1.0, atol=1e-5)
+
     def test_choices_go_by_name(self) -> None:
         for name, choices in (("reference", ("REST", "FIRST_FRAME", "STATIC_REST")),
                               ("direction", ("OUTWARD", "INWARD", "BOTH")),

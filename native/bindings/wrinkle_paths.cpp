@@ -225,6 +225,18 @@ void bind_values(py::module_& module) {
                                [](const Picture& p) { return to_numpy<float>(p.stretch.maximum, 0); })
         .def_property_readonly("stretch_direction",
                                [](const Picture& p) { return to_numpy(p.stretch.direction); });
+    py::class_<Packed>(module, "WrinklePathsLists", "Whom the folds reach: the three buffers of section 7.2.")
+        .def_property_readonly(
+            "triangle_start", [](const Packed& p) { return to_numpy<Index>(p.triangle_start, 0); },
+            "(t + 1,) int32: where the ranges of every triangle begin.")
+        .def_property_readonly(
+            "ranges", [](const Packed& p) { return to_numpy<Index>(p.ranges, 2); },
+            "(r, 2) int32: first piece and end of the pieces that reach the triangle.")
+        .def_property_readonly(
+            "ends", [](const Packed& p) { return to_numpy<float>(p.ends, 8); },
+            "(e, 8) float32: piece i runs from end i to end i + 1; at, width, along, height. For fold_height "
+            "of\n"
+            "shaders/shared/wrinkle_paths.glsl.");
     py::class_<Curves>(module, "WrinklePathsCurves", "The paths as lines in space.")
         .def_property_readonly("start", [](const Curves& c) { return to_numpy<Index>(c.start, 0); })
         .def_property_readonly("id", [](const Curves& c) { return to_numpy<Index>(c.id, 0); })
@@ -313,6 +325,15 @@ void bind_wrinkle_paths(py::module_& module) {
         },
         py::arg("model"), py::arg("settings"), py::arg("positions"), py::arg("state"),
         "The shown mesh for a frame and its state.");
+    module.def(
+        "wrinkle_path_lists",
+        [](const Model& model, const Settings& settings, const py::array& positions, const State& state) {
+            const Input input = make_input(positions, state.time);
+            const py::gil_scoped_release release;
+            return pack(model, settings, input, state);
+        },
+        py::arg("model"), py::arg("settings"), py::arg("positions"), py::arg("state"),
+        "For every triangle the pieces of folds that reach it.");
     module.def(
         "wrinkle_path_curves",
         [](const Model& model, const Settings& settings, const py::array& positions, const State& state) {
