@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Compiles the formulas of shaders/shared as C++, through GLM: one text for the
 // kernels here and for GLSL. Such a file may use float, int, bool, vec2, vec3,
-// mat2, structs and GLSL's functions; it writes 0.5f, no swizzles, and returns
+// vec4, mat2, structs and GLSL's functions; it writes 0.5f, no swizzles, and returns
 // structs rather than fill `out` parameters. FORMULA stands before every function.
 #pragma once
 
@@ -15,6 +15,7 @@ using namespace glm;
 
 #include "shared/tangents.glsl"
 #include "shared/wrinkle_field.glsl"
+#include "shared/wrinkle_field_probe.glsl"
 #include "shared/wrinkle_maps.glsl"
 #include "shared/wrinkle_paths.glsl"
 

@@ -3,6 +3,9 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <glm/gtc/type_ptr.hpp>
+
 #include "base/expect.h"
 #include "bindings/arrays.h"
 #include "bindings/choices.h"
@@ -86,6 +89,27 @@ void bind_settings(py::module_& module) {
         .def_readwrite("threads", &Settings::threads, "0: chosen by size; never changes the result");
 }
 
+std::vector<Index> welded_triangles(const Model& model) {
+    std::vector<Index> vertices;
+    for (const Triangle& triangle : model.base.triangles) {
+        for (const Index corner : triangle.corner) {
+            vertices.push_back(model.base.welded.corner_vertex[corner]);
+        }
+    }
+    return vertices;
+}
+
+// One case per row through one of the shared formulas.
+py::array_t<float> probe_formula(int formula, const py::array& arguments) {
+    const std::span<const float> in = scalars<float>(arguments, "arguments", 16);
+    std::vector<float> out(in.size());
+    for (size_t i = 0; i < in.size(); i += 16) {
+        const glm::mat4 y = formulas::probe_formula(formula, glm::make_mat4(&in[i]));
+        std::copy_n(glm::value_ptr(y), 16, &out[i]);
+    }
+    return to_numpy<float>(out, 16);
+}
+
 void bind_model(py::module_& module) {
     py::class_<Model, std::shared_ptr<Model>>(
         module, "WrinkleFieldModel",
@@ -119,7 +143,28 @@ void bind_model(py::module_& module) {
         .def_property_readonly("bitangent_rest", numpy(&Model::bitangent_rest), "(w, 3) float32")
         .def_property_readonly(
             "welded_of", [](const Model& m) { return to_numpy<Index>(m.base.welded_of, 0); },
-            "(n,) int32: the welded vertex of every vertex of the base");
+            "(n,) int32: the welded vertex of every vertex of the base")
+        .def_property_readonly(
+            "triangles", [](const Model& m) { return to_numpy<Index>(welded_triangles(m), 3); },
+            "(t, 3) int32 welded vertices of the base's triangles, as they were given")
+        .def_property_readonly(
+            "uv", [](const Model& m) { return to_numpy<float>(m.uv, 2); },
+            "(3 t, 2) float32, per corner of every triangle in turn; or empty")
+        .def_property_readonly(
+            "uv_fan", [](const Model& m) { return to_numpy<Index>(m.uv_fan, 0); },
+            "(3 t,) int32: corners of one fan share their gradient of uv; or empty")
+        .def_property_readonly(
+            "first_directions", [](const Model& m) { return to_numpy<float>(first_directions(m), 2); },
+            "(w, 2) float32: k that a clip starts from, rest frame")
+        .def(
+            "weld_pose",
+            [](const Model& m, const py::array& positions) {
+                const Pose pose = weld_pose(m, vectors(positions, "positions"));
+                return py::make_tuple(to_numpy(pose.positions), to_numpy(pose.normals));
+            },
+            py::arg("positions"),
+            "Positions (n, 3) float32 of the base's vertices -> positions and unit normals (or zero) of the\n"
+            "welded ones, two (w, 3) float32.");
 
     module.def(
         "build_wrinkle_field", &make_model, py::arg("base"), py::arg("output") = "SHADING",
@@ -213,6 +258,16 @@ void bind_wrinkle_field(py::module_& module) {
             "three (3 t, 3), radians per object unit")
         .def_property_readonly("corner_u_gradient", numpy(&Picture::corner_u_gradient), "(3 t, 3) or empty")
         .def_property_readonly("corner_v_gradient", numpy(&Picture::corner_v_gradient), "(3 t, 3) or empty");
+
+    py::class_<Wishes>(module, "WrinkleFieldWishes", "What settings and paint ask of the w welded vertices.")
+        .def_property_readonly("wavelength", numpy(&Wishes::wavelength), "(w,) W, object units")
+        .def_property_readonly("mask", numpy(&Wishes::mask), "(w,) factor on the amplitude")
+        .def_property_readonly("rest_wrinkle", numpy(&Wishes::rest_wrinkle), "(w, 2) q, rest frame")
+        .def_property_readonly("turn", numpy(&Wishes::turn), "(w, 2) (cos, sin) of the turn away from k");
+    module.def("wishes_wrinkle_field", &wishes, py::arg("model"), py::arg("settings"), py::arg("paint"),
+               "What settings and paint ask of every welded vertex, whatever the pose.");
+    module.def("probe_formula", &probe_formula, py::arg("formula"), py::arg("arguments"),
+               "For tests: (n, 16) float32 through shaders/shared/wrinkle_field_probe.glsl.");
 
     module.def(
         "crush_wrinkle_field",

@@ -98,15 +98,6 @@ Disturbance disturb(const Settings& settings, const Vec3& rest) {
     return {{std::cos(angle), std::sin(angle)}, 1.0f + kMostWavelengthChange * noise_at(1)};
 }
 
-// k of a vertex without a frame before it: it gives k its first sign, and stands in where no direction is
-// compressed more than another. A direction of rest space, so that the order of the vertices does not matter.
-Vec2 first_direction(const Model& model, size_t v) {
-    const Vec3 somewhere(0.8660f, 0.4113f, 0.2847f);  // along no axis that garments are modelled along
-    const Vec2 k(glm::dot(model.tangent_rest[v], somewhere), glm::dot(model.bitangent_rest[v], somewhere));
-    const float length = glm::length(k);
-    return length > 0.0f ? k / length : Vec2(1.0f, 0.0f);
-}
-
 // M of equation (1), from the rest frame of a vertex to the frame (t, b) of the deformed one.
 glm::mat2 regress(const Model& model, std::span<const Vec3> positions, Index v, const Vec3& t,
                   const Vec3& b) {
@@ -251,44 +242,79 @@ void check(const Settings& settings) {
     expect_within("threads", settings.threads, 0, 1024);
 }
 
-Waves crush(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
-            std::span<const Vec2> before) {
+Wishes wishes(const Model& model, const Settings& settings, const Paint& paint) {
     check(settings);
     check_paint(model, paint);
+    Wishes out{welded_values(model.base, paint.wavelength, 1.0f),
+               welded_values(model.base, paint.mask, 1.0f),
+               {},
+               {}};
+    const std::vector<Vec3> painted = welded_values(model.base, paint.rest_wrinkle, Vec3(0.0f));
+    out.rest_wrinkle.resize(painted.size());
+    out.turn.resize(painted.size());
+    for_each_vertex(settings, painted.size(), [&](size_t v) {
+        const Disturbance disturbance = disturb(settings, model.base.positions_rest[v]);
+        out.wavelength[v] *= settings.wavelength * disturbance.wavelength;
+        out.turn[v] = disturbance.turn;
+        out.rest_wrinkle[v] =
+            Vec2(glm::dot(model.tangent_rest[v], painted[v]), glm::dot(model.bitangent_rest[v], painted[v]));
+    });
+    return out;
+}
+
+std::vector<Vec2> first_directions(const Model& model) {
+    const Vec3 somewhere(0.8660f, 0.4113f, 0.2847f);  // along no axis that garments are modelled along
+    std::vector<Vec2> directions;
+    for (size_t v = 0; v < model.tangent_rest.size(); ++v) {
+        const Vec2 k(glm::dot(model.tangent_rest[v], somewhere),
+                     glm::dot(model.bitangent_rest[v], somewhere));
+        const float length = glm::length(k);
+        directions.push_back(length > 0.0f ? k / length : Vec2(1.0f, 0.0f));
+    }
+    return directions;
+}
+
+Pose weld_pose(const Model& model, std::span<const Vec3> positions) {
     expect_count("positions", positions.size(), model.base.welded_of.size(), "vertices");
     expect_finite("positions", positions, "vertex");
+    Pose pose;
+    pose.positions.resize(model.base.positions_rest.size());
+    pose.normals.resize(model.base.positions_rest.size());
+    weld_positions(model.base, positions, pose.positions);
+    vertex_normals(model.base, pose.positions, pose.normals);
+    return pose;
+}
+
+Waves crush(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
+            std::span<const Vec2> before) {
+    const Wishes wished = wishes(model, settings, paint);
+    Pose pose = weld_pose(model, positions);
     const size_t vertices = model.base.positions_rest.size();
     if (!before.empty()) expect_count("directions", before.size(), vertices, "welded vertices");
-    const std::vector<float> mask = welded_values(model.base, paint.mask, 1.0f);
-    const std::vector<float> wavelength = welded_values(model.base, paint.wavelength, 1.0f);
-    const std::vector<Vec3> painted = welded_values(model.base, paint.rest_wrinkle, Vec3(0.0f));
     Waves waves;
-    waves.positions.resize(vertices);
-    waves.normals.resize(vertices);
-    weld_positions(model.base, positions, waves.positions);
-    vertex_normals(model.base, waves.positions, waves.normals);
+    waves.positions = std::move(pose.positions);
+    waves.normals = std::move(pose.normals);
     waves.wave_vector.assign(vertices, Vec3(0.0f));
     waves.height.assign(vertices, 0.0f);
     waves.fullness.assign(vertices, 0.0f);
     waves.compression.assign(vertices, 1.0f);
     waves.direction.assign(vertices, Vec2(1.0f, 0.0f));
+    const std::vector<Vec2> first = before.empty() ? first_directions(model) : std::vector<Vec2>();
+    if (before.empty()) before = first;
     for_each_vertex(settings, vertices, [&](size_t v) {
-        const Index first = model.neighbour_start[v];
+        const Index nearest = model.neighbour_start[v];
         const Vec3 normal = waves.normals[v];
         if (normal == Vec3(0.0f) || model.tangent_rest[v] == Vec3(0.0f)) return;
-        const Vec3 way = waves.positions[model.neighbours[first].vertex] - waves.positions[v];
+        const Vec3 way = waves.positions[model.neighbours[nearest].vertex] - waves.positions[v];
         const Vec3 t = formulas::tangent_towards(way, normal);
         const Vec3 b = glm::cross(normal, t);
-        const Vec2 q(glm::dot(model.tangent_rest[v], painted[v]),
-                     glm::dot(model.bitangent_rest[v], painted[v]));
-        const Disturbance disturbance = disturb(settings, model.base.positions_rest[v]);
         const formulas::Crushed crushed =
-            formulas::crush(regress(model, waves.positions, static_cast<Index>(v), t, b), q,
-                            before.empty() ? first_direction(model, v) : before[v], disturbance.turn);
-        const float w = settings.wavelength * wavelength[v] * disturbance.wavelength;
+            formulas::crush(regress(model, waves.positions, static_cast<Index>(v), t, b),
+                            wished.rest_wrinkle[v], before[v], wished.turn[v]);
+        const float w = wished.wavelength[v];
         waves.compression[v] = crushed.r;
         waves.direction[v] = crushed.k;
-        waves.fullness[v] = crushed.fullness * mask[v];
+        waves.fullness[v] = crushed.fullness * wished.mask[v];
         waves.height[v] = 0.25f * w * settings.strength * waves.fullness[v];  // equation (2)
         waves.wave_vector[v] = (formulas::kTwoPi / w) * (crushed.k_deformed.x * t + crushed.k_deformed.y * b);
     });

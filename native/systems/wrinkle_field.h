@@ -124,6 +124,28 @@ struct Report {
     Index collapsed = 0;          // vertices without a wave because their neighbourhood collapsed
 };
 
+// What settings and paint ask of every welded vertex, whatever the pose: crush() reads it, and so does the
+// GPU.
+struct Wishes {
+    std::vector<float> wavelength;   // W here, object units
+    std::vector<float> mask;         // factor on the amplitude
+    std::vector<Vec2> rest_wrinkle;  // q of section 7, rest frame
+    std::vector<Vec2> turn;          // (cos, sin) by which irregularity turns the wave away from k
+};
+// Throws InvalidInput as check() does, and when paint does not match the model. Cost: O(vertices).
+Wishes wishes(const Model& model, const Settings& settings, const Paint& paint);
+
+// k that a clip starts from, per welded vertex, rest frame: it gives k its first sign, and stands in where no
+// direction is compressed more than another.
+std::vector<Vec2> first_directions(const Model& model);
+
+// Deformed positions and unit normals (or zero) of the welded vertices. positions: as crush() takes them.
+struct Pose {
+    std::vector<Vec3> positions;
+    std::vector<Vec3> normals;
+};
+Pose weld_pose(const Model& model, std::span<const Vec3> positions);
+
 // Section 4.2 ("Crush"). positions: of the base's vertices as the artist has them, deformed, object space.
 // before: directions of the frame before, or empty. Throws InvalidInput when positions, paint or directions
 // do not match the model, or are not finite, or a painted vector is not shorter than 1. Cost: O(edges).

@@ -95,17 +95,13 @@ void fill_uv_gradients(const Model& model, std::span<const Vec3> positions, Pict
         const Corners corners = corners_of(model.base, t);
         const Vec3 b = positions[corners.vertex[1]] - positions[corners.vertex[0]];
         const Vec3 c = positions[corners.vertex[2]] - positions[corners.vertex[0]];
-        const Vec3 normal = glm::cross(b, c);
-        const float area = glm::length(normal);
-        if (area <= 0.0f) continue;
-        const Vec3 n = normal / area;
-        const Vec2 uv_b = model.uv[3 * t + 1] - model.uv[3 * t], uv_c = model.uv[3 * t + 2] - model.uv[3 * t];
+        const formulas::UvSlopes slopes = formulas::uv_slopes(b, c, model.uv[3 * t + 1] - model.uv[3 * t],
+                                                              model.uv[3 * t + 2] - model.uv[3 * t]);
         for (int k = 0; k < 3; ++k) {
             const Index fan = model.uv_fan[3 * t + k];
-            // Equation (11) times the area, which is n . (b x c).
-            u_sum[fan] += uv_b.x * glm::cross(c, n) + uv_c.x * glm::cross(n, b);
-            v_sum[fan] += uv_b.y * glm::cross(c, n) + uv_c.y * glm::cross(n, b);
-            area_sum[fan] += area;
+            u_sum[fan] += slopes.u;
+            v_sum[fan] += slopes.v;
+            area_sum[fan] += slopes.area;
         }
     }
     for (const Index fan : model.uv_fan) {

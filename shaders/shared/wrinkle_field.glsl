@@ -161,3 +161,30 @@ FORMULA ProfilePlace profile_place(float phase) {
     place.sign = turn < 0.0f ? -1.0f : 1.0f;
     return place;
 }
+
+// ---- Rendering (section 6.2)
+
+// What a deformed triangle ABC says of the gradients of uv, times its area: corners take the mean of their fan.
+struct UvSlopes {
+    vec3 u;      // du/dx' of equation (11) times `area`, 1 per object unit
+    vec3 v;
+    float area;  // twice the triangle's, > 0; or zero, with zero slopes
+};
+
+// b = x'_B - x'_A, c = x'_C - x'_A; uv_b, uv_c: the same of the texture.
+FORMULA UvSlopes uv_slopes(vec3 b, vec3 c, vec2 uv_b, vec2 uv_c) {
+    UvSlopes result;
+    vec3 normal = cross(b, c);
+    result.area = length(normal);
+    vec3 n = result.area > 0.0f ? normal / result.area : vec3(0.0f);
+    result.u = uv_b.x * cross(c, n) + uv_c.x * cross(n, b);
+    result.v = uv_b.y * cross(c, n) + uv_c.y * cross(n, b);
+    return result;
+}
+
+// Equation (10) without its factor h: the way along the surface to where the ray through a crest of height 1
+// meets it. v: towards the viewer, any length; n: unit normal. Zero at the horizon.
+FORMULA vec3 parallax(vec3 v, vec3 n) {
+    float facing = dot(v, n);
+    return (v - facing * n) * (facing / (facing * facing + 0.1f * dot(v, v)));
+}
