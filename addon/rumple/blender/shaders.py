@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""GLSL of the folder shaders/: read from the package, joined in Python (Blender's GLSL has no #include of ours)."""
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+# Beside the add-on's modules in what artists install, at the top of the source tree.
+_FOLDERS = (Path(__file__).resolve().parents[1] / "shaders", Path(__file__).resolve().parents[3] / "shaders")
+FORMULAS = ("shared/tangents", "shared/wrinkle_field")
+
+
+@lru_cache(maxsize=None)
+def text(name: str) -> str:
+    """One file, by its name below shaders/ without .glsl. Raises FileNotFoundError."""
+    folder = next((folder for folder in _FOLDERS if folder.is_dir()), _FOLDERS[0])
+    return (folder / f"{name}.glsl").read_text(encoding="utf-8")
+
+
+def source(*names: str) -> str:
+    """These files one after the other, the formulas ready for GLSL."""
+    return "#define FORMULA\n" + "\n".join(text(name) for name in names)

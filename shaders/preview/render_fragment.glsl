@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// "Render" (section 6), fragment stage: analytic normals, parallax, the viewport's studio light.
+
+struct Wrinkle {
+    float height;   // equation (5)
+    vec3 gradient;  // equation (8)
+};
+
+void add_wave(inout Wrinkle wrinkle, float phase_here, float weight_here, vec3 wave_vector) {
+    ProfilePlace at = profile_place(phase_here);
+    vec2 profile_here = mix(TEXEL(profile, at.index).xy, TEXEL(profile, at.index + 1).xy, at.fraction);
+    wrinkle.height += weight_here * profile_here.x;
+    wrinkle.gradient += weight_here * at.sign * profile_here.y * wave_vector;
+}
+
+void main() {
+    Wrinkle wrinkle = Wrinkle(0.0, vec3(0.0));
+    add_wave(wrinkle, phase.x, weight.x, vector_a);
+    add_wave(wrinkle, phase.y, weight.y, vector_b);
+    add_wave(wrinkle, phase.z, weight.z, vector_c);
+    float length_squared = dot(normal, normal);
+    vec3 n = length_squared > 0.0 ? normal * inversesqrt(length_squared) : vec3(0.0, 0.0, 1.0);
+    vec3 shaded = mat3(preview.normal_to_view) * (n - wrinkle.gradient);  // equation (7)
+    shaded = normalize(gl_FrontFacing ? shaded : -shaded);
+    vec3 base = preview.color.rgb;
+    vec3 viewer = preview.viewer.w > 0.0 ? preview.viewer.xyz - place : preview.viewer.xyz;
+    if (preview.has_image > 0.0) {
+        vec3 shift = wrinkle.height * parallax(viewer, n);  // equation (10)
+        base = texture(image, image_uv + vec2(dot(u_slope, shift), dot(v_slope, shift))).rgb;  // equation (11)
+    }
+    vec3 to_viewer = preview.viewer.w > 0.0
+                         ? -normalize((preview.model_view * vec4(place, 1.0)).xyz) : vec3(0.0, 0.0, 1.0);
+    out_color = vec4(lit(base, shaded, to_viewer), 1.0);
+}
