@@ -6,9 +6,13 @@ struct Wrinkle {
     vec3 gradient;  // equation (8)
 };
 
+// Waves finer than pixels would turn into noise: they fade from 4 pixels a wave to 2.
+float visible(float phase_here) { return clamp(2.0 - 4.0 * fwidth(phase_here) / kTwoPi, 0.0, 1.0); }
+
 void add_wave(inout Wrinkle wrinkle, float phase_here, float weight_here, vec3 wave_vector) {
     ProfilePlace at = profile_place(phase_here);
     vec2 profile_here = mix(TEXEL(profile, at.index).xy, TEXEL(profile, at.index + 1).xy, at.fraction);
+    weight_here *= visible(phase_here);
     wrinkle.height += weight_here * profile_here.x;
     wrinkle.gradient += weight_here * at.sign * profile_here.y * wave_vector;
 }

@@ -2,9 +2,12 @@
 // The four lights of Blender's Solid shading, after what its Workbench engine does
 // (workbench_world_light_lib.glsl), so that the preview does not stand out of the viewport. View space.
 
+// 1 / x as Workbench has it, by a trick of bits, up to 12 % too small: the exact one would be seen.
+vec4 rough_reciprocal(vec4 x) { return intBitsToFloat(0x7eef370b - floatBitsToInt(x)); }
+
 vec4 wrapped_light(vec4 facing, vec4 wrap) {
     vec4 wider = wrap + 1.0;
-    return clamp((facing + wrap) / (wider * wider), 0.0, 1.0);
+    return clamp((facing + wrap) * rough_reciprocal(wider * wider), 0.0, 1.0);
 }
 
 // n: unit normal; v: unit, towards the viewer. Returns a scene-linear colour.

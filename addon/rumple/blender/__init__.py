@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from . import (bake, handlers, maps_bake, maps_export, maps_operators, maps_overlay, maps_panel, maps_properties,
-               operators, panels, properties, structure)
+               operators, panels, preview, properties, structure)
 
 _MODULES = (properties, maps_properties, operators, maps_operators, maps_export, maps_bake, bake, panels, maps_panel,
-            maps_overlay, handlers)
+            maps_overlay, handlers, preview)
 
 
 def register() -> None:
