@@ -112,6 +112,7 @@ class DATA_PT_rumple_waves(_Panel, bpy.types.Panel):
             row = column.row(align=True)
             row.operator("object.rumple_shade", icon="MATERIAL")
             row.operator("object.rumple_unshade", text="", icon="X")
+            column.prop(settings, "gpu_preview")
         else:
             for name in ("source", "detail", "attachment"):
                 column.prop(settings, name)

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The GPU preview: the Wrinkle Field drawn over the coarse mesh in Solid viewports, by Blender's gpu module.
 
-show() takes what there is to see and touches no GPU, so that any handler may call it. All drawing happens in a
-viewport draw handler, in the main thread, with a context. Off in background mode and while a render runs.
+All of it happens in a viewport draw handler: in the main thread, with a drawing context. The handlers that solve know
+nothing of it; it looks at what they solved last (registry). Off in background mode and while a render runs.
 """
 from __future__ import annotations
 
-import traceback
 from dataclasses import dataclass, field
-from typing import Any, Callable
+from typing import Any, Iterator
 
 import bpy
 import gpu
@@ -16,151 +15,142 @@ import numpy as np
 from bpy.app.handlers import persistent
 from mathutils import Matrix
 
-from .. import native
-from . import gpu_field, shaders, structure, studio_light, versions
+from . import gpu_field, modifier, registry, shaders, structure, studio_light, versions
 
 # How much nearer than Blender's own triangles ours lie: a share of the distance, or of the object's size. Enough for
 # the differences of depth that its anti-aliasing makes, less than the thickness of a lined coat at arm's length.
 _NEARER = 1e-3
 
 
-@dataclass(frozen=True)
-class Source:
-    """What there is to see of an object at a frame."""
-
-    model: Any  # WrinkleFieldModel, built with the uv of the mesh
-    settings: Any  # WrinkleFieldSettings
-    paint: Any  # WrinkleFieldPaint
-    profile: Any  # WrinkleFieldProfile
-    chosen: Any  # compares equal where settings, paint and profile are the same
-    frame: float
-    positions: np.ndarray  # (n, 3) float32, deformed base, object space
-    state: Callable[[], Any]  # the WrinkleFieldState of this frame: asked for where frames do not follow one another
-
-
 @dataclass
-class _Shown:
-    """An object in the preview."""
+class _OnGpu:
+    """An object's field on the GPU."""
 
-    name: str
-    source: Source
-    seen: Source | None = None  # what the GPU holds
+    model: Any  # the WrinkleFieldModel that the rest is made for
+    refused: bool = False  # by the driver: not tried again
+    inputs: registry.Inputs | None = None  # what the GPU holds
     waves: gpu_field.GpuField | None = None
     slots: np.ndarray | None = None  # material slot of every triangle
     batches: dict[int, gpu.types.GPUBatch] = field(default_factory=dict)  # by material slot
 
 
-_shown: dict[int, _Shown] = {}  # by session key
+_on_gpu: dict[int, _OnGpu] = {}  # by session key
 _passes: gpu_field.Passes | None = None
 _render_shader: gpu.types.GPUShader | None = None
 _no_image: gpu.types.GPUTexture | None = None
 _handle: Any = None
 
 
-# ---------------------------------------------------------------- what is shown
-def show(obj: bpy.types.Object, source: Source) -> None:
-    """Show an object so from the next redraw on. Cheap; may be called from any handler."""
-    if bpy.app.background:
-        return
-    key = versions.session_key(obj)
-    if key in _shown and _shown[key].name == obj.name:
-        _shown[key].source = source
-    else:
-        _shown[key] = _Shown(obj.name, source)
-
-
-def hide(obj: bpy.types.Object) -> None:
-    """Show it no more. In the main thread: it frees textures."""
-    _shown.pop(versions.session_key(obj), None)
-
-
-def is_shown(obj: bpy.types.Object) -> bool:
-    return versions.session_key(obj) in _shown
-
-
-def clear() -> None:
-    """Hide everything and free all that is on the GPU. In the main thread."""
+def _clear() -> None:
+    """Free all that is on the GPU. In the main thread."""
     global _passes, _render_shader, _no_image
-    _shown.clear()
+    _on_gpu.clear()
     _passes = _render_shader = _no_image = None
+
+
+# ---------------------------------------------------------------- what is shown
+def shown_objects() -> Iterator[tuple[bpy.types.Object, registry.Runtime]]:
+    """Objects whose preview is on and has a solved frame to show."""
+    for obj, ours in modifier.wrinkled_objects():
+        rumple = obj.rumple
+        if rumple.method != "FIELD" or not rumple.field.gpu_preview or rumple.field.output != "SHADING":
+            continue
+        entry = registry.known(obj)
+        if (entry is not None and entry.inputs is not None and entry.fine is not None and ours.show_viewport
+                and not modifier.is_baked(ours) and obj.mode not in ("EDIT", "SCULPT")):
+            yield obj, entry
 
 
 # ---------------------------------------------------------------- drawing
 def _draw() -> None:
-    """The draw handler. Never raises."""
-    if not _shown or structure.rendering():
-        return
+    """The draw handler. Never raises, never waits."""
     space = bpy.context.space_data
-    if space is None or space.type != "VIEW_3D" or space.shading.type != "SOLID" or space.shading.show_xray:
+    if structure.rendering() or space is None or space.type != "VIEW_3D":
         return
-    for key, entry in list(_shown.items()):
-        obj = bpy.data.objects.get(entry.name)
-        if obj is None or versions.session_key(obj) != key:
-            del _shown[key]  # deleted, renamed or another version of itself after undo: whoever showed it does so again
-        elif obj.mode not in ("EDIT", "SCULPT") and obj.visible_get(viewport=space):
-            try:
-                _update(obj, entry)
-                _draw_object(obj, entry, space.shading)
-            except Exception:  # a driver's refusal, say: once in the console, and Blender's own picture stays
-                traceback.print_exc()
-                del _shown[key]
-            finally:
-                _restore_state()
+    if not registry.LOCK.acquire(blocking=False):
+        return  # somebody solves: the next redraw shows it
+    try:
+        shown = {versions.session_key(obj): (obj, entry) for obj, entry in shown_objects()}
+        for key in _on_gpu.keys() - shown.keys():
+            del _on_gpu[key]
+        if space.shading.type == "SOLID" and not space.shading.show_xray:
+            for key, (obj, entry) in shown.items():
+                if obj.visible_get(viewport=space):
+                    _draw_guarded(obj, entry, key, space.shading)
+    except Exception as error:
+        print(f"Rumple: the GPU preview failed: {error}")
+    finally:
+        registry.LOCK.release()
 
 
-def _restore_state() -> None:
-    """What Blender expects of a draw handler."""
-    gpu.state.blend_set("NONE")
-    gpu.state.depth_test_set("NONE")
-    gpu.state.depth_mask_set(False)
-
-
-def _update(obj: bpy.types.Object, entry: _Shown) -> None:
-    """Bring the GPU from what it holds to what there is to see: the four stages but the last."""
-    source, seen = entry.source, entry.seen
-    if source is seen:
+def _draw_guarded(obj: bpy.types.Object, entry: registry.Runtime, key: int, shading: bpy.types.View3DShading) -> None:
+    held = _on_gpu.get(key)
+    if held is None or held.model is not entry.fine.model:
+        held = _on_gpu[key] = _OnGpu(entry.fine.model)
+    if held.refused:
         return
+    blend, depth_test, depth_mask = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
+    try:
+        if _update(obj, entry, held):
+            _draw_object(obj, held, shading)
+    except Exception as error:  # what a driver refuses, say: once in the console, and Blender's own picture stays
+        held.refused = True
+        print(f"Rumple: {structure.unexpected(obj, error)}")
+    finally:
+        gpu.state.blend_set(blend)
+        gpu.state.depth_test_set(depth_test)
+        gpu.state.depth_mask_set(depth_mask)
+        gpu.state.face_culling_set("NONE")
+
+
+def _update(obj: bpy.types.Object, entry: registry.Runtime, held: _OnGpu) -> bool:
+    """Bring the GPU from what it holds to the frame that was solved last: all stages but the last.
+
+    From one frame to the next it crushes and relaxes by itself; after a jump, and after a change at the same frame,
+    it goes on from the engine's state. False where there is none.
+    """
+    inputs, fine = entry.inputs, entry.fine
+    if inputs is held.inputs:
+        return True
     gpu_field.plain_state()
-    if entry.waves is None or source.model is not seen.model:
-        entry.waves, seen, entry.slots = gpu_field.GpuField(_the_passes(), source.model), None, None
-    if seen is None or source.chosen != seen.chosen:
-        entry.waves.set_wishes(source.settings, _wishes(source), source.profile)
-        seen = None
-    goes_on = seen is not None and source.frame == seen.frame + 1.0
+    if held.waves is None:
+        held.waves = gpu_field.GpuField(_the_passes(), held.model)
+    before = held.inputs
+    if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
+        held.waves.set_wishes(*fine.wishes(inputs.settings))
+    goes_on = before is not None and inputs.frame == before.frame + 1.0 and not inputs.settings.stateless
     if not goes_on:
-        state = source.state()
-        entry.waves.begin(state.phase, state.direction)
-    entry.waves.pose(*source.model.weld_pose(source.positions))
-    entry.waves.crush()
-    entry.waves.relax(source.settings.rounds if goes_on else 0)
-    entry.waves.unfold()
-    _collect_batches(obj, entry)
-    entry.seen = source
+        state = fine.state_of(inputs.frame)
+        if state is None:
+            return False
+        held.waves.begin(state.phase, state.direction)
+    held.waves.pose(*held.model.weld_pose(inputs.positions))
+    held.waves.crush()
+    held.waves.relax(inputs.settings.rounds if goes_on else 0)
+    held.waves.unfold()
+    _collect_batches(obj, held)
+    held.inputs = inputs
+    return True
 
 
-def _wishes(source: Source) -> Any:
-    return native.load().wishes_wrinkle_field(source.model, source.settings, source.paint)
-
-
-def _draw_object(obj: bpy.types.Object, entry: _Shown, shading: bpy.types.View3DShading) -> None:
+def _draw_object(obj: bpy.types.Object, held: _OnGpu, shading: bpy.types.View3DShading) -> None:
     shader = _the_render_shader()
     gpu.state.blend_set("NONE")
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.depth_mask_set(True)
     gpu.state.face_culling_set("BACK" if shading.show_backface_culling else "NONE")
     shader.bind()
-    for name, texture in entry.waves.arrays().items():
+    for name, texture in held.waves.arrays().items():
         shader.uniform_sampler(name, texture)
     view, projection = gpu.matrix.get_model_view_matrix(), gpu.matrix.get_projection_matrix()
     lights = studio_light.lights(shading, view)
-    for slot, batch in entry.batches.items():
+    for slot, batch in held.batches.items():
         finish = studio_light.finish(obj, slot, shading)
-        image = gpu.texture.from_image(finish.image) if finish.image is not None and len(entry.source.model.uv) else None
+        image = gpu.texture.from_image(finish.image) if finish.image is not None and len(held.model.uv) else None
         shader.uniform_sampler("image", _the_blank() if image is None else image)
         block = gpu.types.GPUUniformBuf(_block(obj, view, projection, lights, finish, image is not None))
         shader.uniform_block("preview", block)
         batch.draw(shader)
-    gpu.state.face_culling_set("NONE")
 
 
 def _block(obj: bpy.types.Object, view: Matrix, projection: Matrix, lights: studio_light.Lights,
@@ -178,16 +168,16 @@ def _block(obj: bpy.types.Object, view: Matrix, projection: Matrix, lights: stud
     return gpu.types.Buffer("FLOAT", numbers.size, numbers)
 
 
-def _collect_batches(obj: bpy.types.Object, entry: _Shown) -> None:
+def _collect_batches(obj: bpy.types.Object, held: _OnGpu) -> None:
     """A batch of separate triangles for every material slot that is used, when these changed."""
-    model = entry.source.model
+    model = held.model
     triangles = model.triangles
     slots = np.zeros(len(triangles), np.int32)
     if len(obj.data.loop_triangles) == len(slots):
         obj.data.loop_triangles.foreach_get("material_index", slots)
-    if entry.slots is not None and np.array_equal(slots, entry.slots):
+    if held.slots is not None and np.array_equal(slots, held.slots):
         return
-    entry.slots = slots
+    held.slots = slots
     corners = np.arange(3 * len(triangles), dtype=np.int32).reshape(-1, 3)
     uv = model.uv if len(model.uv) else np.zeros((corners.size, 2), np.float32)
     fan = model.uv_fan if len(model.uv_fan) else np.zeros(corners.size, np.int32)
@@ -196,14 +186,14 @@ def _collect_batches(obj: bpy.types.Object, entry: _Shown) -> None:
     layout.attr_add(id="corner", comp_type="I32", len=1, fetch_mode="INT")
     layout.attr_add(id="fan", comp_type="I32", len=1, fetch_mode="INT")
     layout.attr_add(id="uv", comp_type="F32", len=2, fetch_mode="FLOAT")
-    entry.batches = {}
+    held.batches = {}
     for slot in np.unique(slots):
         chosen = corners[slots == slot].ravel()
         buffer = gpu.types.GPUVertBuf(layout, len(chosen))
         for name, values in (("triangle", triangles[chosen // 3]), ("corner", chosen % 3), ("fan", fan[chosen]),
                              ("uv", uv[chosen])):
             buffer.attr_fill(name, np.ascontiguousarray(values))
-        entry.batches[int(slot)] = gpu.types.GPUBatch(type="TRIS", buf=buffer)
+        held.batches[int(slot)] = gpu.types.GPUBatch(type="TRIS", buf=buffer)
 
 
 # ---------------------------------------------------------------- shaders, compiled when first needed
@@ -253,7 +243,7 @@ def _compile() -> gpu.types.GPUShader:
 # ---------------------------------------------------------------- registration
 @persistent
 def _on_load(*_arguments: object) -> None:
-    clear()
+    _clear()
 
 
 def register() -> None:
@@ -271,4 +261,4 @@ def unregister() -> None:
         bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
         bpy.app.handlers.load_pre.remove(_on_load)
         _handle = None
-    clear()
+    _clear()

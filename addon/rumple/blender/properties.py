@@ -23,6 +23,13 @@ def _changed(affects: str, name: str = "") -> Callable[[bpy.types.PropertyGroup,
     return update
 
 
+def _redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
 def _property(f: Field) -> Any:
     """The Blender property of one field of the settings."""
     about = f.metadata
@@ -45,14 +52,17 @@ def _property(f: Field) -> Any:
     return bpy.props.FloatProperty(subtype="FACTOR" if about["unit"] == "FACTOR" else "NONE", precision=3, **common)
 
 
-def _settings_group(settings: type) -> type:
-    annotations = {f.name: _property(f) for f in fields(settings)}
+def _settings_group(settings: type, **others: Any) -> type:
+    """others: properties that no solve depends on."""
+    annotations = {f.name: _property(f) for f in fields(settings)} | others
     return type(f"RUMPLE_{settings.__name__}", (bpy.types.PropertyGroup,),
                 {"__annotations__": annotations, "__doc__": settings.__doc__})
 
 
 RUMPLE_MeshSettings = _settings_group(MeshSettings)
-RUMPLE_FieldSettings = _settings_group(FieldSettings)
+RUMPLE_FieldSettings = _settings_group(FieldSettings, gpu_preview=bpy.props.BoolProperty(
+    name="GPU Preview", options=set(), override=_OVERRIDE, update=_redraw,
+    description="Draw the waves in Solid viewports, on the graphics card"))
 RUMPLE_PathsSettings = _settings_group(PathsSettings)
 
 

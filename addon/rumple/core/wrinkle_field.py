@@ -70,6 +70,18 @@ class WrinkleField(Wrinkles):
             lines.append(f"{report.collapsed} vertices have no surface around them in this pose")
         return lines
 
+    # --- for whoever draws the waves on the GPU (../blender/preview.py)
+    def wishes(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
+        """(settings, wishes, profile), native, with the paint of the last solve."""
+        options = self._native_settings(settings)
+        wishes = native.load().wishes_wrinkle_field(self.model, options, self._paint)
+        return options, wishes, native.load().WrinkleFieldProfile(settings.profile)
+
+    def state_of(self, frame: float) -> Any:
+        """The stored WrinkleFieldState of a frame, or None."""
+        entry = self.history.get(frame)
+        return entry.state if entry is not None else None
+
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         self._drawn = paint.get("profile")
         return native.load().WrinkleFieldPaint(
