@@ -58,10 +58,9 @@ def read(texture: gpu.types.GPUTexture, count: int) -> np.ndarray:
 class Pass:
     """A fragment shader that runs once for every texel of a target."""
 
-    def __init__(self, sources: tuple[str, ...], inputs: tuple[str, ...], outputs: tuple[str, ...],
+    def __init__(self, source: str, inputs: tuple[str, ...], outputs: tuple[str, ...],
                  constants: tuple[tuple[str, str], ...] = ()) -> None:
-        """sources: files of shaders/, the last one with main(). inputs: names of its arrays. outputs: of its vec4s.
-        constants: (type, name)."""
+        """source: GLSL with main(). inputs: names of its arrays. outputs: of its vec4s. constants: (type, name)."""
         info = gpu.types.GPUShaderCreateInfo()
         for slot, name in enumerate(inputs):
             info.sampler(slot, "FLOAT_2D", name)
@@ -71,7 +70,7 @@ class Pass:
         for slot, name in enumerate(outputs):
             info.fragment_out(slot, "VEC4", name)
         info.vertex_source(shaders.source("preview/pass_vertex"))
-        info.fragment_source(shaders.source("preview/texels", *sources))
+        info.fragment_source(source)
         self._shader = gpu.shader.create_from_info(info)
         layout = gpu.types.GPUVertFormat()
         layout.attr_add(id="corner", comp_type="F32", len=2, fetch_mode="FLOAT")
@@ -99,14 +98,14 @@ class Passes:
     """The compiled shaders, shared by all objects."""
 
     def __init__(self) -> None:
-        formulas = shaders.FORMULAS
-        self.crush = Pass((*formulas, "preview/crush"),
-                          ("vertices", "wishes", "neighbours", "positions", "normals", "before"),
+        def source(name: str) -> str:
+            return shaders.source(*shaders.FORMULAS, "preview/texels", f"preview/{name}")
+
+        self.crush = Pass(source("crush"), ("vertices", "wishes", "neighbours", "positions", "normals", "before"),
                           ("out_waves", "out_crushed"), (("FLOAT", "strength"), ("BOOL", "true_lengths")))
-        self.link = Pass((*formulas, "preview/link"), ("neighbours", "waves", "crushed", "positions"), ("out_link",))
-        self.relax = Pass((*formulas, "preview/relax"), ("vertices", "links", "phases"), ("out_phase",),
-                          (("FLOAT", "rate"),))
-        self.unfold = Pass((*formulas, "preview/unfold"), ("fans", "fan_corners", "positions"), ("out_u", "out_v"))
+        self.link = Pass(source("link"), ("neighbours", "waves", "crushed", "positions"), ("out_link",))
+        self.relax = Pass(source("relax"), ("vertices", "links", "phases"), ("out_phase",), (("FLOAT", "rate"),))
+        self.unfold = Pass(source("unfold"), ("fans", "fan_corners", "positions"), ("out_u", "out_v"))
 
 
 def plain_state() -> None:
