@@ -260,7 +260,7 @@ class Exact(PreviewCase):
     def test_parallax_is_equations_10_and_11(self) -> Iterator[float]:
         """An image whose colour is the place in it: the picture says which place was taken."""
         yield from self.sheet()
-        self.obj.data.materials.append(image_of_itself())
+        self.obj.data.materials[0] = image_of_itself()
         registry.runtime(self.obj).forget_written()
         sleeve.at(3)
         yield from self.until(lambda: self.held().inputs.frame == 3.0)
@@ -366,7 +366,7 @@ class Manners(PreviewCase):
         np.testing.assert_array_equal(self.seen, waving)
         self.obj.hide_set(True)
         yield from self.shot()
-        self.assertLess(self.seen.std(), 2.0)
+        self.assertLess(self.seen.max(), 0.6 * waving.max())  # nothing but the background
         self.obj.hide_set(False)
         with self.area_of_view():
             bpy.ops.object.mode_set(mode="EDIT")

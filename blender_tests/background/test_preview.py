@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The GPU preview in background mode: off, without an error, whatever the switch says."""
+from __future__ import annotations
+
+import unittest
+
+import bpy
+import sleeve
+from rumple.blender import preview, registry
+
+
+class Background(unittest.TestCase):
+
+    def test_it_is_off(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        obj.rumple.field.gpu_preview = True
+        bpy.ops.object.rumple_add(method="FIELD")
+        sleeve.play(1, 5)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertIsNone(preview._handle)
+        self.assertNotIn(preview._on_load, bpy.app.handlers.load_pre)
+        self.assertEqual((preview._passes, preview._render_shader, len(preview._on_gpu)), (None, None, 0))
+
+    def test_unregister_and_register(self) -> None:
+        preview.unregister()
+        preview.register()
+        self.assertIsNone(preview._handle)
+
+    def test_the_switch_is_not_part_of_what_is_solved(self) -> None:
+        """Turning it on keeps the stored frames."""
+        obj = sleeve.scene(wrinkles=False)
+        bpy.ops.object.rumple_add(method="FIELD")
+        sleeve.play(1, 5)
+        stored = registry.runtime(obj).fine.history.frames()
+        obj.rumple.field.gpu_preview = True
+        sleeve.at(5)
+        self.assertEqual(registry.runtime(obj).fine.history.frames(), stored)
+        self.assertGreaterEqual(len(stored), 5)
