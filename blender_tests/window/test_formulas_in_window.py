@@ -127,7 +127,8 @@ class Formulas(WindowCase):
         v = self.units(2)
         to_a_line = (self.units(2)[:, None, :] * v[:, :, None]).reshape(-1, 4)
         found = self.same(4, packed(to_a_line, np.zeros((1, 2)), v, [(1.0, 0.0)]),
-                          packed(np.zeros((1, 4)), np.zeros((1, 2)), v, [(1.0, 0.0)]), seen=lambda y: y[:, [0, 1, 8, 9]])
+                          packed(np.zeros((1, 4)), np.zeros((1, 2)), v, [(1.0, 0.0)]),
+                          seen=lambda y: y[:, [0, 1, 8, 9]])
         np.testing.assert_array_equal(found[:, [1, 8, 9]], 0.0)
 
     def has_direction(self, m: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -161,7 +162,8 @@ class Formulas(WindowCase):
 
     def test_relaxing(self) -> None:
         steps = self.numbers(4, size=2.0) * np.float32([1, 1, 0, 0.2]) + np.float32([0, 0, 6, 0.5])
-        at_rest = [(1.0, 1.0, 0.0, 0.5), (1.0, 1e-5, 6.0, 0.5), (1.0, 0.0, 6.0, 0.5)]  # no neighbour, nearly, nothing asked
+        # Without a neighbour; where next to nothing is asked for; where nothing is.
+        at_rest = [(1.0, 1.0, 0.0, 0.5), (1.0, 1e-5, 6.0, 0.5), (1.0, 0.0, 6.0, 0.5)]
         found = self.same(7, packed(at_rest), packed(steps), seen=lambda y: on_circle(y[:, 0]))
         np.testing.assert_array_equal(found[:3, 0], 1.0)
 
@@ -174,8 +176,8 @@ class Formulas(WindowCase):
 
     def test_uv_slopes_and_parallax(self) -> None:
         b, c = self.numbers(3, size=0.1), self.numbers(3, size=0.1)
-        self.same(9, packed(b, c, self.numbers(2), self.numbers(2)), packed(b, -2.0 * b, self.numbers(2), self.numbers(2)),
-                  packed(np.zeros((1, 3)), c, self.numbers(2), self.numbers(2)))
+        u, v = self.numbers(2), self.numbers(2)
+        self.same(9, packed(b, c, u, v), packed(b, -2.0 * b, u, v), packed(np.zeros((1, 3)), c, u, v))
         n = self.units()
         edge = np.cross(n, self.units())
         self.same(10, packed(self.numbers(3, size=3.0), n), packed(n, n), packed(edge, n))
@@ -263,7 +265,8 @@ class Stages(WindowCase):
             self.field.pose(*self.model.weld_pose(self.posed))
             self.field.crush()
             self.field.relax(1)
-            np.testing.assert_allclose(apart(self.field.read_phase(), state.phase), 0.0, atol=self.PHASE, err_msg=str(frame))
+            off = apart(self.field.read_phase(), state.phase)
+            np.testing.assert_allclose(off, 0.0, atol=self.PHASE, err_msg=str(frame))
 
     def test_uv_slopes(self) -> None:
         self.make()

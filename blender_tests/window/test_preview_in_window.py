@@ -234,7 +234,8 @@ class Exact(PreviewCase):
             out["normal"][inside] = wrinkled / np.linalg.norm(wrinkled, axis=1, keepdims=True)
             out["smooth"][inside] = smooth_normal
             out["place"][inside] = weights @ positions[triangle]
-            out["u"][inside], out["v"][inside] = weights @ shown[U_GRADIENT][corners], weights @ shown[V_GRADIENT][corners]
+            for name, attribute in (("u", U_GRADIENT), ("v", V_GRADIENT)):
+                out[name][inside] = weights @ shown[attribute][corners]
         return out
 
     def test_normals_are_equations_7_and_8(self) -> Iterator[float]:

@@ -30,7 +30,8 @@ def upload(values: np.ndarray) -> gpu.types.GPUTexture:
     width, height = _shape(len(values))
     texels = np.zeros((width * height, 4), np.float32)
     texels[:len(values), :values.shape[1]] = values
-    return gpu.types.GPUTexture((width, height), format=_FORMAT, data=gpu.types.Buffer("FLOAT", texels.size, texels.ravel()))
+    data = gpu.types.Buffer("FLOAT", texels.size, texels.ravel())
+    return gpu.types.GPUTexture((width, height), format=_FORMAT, data=data)
 
 
 class Target:

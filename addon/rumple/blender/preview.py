@@ -146,9 +146,9 @@ def _draw_object(obj: bpy.types.Object, held: _OnGpu, shading: bpy.types.View3DS
     lights = studio_light.lights(shading, view)
     for slot, batch in held.batches.items():
         finish = studio_light.finish(obj, slot, shading)
-        image = gpu.texture.from_image(finish.image) if finish.image is not None and len(held.model.uv) else None
-        shader.uniform_sampler("image", _the_blank() if image is None else image)
-        block = gpu.types.GPUUniformBuf(_block(obj, view, projection, lights, finish, image is not None))
+        has_image = finish.image is not None and len(held.model.uv) > 0
+        shader.uniform_sampler("image", gpu.texture.from_image(finish.image) if has_image else _the_blank())
+        block = gpu.types.GPUUniformBuf(_block(obj, view, projection, lights, finish, has_image))
         shader.uniform_block("preview", block)
         batch.draw(shader)
 
@@ -228,7 +228,8 @@ def _compile() -> gpu.types.GPUShader:
     info = gpu.types.GPUShaderCreateInfo()
     info.typedef_source(shaders.text("preview/preview_block"))
     info.uniform_buf(0, "Preview", "preview")
-    for slot, name in enumerate(("positions", "normals", "waves", "phases", "u_slopes", "v_slopes", "profile", "image")):
+    textures = ("positions", "normals", "waves", "phases", "u_slopes", "v_slopes", "profile", "image")
+    for slot, name in enumerate(textures):
         info.sampler(slot, "FLOAT_2D", name)
     for slot, (kind, name) in enumerate((("IVEC3", "triangle"), ("INT", "corner"), ("INT", "fan"), ("VEC2", "uv"))):
         info.vertex_in(slot, kind, name)
