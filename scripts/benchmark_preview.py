@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the stages of the GPU preview cost, beside the same steps in C++ on one thread. Started by scripts/benchmark.
+
+    RUMPLE_NATIVE=build/release/python xvfb-run -a blender --factory-startup --python scripts/benchmark_preview.py
+
+Sheets of as many vertices, drawn over as many pixels, as two rows of the paper: the shirt of table 1 and model B of
+table 2 (1.83 ms crush, 1.75 ms relax, 5.01 ms render on a GeForce 6800 GT).
+"""
+from __future__ import annotations
+
+import os
+import sys
+import time
+import traceback
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Callable
+
+import bpy
+import gpu
+import numpy as np
+from mathutils import Matrix
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "addon"), os.environ["RUMPLE_NATIVE"]]
+import rumple_native as native  # noqa: E402
+from rumple.blender import gpu_field, preview  # noqa: E402
+
+ROWS = (("shirt", 35, 13, 330_000), ("B", 139, 43, 55_000))  # name, vertices along and across, pixels
+SIDE = 1024
+REPEATS, TRIES = 10, 5
+
+
+def sheet(along: int, across: int) -> tuple:
+    """A quad grid of a metre: what build_surface takes, and uv."""
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, along), np.linspace(0.0, 1.0, across))
+    rest = np.stack((x.ravel(), y.ravel(), 0.0 * x.ravel()), 1).astype(np.float32)
+    first = (np.arange(across - 1)[:, None] * along + np.arange(along - 1)).ravel()
+    quads = np.stack((first, first + 1, first + along + 1, first + along), 1).astype(np.int32)
+    corner = 4 * np.arange(len(quads), dtype=np.int32)[:, None]
+    triangles = np.concatenate((corner + (0, 1, 2), corner + (0, 2, 3)), 1).reshape(-1, 3).astype(np.int32)
+    surface = (rest, np.arange(0, quads.size + 1, 4, dtype=np.int32), quads.ravel(), triangles)
+    return surface, np.ascontiguousarray(rest[quads.ravel(), :2])
+
+
+def milliseconds(step: Callable[[], None], finish: Callable[[], None] = lambda: None) -> float:
+    """The least of some tries of the mean of some calls."""
+    step()
+    finish()
+    times = []
+    for _ in range(TRIES):
+        began = time.perf_counter()
+        for _ in range(REPEATS):
+            step()
+        finish()
+        times.append((time.perf_counter() - began) / REPEATS)
+    return 1e3 * min(times)
+
+
+def finished(target: gpu_field.Target) -> Callable[[], None]:
+    """Waits until a target is written."""
+    return lambda: target.frame_buffer.read_color(0, 0, 1, 1, 4, 0, "FLOAT")
+
+
+def render(held: preview._OnGpu, pixels: int) -> tuple[Callable[[], None], Callable[[], None]]:
+    """The render stage over so many pixels, with parallax and light: (draw, finish)."""
+    target = gpu.types.GPUOffScreen(SIDE, SIDE, format="RGBA32F")
+    obj = SimpleNamespace(matrix_world=Matrix(), dimensions=(1.0, 1.0, 1.0), material_slots=(),
+                          data=SimpleNamespace(loop_triangles=()))
+    preview._collect_batches(obj, held)
+    lights = bpy.context.preferences.system
+    shading = SimpleNamespace(light="STUDIO", color_type="SINGLE", single_color=(0.8, 0.8, 0.8),
+                              show_specular_highlight=True, show_backface_culling=False,
+                              use_world_space_lighting=False, selected_studio_light=lights)
+    scale = 2.0 * (pixels / 0.7)**0.5 / SIDE  # the posed sheet is 0.7 by 1
+    view = Matrix.Translation((-0.35, -0.5, 0.0))
+
+    def draw() -> None:
+        with target.bind():
+            gpu.state.active_framebuffer_get().clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
+            with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+                gpu.matrix.load_matrix(view)
+                gpu.matrix.load_projection_matrix(Matrix.Diagonal((scale, scale, -0.1, 1.0)))
+                preview._draw_object(obj, held, shading)
+
+    def finish() -> None:
+        with target.bind():
+            gpu.state.active_framebuffer_get().read_color(0, 0, 1, 1, 4, 0, "FLOAT")
+
+    return draw, finish
+
+
+def measure(along: int, across: int, pixels: int) -> dict[str, float]:
+    surface, uv = sheet(along, across)
+    model = native.build_wrinkle_field(native.build_surface(*surface), uv=uv)
+    settings, paint = native.WrinkleFieldSettings(), native.WrinkleFieldPaint()
+    settings.threads = 1
+    profile = native.WrinkleFieldProfile("SINE")
+    posed = surface[0] * np.float32([0.7, 1.0, 1.0])
+    posed[:, 2] = 0.05 * np.sin(6.0 * posed[:, 1])
+    waves = native.crush_wrinkle_field(model, settings, paint, posed)
+    phase = native.random_phases(model, 0)
+    field = gpu_field.GpuField(gpu_field.Passes(), model)
+    field.set_wishes(settings, native.wishes_wrinkle_field(model, settings, paint), profile)
+    field.begin(phase, model.first_directions)
+    pose = model.weld_pose(posed)
+    field.pose(*pose)
+    field.crush()
+    gpu_field.plain_state()
+    found = {
+        "weld, normals (C++)": milliseconds(lambda: model.weld_pose(posed)),
+        "upload": milliseconds(lambda: field.pose(*pose)),
+        "crush": milliseconds(field.crush, lambda: finished(field._links)()),
+        "relax, a round": milliseconds(lambda: field.relax(1), lambda: finished(field._phases[0])()),
+        "unfold": milliseconds(field.unfold, finished(field._fans)),
+    }
+    draw, finish = render(preview._OnGpu(model, waves=field), pixels)
+    found["render"] = milliseconds(draw, finish)
+    found["C++: crush"] = milliseconds(lambda: native.crush_wrinkle_field(model, settings, paint, posed))
+    hundred = milliseconds(lambda: native.relax_wrinkle_field(model, settings, waves, 100, phase))
+    found["C++: relax, a round"] = hundred / 100.0
+    return found
+
+
+def main() -> None:
+    try:
+        print(f"GPU preview, ms, on {gpu.platform.renderer_get()}, Blender {bpy.app.version_string}")
+        columns = [measure(*row[1:]) for row in ROWS]
+        print("".join([f"{'':22}", *(f"{f'{name}, {a * b} vertices':>24}" for name, a, b, _ in ROWS)]))
+        print("".join([f"{'pixels':22}", *(f"{pixels:24,}" for *_, pixels in ROWS)]))
+        for stage in columns[0]:
+            print("".join([f"{stage:22}", *(f"{column[stage]:24.3f}" for column in columns)]))
+    except Exception:
+        traceback.print_exc()
+    sys.stdout.flush()
+    os._exit(0)
+
+
+bpy.context.preferences.view.show_splash = False
+bpy.app.timers.register(main, first_interval=0.5)
