@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""gpu_preview.jpg beside this file: the walking shirt and trousers in a Solid viewport, without and with the preview.
+"""s1_preview.jpg beside this file: the walking shirt and trousers in a Solid viewport, without and with the preview.
 
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
         xvfb-run -a -s "-screen 0 1400x1300x24 -fbdir $d" blender --factory-startup \
@@ -72,7 +72,7 @@ def steps():
     both = np.concatenate(pictures, 1)
     image = bpy.data.images.new("Picture", both.shape[1], both.shape[0])
     image.pixels.foreach_set(np.dstack([both[::-1], np.full(both.shape[:2], 255)]).astype(np.float32).ravel() / 255)
-    image.filepath_raw, image.file_format = str(HERE / "gpu_preview.jpg"), "JPEG"
+    image.filepath_raw, image.file_format = str(HERE / "s1_preview.jpg"), "JPEG"
     image.save()
 
 
