@@ -74,10 +74,11 @@ def finish(obj: bpy.types.Object, slot: int, shading: bpy.types.View3DShading) -
 
 
 def _image_of(material: bpy.types.Material) -> bpy.types.Image | None:
-    """The image that Texture colour shows: of the active image node, or of the first."""
+    """The image that Texture colour shows: of the active image node, or of the first. None where its file is missing."""
     if material.node_tree is None:
         return None
-    nodes = [node for node in material.node_tree.nodes if node.type == "TEX_IMAGE" and node.image is not None]
+    nodes = [node for node in material.node_tree.nodes if node.type == "TEX_IMAGE" and node.image is not None
+             and node.image.source != "TILED" and min(node.image.size) > 0]
     active = material.node_tree.nodes.active
     chosen = active if active in nodes else next(iter(nodes), None)
     return chosen.image if chosen is not None else None
