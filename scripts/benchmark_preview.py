@@ -109,7 +109,7 @@ def measure(along: int, across: int, pixels: int) -> dict[str, float]:
     found = {
         "weld, normals (C++)": milliseconds(lambda: model.weld_pose(posed)),
         "upload": milliseconds(lambda: field.pose(*pose)),
-        "crush": milliseconds(field.crush, lambda: finished(field._links)()),
+        "crush": milliseconds(field.crush, lambda: finished(field._shares)()),
         "relax, a round": milliseconds(lambda: field.relax(1), lambda: finished(field._phases[0])()),
         "unfold": milliseconds(field.unfold, finished(field._fans)),
     }

@@ -25,7 +25,7 @@ FORMULA mat4 probe_formula(int formula, mat4 x) {
         y[1] = vec4(c.k.x, c.k.y, 0.0f, 0.0f);
         y[2] = vec4(c.k_deformed.x, c.k_deformed.y, 0.0f, 0.0f);
     } else if (formula == 5) {
-        y[0] = vec4(attenuation(x[0].x), to_nearest(x[0].y), wrapped(x[0].z), 0.0f);
+        y[0] = vec4(attenuation(x[0].x), to_nearest(x[0].y), wrapped(x[0].z), activity(x[0].w));
     } else if (formula == 6) {
         Link link = link_waves(probe_3(x[0]), probe_3(x[1]), probe_3(x[2]));
         y[0] = vec4(link.flip, link.offset, misfit(link, x[3].x, x[3].y), 0.0f);

@@ -16,6 +16,7 @@ from . import shaders
 
 _WIDTH = 1024  # texels in a row of an array; any number does
 _FORMAT = "RGBA32F"
+_NEVER = 1e30  # an offset that no link has: as if it had never been relaxed
 
 
 # ---------------------------------------------------------------- arrays as textures
@@ -104,8 +105,11 @@ class Passes:
 
         self.crush = Pass(source("crush"), ("vertices", "wishes", "neighbours", "positions", "normals", "before"),
                           ("out_waves", "out_crushed"), (("FLOAT", "strength"), ("BOOL", "true_lengths")))
-        self.link = Pass(source("link"), ("neighbours", "waves", "crushed", "positions"), ("out_link",))
-        self.relax = Pass(source("relax"), ("vertices", "links", "phases"), ("out_phase",), (("FLOAT", "rate"),))
+        self.link = Pass(source("link"), ("neighbours", "waves", "crushed", "positions", "solved"),
+                         ("out_link", "out_solved"))
+        self.wake = Pass(source("wake"), ("vertices", "solved"), ("out_share",))
+        self.relax = Pass(source("relax"), ("vertices", "links", "shares", "phases"), ("out_phase",),
+                          (("FLOAT", "rate"),))
         self.unfold = Pass(source("unfold"), ("fans", "fan_corners", "positions"), ("out_u", "out_v"))
 
 
@@ -131,7 +135,8 @@ class GpuField:
         self._has_frame = model.tangent_rest.any(axis=1)
         owners = np.repeat(np.arange(self.vertex_count), self._counts)
         self._neighbours = upload(np.column_stack((neighbours, model.gradients, owners)))
-        self._links = Target(len(neighbours))
+        self._links = [Target(len(neighbours), 2) for _ in range(2)]  # ping-pong: link reads what it solved before
+        self._shares = Target(self.vertex_count)
         self._waves = [Target(self.vertex_count, 2) for _ in range(2)]  # ping-pong: crush reads the k of before
         self._phases = [Target(self.vertex_count) for _ in range(2)]  # ping-pong, as figure 2 has it
         self._fans = Target(1, 2)
@@ -139,7 +144,7 @@ class GpuField:
         if len(model.uv_fan):
             self._collect_fans(model)
         self._positions = self._normals = None
-        self._start_direction, self._start_phase = None, None
+        self._start_phase = self._start_direction = self._start_solved = None
 
     def _collect_fans(self, model: Any) -> None:
         fan, uv = model.uv_fan, model.uv.reshape(-1, 3, 2)
@@ -162,10 +167,16 @@ class GpuField:
         self._wishes = upload(np.column_stack((wishes.rest_wrinkle, wishes.turn)))
         self.profile = upload(np.column_stack((profile.height, profile.slope)))
 
-    def begin(self, phase: np.ndarray, direction: np.ndarray) -> None:
-        """The state of the frame before: phase (w,) radians, direction (w, 2) rest frame."""
-        self._start_phase = upload(phase[:, None])
-        self._start_direction = upload(direction)
+    def begin(self, phase: np.ndarray, direction: np.ndarray, solved_offset: np.ndarray | None = None) -> None:
+        """The state of the frame before, as a WrinkleFieldState has it. Without solved_offset no vertex is held."""
+        self._start_phase, self._start_direction = upload(phase[:, None]), upload(direction)
+        self.wake()
+        if solved_offset is not None:
+            self._start_solved = upload(solved_offset[:, None])
+
+    def wake(self) -> None:
+        """Let no vertex be held in the next frame."""
+        self._start_solved = upload(np.full((self._links[0].count, 1), _NEVER, np.float32))
 
     def pose(self, positions: np.ndarray, normals: np.ndarray) -> None:
         """Welded vertices of this frame, (w, 3) both. All that a frame uploads."""
@@ -181,14 +192,19 @@ class GpuField:
             "positions": self._positions, "normals": self._normals},
             strength=self._strength, true_lengths=self._true_lengths)
         waves, crushed = self._waves[0].textures
-        self._passes.link.run(self._links, {"neighbours": self._neighbours, "waves": waves, "crushed": crushed,
-                                            "positions": self._positions})
+        solved = self._start_solved or self._links[0].textures[1]
+        self._start_solved = None
+        self._links.reverse()
+        self._passes.link.run(self._links[0], {"neighbours": self._neighbours, "waves": waves, "crushed": crushed,
+                                               "positions": self._positions, "solved": solved})
+        self._passes.wake.run(self._shares, {"vertices": self._vertices, "solved": self._links[0].textures[1]})
 
     def relax(self, rounds: int) -> None:
         """So many rounds of equation (6). Cost: O(rounds x edges)."""
         for _ in range(rounds):
-            self._passes.relax.run(self._phases[1], {"vertices": self._vertices, "links": self._links.textures[0],
-                                                     "phases": self.phases}, rate=self._rate)
+            self._passes.relax.run(self._phases[1], {
+                "vertices": self._vertices, "links": self._links[0].textures[0], "shares": self._shares.textures[0],
+                "phases": self.phases}, rate=self._rate)
             self._phases.reverse()
             self._start_phase = None
 

@@ -123,7 +123,9 @@ def _update(obj: bpy.types.Object, entry: registry.Runtime, held: _OnGpu) -> boo
         state = fine.state_of(inputs.frame)
         if state is None:
             return False
-        held.waves.begin(state.phase, state.direction)
+        held.waves.begin(state.phase, state.direction, state.solved_offset)
+    elif before.settings != inputs.settings:
+        held.waves.wake()
     held.waves.pose(*held.model.weld_pose(inputs.positions))
     held.waves.crush()
     held.waves.relax(inputs.settings.rounds if goes_on else 0)
