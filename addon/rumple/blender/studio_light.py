@@ -74,7 +74,7 @@ def finish(obj: bpy.types.Object, slot: int, shading: bpy.types.View3DShading) -
 
 
 def _image_of(material: bpy.types.Material) -> bpy.types.Image | None:
-    """The image that Texture colour shows: of the active image node, or of the first. None where its file is missing."""
+    """The image that Texture colour shows: of the active image node, or of the first. None where it has no file."""
     if material.node_tree is None:
         return None
     nodes = [node for node in material.node_tree.nodes if node.type == "TEX_IMAGE" and node.image is not None
