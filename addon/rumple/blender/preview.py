@@ -106,8 +106,8 @@ def _draw_guarded(obj: bpy.types.Object, entry: registry.Runtime, key: int, shad
 def _update(obj: bpy.types.Object, entry: registry.Runtime, held: _OnGpu) -> bool:
     """Bring the GPU from what it holds to the frame that was solved last: all stages but the last.
 
-    From one frame to the next it crushes and relaxes by itself; after a jump, and after a change at the same frame,
-    it goes on from the engine's state. False where there is none.
+    Where the engine solves a frame from the one before, the GPU does so by itself; after a jump, after a change at the
+    same frame and up to the clip's first frame it takes over the engine's state. False where there is none.
     """
     inputs, fine = entry.inputs, entry.fine
     if inputs is held.inputs:
@@ -118,7 +118,8 @@ def _update(obj: bpy.types.Object, entry: registry.Runtime, held: _OnGpu) -> boo
     before = held.inputs
     if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
         held.waves.set_wishes(*fine.wishes(inputs.settings))
-    goes_on = before is not None and inputs.frame == before.frame + 1.0 and not inputs.settings.stateless
+    goes_on = (before is not None and inputs.frame == before.frame + 1.0 and inputs.frame > bpy.context.scene.frame_start
+               and before.paint is inputs.paint and not inputs.settings.stateless)
     if not goes_on:
         state = fine.state_of(inputs.frame)
         if state is None:

@@ -75,7 +75,7 @@ class WrinkleField(Wrinkles):
         """(settings, wishes, profile), native, with the paint of the last solve."""
         options = self._native_settings(settings)
         wishes = native.load().wishes_wrinkle_field(self.model, options, self._paint)
-        return options, wishes, native.load().WrinkleFieldProfile(settings.profile)
+        return options, wishes, native_profile(settings.profile, self._drawn)
 
     def state_of(self, frame: float) -> Any:
         """The stored WrinkleFieldState of a frame, or None."""
