@@ -118,8 +118,8 @@ def _update(obj: bpy.types.Object, entry: registry.Runtime, held: _OnGpu) -> boo
     before = held.inputs
     if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
         held.waves.set_wishes(*fine.wishes(inputs.settings))
-    goes_on = (before is not None and inputs.frame == before.frame + 1.0 and inputs.frame > bpy.context.scene.frame_start
-               and before.paint is inputs.paint and not inputs.settings.stateless)
+    goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
+               and inputs.frame == before.frame + 1.0 > bpy.context.scene.frame_start)
     if not goes_on:
         state = fine.state_of(inputs.frame)
         if state is None:
