@@ -86,6 +86,11 @@ class Bake(unittest.TestCase):
         bpy.ops.rumple.maps_bake(every=True)
         self.assertGreater(self.slopes("Left")[0].max(), 0.05)
 
+    def test_wrinkle_paths_can_be_baked_too(self):
+        self.settings.bake_source = "PATHS"
+        bpy.ops.rumple.maps_bake(every=True)
+        self.assertGreater(self.slopes("Left")[0].max(), 0.05)
+
     def test_saved_to_a_folder_the_values_stay(self):
         with tempfile.TemporaryDirectory() as folder:
             for deep in (False, True):

@@ -16,8 +16,8 @@ import bpy
 import numpy as np
 
 from ..core.engine import Refused
-from . import (maps_export, maps_live, maps_nodes, maps_operators, maps_rig, maps_tree, modifier, operators, registry,
-               structure, versions)
+from . import (maps_export, maps_live, maps_nodes, maps_operators, maps_rig, maps_tree, modifier, operators, properties,
+               registry, structure, versions)
 
 SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single picture may take its time
@@ -112,10 +112,12 @@ class MapBake:
             result = bpy.ops.object.rumple_add(method=method, shade=False)
         if result != {"FINISHED"}:
             raise Refused(registry.message(copy) or f"{self.obj.name}: the wrinkles cannot be made")
+        settings = properties.group_of(copy)
+        settings.stateless = True  # one pose, without a past
         if method == "FIELD":
-            copy.rumple.field.output = "GEOMETRY"
+            settings.output = "GEOMETRY"
         elif method == "MESH":
-            copy.rumple.mesh.start_iterations = max(SETTLE_ITERATIONS, copy.rumple.mesh.start_iterations)
+            settings.start_iterations = max(SETTLE_ITERATIONS, settings.start_iterations)
         structure.settle_all()
         for _ in range(2):  # the solve, then its picture
             copy.update_tag()
