@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A random walk through what an artist may do with Wrinkle Maps: at every step the masks are those of a fresh start."""
+import os
+import random
+
+import bpy
+import face
+import numpy as np
+import sleeve
+from rumple.blender import maps_rig, maps_tree, modifier, properties, structure, versions
+from rumple.core.poses import PoseComparison, strengths
+
+MOST_OBJECTS = 4
+
+
+class Walk:
+
+    def __init__(self, seed, folder):
+        self.random = random.Random(seed)
+        self.path = os.path.join(folder, "walk.blend")
+        self.done = []
+
+    def steps(self, count):
+        face.two_poses(*face.scene())
+        with sleeve.context():
+            bpy.ops.ed.undo_push(message="start")
+        actions = [getattr(self, name) for name in dir(self) if name.startswith("do_")] + [self.do_pose] * 3
+        for _ in range(count):
+            action = self.random.choice(actions)
+            self.done.append(action.__name__)
+            if self.random.random() < 0.03:
+                bpy.ops.wm.save_as_mainfile(filepath=self.path)
+                bpy.ops.wm.open_mainfile(filepath=self.path)
+            with sleeve.context():
+                action()
+                if action not in (self.do_undo, self.do_redo):
+                    bpy.ops.ed.undo_push(message=action.__name__)
+            yield
+            with sleeve.context():
+                self.check()
+
+    # --- the law
+    def check(self):
+        structure.settle_all()
+        self.do_pose()
+        shown = [(obj, ours) for obj, ours in maps_tree.mapped_objects() if obj.name in bpy.context.view_layer.objects]
+        owned = [block for obj, ours in shown for block in (maps_tree.carrier(ours), ours.node_group)]
+        assert len(set(owned)) == len(owned) and None not in owned, f"after {self.done[-8:]}: {owned}"
+        for obj, ours in shown:
+            trail = f"{obj.name} after {self.done[-8:]}"
+            assert obj.rumple_maps.message == "", f"{trail}: {obj.rumple_maps.message}"
+            if modifier.find(obj) is None and ours.show_viewport and obj.rumple_maps.poses:
+                self.compare(obj, trail)
+
+    def compare(self, obj, trail):
+        rig, _ = maps_rig.rig_of(obj)
+        bones = maps_rig.present_bones(obj, obj.find_armature(), rig)
+        fresh = PoseComparison.build(rig, maps_rig.weights_of(obj, rig)).frame(bones)
+        names = {maps_tree.MASK.format(pose.name) for pose in rig.poses}
+        attributes = sleeve.evaluated(obj).data.attributes
+        assert names == {a.name for a in attributes if a.name.startswith("rumple_pose_")}, f"{trail}: other names"
+        for pose, mask, strength in zip(rig.poses, fresh.pose, strengths(rig.poses)):
+            found = versions.read_attribute(attributes[maps_tree.MASK.format(pose.name)])[:, 0]
+            assert np.array_equal(found, mask), f"{trail}: {pose.name} shows {found.max()}, not {mask.max()}"
+            assert strength > 0.0 or not found.any(), f"{trail}: {pose.name} is muted"
+        images = [node.image for node in (obj.rumple_maps.group.nodes if obj.rumple_maps.group else ())
+                  if node.type == "TEX_IMAGE"]
+        assert obj.rumple_maps.group is None or images == [i for i in maps_rig.usable_images(obj) if i], trail
+
+    # --- helpers
+    def pick(self, mapped=True):
+        found = [o for o in bpy.context.scene.objects if o.type == "MESH" and bool(maps_tree.find(o)) == mapped]
+        if not found:
+            return None
+        sleeve.make_active(self.random.choice(found))
+        return bpy.context.view_layer.objects.active
+
+    def pick_pose(self):
+        obj = self.pick()
+        if obj is None or not obj.rumple_maps.poses:
+            return None
+        obj.rumple_maps.active = self.random.randrange(len(obj.rumple_maps.poses))
+        return obj.rumple_maps.poses[obj.rumple_maps.active]
+
+    # --- the steps
+    def do_pose(self):
+        face.pose(bpy.data.objects["Rig"], **{name: self.random.uniform(-0.01, 0.01)
+                                              for name in ("brow_L", "brow_R", "jaw") if self.random.random() < 0.7})
+
+    def do_pose_add(self):
+        obj = self.pick()
+        if obj and len(obj.rumple_maps.poses) < 7:
+            self.do_pose()
+            try:
+                bpy.ops.rumple.pose_add(name=self.random.choice(("Surprise", "Anger", "Pose")))
+            except RuntimeError as error:
+                assert "it is the neutral pose" in str(error), error
+
+    def do_pose_update(self):
+        if self.pick_pose():
+            face.pose(bpy.data.objects["Rig"], brow_L=self.random.uniform(0.004, 0.009), jaw=0.003)
+            bpy.ops.rumple.pose_update()
+
+    def do_pose_remove(self):
+        if self.pick_pose():
+            bpy.ops.rumple.pose_remove()
+
+    def do_pose_move(self):
+        if self.pick_pose():
+            bpy.ops.rumple.pose_move(direction=self.random.choice(("UP", "DOWN")))
+
+    def do_pose_rename(self):
+        pose = self.pick_pose()
+        if pose:
+            pose.name = self.random.choice(("Surprise", "Anger", "Grief", ""))
+
+    def do_pose_switches(self):
+        pose = self.pick_pose()
+        if pose:
+            name, value = self.random.choice((("muted", True), ("muted", False), ("solo", True), ("solo", False),
+                                              ("strength", 0.5), ("strength", 1.0)))
+            setattr(pose, name, value)
+
+    def do_image(self):
+        pose = self.pick_pose()
+        if pose:
+            pose.image = bpy.data.images.new("Wrinkles", 4, 4, is_data=True) if self.random.random() < 0.7 else None
+
+    def do_neutral(self):
+        obj = self.pick()
+        if obj and self.random.random() < 0.5:
+            bpy.ops.rumple.neutral_rest()
+        elif obj:
+            face.pose(bpy.data.objects["Rig"], brow_L=0.001, brow_R=0.001)
+            bpy.ops.rumple.neutral_capture()
+
+    def do_bone_settings(self):
+        obj = self.pick()
+        if obj and obj.rumple_maps.bones:
+            bone = self.random.choice(list(obj.rumple_maps.bones))
+            bone.tracked, bone.group = self.random.choice(("HEAD", "TAIL", "BOTH")), self.random.choice(("", "brows"))
+            obj.rumple_maps.gain = self.random.choice((1.0, 3.0))
+
+    def do_materials(self):
+        if self.pick():
+            try:
+                self.random.choice((bpy.ops.rumple.maps_show, bpy.ops.rumple.maps_hide))()
+            except RuntimeError as error:   # duplicates share a material
+                assert "shows the maps of another object" in str(error), error
+
+    def do_remove(self):
+        if self.pick():
+            bpy.ops.rumple.maps_remove()
+
+    def do_add(self):
+        if self.pick(mapped=False):
+            bpy.ops.rumple.maps_add()
+
+    def do_duplicate(self):
+        if len(bpy.context.scene.objects) < MOST_OBJECTS + 1 and self.pick():
+            bpy.ops.object.duplicate(linked=self.random.random() < 0.5)
+
+    def do_delete(self):
+        if len([o for o in bpy.context.scene.objects if o.type == "MESH"]) > 1 and self.pick():
+            bpy.ops.object.delete()
+
+    def do_wrinkle_mesh(self):
+        obj = self.pick()
+        if obj and modifier.find(obj) is None:
+            obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+            bpy.ops.object.rumple_add(method="MESH")
+        elif obj:
+            bpy.ops.object.rumple_remove()
+
+    def do_bake(self):
+        if self.random.random() < 0.3 and self.pick_pose():
+            bpy.context.object.rumple_maps.bake_size = 16
+            properties.group_of(bpy.context.object).level = 1
+            bpy.ops.rumple.maps_bake()
+
+    def do_paint(self):
+        obj = self.pick()
+        if obj:
+            index = self.random.randrange(len(obj.data.vertices))
+            obj.vertex_groups["jaw"].add([index], self.random.random(), "REPLACE")
+            obj.data.update()
+
+    def do_edit_mode(self):
+        if self.pick():
+            bpy.ops.object.mode_set(mode="EDIT")
+            bpy.ops.object.mode_set(mode="OBJECT")
+
+    def do_switch_off_and_on(self):
+        obj = self.pick()
+        if obj:
+            maps_tree.find(obj).show_viewport = False
+            self.do_pose()
+            maps_tree.find(obj).show_viewport = True
+
+    def do_undo(self):
+        for _ in range(self.random.randint(1, 3)):
+            if bpy.ops.ed.undo.poll():
+                bpy.ops.ed.undo()
+
+    def do_redo(self):
+        if bpy.ops.ed.redo.poll():
+            bpy.ops.ed.redo()
