@@ -13,7 +13,7 @@ from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Momen
 from .settings import PathsSettings
 
 MOST_LEVEL = 5
-EDGES_PER_WIDTH = 8.0 / 3.0  # of the fine mesh: section 7.3
+EDGES_PER_WIDTH = 4.5  # of the fine mesh. Section 7.3 has 8/3: on edges that do not follow the folds crests look sawn
 
 
 def fitting_width(base: BaseMesh, unit_scale: float) -> float:
