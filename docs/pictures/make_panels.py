@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the panel with everything open, panel_<version>.png, and of the viewport (3.4), beside this file.
+"""Pictures of the panel with everything open, panel_<version>.png, of its sisters' panels and of the viewport (3.4).
 
     scripts/demo                                   # makes out/demo/wrinkled.blend
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
@@ -71,6 +71,24 @@ def steps():
     area.spaces.active.context = "MODIFIER"
     yield 2.0
     (HERE / f"panel_{VERSION}.png").write_bytes(case.png(without_ground(picture_of(area))))
+    for method in ("FIELD", "PATHS") if VERSION == "3.4" else ():
+        another(method)
+        for _ in range(3):  # other sub-panels take their places one redraw later
+            area.tag_redraw()
+            yield 0.7
+        (HERE / f"panel_{method.lower()}.png").write_bytes(case.png(without_ground(picture_of(area))))
+
+
+def another(method: str) -> None:
+    """Wrinkles of another system on the same garment."""
+    window, garment = bpy.context.window_manager.windows[0], bpy.data.objects["Shirt"]
+    with bpy.context.temp_override(window=window, object=garment, active_object=garment):
+        bpy.ops.object.rumple_remove()
+        bpy.ops.object.rumple_add(method=method)
+    for modifier in garment.modifiers:
+        modifier.show_expanded = False
+    for frame in range(FRAME - 20, FRAME + 1):
+        bpy.context.scene.frame_set(frame)
 
 
 def main() -> None:

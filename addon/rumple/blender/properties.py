@@ -49,6 +49,8 @@ def _property(f: Field) -> Any:
         return bpy.props.IntProperty(**common)
     if about["unit"] == "LENGTH":
         return bpy.props.FloatProperty(subtype="DISTANCE", unit="LENGTH", precision=4, **common)
+    if about["unit"] == "SECONDS":
+        return bpy.props.FloatProperty(subtype="TIME_ABSOLUTE", unit="TIME_ABSOLUTE", precision=3, **common)
     return bpy.props.FloatProperty(subtype="FACTOR" if about["unit"] == "FACTOR" else "NONE", precision=3, **common)
 
 

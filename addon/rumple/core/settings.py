@@ -12,7 +12,7 @@ from typing import Any
 
 def setting(default: Any, name: str, tip: str, *, low: float | None = None, high: float | None = None,
             soft: float | None = None, unit: str = "NONE", choices: tuple = (), affects: str = "SOLVE") -> Any:
-    """A dataclass field that knows its name, tooltip, range and Blender unit.
+    """A dataclass field that knows its name, tooltip, range and unit: LENGTH (metres), SECONDS, FACTOR or NONE.
 
     affects: what must be made anew when it changes. MESH: the shown mesh; SOLVE: the stored frames;
     PAINT: what is read from the coarse mesh.
@@ -215,7 +215,7 @@ class PathsSettings:
                                "across the compression", low=0.0, high=10.0, soft=2.0)
     growth_limit: float = setting(0.15, "Growth Limit", "Most change of a fold's length in a thirtieth of a second",
                                   low=0.0, high=1.0, unit="FACTOR")
-    fade: float = setting(0.15, "Fade", "Seconds in which a fold rises and sinks", low=0.0, high=5.0)
+    fade: float = setting(0.15, "Fade", "Time in which a fold rises and sinks", low=0.0, high=5.0, unit="SECONDS")
     hem_rings: int = setting(2, "Hem Fade", "Rings of the mesh at open borders over which folds fade out", low=0,
                              high=20)
     seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
@@ -223,13 +223,13 @@ class PathsSettings:
                               "and in any order, but folds jump")
     # What compression is measured against (section 4.2)
     reference: str = setting("REST", "Measured Against", "What counts as uncompressed", choices=REFERENCES)
-    window: float = setting(0.1, "Window", "Seconds back to the pose that tells compressing from stretching", low=0.0,
-                            high=2.0)
+    window: float = setting(0.1, "Window", "Time back to the pose that tells compressing from stretching", low=0.0,
+                            high=2.0, unit="SECONDS")
     relaxation: float = setting(0.01, "Giving In", "Share by which the reference takes over a compressed shape in a "
                                 "thirtieth of a second", low=0.0, high=1.0)
     growth: float = setting(1.05, "Growth", "Most length of the reference over the rest shape", low=1.0, high=10.0)
-    smoothing: float = setting(0.1, "Smoothing", "Seconds over which compression is smoothed: noise bears no folds",
-                               low=0.0, high=2.0)
+    smoothing: float = setting(0.1, "Smoothing", "Time over which compression is smoothed: noise bears no folds",
+                               low=0.0, high=2.0, unit="SECONDS")
     # What they look like (chapter 6)
     height: float = setting(1.0, "Height", "Over the height that keeps the length of the cloth", low=0.0, high=10.0,
                             soft=2.0)
