@@ -22,7 +22,8 @@ from contact_sheet import compose  # noqa: E402
 from rumple.core.settings import PRESETS  # noqa: E402
 
 REFERENCE = {"Surprise": 21, "Anger": 51}  # frames that hold these expressions
-SHOWN = {"Neutral": 1, "Surprise": 21, "Anger": 51, "Laughing": 81, "Crying": 111}
+SHOWN = {"Neutral": 1, "Surprise": 21, "Anger": 51, "One brow of Anger": 51, "Laughing": 81, "Crying": 111}
+BROW = ("oculi01.L", "oculi02.L")  # all that is posed in "One brow of Anger"
 PRONOUNCED = 1.25  # "these expressions should be strongly pronounced" (section 4)
 VIEW = Vector((0.35, -1.0, 0.05)).normalized()
 
@@ -73,13 +74,37 @@ def stage(head: bpy.types.Object) -> None:
     camera.location = middle + 2.0 * VIEW
     camera.rotation_euler = VIEW.to_track_quat("Z", "Y").to_euler()
     render = scene.render
-    render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 64, False
-    render.resolution_x, render.resolution_y, render.resolution_percentage = 400, 480, 100
+    render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 40, False
+    render.resolution_x, render.resolution_y, render.resolution_percentage = 330, 400, 100
 
 
-def picture(head: bpy.types.Object, shown: bool, path: Path) -> Path:
+def only(rig: bpy.types.Object, names: tuple[str, ...]) -> None:
+    """All other bones go to rest, and stay there when a render plays the frame."""
+    rig.animation_data.action = None
+    for bone in rig.pose.bones:
+        if bone.name not in names:
+            bone.matrix_basis.identity()
+
+
+def influences(head: bpy.types.Object) -> bpy.types.Material:
+    """A material that shows the masks: the first pose in red, the second in green."""
+    material = head.data.materials[0].copy()
+    tree = material.node_tree
+    shader = next(n for n in tree.nodes if n.type == "BSDF_PRINCIPLED")
+    masks, colour = tree.nodes.new("ShaderNodeAttribute"), tree.nodes.new("ShaderNodeVectorMath")
+    masks.attribute_name = "rumple_poses_0"
+    colour.operation = "MULTIPLY_ADD"
+    colour.inputs[1].default_value, colour.inputs[2].default_value = (0.7, 0.5, 0.0), (0.08, 0.08, 0.08)
+    tree.links.new(masks.outputs["Vector"], colour.inputs[0])
+    tree.links.new(colour.outputs["Vector"], shader.inputs["Base Color"])
+    return material
+
+
+def picture(head: bpy.types.Object, muted: bool, material: bpy.types.Material, path: Path) -> Path:
+    head.data.materials[0] = material
     for pose in head.rumple_maps.poses:
-        pose.muted = not shown
+        pose.muted = muted
+    bpy.context.view_layer.update()
     bpy.context.scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
     return path
@@ -90,14 +115,20 @@ def main() -> None:
     head, rig = bpy.data.objects["Head"], bpy.data.objects["HeadRig"]
     wrinkle(head, rig)
     stage(head)
+    skin = head.data.materials[0]
+    coloured = influences(head)
     with tempfile.TemporaryDirectory() as folder:
         tiles = []
+        clip = rig.animation_data.action
         for name, frame in SHOWN.items():
+            rig.animation_data.action = clip
             bpy.context.scene.frame_set(frame)
-            for shown in (False, True):
-                path = picture(head, shown, Path(folder) / f"{name}{shown}.png")
-                tiles.append((f"{name}, with maps" if shown else name, path))
-        compose(tiles, 2, Path(folder) / "sheet.png")
+            if name == "One brow of Anger":
+                only(rig, BROW)
+            for label, muted, material in ((name, True, skin), ("Influences", False, coloured),
+                                           ("Wrinkle Maps", False, skin)):
+                tiles.append((label, picture(head, muted, material, Path(folder) / f"{len(tiles)}.png")))
+        compose(tiles, 3, Path(folder) / "sheet.png")
         from PIL import Image
         Image.open(Path(folder) / "sheet.png").save(HERE / "s4_face.jpg", quality=88, optimize=True)
 
