@@ -12,5 +12,6 @@ PYBIND11_MODULE(rumple_native, module) {
     rumple::bindings::bind_wrinkle_maps(module);
     rumple::bindings::bind_wrinkle_mesh(module);
     rumple::bindings::bind_wrinkle_field(module);
+    rumple::bindings::bind_wrinkle_field_brush(module);
     rumple::bindings::bind_wrinkle_paths(module);
 }

@@ -9,6 +9,7 @@ void bind_surface(pybind11::module_& module);
 void bind_wrinkle_maps(pybind11::module_& module);
 void bind_wrinkle_mesh(pybind11::module_& module);
 void bind_wrinkle_field(pybind11::module_& module);
+void bind_wrinkle_field_brush(pybind11::module_& module);
 void bind_wrinkle_paths(pybind11::module_& module);
 
 }  // namespace rumple::bindings

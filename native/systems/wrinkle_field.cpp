@@ -12,6 +12,7 @@
 #include "base/expect.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "systems/wrinkle_field_frames.h"
 
 namespace rumple::wrinkle_field {
 namespace {
@@ -55,15 +56,7 @@ void check_paint(const Model& model, const Paint& paint) {
     };
     fits("mask", paint.mask, 0.0);
     fits("wavelength", paint.wavelength, 1e-3);
-    if (paint.rest_wrinkle.empty()) return;
-    expect_count("rest_wrinkle", paint.rest_wrinkle.size(), vertices, "vertices");
-    expect_finite<Vec3>("rest_wrinkle", paint.rest_wrinkle, "vertex");
-    for (size_t v = 0; v < vertices; ++v) {
-        const float length = glm::length(paint.rest_wrinkle[v]);
-        if (length < 1.0f) continue;
-        throw InvalidInput("rest_wrinkle: vertex " + std::to_string(v) + " has length " +
-                           std::to_string(length) + ", expected below 1");
-    }
+    if (!paint.rest_wrinkle.empty()) check_rest_wrinkle(model, paint.rest_wrinkle);
 }
 
 // Values of welded vertices: the mean of those that were joined.
@@ -96,18 +89,6 @@ Disturbance disturb(const Settings& settings, const Vec3& rest) {
     };
     const float angle = kMostTurn * noise_at(0);
     return {{std::cos(angle), std::sin(angle)}, 1.0f + kMostWavelengthChange * noise_at(1)};
-}
-
-// M of equation (1), from the rest frame of a vertex to the frame (t, b) of the deformed one.
-glm::mat2 regress(const Model& model, std::span<const Vec3> positions, Index v, const Vec3& t,
-                  const Vec3& b) {
-    glm::mat2 m(0.0f);
-    for (Index i = model.neighbour_start[v]; i < model.neighbour_start[v + 1]; ++i) {
-        const Model::Neighbour& n = model.neighbours[i];
-        const Vec3 way = positions[n.vertex] - positions[v];
-        m += glm::outerProduct(formulas::tangent_space(way, t, b, model.true_lengths), n.gradient);
-    }
-    return m;
 }
 
 // A neighbour in relaxation.
@@ -242,6 +223,17 @@ void check(const Settings& settings) {
     expect_within("threads", settings.threads, 0, 1024);
 }
 
+void check_rest_wrinkle(const Model& model, std::span<const Vec3> painted) {
+    expect_count("rest_wrinkle", painted.size(), model.base.welded_of.size(), "vertices");
+    expect_finite("rest_wrinkle", painted, "vertex");
+    for (size_t v = 0; v < painted.size(); ++v) {
+        const float length = glm::length(painted[v]);
+        if (length < 1.0f) continue;
+        throw InvalidInput("rest_wrinkle: vertex " + std::to_string(v) + " has length " +
+                           std::to_string(length) + ", expected below 1");
+    }
+}
+
 Wishes wishes(const Model& model, const Settings& settings, const Paint& paint) {
     check(settings);
     check_paint(model, paint);
@@ -302,21 +294,17 @@ Waves crush(const Model& model, const Settings& settings, const Paint& paint, st
     const std::vector<Vec2> first = before.empty() ? first_directions(model) : std::vector<Vec2>();
     if (before.empty()) before = first;
     for_each_vertex(settings, vertices, [&](size_t v) {
-        const Index nearest = model.neighbour_start[v];
-        const Vec3 normal = waves.normals[v];
-        if (normal == Vec3(0.0f) || model.tangent_rest[v] == Vec3(0.0f)) return;
-        const Vec3 way = waves.positions[model.neighbours[nearest].vertex] - waves.positions[v];
-        const Vec3 t = formulas::tangent_towards(way, normal);
-        const Vec3 b = glm::cross(normal, t);
+        const std::optional<Neighbourhood> around = regress(model, waves.positions, waves.normals[v], v);
+        if (!around) return;
         const formulas::Crushed crushed =
-            formulas::crush(regress(model, waves.positions, static_cast<Index>(v), t, b),
-                            wished.rest_wrinkle[v], before[v], wished.turn[v]);
+            formulas::crush(around->m, wished.rest_wrinkle[v], before[v], wished.turn[v]);
         const float w = wished.wavelength[v];
         waves.compression[v] = crushed.r;
         waves.direction[v] = crushed.k;
         waves.fullness[v] = crushed.fullness * wished.mask[v];
         waves.height[v] = 0.25f * w * settings.strength * waves.fullness[v];  // equation (2)
-        waves.wave_vector[v] = (formulas::kTwoPi / w) * (crushed.k_deformed.x * t + crushed.k_deformed.y * b);
+        waves.wave_vector[v] = (formulas::kTwoPi / w) * (crushed.k_deformed.x * around->tangent +
+                                                         crushed.k_deformed.y * around->bitangent);
     });
     return waves;
 }

@@ -124,6 +124,10 @@ struct Report {
     Index collapsed = 0;          // vertices without a wave because their neighbourhood collapsed
 };
 
+// Throws InvalidInput when rest_wrinkle is not one per vertex of the base, not finite or not shorter than 1,
+// naming the first vertex. crush() calls it.
+void check_rest_wrinkle(const Model& model, std::span<const Vec3> painted);
+
 // What settings and paint ask of every welded vertex, whatever the pose: crush() reads it, and so does the
 // GPU.
 struct Wishes {
