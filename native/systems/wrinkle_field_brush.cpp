@@ -23,6 +23,10 @@ constexpr float kUnpainted = 1e-3f;
 // shorter than this share of what went in, is noise.
 constexpr float kNoDirection = 1e-3f;
 
+// Unit: none (cosine). Between this slope towards the viewer and the silhouette the brush fades out, as there
+// is no telling where a stroke would lie.
+constexpr float kGrazing = 0.2f;
+
 // Of the scattered field: over which part of the noise's range the wrinkles fade out.
 constexpr float kScatterFade = 0.35f;
 
@@ -93,11 +97,12 @@ Vec2 pulled_back(const Canvas& canvas, const Dab& dab, size_t v) {
 
 std::vector<Request> ask(const Canvas& canvas, const Dab& dab) {
     std::vector<Request> requests(canvas.positions.size());
-    const float side = glm::dot(dab.normal, dab.view);
+    const Vec3 view = glm::normalize(dab.view) * (glm::dot(dab.normal, dab.view) < 0.0f ? -1.0f : 1.0f);
     for (size_t v = 0; v < requests.size(); ++v) {
         const float distance = glm::distance(canvas.positions[v], dab.centre) / dab.radius;
-        if (distance >= 1.0f || side * glm::dot(canvas.normals[v], dab.view) <= 0.0f) continue;
-        requests[v] = {dab.strength * falloff(dab.falloff, distance), pulled_back(canvas, dab, v)};
+        const float facing = glm::smoothstep(0.0f, kGrazing, glm::dot(canvas.normals[v], view));
+        if (distance >= 1.0f || facing <= 0.0f) continue;
+        requests[v] = {dab.strength * facing * falloff(dab.falloff, distance), pulled_back(canvas, dab, v)};
     }
     return requests;
 }
@@ -172,6 +177,7 @@ void check_dab(const Dab& dab) {
     for (int i = 0; i < 4; ++i) {
         if (!is_finite(vectors[i])) throw InvalidInput(std::string(names[i]) + ": it is not finite");
     }
+    if (dab.view == Vec3(0.0f)) throw InvalidInput("view: it has no length");
 }
 
 // The value of every welded vertex; of several painted unlike, the first.
