@@ -30,6 +30,9 @@ constexpr float kGrazing = 0.2f;
 // Of the scattered field: over which part of the noise's range the wrinkles fade out.
 constexpr float kScatterFade = 0.35f;
 
+// ... and over how many patches of it they keep their direction.
+constexpr float kScatterCoherence = 2.0f;
+
 // p and -p mean the same, so means are taken of |p| exp(2 i angle).
 using Director = std::complex<float>;
 
@@ -165,7 +168,8 @@ Vec3 smoothed(const Model& model, std::span<const Vec3> painted, size_t v, float
     }
     const Director mean = sum / static_cast<float>(end - begin);
     const Vec2 q = undirected((1.0f - weight) * director(carried(model, v, painted[v])) + weight * mean);
-    return glm::length(q) < kUnpainted ? Vec3(0.0f) : in_rest_space(model, v, q);
+    const Vec3 p = glm::length(q) < kUnpainted ? Vec3(0.0f) : in_rest_space(model, v, q);
+    return glm::dot(p, painted[v]) < 0.0f ? -p : p;
 }
 
 void check_dab(const Dab& dab) {
@@ -283,7 +287,8 @@ std::vector<Vec3> scatter(const Model& model, const Scatter& settings) {
     std::vector<Vec3> field(rest.size(), Vec3(0.0f));
     for (size_t v = 0; v < rest.size(); ++v) {
         // Where the noise stands upright on the surface there is no direction: the wrinkles fade out there.
-        const Vec2 q = in_frame(model, v, noise3(rest[v] / settings.size, hashed(settings.seed, 2)));
+        const Vec2 q = in_frame(
+            model, v, noise3(rest[v] / (kScatterCoherence * settings.size), hashed(settings.seed, 2)));
         const float amount = glm::length(q);
         if (cover[v] <= bar || amount == 0.0f) continue;
         const float strength = glm::smoothstep(0.0f, kScatterFade, std::min(cover[v] - bar, amount));
