@@ -2,11 +2,11 @@
 """What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code."""
 from __future__ import annotations
 
-from . import (bake, handlers, maps_bake, maps_export, maps_operators, maps_overlay, maps_panel, maps_properties,
+from . import (bake, brush, handlers, maps_bake, maps_export, maps_operators, maps_overlay, maps_panel, maps_properties,
                operators, panels, preview, properties, structure)
 
-_MODULES = (properties, maps_properties, operators, maps_operators, maps_export, maps_bake, bake, panels, maps_panel,
-            maps_overlay, handlers, preview)
+_MODULES = (properties, maps_properties, operators, maps_operators, maps_export, maps_bake, bake, brush, panels,
+            maps_panel, maps_overlay, handlers, preview)
 
 
 def register() -> None:

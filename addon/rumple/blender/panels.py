@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ..core.systems import SYSTEMS
-from . import (bake_state, field_curve, maps_tree, mesh_io, modifier, operators, properties, registry, structure,
-               versions)
+from . import (bake_state, brush_panel, field_curve, maps_tree, mesh_io, modifier, operators, properties, registry,
+               structure, versions)
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
@@ -345,7 +345,7 @@ def _add_maps_button(layout: bpy.types.UILayout) -> None:
 
 
 CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
-           DATA_PT_rumple_folds, DATA_PT_rumple_persistence,
+           DATA_PT_rumple_folds, DATA_PT_rumple_persistence, brush_panel.DATA_PT_rumple_rest_wrinkles,
            DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
            DATA_PT_rumple_bake, DATA_PT_rumple_status)
 

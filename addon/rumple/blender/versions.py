@@ -247,3 +247,10 @@ def smoothing(mesh: bpy.types.Mesh) -> tuple:
 def has_custom_normals(mesh: bpy.types.Mesh) -> bool:
     """Custom split normals, which no fine mesh can inherit."""
     return bool(mesh.has_custom_normals)
+
+
+# ---------------------------------------------------------------- drawing
+def line_shader() -> Any:
+    """Lines of any width in colours, world space; uniforms viewportSize and lineWidth. For draw handlers only."""
+    import gpu  # needs a window in 3.4
+    return gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR" if VERSION >= (4, 0, 0) else "3D_POLYLINE_SMOOTH_COLOR")

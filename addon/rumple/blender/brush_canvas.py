@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the brush paints on: the Wrinkle Field of an object in the pose that is seen, and its painted attribute."""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
+
+from ..core.brush import Easel
+from ..core.engine import Refused
+from ..core.wrinkle_field import WrinkleField
+from . import mesh_io, modifier, registry, versions
+
+
+class Canvas:
+    """An object under the brush. Kept from stroke to stroke, for as long as its wrinkles are the same."""
+
+    def __init__(self, field: WrinkleField) -> None:
+        self.easel = Easel(field)
+        self._tree: BVHTree | None = None
+
+    def pose(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
+        """As it stands in this depsgraph. Raises Refused."""
+        evaluated = obj.evaluated_get(depsgraph)
+        count = len(obj.data.vertices)
+        try:
+            positions = mesh_io.posed_positions(evaluated, count)
+        except mesh_io.Reordered as error:
+            raise Refused(f"{obj.name}: {error}") from error
+        if positions is None:
+            positions = mesh_io.plain_positions(evaluated, count)
+        if positions is None:
+            raise Refused(f"{obj.name}: its wrinkles do not show: switch the modifier on in the viewport first")
+        matrix = np.array(evaluated.matrix_world, np.float32)
+        if self.easel.pose(positions @ matrix[:3, :3].T + matrix[:3, 3]):
+            self._tree = None
+
+    def hit(self, origin: Vector, direction: Vector) -> tuple[Vector, Vector] | None:
+        """Where a ray meets the coarse mesh, and the normal of the triangle there; world space."""
+        if self._tree is None:
+            self._tree = BVHTree.FromPolygons(self.easel.positions.tolist(), self.easel.triangles().tolist(),
+                                              all_triangles=True)
+        place, normal, _index, _distance = self._tree.ray_cast(origin, direction)
+        return None if place is None else (place, normal)
+
+
+_canvases: dict[int, Canvas] = {}
+
+
+def canvas_of(obj: bpy.types.Object) -> Canvas:
+    """The canvas of an object with a Wrinkle Field. Raises Refused."""
+    ours = modifier.find(obj)
+    if ours is None or modifier.system(ours).method != "FIELD":
+        raise Refused(f"{obj.name}: it has no Wrinkle Field to paint on: add one first")
+    if modifier.is_baked(ours):
+        raise Refused(f"{obj.name}: its wrinkles are baked: free the bake first")
+    entry = registry.known(obj)
+    if entry is None or not isinstance(entry.fine, WrinkleField):
+        raise Refused(registry.message(obj) or f"{obj.name}: nothing is solved yet")
+    if len(entry.fine.base.positions) != len(obj.data.vertices):
+        raise Refused(f"{obj.name}: its mesh was edited: one moment")
+    key = versions.session_key(obj)
+    if key not in _canvases or _canvases[key].easel.field is not entry.fine:
+        _canvases[key] = Canvas(entry.fine)
+    return _canvases[key]
+
+
+def forget() -> None:
+    """Another file, or the add-on is switched off."""
+    _canvases.clear()
+
+
+# ---------------------------------------------------------------- the painted attribute
+def read(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """What is painted on a coarse mesh, (n, 3) float32; None where nothing ever was. Raises Refused."""
+    found = mesh.attributes.get(mesh_io.REST_WRINKLE)
+    if found is None:
+        return None
+    if (found.domain, found.data_type) != ("POINT", "FLOAT_VECTOR"):
+        raise Refused(f"{mesh.name}: its attribute \"{mesh_io.REST_WRINKLE}\" is not a vector for each point: rename it "
+                      "or remove it")
+    return versions.read_attribute(found)
+
+
+def write(mesh: bpy.types.Mesh, painted: np.ndarray | None) -> None:
+    """Store it; None removes the attribute."""
+    if painted is not None:
+        versions.write_attribute(mesh, mesh_io.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
+    elif mesh_io.REST_WRINKLE in mesh.attributes:
+        mesh.attributes.remove(mesh.attributes[mesh_io.REST_WRINKLE])
+    mesh.update()

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is painted, drawn in the viewport while the brush is in hand: a line along the folds at every point."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..core.engine import Refused
+from . import brush_canvas, versions
+
+WEAK, STRONG = np.array((0.15, 0.5, 1.0, 0.6), np.float32), np.array((1.0, 0.75, 0.1, 1.0), np.float32)
+LINE_WIDTH = 2.0  # pixels, times the interface's scale
+LIFT = 0.1  # edges above the surface, so that it does not hide the lines
+CURSOR = (1.0, 1.0, 1.0, 0.8)
+
+
+@dataclass
+class _Drawn:
+    """Lines on the graphics card and what they were made from."""
+
+    easel: Any
+    positions: np.ndarray
+    painted: np.ndarray
+    look: tuple
+    batch: Any
+
+
+_handle: Any = None
+_tool = ""
+_last: _Drawn | None = None
+_complaint = ""
+
+
+def register(tool: str) -> None:
+    """tool: what must be in hand."""
+    global _handle, _tool
+    _tool = tool
+    if _handle is None and not bpy.app.background:
+        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw_guarded, (), "WINDOW", "POST_VIEW")
+
+
+def unregister() -> None:
+    global _handle
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+        _handle = None
+    forget()
+
+
+def forget() -> None:
+    global _last
+    _last = None
+
+
+def _draw_guarded() -> None:
+    """A draw handler must not throw: Blender would go on calling it. What is wrong goes to the console once."""
+    global _complaint
+    try:
+        _draw(bpy.context)
+        _complaint = ""
+    except Exception as error:
+        text = "" if isinstance(error, Refused) else f"Rumple: the overlay cannot be drawn: {error!r}"
+        if text and text != _complaint:
+            print(text)
+        _complaint = text
+
+
+def _draw(context: bpy.types.Context) -> None:
+    obj, brush = context.object, context.scene.rumple_brush
+    if not (brush.show_overlay and context.space_data.overlay.show_overlays and is_in_hand(context)):
+        return
+    depsgraph = context.view_layer.depsgraph
+    if obj is None or obj.type != "MESH" or depsgraph is None or not obj.visible_get():
+        return
+    painted = brush_canvas.read(obj.data)
+    if painted is None:
+        return
+    canvas = brush_canvas.canvas_of(obj)
+    canvas.pose(obj, depsgraph)
+    batch = _batch(canvas.easel, painted, context.region_data, brush.show_vectors)
+    if batch is not None:
+        _draw_lines(batch, context)
+
+
+def is_in_hand(context: bpy.types.Context) -> bool:
+    """Whether the brush is the tool of the workspace."""
+    tool = context.workspace.tools.from_space_view3d_mode(context.mode, create=False)
+    return tool is not None and tool.idname == _tool
+
+
+def _batch(easel: Any, painted: np.ndarray, view: bpy.types.RegionView3D, across: bool) -> Any:
+    """The lines; made anew only where something changed."""
+    global _last
+    facing = tuple(-view.view_matrix.row[2].xyz)
+    look = (across, facing)
+    if not (_last is not None and _last.easel is easel and _last.look == look
+            and np.array_equal(_last.positions, easel.positions) and np.array_equal(_last.painted, painted)):
+        ends, strength = easel.lines(painted, facing, across, LIFT)
+        _last = _Drawn(easel, easel.positions, painted, look, _upload(ends, strength) if len(ends) else None)
+    return _last.batch
+
+
+def _upload(ends: np.ndarray, strength: np.ndarray) -> Any:
+    from gpu_extras.batch import batch_for_shader  # not at the top: gpu needs a window in 3.4
+    colors = WEAK + np.clip(strength, 0.0, 1.0)[:, None] * (STRONG - WEAK)
+    return batch_for_shader(versions.line_shader(), "LINES", {"pos": ends, "color": np.repeat(colors, 2, axis=0)})
+
+
+def _draw_lines(batch: Any, context: bpy.types.Context) -> None:
+    import gpu
+    shader = versions.line_shader()
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.blend_set("ALPHA")
+    try:
+        shader.bind()
+        shader.uniform_float("viewportSize", (context.region.width, context.region.height))
+        shader.uniform_float("lineWidth", LINE_WIDTH * context.preferences.system.ui_scale)
+        batch.draw(shader)
+    finally:
+        gpu.state.blend_set("NONE")
+        gpu.state.depth_test_set("NONE")
+
+
+def draw_cursor(brush: bpy.types.PropertyGroup, place: tuple[float, float]) -> None:
+    """The rim of the brush around the mouse."""
+    from gpu_extras.presets import draw_circle_2d
+    draw_circle_2d(place, CURSOR, brush.radius, segments=48)

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel "Rest Wrinkles" of a Wrinkle Field. panels.py registers it among the others."""
+from __future__ import annotations
+
+import bpy
+
+from . import brush, brush_overlay, mesh_io, modifier
+
+
+class DATA_PT_rumple_rest_wrinkles(bpy.types.Panel):
+    bl_label = "Rest Wrinkles"
+    bl_parent_id = "DATA_PT_rumple"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.object
+        return obj is not None and obj.type == "MESH" and obj.rumple.method == "FIELD" and modifier.find(obj) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        in_hand = brush_overlay.is_in_hand(context)
+        layout.operator("object.rumple_brush", icon="BRUSH_DATA", depress=in_hand)
+        if in_hand:
+            brush.draw_brush(layout.column(), context.scene.rumple_brush)
+        row = layout.row(align=True)
+        row.operator("object.rumple_scatter", text="Scatter", icon="FORCE_TURBULENCE")
+        if mesh_io.REST_WRINKLE in context.object.data.attributes:
+            row.operator("object.rumple_clear_rest_wrinkles", text="Clear", icon="X")

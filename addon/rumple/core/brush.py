@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Painting rest-pose wrinkles for whoever has arrays: the way of the hand, and the surface under it. Never imports bpy.
+
+A painted value is a tangent vector of the rest pose, across the folds, shorter than 1; v and -v mean the same.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .. import native
+from .engine import Refused
+from .wrinkle_field import WrinkleField
+
+SPACING = 0.25  # of the brush's radius, from dab to dab
+LEAST_SPACING = 8.0  # pixels: less says too little about the direction of a hand that moves by whole pixels
+DEFAULT_LENGTH = 0.7
+LONGEST = 0.99  # kLongestPainted of the native side
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the brush is set down: pixels, the unit direction of the hand there, and how hard it presses (0..1)."""
+
+    x: float
+    y: float
+    dx: float
+    dy: float
+    pressure: float
+
+
+class Hand:
+    """Turns the events of a stroke into places at even distances, so that it does not matter how many came."""
+
+    def __init__(self, spacing: float) -> None:
+        """spacing: pixels from place to place."""
+        self.spacing = max(spacing, LEAST_SPACING)
+        self._last: Place | None = None
+        self._moved = False
+
+    def press(self, x: float, y: float, pressure: float) -> Place:
+        """The beginning. What it returns has no direction yet: the first move() gives that place again, with one."""
+        self._last = Place(x, y, 0.0, 0.0, pressure)
+        return self._last
+
+    def move(self, x: float, y: float, pressure: float) -> list[Place]:
+        """The places between the last one and here."""
+        last = self._last
+        distance = math.hypot(x - last.x, y - last.y)
+        count = int(distance / self.spacing)
+        if count == 0:
+            return []
+        dx, dy = (x - last.x) / distance, (y - last.y) / distance
+        places = [] if self._moved else [Place(last.x, last.y, dx, dy, last.pressure)]
+        for step in range(1, count + 1):
+            way = step * self.spacing
+            places.append(Place(last.x + way * dx, last.y + way * dy, dx, dy,
+                                last.pressure + (pressure - last.pressure) * way / distance))
+        self._moved, self._last = True, places[-1]
+        return places
+
+
+class Easel:
+    """A Wrinkle Field that is painted on, in one pose at a time.
+
+    Positions, and everything else that is given or handed out in space, are in the world: angles are those that are
+    seen, whatever the object's scale. Painted values are (n, 3) float32, per vertex of the coarse mesh, rest space.
+    """
+
+    def __init__(self, field: WrinkleField) -> None:
+        self.field = field
+        self.name = field.base.name
+        self.positions: np.ndarray | None = None  # (n, 3) float32 of the pose
+        self._canvas: Any = None
+        self._twins: Any = None
+
+    def triangles(self) -> np.ndarray:
+        """(t, 3) vertices of the coarse mesh's triangles."""
+        return self.field.base.corner_vertex[self.field.base.triangle_corner]
+
+    def pose(self, positions: np.ndarray) -> bool:
+        """Take another pose, (n, 3). True when it is another. Raises Refused."""
+        positions = np.ascontiguousarray(positions, np.float32)
+        if self.positions is not None and np.array_equal(positions, self.positions):
+            return False
+        self._canvas = self._checked(native.load().lay_out_canvas, self.field.model, positions)
+        self.positions = positions
+        return True
+
+    def dab(self, painted: np.ndarray, mirror: bool, **how: Any) -> np.ndarray:
+        """The brush set down once: painted anew. how: see rumple_native.apply_dab. Raises Refused."""
+        if mirror and self._twins is None:
+            self._twins = native.load().find_twins(self.field.model)
+        return self._checked(native.load().apply_dab, self.field.model, self._canvas, painted,
+                             twins=self._twins if mirror else None, **how)
+
+    def lines(self, painted: np.ndarray, view: tuple[float, float, float], across: bool,
+              lift: float) -> tuple[np.ndarray, np.ndarray]:
+        """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises Refused."""
+        return self._checked(native.load().draw_rest_wrinkles, self.field.model, self._canvas, painted, view, across,
+                             lift)
+
+    def scatter(self, seed: int, density: float, size: float, length: float) -> np.ndarray:
+        """Random wrinkles. size: metres. See rumple_native.scatter_rest_wrinkles. Raises Refused."""
+        return self._checked(native.load().scatter_rest_wrinkles, self.field.model, seed, density,
+                             size / self.field.unit_scale, length)
+
+    def _checked(self, function: Any, *arguments: Any, **keywords: Any) -> Any:
+        try:
+            return function(*arguments, **keywords)
+        except ValueError as error:
+            raise Refused(f"{self.name}: {error}") from error
