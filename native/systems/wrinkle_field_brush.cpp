@@ -23,8 +23,8 @@ constexpr float kUnpainted = 1e-3f;
 // shorter than this share of what went in, is noise.
 constexpr float kNoDirection = 1e-3f;
 
-// Unit: none (cosine). Between this slope towards the viewer and the silhouette the brush fades out, as there
-// is no telling where a stroke would lie.
+// Unit: none (cosine). Between this slope towards the viewer and the silhouette the paint fades out: there is
+// no telling where a stroke would lie.
 constexpr float kGrazing = 0.2f;
 
 // Of the scattered field: over which part of the noise's range the wrinkles fade out.
@@ -103,7 +103,9 @@ std::vector<Request> ask(const Canvas& canvas, const Dab& dab) {
     const Vec3 view = glm::normalize(dab.view) * (glm::dot(dab.normal, dab.view) < 0.0f ? -1.0f : 1.0f);
     for (size_t v = 0; v < requests.size(); ++v) {
         const float distance = glm::distance(canvas.positions[v], dab.centre) / dab.radius;
-        const float facing = glm::smoothstep(0.0f, kGrazing, glm::dot(canvas.normals[v], view));
+        const float slope = glm::dot(canvas.normals[v], view);
+        const float facing =
+            dab.touch == Touch::kPaint ? glm::smoothstep(0.0f, kGrazing, slope) : float(slope > 0.0f);
         if (distance >= 1.0f || facing <= 0.0f) continue;
         requests[v] = {dab.strength * facing * falloff(dab.falloff, distance), pulled_back(canvas, dab, v)};
     }

@@ -62,8 +62,8 @@ class RUMPLE_Brush(bpy.types.PropertyGroup):
     show_overlay: bpy.props.BoolProperty(name="Overlay", default=True, options=set(),
                                          description="Draw what is painted while the brush is in hand")
     show_vectors: bpy.props.BoolProperty(name="Show Vectors", default=False, options=set(),
-                                         description="Draw the stored vectors, across the folds, in place of lines along "
-                                                     "them")
+                                         description="Draw the stored vectors, across the folds, in place of lines "
+                                                     "along them")
 
 
 def refusal(obj: bpy.types.Object | None) -> str:
@@ -92,7 +92,8 @@ class _OnField:
             cls.poll_message_set(why)
         return not why
 
-    def settle(self) -> None:
+    @staticmethod
+    def settle() -> None:
         """What is due to be rebuilt is rebuilt first: the brush wants the mesh of now."""
         if not structure.rendering():
             structure.settle_all()
@@ -117,7 +118,8 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
     bl_options = {"UNDO", "BLOCKING", "INTERNAL"}
 
     touch: bpy.props.EnumProperty(name="Touch", default="PAINT", options={"SKIP_SAVE"}, items=[
-        ("PAINT", "Paint", "Add wrinkles"), ("ERASE", "Erase", "Take them away"), ("SMOOTH", "Smooth", "Even them out")])
+        ("PAINT", "Paint", "Add wrinkles"), ("ERASE", "Erase", "Take them away"),
+        ("SMOOTH", "Smooth", "Even them out")])
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -144,8 +146,8 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
 
     def _press(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         self.settle()
-        self.stroke = Stroke(context.object, context.scene.rumple_brush, self.touch, context.region, context.region_data,
-                             context.evaluated_depsgraph_get())
+        self.stroke = Stroke(context.object, context.scene.rumple_brush, self.touch, context.region,
+                             context.region_data, context.evaluated_depsgraph_get())
         context.window_manager.modal_handler_add(self)
         return self._on(event, self.stroke.press)
 

@@ -78,8 +78,8 @@ def read(mesh: bpy.types.Mesh) -> np.ndarray | None:
     if found is None:
         return None
     if (found.domain, found.data_type) != ("POINT", "FLOAT_VECTOR"):
-        raise Refused(f"{mesh.name}: its attribute \"{mesh_io.REST_WRINKLE}\" is not a vector for each point: rename it "
-                      "or remove it")
+        raise Refused(f"{mesh.name}: its attribute \"{mesh_io.REST_WRINKLE}\" is not a vector for each point: rename "
+                      "it or remove it")
     return versions.read_attribute(found)
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from ..core.engine import Refused
 from . import brush_canvas, versions
 
-WEAK, STRONG = np.array((0.15, 0.5, 1.0, 0.6), np.float32), np.array((1.0, 0.75, 0.1, 1.0), np.float32)
-LINE_WIDTH = 2.0  # pixels, times the interface's scale
+WEAK, STRONG = np.array((0.0, 0.25, 1.0, 0.8), np.float32), np.array((1.0, 0.25, 0.0, 1.0), np.float32)
+LINE_WIDTH = 2.5  # pixels, times the interface's scale
 LIFT = 0.1  # edges above the surface, so that it does not hide the lines
 CURSOR = (1.0, 1.0, 1.0, 0.8)
 

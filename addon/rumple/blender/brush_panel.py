@@ -18,7 +18,8 @@ class DATA_PT_rumple_rest_wrinkles(bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.object
-        return obj is not None and obj.type == "MESH" and obj.rumple.method == "FIELD" and modifier.find(obj) is not None
+        return (obj is not None and obj.type == "MESH" and obj.rumple.method == "FIELD"
+                and modifier.find(obj) is not None)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout

@@ -166,7 +166,10 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
         structure.request()
         return False
     inputs = _inputs(obj, ours, entry, evaluated, scene, depsgraph)
-    if inputs is None or (inputs.same_as(entry.inputs) and entry.carrier_key == versions.session_key(held.data)):
+    if inputs is None:
+        return False
+    if inputs.same_as(entry.inputs) and entry.carrier_key == versions.session_key(held.data):
+        registry.say(entry, "")  # what was wrong in between is as it was before
         return False
     picture = entry.fine.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
                                      start=scene.frame_start, world_from_object=inputs.world_from_object,
