@@ -248,7 +248,7 @@ std::vector<SurfacePoint> find_twins(const Model& model) {
     std::vector<SurfacePoint> twins;
     for (size_t v = 0; v < rest.size(); ++v) {
         const TrianglePoint found = tree.closest({-rest[v].x, rest[v].y, rest[v].z});
-        const double near = mean_edge(model, rest, v);
+        const double near = 0.5 * mean_edge(model, rest, v);
         twins.push_back(found.squared_distance <= near * near ? found.place
                                                               : SurfacePoint{kNone, 0.0f, 0.0f});
     }

@@ -46,7 +46,8 @@ struct Dab {
 };
 
 // For every welded vertex the place where its mirror image in the plane x = 0 lies on the rest surface;
-// triangle kNone where that is farther away than the vertex's mean edge. Cost: O(vertices log triangles).
+// triangle kNone where that is farther away than half the vertex's mean edge. Cost: O(vertices log
+// triangles).
 std::vector<SurfacePoint> find_twins(const Model& model);
 
 // One dab. twins: of find_twins() to paint the mirror image too, or empty. painted: per vertex of the base,
