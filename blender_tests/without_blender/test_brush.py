@@ -96,7 +96,7 @@ class EaselLaws(unittest.TestCase):
         painted = np.zeros((108, 3), np.float32)
         painted[:, 2] = 0.5  # compressed along the tube: folds run around it
         for across, axis_share in ((False, 0.0), (True, 1.0)):
-            ends, strength = easel.lines(painted, (0.0, 0.0, -1.0), across, 0.0)
+            ends, strength = easel.lines(painted, across)
             way = ends[1::2] - ends[::2]
             self.assertEqual(len(strength), 108)
             np.testing.assert_allclose(strength, 0.5, atol=1e-6)

@@ -113,4 +113,5 @@ def main() -> None:
     bpy.app.timers.register(advance, first_interval=2.0)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -105,13 +105,11 @@ void bind_wrinkle_field_brush(py::module_& module) {
         "longest.");
     module.def(
         "draw_rest_wrinkles",
-        [](const Model& model, const Canvas& canvas, const py::array& painted, const Triple& view,
-           bool across, float lift) {
-            const Lines lines = draw(model, canvas, vectors(painted, "painted"), vector(view), across, lift);
+        [](const Model& model, const Canvas& canvas, const py::array& painted, bool across) {
+            const Lines lines = draw(model, canvas, vectors(painted, "painted"), across);
             return py::make_tuple(to_numpy(lines.ends), to_numpy<float>(lines.strength, 0));
         },
-        py::arg("model"), py::arg("canvas"), py::arg("painted"), py::arg("view"), py::arg("across") = false,
-        py::arg("lift") = 0.1f,
+        py::arg("model"), py::arg("canvas"), py::arg("painted"), py::arg("across") = false,
         "Lines along the folds (or across them) for an overlay: ends (2 m, 3) and strengths (m,).");
 }
 

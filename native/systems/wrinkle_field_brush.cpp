@@ -301,8 +301,7 @@ std::vector<Vec3> scatter(const Model& model, const Scatter& settings) {
     return painted;
 }
 
-Lines draw(const Model& model, const Canvas& canvas, std::span<const Vec3> painted, const Vec3& view,
-           bool across, float lift) {
+Lines draw(const Model& model, const Canvas& canvas, std::span<const Vec3> painted, bool across) {
     expect_count("painted", painted.size(), model.base.welded_of.size(), "vertices");
     const std::vector<Vec3> welded = of_welded(model.base, painted);
     Lines lines;
@@ -316,10 +315,8 @@ Lines draw(const Model& model, const Canvas& canvas, std::span<const Vec3> paint
         const Vec3 along = fold / fold_length;
         const float edge = mean_edge(model, canvas.positions, v);
         const Vec3 half = 0.5f * strength * edge * (across ? glm::cross(canvas.normals[v], along) : along);
-        const float side = glm::dot(canvas.normals[v], view) > 0.0f ? -1.0f : 1.0f;
-        const Vec3 middle = canvas.positions[v] + side * lift * edge * canvas.normals[v];
-        lines.ends.push_back(middle - half);
-        lines.ends.push_back(middle + half);
+        lines.ends.push_back(canvas.positions[v] - half);
+        lines.ends.push_back(canvas.positions[v] + half);
         lines.strength.push_back(strength);
     }
     return lines;

@@ -71,11 +71,9 @@ struct Lines {
     std::vector<Vec3> ends;
     std::vector<float> strength;
 };
-// A line for every painted vertex: along its folds or, with `across`, along the compression. As long as the
-// mean edge around the vertex times |p|, raised by `lift` of that edge along the normal to the side that
-// faces against `view`. Vectors that are not finite have none. Throws InvalidInput when painted does not
-// match.
-Lines draw(const Model& model, const Canvas& canvas, std::span<const Vec3> painted, const Vec3& view,
-           bool across, float lift);
+// A line for every painted vertex: along its folds or, with `across`, along the compression; as long as the
+// mean edge around the vertex times |p|. Vectors that are not finite have none. Throws InvalidInput when
+// painted does not match. Cost: O(edges).
+Lines draw(const Model& model, const Canvas& canvas, std::span<const Vec3> painted, bool across);
 
 }  // namespace rumple::wrinkle_field

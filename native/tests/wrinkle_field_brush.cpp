@@ -120,7 +120,7 @@ TEST(WrinkleFieldBrushLaws, FoldsRunAlongTheStrokeAsItIsSeenInAnyPose) {
             dab.across = across;
             easel.touch(pose, dab);
             const Canvas canvas = lay_out(easel.model(), pose);
-            const Lines lines = draw(easel.model(), canvas, easel.painted, dab.view, across, 0.0f);
+            const Lines lines = draw(easel.model(), canvas, easel.painted, across);
             ASSERT_GT(lines.strength.size(), 40u);
             for (size_t k = 0; k < lines.strength.size(); ++k) {
                 // On the screen: the line less its component along the view.

@@ -7,13 +7,15 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..core.engine import Refused
 from . import brush_canvas, versions
 
-WEAK, STRONG = np.array((0.0, 0.25, 1.0, 0.8), np.float32), np.array((1.0, 0.25, 0.0, 1.0), np.float32)
-LINE_WIDTH = 2.5  # pixels, times the interface's scale
-LIFT = 0.1  # edges above the surface, so that it does not hide the lines
+WEAK, STRONG = np.array((0.3, 0.75, 1.0, 1.0), np.float32), np.array((1.0, 0.85, 0.1, 1.0), np.float32)
+RIM = np.array((0.0, 0.0, 0.0, 0.6), np.float32)  # around the lines: they are seen on any colour of cloth
+WIDTH, RIM_WIDTH = 2.0, 4.0  # pixels, times the interface's scale
+NEARER = 0.02  # share of the way to the viewer that lines are drawn nearer, so that folds do not hide them
 CURSOR = (1.0, 1.0, 1.0, 0.8)
 
 
@@ -24,8 +26,8 @@ class _Drawn:
     easel: Any
     positions: np.ndarray
     painted: np.ndarray
-    look: tuple
-    batch: Any
+    across: bool
+    batches: list  # (batch, width in pixels), in the order of drawing
 
 
 _handle: Any = None
@@ -80,9 +82,7 @@ def _draw(context: bpy.types.Context) -> None:
         return
     canvas = brush_canvas.canvas_of(obj)
     canvas.pose(obj, depsgraph)
-    batch = _batch(canvas.easel, painted, context.region_data, brush.show_vectors)
-    if batch is not None:
-        _draw_lines(batch, context)
+    _draw_lines(_batches(canvas.easel, painted, brush.show_vectors), context)
 
 
 def is_in_hand(context: bpy.types.Context) -> bool:
@@ -91,34 +91,38 @@ def is_in_hand(context: bpy.types.Context) -> bool:
     return tool is not None and tool.idname == _tool
 
 
-def _batch(easel: Any, painted: np.ndarray, view: bpy.types.RegionView3D, across: bool) -> Any:
+def _batches(easel: Any, painted: np.ndarray, across: bool) -> list:
     """The lines; made anew only where something changed."""
     global _last
-    facing = tuple(-view.view_matrix.row[2].xyz)
-    look = (across, facing)
-    if not (_last is not None and _last.easel is easel and _last.look == look
-            and np.array_equal(_last.positions, easel.positions) and np.array_equal(_last.painted, painted)):
-        ends, strength = easel.lines(painted, facing, across, LIFT)
-        _last = _Drawn(easel, easel.positions, painted, look, _upload(ends, strength) if len(ends) else None)
-    return _last.batch
+    if not (_last is not None and _last.easel is easel and _last.across == across
+            and _last.positions is easel.positions and np.array_equal(_last.painted, painted)):
+        ends, strength = easel.lines(painted, across)
+        _last = _Drawn(easel, easel.positions, painted, across, _upload(ends, strength) if len(ends) else [])
+    return _last.batches
 
 
-def _upload(ends: np.ndarray, strength: np.ndarray) -> Any:
+def _upload(ends: np.ndarray, strength: np.ndarray) -> list:
     from gpu_extras.batch import batch_for_shader  # not at the top: gpu needs a window in 3.4
-    colors = WEAK + np.clip(strength, 0.0, 1.0)[:, None] * (STRONG - WEAK)
-    return batch_for_shader(versions.line_shader(), "LINES", {"pos": ends, "color": np.repeat(colors, 2, axis=0)})
+    colors = np.repeat(WEAK + np.clip(strength, 0.0, 1.0)[:, None] * (STRONG - WEAK), 2, axis=0)
+    return [(batch_for_shader(versions.line_shader(), "LINES", {"pos": ends, "color": color}), width)
+            for color, width in ((np.broadcast_to(RIM, colors.shape).copy(), RIM_WIDTH), (colors, WIDTH))]
 
 
-def _draw_lines(batch: Any, context: bpy.types.Context) -> None:
+def _draw_lines(batches: list, context: bpy.types.Context) -> None:
     import gpu
-    shader = versions.line_shader()
+    shader, view = versions.line_shader(), context.region_data
+    nearer = (Matrix.Scale(1.0 - NEARER, 4) if view.is_perspective
+              else Matrix.Translation((0.0, 0.0, NEARER * view.view_distance)))
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.blend_set("ALPHA")
     try:
-        shader.bind()
-        shader.uniform_float("viewportSize", (context.region.width, context.region.height))
-        shader.uniform_float("lineWidth", LINE_WIDTH * context.preferences.system.ui_scale)
-        batch.draw(shader)
+        with gpu.matrix.push_pop():
+            gpu.matrix.load_matrix(nearer @ gpu.matrix.get_model_view_matrix())
+            shader.bind()
+            shader.uniform_float("viewportSize", (context.region.width, context.region.height))
+            for batch, width in batches:
+                shader.uniform_float("lineWidth", width * context.preferences.system.ui_scale)
+                batch.draw(shader)
     finally:
         gpu.state.blend_set("NONE")
         gpu.state.depth_test_set("NONE")

@@ -97,11 +97,9 @@ class Easel:
         return self._checked(native.load().apply_dab, self.field.model, self._canvas, painted,
                              twins=self._twins if mirror else None, **how)
 
-    def lines(self, painted: np.ndarray, view: tuple[float, float, float], across: bool,
-              lift: float) -> tuple[np.ndarray, np.ndarray]:
+    def lines(self, painted: np.ndarray, across: bool) -> tuple[np.ndarray, np.ndarray]:
         """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises Refused."""
-        return self._checked(native.load().draw_rest_wrinkles, self.field.model, self._canvas, painted, view, across,
-                             lift)
+        return self._checked(native.load().draw_rest_wrinkles, self.field.model, self._canvas, painted, across)
 
     def scatter(self, seed: int, density: float, size: float, length: float) -> np.ndarray:
         """Random wrinkles. size: metres. See rumple_native.scatter_rest_wrinkles. Raises Refused."""
