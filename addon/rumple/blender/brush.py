@@ -232,25 +232,29 @@ class RUMPLE_RestWrinkleTool(bpy.types.WorkSpaceTool):
 
     @staticmethod
     def draw_settings(context: bpy.types.Context, layout: bpy.types.UILayout, _tool: object) -> None:
-        draw_brush(layout, context.scene.rumple_brush)
+        draw_brush(layout, context.scene.rumple_brush, brief=context.region.type == "TOOL_HEADER")
 
     @staticmethod
     def draw_cursor(context: bpy.types.Context, _tool: object, place: tuple[float, float]) -> None:
         brush_overlay.draw_cursor(context.scene.rumple_brush, place)
 
 
-def draw_brush(layout: bpy.types.UILayout, brush: bpy.types.PropertyGroup) -> None:
-    """The settings of the brush: a row in the viewport's header, a column in a panel."""
+def draw_brush(layout: bpy.types.UILayout, brush: bpy.types.PropertyGroup, brief: bool = False) -> None:
+    """The settings of the brush. brief: as many as the viewport's header has room for."""
     for name, pressure in (("radius", "pressure_radius"), ("strength", "pressure_strength")):
         row = layout.row(align=True)
         row.prop(brush, name)
         row.prop(brush, pressure, text="", icon="STYLUS_PRESSURE")
-    for name in ("length", "falloff", "direction"):
-        layout.prop(brush, name)
+    layout.prop(brush, "length")
+    layout.prop(brush, "direction")
     if brush.direction == "ANGLE":
         layout.prop(brush, "angle")
-    for name in ("run", "mirror_x", "show_overlay"):
-        layout.prop(brush, name)
+    layout.prop(brush, "run")
+    layout.prop(brush, "mirror_x")
+    if brief:
+        return
+    layout.prop(brush, "falloff")
+    layout.prop(brush, "show_overlay")
     if brush.show_overlay:
         layout.prop(brush, "show_vectors")
 
