@@ -146,9 +146,8 @@ class Painting(WindowCase):
         yield from self.stroke(*ends, shift=True)
         self.assertGreater(np.count_nonzero(self.lengths()), np.count_nonzero(lengths))
         self.assertLess(self.lengths().max(), lengths.max())
-        bpy.context.scene.rumple_brush.radius = 250
-        for _ in range(3):
-            yield from self.stroke(*ends, ctrl=True)
+        bpy.context.scene.rumple_brush.radius, bpy.context.scene.rumple_brush.falloff = 250, "CONSTANT"
+        yield from self.stroke(*ends, ctrl=True)
         rest = mesh_io.rest_positions(self.obj, "REST_POSE", "")
         self.assertEqual(self.lengths()[rest[:, 2] > 0.01].max(), 0.0)
 
