@@ -131,15 +131,17 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
         if why:
             self.report({"WARNING"}, why)
             return {"CANCELLED"}
-        self.stroke = None
-        return self._guarded(lambda: self._press(context, event))
+        self.stroke: Stroke | None = None
+        result = self._guarded(context, lambda: self._press(context, event))
+        if result == {"RUNNING_MODAL"}:
+            context.window_manager.modal_handler_add(self)
+        return result
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
-            self.stroke.cancel()
-            return {"CANCELLED"}
+            return self._guarded(context, self._take_back)
         if event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE"}:
-            return self._guarded(lambda: self._on(event, self.stroke.move))
+            return self._guarded(context, lambda: self._on(event, self.stroke.move))
         if event.type == "LEFTMOUSE" and event.value == "RELEASE":
             return {"FINISHED"} if self.stroke.changed else {"CANCELLED"}
         return {"RUNNING_MODAL"}
@@ -148,7 +150,6 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
         self.settle()
         self.stroke = Stroke(context.object, context.scene.rumple_brush, self.touch, context.region,
                              context.region_data, context.evaluated_depsgraph_get())
-        context.window_manager.modal_handler_add(self)
         return self._on(event, self.stroke.press)
 
     def _on(self, event: bpy.types.Event, act: Callable[[float, float, float], None]) -> set[str]:
@@ -156,18 +157,21 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
         act(event.mouse_x - region.x, event.mouse_y - region.y, event.pressure)
         return {"RUNNING_MODAL"}
 
-    def _guarded(self, step: Callable[[], set[str]]) -> set[str]:
+    def _take_back(self) -> set[str]:
+        if self.stroke is not None:
+            self.stroke.cancel()
+        return {"CANCELLED"}
+
+    def _guarded(self, context: bpy.types.Context, step: Callable[[], set[str]]) -> set[str]:
         """What is wrong is said in words, and the stroke is as if it had not been."""
         try:
             return step()
         except Refused as error:
             self.report({"ERROR"}, str(error))
-        except ReferenceError:
-            self.report({"ERROR"}, "What was painted on is gone")
+            return self._take_back()
+        except Exception as error:  # a message, never a traceback; the mesh may be gone
+            self.report({"ERROR"}, structure.unexpected(context.object, error))
             return {"CANCELLED"}
-        if self.stroke is not None:
-            self.stroke.cancel()
-        return {"CANCELLED"}
 
 
 class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):

@@ -14,7 +14,7 @@ from . import mesh_io, modifier, registry, versions
 
 
 class Canvas:
-    """An object under the brush. Kept from stroke to stroke, for as long as its wrinkles are the same."""
+    """An object under the brush. Kept from stroke to stroke, for as long as it is the same object and the same field."""
 
     def __init__(self, field: WrinkleField) -> None:
         self.easel = Easel(field)
@@ -45,11 +45,12 @@ class Canvas:
         return None if place is None else (place, normal)
 
 
-_canvases: dict[int, Canvas] = {}
+_last: Canvas | None = None
 
 
 def canvas_of(obj: bpy.types.Object) -> Canvas:
     """The canvas of an object with a Wrinkle Field. Raises Refused."""
+    global _last
     ours = modifier.find(obj)
     if ours is None or modifier.system(ours).method != "FIELD":
         raise Refused(f"{obj.name}: it has no Wrinkle Field to paint on: add one first")
@@ -60,15 +61,15 @@ def canvas_of(obj: bpy.types.Object) -> Canvas:
         raise Refused(registry.message(obj) or f"{obj.name}: nothing is solved yet")
     if len(entry.fine.base.positions) != len(obj.data.vertices):
         raise Refused(f"{obj.name}: its mesh was edited: one moment")
-    key = versions.session_key(obj)
-    if key not in _canvases or _canvases[key].easel.field is not entry.fine:
-        _canvases[key] = Canvas(entry.fine)
-    return _canvases[key]
+    if _last is None or _last.easel.field is not entry.fine:
+        _last = Canvas(entry.fine)
+    return _last
 
 
 def forget() -> None:
     """Another file, or the add-on is switched off."""
-    _canvases.clear()
+    global _last
+    _last = None
 
 
 # ---------------------------------------------------------------- the painted attribute

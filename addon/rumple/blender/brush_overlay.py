@@ -113,7 +113,9 @@ def _draw_lines(batches: list, context: bpy.types.Context) -> None:
     shader, view = versions.line_shader(), context.region_data
     nearer = (Matrix.Scale(1.0 - NEARER, 4) if view.is_perspective
               else Matrix.Translation((0.0, 0.0, NEARER * view.view_distance)))
+    wrote_depth = gpu.state.depth_mask_get()
     gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.depth_mask_set(False)  # else the rims hide the lines
     gpu.state.blend_set("ALPHA")
     try:
         with gpu.matrix.push_pop():
@@ -125,6 +127,7 @@ def _draw_lines(batches: list, context: bpy.types.Context) -> None:
                 batch.draw(shader)
     finally:
         gpu.state.blend_set("NONE")
+        gpu.state.depth_mask_set(wrote_depth)
         gpu.state.depth_test_set("NONE")
 
 
