@@ -118,6 +118,32 @@ class Painting(WindowCase):
         self.assertLess(np.abs(direction[top, :2] @ way).max(), 0.1)
         self.assertEqual(self.obj.rumple.message, "")
 
+    def test_the_folds_that_are_seen_run_as_they_were_painted(self) -> Iterator[float]:
+        # By the picture alone: what paint changes in it has its steepest slope across the strokes.
+        yield from self.make()
+        self.obj.rumple.field.output, self.obj.rumple.field.wavelength = "GEOMETRY", 0.03
+        bpy.context.scene.rumple_brush.show_overlay = False
+        view = self.view.spaces.active
+        view.overlay.show_outline_selected = view.overlay.show_cursor = view.overlay.show_object_origins = False
+        view.region_3d.view_location, view.region_3d.view_distance = (0.3, 0.0, 0.0), 0.4
+        away = Vector((0.3, -0.12, 0.0))
+        self.event("MOUSEMOVE", "NOTHING", self.pixel(away))
+        yield from self.until(lambda: len(sleeve.carrier(self.obj).data.vertices) > 1000)
+        yield 0.5
+        before = self.pixels().astype(float)
+        for x in (0.24, 0.28, 0.32):
+            yield from self.stroke(Vector((x, -0.045, 0.04)), Vector((x + 0.09, 0.045, 0.04)))
+        self.event("MOUSEMOVE", "NOTHING", self.pixel(away))
+        yield 0.5
+        self.screenshot("brush_painted")
+        (left, low), (right, high) = self.pixel(Vector((0.26, -0.03, 0.0))), self.pixel(Vector((0.38, 0.03, 0.0)))
+        height = before.shape[0]
+        change = (self.pixels() - before).mean(axis=2)[height - high:height - low, left:right]
+        down, along = np.gradient(change)
+        self.assertGreater(np.abs(change).mean(), 3.0)
+        steepest = 0.5 * math.atan2(2.0 * (along * -down).mean(), (along**2 - down**2).mean())  # from x, upwards
+        self.assertLess(abs(math.degrees(steepest) + 45.0), 15.0)
+
     def test_every_stroke_is_one_step_of_undo(self) -> Iterator[float]:
         yield from self.make()
         with self.area():

@@ -14,7 +14,7 @@ from . import mesh_io, modifier, registry, versions
 
 
 class Canvas:
-    """An object under the brush. Kept from stroke to stroke, for as long as it is the same object and the same field."""
+    """An object under the brush. Kept from stroke to stroke, for as long as its wrinkles are the same."""
 
     def __init__(self, field: WrinkleField) -> None:
         self.easel = Easel(field)
