@@ -102,15 +102,17 @@ def _batches(easel: Any, painted: np.ndarray, across: bool) -> list:
 
 
 def _upload(ends: np.ndarray, strength: np.ndarray) -> list:
-    from gpu_extras.batch import batch_for_shader  # not at the top: gpu needs a window in 3.4
+    import gpu  # not at the top: it needs a window in 3.4
+    from gpu_extras.batch import batch_for_shader
+    shader = gpu.shader.from_builtin(versions.LINE_SHADER)
     colors = np.repeat(WEAK + np.clip(strength, 0.0, 1.0)[:, None] * (STRONG - WEAK), 2, axis=0)
-    return [(batch_for_shader(versions.line_shader(), "LINES", {"pos": ends, "color": color}), width)
+    return [(batch_for_shader(shader, "LINES", {"pos": ends, "color": color}), width)
             for color, width in ((np.broadcast_to(RIM, colors.shape).copy(), RIM_WIDTH), (colors, WIDTH))]
 
 
 def _draw_lines(batches: list, context: bpy.types.Context) -> None:
     import gpu
-    shader, view = versions.line_shader(), context.region_data
+    shader, view = gpu.shader.from_builtin(versions.LINE_SHADER), context.region_data
     nearer = (Matrix.Scale(1.0 - NEARER, 4) if view.is_perspective
               else Matrix.Translation((0.0, 0.0, NEARER * view.view_distance)))
     wrote_depth = gpu.state.depth_mask_get()

@@ -14,6 +14,7 @@ VERSION: tuple[int, int, int] = bpy.app.version
 HAS_MODIFIER_MENU = VERSION >= (4, 0, 0)  # before, the Add Modifier menu is fixed and takes no entries
 HAS_AUTO_SMOOTH = VERSION < (4, 1, 0)
 SMOOTH_COLOR_SHADER = "SMOOTH_COLOR" if VERSION >= (4, 0, 0) else "3D_SMOOTH_COLOR"
+LINE_SHADER = "POLYLINE_SMOOTH_COLOR" if VERSION >= (4, 0, 0) else "3D_POLYLINE_SMOOTH_COLOR"
 
 # Attribute data types: property of an element, numbers in it, and what foreach_get fills.
 ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type]] = {
@@ -247,10 +248,3 @@ def smoothing(mesh: bpy.types.Mesh) -> tuple:
 def has_custom_normals(mesh: bpy.types.Mesh) -> bool:
     """Custom split normals, which no fine mesh can inherit."""
     return bool(mesh.has_custom_normals)
-
-
-# ---------------------------------------------------------------- drawing
-def line_shader() -> Any:
-    """Lines of any width in colours, world space; uniforms viewportSize and lineWidth. For draw handlers only."""
-    import gpu  # needs a window in 3.4
-    return gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR" if VERSION >= (4, 0, 0) else "3D_POLYLINE_SMOOTH_COLOR")
