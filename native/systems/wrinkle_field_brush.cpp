@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <glm/gtc/noise.hpp>
+#include <utility>
 
 #include "base/expect.h"
 #include "base/random.h"
@@ -223,16 +224,11 @@ float exceeded_by(std::vector<float> values, float share) {
 }  // namespace
 
 Canvas lay_out(const Model& model, std::span<const Vec3> positions) {
-    expect_count("positions", positions.size(), model.base.welded_of.size(), "vertices");
-    expect_finite("positions", positions, "vertex");
-    const size_t vertices = model.base.positions_rest.size();
-    Canvas canvas;
-    canvas.positions.resize(vertices);
-    canvas.normals.resize(vertices);
+    Pose pose = weld_pose(model, positions);
+    const size_t vertices = pose.positions.size();
+    Canvas canvas{std::move(pose.positions), std::move(pose.normals), {}, {}};
     canvas.tangent.assign(vertices, Vec3(0.0f));
     canvas.bitangent.assign(vertices, Vec3(0.0f));
-    weld_positions(model.base, positions, canvas.positions);
-    vertex_normals(model.base, canvas.positions, canvas.normals);
     for (size_t v = 0; v < vertices; ++v) {
         const std::optional<Neighbourhood> around = regress(model, canvas.positions, canvas.normals[v], v);
         if (!around) continue;
