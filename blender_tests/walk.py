@@ -17,7 +17,7 @@ SETTINGS = dict(
           ("collision", "NONE")),
     FIELD=(("output", "GEOMETRY"), ("output", "SHADING"), ("detail", 2), ("source", "EDGE_LENGTH"),
            ("profile", "CURVE"), ("profile", "ACCORDION"), ("irregularity", 0.5), ("rounds", 3), ("seed", 2),
-           ("start", "RANDOM")),
+           ("start", "RANDOM"), ("gpu_preview", False), ("gpu_preview", True)),
     PATHS=(("width", 0.03), ("threshold", 1.1), ("reference", "FIRST_FRAME"), ("direction", "BOTH"), ("seed", 2),
            ("profile", "SINE"), ("source", "EDGE_LENGTH"), ("stateless", True)))
 
@@ -133,6 +133,7 @@ class Walk:
         obj = self.pick(wrinkled=False)
         if obj and len(obj.data.vertices) < 1500:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+            obj.rumple.field.gpu_preview = True
             bpy.ops.object.rumple_add(method=self.random.choice(("MESH", "FIELD", "PATHS")))
 
     def do_materials(self):

@@ -5,6 +5,7 @@ import os
 import bpy
 import walk
 from case import WindowCase
+from rumple.blender import preview
 
 
 class RandomWalk(WindowCase):
@@ -12,6 +13,10 @@ class RandomWalk(WindowCase):
     def test_many_steps(self):
         areas = bpy.context.window_manager.windows[0].screen.areas
         max(areas, key=lambda a: a.width * a.height).type = "VIEW_3D"
+        drawn = 0
         for seed in (11, 12):
             for _ in walk.Walk(seed, os.environ["RUMPLE_OUT"]).steps(75):
                 yield 0.05
+                drawn += len(preview._on_gpu)
+                self.assertFalse([held for held in preview._on_gpu.values() if held.refused])
+        self.assertGreater(drawn, 10)
