@@ -65,7 +65,7 @@ def render(held: preview._OnGpu, pixels: int) -> tuple[Callable[[], None], Calla
     """The render stage over so many pixels, with parallax and light: (draw, finish)."""
     target = gpu.types.GPUOffScreen(SIDE, SIDE, format="RGBA32F")
     obj = SimpleNamespace(matrix_world=Matrix(), dimensions=(1.0, 1.0, 1.0), material_slots=(),
-                          data=SimpleNamespace(loop_triangles=()))
+                          data=SimpleNamespace(loop_triangles=(), calc_loop_triangles=lambda: None))
     preview._collect_batches(obj, held)
     lights = bpy.context.preferences.system
     shading = SimpleNamespace(light="STUDIO", color_type="SINGLE", single_color=(0.8, 0.8, 0.8),

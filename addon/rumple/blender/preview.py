@@ -176,6 +176,8 @@ def _collect_batches(obj: bpy.types.Object, held: _OnGpu) -> None:
     model = held.model
     triangles = model.triangles
     slots = np.zeros(len(triangles), np.int32)
+    if not obj.data.loop_triangles:
+        obj.data.calc_loop_triangles()  # Blender forgets them when the mesh is touched
     if len(obj.data.loop_triangles) == len(slots):
         obj.data.loop_triangles.foreach_get("material_index", slots)
     if held.slots is not None and np.array_equal(slots, held.slots):
