@@ -141,6 +141,28 @@ class Export(unittest.TestCase):
         self.assertEqual((len(clip["influence"]), clip["fps"], clip["poses"]), (5, 24.0, ["Surprise", "Anger"]))
         self.assertEqual(bpy.context.scene.frame_current, 1)
 
+    def test_a_copy_with_morph_weights_reaches_gltf(self):
+        for frame, height in ((1, 0.0), (5, 0.01)):
+            face.pose(self.rig, brow_L=height, brow_R=height)
+            for bone in face.BROWS:
+                self.rig.pose.bones[bone].keyframe_insert("location", frame=frame)
+        bpy.context.scene.frame_end = 5
+        self.assertEqual(bpy.ops.rumple.maps_weights(), {"FINISHED"})
+        copy = bpy.data.objects["Face weights"]
+        keys = copy.data.shape_keys
+        bpy.context.scene.frame_set(5)
+        self.assertEqual([key.name for key in keys.key_blocks], ["Basis", "rumple_pose_Surprise", "rumple_pose_Anger"])
+        self.assertEqual([keys.key_blocks[n].value for n in (1, 2)], [1.0, 0.0])
+        bpy.data.objects.remove(self.obj)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "face.gltf")
+            bpy.ops.export_scene.gltf(filepath=path, export_format="GLTF_SEPARATE", export_morph_normal=False)
+            with open(path, encoding="utf-8") as file:
+                exported = json.load(file)
+        paths = {channel["target"]["path"] for animation in exported["animations"] for channel in animation["channels"]}
+        self.assertIn("weights", paths)
+        self.assertEqual(exported["meshes"][0]["extras"]["targetNames"], ["rumple_pose_Surprise", "rumple_pose_Anger"])
+
     def test_where_nothing_can_be_written_it_is_said(self):
         with self.assertRaisesRegex(RuntimeError, "not_there"):
             bpy.ops.rumple.maps_export(filepath="/not_there/face.json")

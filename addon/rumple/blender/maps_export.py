@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrinkle Maps for a game engine: the rig as JSON (core/poses.py), the maps as PNG beside it, influences by frame.
 
-bpy.ops.rumple.maps_export(filepath="face.json", frames=True). docs/wrinkle_maps.md says what an engine does with it.
+bpy.ops.rumple.maps_export(filepath="face.json", frames=True), maps_weights(). docs/wrinkle_maps.md says what an engine
+does with them.
 """
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ import bpy
 
 from ..core.engine import Refused
 from ..core.poses import PoseRig, from_json
-from . import maps_live, maps_nodes, maps_operators, maps_rig
+from . import maps_live, maps_nodes, maps_operators, maps_rig, maps_tree
 
 
 def save_image(image: bpy.types.Image, folder: Path, deep: bool) -> Path:
@@ -70,20 +71,57 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
 
 
 def sampled(context: bpy.types.Context, obj: bpy.types.Object, rig: PoseRig, first: int, last: int) -> dict[str, Any]:
-    """Influences of whole frames: {fps, first, poses, bones, influence[frame][bone][pose]}, rounded to 1e-5."""
+    """{fps, first, poses, bones, influence[frame][bone][pose], presence[frame][pose]} of whole frames, to 1e-5."""
     scene, entry = context.scene, maps_live.runtime(obj)
     now = scene.frame_current, scene.frame_subframe
-    frames = []
+    influence, presence = [], []
     try:
         for frame in range(first, last + 1):
             scene.frame_set(frame)
             if obj.rumple_maps.message or entry.masks is None:
                 raise Refused(obj.rumple_maps.message or f"{obj.name}: its reference poses are not compared")
-            frames.append([[round(float(value), 5) for value in row] for row in entry.masks.influence])
+            influence.append(entry.masks.influence.round(5).tolist())
+            presence.append(entry.masks.presence.round(5).tolist())
     finally:
         scene.frame_set(now[0], subframe=now[1])
     return dict(fps=scene.render.fps / scene.render.fps_base, first=first, poses=[pose.name for pose in rig.poses],
-                bones=[bone.name for bone in rig.bones], influence=frames)
+                bones=[bone.name for bone in rig.bones], influence=influence, presence=presence)
+
+
+def weighted_copy(obj: bpy.types.Object, clip: dict[str, Any]) -> bpy.types.Object:
+    """A copy of obj whose shape keys, without any shape, are keyed with how present each pose is: morph weights."""
+    copy = obj.copy()
+    copy.data = obj.data.copy()
+    copy.name = copy.data.name = f"{obj.name} weights"
+    copy.modifiers.remove(maps_tree.find(copy))
+    for collection in obj.users_collection:
+        collection.objects.link(copy)
+    if copy.data.shape_keys is None:
+        copy.shape_key_add(name="Basis")
+    for number, name in enumerate(clip["poses"]):
+        key = copy.shape_key_add(name=maps_tree.MASK.format(name), from_mix=False)
+        for frame, values in enumerate(clip["presence"], clip["first"]):
+            key.value = values[number]
+            key.keyframe_insert("value", frame=frame)
+    return copy
+
+
+class RUMPLE_OT_maps_weights(maps_operators.OnPose, bpy.types.Operator):
+    """Make a copy with a morph weight for each pose, keyed at every frame: for glTF, which knows no other values"""
+
+    bl_idname = "rumple.maps_weights"
+    bl_label = "Copy with Weights"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj, scene = maps_operators.target(context), context.scene
+        try:
+            clip = sampled(context, obj, maps_rig.rig_of(obj)[0], scene.frame_start, scene.frame_end)
+        except Refused as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        copy = weighted_copy(obj, clip)
+        self.report({"INFO"}, f"{copy.name}: {len(clip['poses'])} weights, {len(clip['presence'])} frames")
+        return {"FINISHED"}
 
 
 class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
@@ -120,7 +158,7 @@ class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (RUMPLE_OT_maps_export,)
+CLASSES = (RUMPLE_OT_maps_weights, RUMPLE_OT_maps_export)
 
 
 def register() -> None:

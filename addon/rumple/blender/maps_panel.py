@@ -131,7 +131,9 @@ class _Bake(_Maps):
         row = layout.row(align=True)
         row.operator("rumple.maps_bake", icon="RENDER_STILL")
         row.operator("rumple.maps_bake", text="All Poses").every = True
-        layout.operator("rumple.maps_export", icon="EXPORT")
+        row = layout.row(align=True)
+        row.operator("rumple.maps_export", icon="EXPORT")
+        row.operator("rumple.maps_weights")
 
 
 class _Status(_Maps):
