@@ -49,6 +49,27 @@ py::array_t<float> barycentrics(const ShownMesh& shown) {
     return to_numpy<float>(weights, 2);
 }
 
+void bind_shown_frame(py::module_& module) {
+    py::class_<ShownFrame>(module, "ShownFrame",
+                           "What every system shows of a frame; d vertices of the shown mesh.")
+        .def_property_readonly(
+            "positions", [](const ShownFrame& f) { return to_numpy(f.positions); }, "(d, 3) object space")
+        .def_property_readonly(
+            "local_offset", [](const ShownFrame& f) { return to_numpy(f.local_offset); },
+            "(d, 3) from the linear embedding, in the frame of the deformed base triangle")
+        .def_property_readonly(
+            "offset", [](const ShownFrame& f) { return to_numpy(f.offset); },
+            "(d, 3) from the unwrinkled surface, object space")
+        .def_property_readonly(
+            "stretch_min", [](const ShownFrame& f) { return to_numpy<float>(f.stretch.minimum, 0); },
+            "(d,) smaller principal stretch of the base, 1 at rest")
+        .def_property_readonly(
+            "stretch_max", [](const ShownFrame& f) { return to_numpy<float>(f.stretch.maximum, 0); }, "(d,)")
+        .def_property_readonly(
+            "stretch_direction", [](const ShownFrame& f) { return to_numpy(f.stretch.direction); },
+            "(d, 3) of strongest compression, unit, object space");
+}
+
 void bind_shown_mesh(py::module_& module) {
     py::class_<ShownMesh>(module, "ShownMesh",
                           "The mesh that is shown in place of the base: d vertices, q polygons.")
@@ -118,6 +139,7 @@ AttachmentKind attachment_kind(const std::string& name) {
 
 void bind_surface(py::module_& module) {
     bind_shown_mesh(module);
+    bind_shown_frame(module);
     py::class_<Surface>(module, "Surface", "A checked base mesh at rest. Made by build_surface.")
         .def_property_readonly(
             "vertex_count", [](const Surface& s) { return s.display.vertex_count; },

@@ -233,17 +233,9 @@ void bind_wrinkle_field(py::module_& module) {
         .def_property_readonly("fullness", numpy(&Waves::fullness), "(w,) h over W/4 before strength")
         .def_property_readonly("compression", numpy(&Waves::compression), "(w,) r")
         .def_property_readonly("direction", numpy(&Waves::direction), "(w, 2) k in the rest frame");
-    py::class_<Picture>(module, "WrinkleFieldPicture",
-                        "The shown mesh of one frame (d vertices) and its waves (corners of its triangles).")
-        .def_property_readonly("positions", numpy(&Picture::positions))
-        .def_property_readonly("local_offset", numpy(&Picture::local_offset))
-        .def_property_readonly("offset", numpy(&Picture::offset))
-        .def_property_readonly("stretch_min",
-                               [](const Picture& p) { return to_numpy<float>(p.stretch.minimum, 0); })
-        .def_property_readonly("stretch_max",
-                               [](const Picture& p) { return to_numpy<float>(p.stretch.maximum, 0); })
-        .def_property_readonly("stretch_direction",
-                               [](const Picture& p) { return to_numpy(p.stretch.direction); })
+    py::class_<Picture, ShownFrame>(
+        module, "WrinkleFieldPicture",
+        "The shown mesh of one frame (d vertices) and its waves (corners of its triangles).")
         .def_property_readonly("amplitude", numpy(&Picture::amplitude), "(d,) object units")
         .def_property_readonly("direction", numpy(&Picture::direction), "(d, 3) unit, rest space")
         .def_property_readonly("phase", numpy(&Picture::phase), "(d,) radians")

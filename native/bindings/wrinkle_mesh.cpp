@@ -216,16 +216,6 @@ void bind_wrinkle_mesh(py::module_& module) {
         .def_readonly("largest_error", &Report::largest_error)
         .def_readonly("active", &Report::active, "share of vertices that were solved, 0..1")
         .def_readonly("collapsed_triangles", &Report::collapsed_triangles);
-    py::class_<Picture>(module, "WrinkleMeshPicture", "The shown mesh of one frame.")
-        .def_property_readonly("positions", [](const Picture& p) { return to_numpy(p.positions); })
-        .def_property_readonly("local_offset", [](const Picture& p) { return to_numpy(p.local_offset); })
-        .def_property_readonly("offset", [](const Picture& p) { return to_numpy(p.offset); })
-        .def_property_readonly("stretch_min",
-                               [](const Picture& p) { return to_numpy<float>(p.stretch.minimum, 0); })
-        .def_property_readonly("stretch_max",
-                               [](const Picture& p) { return to_numpy<float>(p.stretch.maximum, 0); })
-        .def_property_readonly("stretch_direction",
-                               [](const Picture& p) { return to_numpy(p.stretch.direction); });
     py::class_<Measures>(module, "WrinkleMeshMeasures", "How good a frame is.")
         .def_readonly("edge_error_before_rms", &Measures::edge_error_before_rms)
         .def_readonly("edge_error_before_max", &Measures::edge_error_before_max)

@@ -81,6 +81,24 @@ FineMesh refine(const Surface& base, const FineSource& source, Index steps) {
     return {};
 }
 
+Attachments attach_refined(const Surface& base, const FineSource& source, const FineMesh& fine,
+                           AttachmentKind kind) {
+    Attachments attachments{kind, locate_on_parents(base, fine), {}};
+    if (kind == AttachmentKind::kLimit) {
+        attachments.limit = source.kind == FineSource::Kind::kSubdivision
+                                ? subdivision_stencils(base.welded, source.level, true)
+                                : limit_stencils(base, attachments.places);
+    }
+    return attachments;
+}
+
+std::vector<Vec3> attached_at_rest(const Surface& base, const Attachments& attachments) {
+    std::vector<Vec3> rest(attachments.places.size()), normals(base.welded.vertex_count);
+    vertex_normals(base, base.positions_rest, normals);
+    attach(base, attachments, base.positions_rest, normals, rest, 0, rest.size());
+    return rest;
+}
+
 ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& fine, Index steps,
                     std::span<const Vec3> solved_rest) {
     const FineMesh step = refine_subdivision(fine.mesh, steps);
@@ -143,6 +161,23 @@ ShownMesh show_triangles(const Surface& base) {
     }
     collect_edge_sources(shown, base.display);
     return shown;
+}
+
+void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& stretch,
+                std::span<const Vec3> base_positions, std::span<const TriangleFrame> frames,
+                std::span<const Vec3> solved, std::span<const Vec3> offset, ShownFrame& out) {
+    const size_t shown = mesh.places.size();
+    out.positions.resize(shown);
+    out.offset.resize(shown);
+    out.local_offset.resize(shown);
+    apply<Vec3>(mesh.from_solved, solved, out.positions);
+    apply<Vec3>(mesh.from_solved, offset, out.offset);
+    for (size_t v = 0; v < shown; ++v) {
+        const SurfacePoint& place = mesh.places[v];
+        const Vec3 embedded = interpolate(base, place, base_positions);
+        out.local_offset[v] = frames[place.triangle].to_local(out.positions[v] - embedded);
+    }
+    measure_stretch(base, stretch, base_positions, mesh.places, out.stretch);
 }
 
 }  // namespace rumple

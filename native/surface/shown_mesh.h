@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "surface/attachments.h"
 #include "surface/refinement.h"
 #include "surface/topology.h"
 
@@ -23,6 +24,13 @@ struct FineSource {
 // Throws InvalidInput when the fine mesh would have more than most_vertices;
 // steps: further subdivisions of it. Cost: that of the refinement.
 FineMesh refine(const Surface& base, const FineSource& source, Index steps = 0);
+
+// The attachments of a refined mesh. Cost: that of the limit stencils.
+Attachments attach_refined(const Surface& base, const FineSource& source, const FineMesh& fine,
+                           AttachmentKind kind);
+
+// Attachment points on the base at rest.
+std::vector<Vec3> attached_at_rest(const Surface& base, const Attachments& attachments);
 
 // How many vertices a mesh of so many corners would get, for refusing them in time.
 void refuse_too_many(double corners, const FineSource& source, Index steps);
@@ -51,5 +59,19 @@ ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& 
 // The base itself with every polygon cut into its triangles: vertex v is the
 // base's vertex v as the artist has it, loose ones included; polygon t is triangle t.
 ShownMesh show_triangles(const Surface& base);
+
+// What every system shows of a frame.
+struct ShownFrame {
+    std::vector<Vec3> positions;     // per shown vertex, object space
+    std::vector<Vec3> local_offset;  // from the linear embedding, in the frame of the deformed base triangle
+    std::vector<Vec3> offset;        // from the unwrinkled surface, object space
+    StretchField stretch;            // of the base
+};
+
+// base_positions, frames: of the deformed base. solved, offset: per solved vertex, object space; offset from
+// the unwrinkled surface. Cost: O(triangles + shown vertices).
+void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& stretch,
+                std::span<const Vec3> base_positions, std::span<const TriangleFrame> frames,
+                std::span<const Vec3> solved, std::span<const Vec3> offset, ShownFrame& out);
 
 }  // namespace rumple

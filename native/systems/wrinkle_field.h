@@ -181,14 +181,10 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, st
             const State* state, Report& report);
 
 // The shown mesh of a frame, and the waves for shaders. Values of corners: of every triangle in turn.
-struct Picture {
-    std::vector<Vec3> positions;     // per shown vertex, object space
-    std::vector<Vec3> local_offset;  // from the linear embedding, in the frame of the deformed base triangle
-    std::vector<Vec3> offset;        // from the unwrinkled surface, object space
-    StretchField stretch;            // of the base
-    std::vector<float> amplitude;    // h, object units, per shown vertex
-    std::vector<Vec3> direction;     // k, unit, rest space
-    std::vector<float> phase;        // phi, radians
+struct Picture : ShownFrame {
+    std::vector<float> amplitude;  // h, object units, per shown vertex
+    std::vector<Vec3> direction;   // k, unit, rest space
+    std::vector<float> phase;      // phi, radians
     // kShading only: the waves of a triangle's three corners, as each corner sees them; interpolated over the
     // triangle they give equation (5).
     std::vector<Vec3> corner_phase;   // radians, less whole turns for each triangle

@@ -102,16 +102,8 @@ void collect_uv_fans(Model& model, std::span<const Vec2> uv) {
 
 void displace_fine_mesh(Model& model, const Plan& plan) {
     const FineMesh fine = refine(model.base, plan.fine);
-    model.attachments.kind = plan.attachment;
-    model.attachments.places = locate_on_parents(model.base, fine);
-    if (plan.attachment == AttachmentKind::kLimit) {
-        model.attachments.limit = plan.fine.kind == FineSource::Kind::kSubdivision
-                                      ? subdivision_stencils(model.base.welded, plan.fine.level, true)
-                                      : limit_stencils(model.base, model.attachments.places);
-    }
-    std::vector<Vec3> rest(fine.mesh.vertex_count), normals(model.base.welded.vertex_count);
-    vertex_normals(model.base, model.base.positions_rest, normals);
-    attach(model.base, model.attachments, model.base.positions_rest, normals, rest, 0, rest.size());
+    model.attachments = attach_refined(model.base, plan.fine, fine, plan.attachment);
+    const std::vector<Vec3> rest = attached_at_rest(model.base, model.attachments);
     model.shown = show_fine(model.base, model.base, fine, 0, rest);
 }
 

@@ -132,16 +132,7 @@ void displace(const Model& model, const Waves& waves, const Profile& profile, st
     }
     std::vector<TriangleFrame> frames(model.base.triangles.size());
     triangle_frames(model.base, waves.positions, frames);
-    const size_t shown = model.shown.places.size();
-    picture.positions.resize(shown);
-    picture.offset.resize(shown);
-    apply<Vec3>(model.shown.from_solved, positions, picture.positions);
-    apply<Vec3>(model.shown.from_solved, offset, picture.offset);
-    for (size_t v = 0; v < shown; ++v) {
-        const SurfacePoint& place = model.shown.places[v];
-        const Vec3 embedded = interpolate(model.base, place, waves.positions);
-        picture.local_offset.push_back(frames[place.triangle].to_local(picture.positions[v] - embedded));
-    }
+    show_frame(model.base, model.shown, model.stretch, waves.positions, frames, positions, offset, picture);
 }
 
 // Amplitude, direction and phase of the wave that counts most at every shown vertex.
@@ -188,6 +179,7 @@ Picture show(const Model& model, const Settings& settings, const Profile& profil
     if (model.output == Output::kGeometry) {
         displace(model, waves, profile, state.phase, picture);
     } else {
+        measure_stretch(model.base, model.stretch, waves.positions, model.shown.places, picture.stretch);
         picture.positions.assign(positions.begin(), positions.end());
         picture.local_offset.assign(positions.size(), Vec3(0.0f));
         picture.offset = picture.local_offset;
@@ -195,7 +187,6 @@ Picture show(const Model& model, const Settings& settings, const Profile& profil
         fill_uv_gradients(model, waves.positions, picture);
     }
     fill_points(model, waves, state.phase, picture);
-    measure_stretch(model.base, model.stretch, waves.positions, model.shown.places, picture.stretch);
     return picture;
 }
 

@@ -135,13 +135,7 @@ State solve_reference(const Model& model, const Settings& settings, const Paint&
                       const State* state, Report& report);
 
 // The shown mesh for a frame and its state.
-struct Picture {
-    std::vector<Vec3> positions;  // object space
-    std::vector<Vec3>
-        local_offset;  // from the linear embedding (eq. 1), in the frame of the deformed base triangle
-    std::vector<Vec3> offset;  // from the attachment point, object space
-    StretchField stretch;      // of the base
-};
+using Picture = ShownFrame;
 // Throws InvalidInput when positions or state do not match the model.
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture);

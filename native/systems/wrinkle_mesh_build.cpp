@@ -188,23 +188,21 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
     model->solved = fine.mesh;
     const size_t vertices = fine.mesh.vertex_count;
     model->attached.assign(vertices, 1);
-    model->attachments.kind = attachment;
     std::vector<Vec3> own_rest(own ? vertices : 0);
     if (own) {
         apply<Vec3>(fine.vertex_from_parent, source.own->positions_rest, own_rest);
         bind_own(*model, source, fine, own_rest);
+        model->attachments.kind = attachment;
+        if (attachment == AttachmentKind::kLimit) {
+            model->attachments.limit = limit_stencils(model->base, model->attachments.places);
+        }
     } else {
-        model->attachments.places = locate_on_parents(model->base, fine);
+        model->attachments = attach_refined(model->base, source, fine, attachment);
     }
-    if (attachment == AttachmentKind::kLimit) {
-        model->attachments.limit = !own && source.kind == FineSource::Kind::kSubdivision
-                                       ? subdivision_stencils(model->base.welded, source.level, true)
-                                       : limit_stencils(model->base, model->attachments.places);
-    }
-    std::vector<Vec3> rest(vertices), normals(model->base.welded.vertex_count);
-    vertex_normals(model->base, model->base.positions_rest, normals);
-    attach(model->base, model->attachments, model->base.positions_rest, normals, rest, 0, vertices);
+    std::vector<Vec3> rest = attached_at_rest(model->base, model->attachments);
     if (own) {
+        std::vector<Vec3> normals(model->base.welded.vertex_count);
+        vertex_normals(model->base, model->base.positions_rest, normals);
         std::vector<TriangleFrame> frames(model->base.triangles.size());
         triangle_frames(model->base, model->base.positions_rest, frames);
         for (size_t v = 0; v < vertices; ++v) {

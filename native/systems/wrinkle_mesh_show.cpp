@@ -42,19 +42,7 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
         offset[v] = frames.in_object(v, state.offset[v]);
         positions[v] = pose.attachment[v] + offset[v];
     }
-    const ShownMesh& mesh = model.shown;
-    const size_t shown = mesh.places.size();
-    picture.positions.resize(shown);
-    picture.offset.resize(shown);
-    picture.local_offset.resize(shown);
-    apply<Vec3>(mesh.from_solved, positions, picture.positions);
-    apply<Vec3>(mesh.from_solved, offset, picture.offset);
-    for (size_t v = 0; v < shown; ++v) {
-        const SurfacePoint& place = mesh.places[v];
-        const Vec3 embedded = interpolate(model.base, place, pose.base);
-        picture.local_offset[v] = pose.frames[place.triangle].to_local(picture.positions[v] - embedded);
-    }
-    measure_stretch(model.base, model.stretch, pose.base, mesh.places, picture.stretch);
+    show_frame(model.base, model.shown, model.stretch, pose.base, pose.frames, positions, offset, picture);
 }
 
 Measures measure(const Model& model, const Settings& settings, const Paint& paint, const Input& input,

@@ -144,12 +144,8 @@ std::vector<Stretch> stretches(const Model& model, const State& state,
                                std::span<const Vec3> welded_positions);
 
 // Chapters 6 to 8: the shown mesh of a frame and its state.
-struct Picture {
-    std::vector<Vec3> positions;     // per shown vertex, object space
-    std::vector<Vec3> local_offset;  // from the linear embedding, in the frame of the deformed base triangle
-    std::vector<Vec3> offset;        // from the unwrinkled surface, object space
-    std::vector<float> height;       // along the smooth normal, object units
-    StretchField stretch;            // of the base, from its rest pose
+struct Picture : ShownFrame {
+    std::vector<float> height;  // per shown vertex, along the smooth normal, object units
 };
 // Throws InvalidInput when positions or state do not match the model.
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,

@@ -84,18 +84,8 @@ std::shared_ptr<const Model> build(Surface base, const FineSource& source, Attac
     for (const FlatTriangle& t : model->rest) model->quality.push_back(quality_of(t));
     model->border_ring = rings_from_border(model->base, model->net);
     const FineMesh fine = refine(model->base, source);
-    model->attachments.kind = attachment;
-    model->attachments.places = locate_on_parents(model->base, fine);
-    if (attachment == AttachmentKind::kLimit) {
-        model->attachments.limit = source.kind == FineSource::Kind::kSubdivision
-                                       ? subdivision_stencils(model->base.welded, source.level, true)
-                                       : limit_stencils(model->base, model->attachments.places);
-    }
-    model->positions_rest.resize(fine.mesh.vertex_count);
-    std::vector<Vec3> normals(model->base.welded.vertex_count);
-    vertex_normals(model->base, model->base.positions_rest, normals);
-    attach(model->base, model->attachments, model->base.positions_rest, normals, model->positions_rest, 0,
-           model->positions_rest.size());
+    model->attachments = attach_refined(model->base, source, fine, attachment);
+    model->positions_rest = attached_at_rest(model->base, model->attachments);
     sort_by_triangle(*model);
     model->stretch = build_stretch(model->base);
     model->shown = show_fine(model->base, model->base, fine, 0, model->positions_rest);

@@ -253,21 +253,9 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
         offset[v] = height[v] * unit(interpolate(model.base, model.attachments.places[v], normals));
         lifted[v] = smooth_surface[v] + offset[v];
     }
-    const ShownMesh& mesh = model.shown;
-    const size_t shown = mesh.places.size();
-    picture.positions.resize(shown);
-    picture.offset.resize(shown);
-    picture.height.resize(shown);
-    picture.local_offset.resize(shown);
-    apply<Vec3>(mesh.from_solved, lifted, picture.positions);
-    apply<Vec3>(mesh.from_solved, offset, picture.offset);
-    apply<float>(mesh.from_solved, height, picture.height);
-    for (size_t v = 0; v < shown; ++v) {
-        const SurfacePoint& place = mesh.places[v];
-        const Vec3 embedded = interpolate(model.base, place, pose.positions);
-        picture.local_offset[v] = pose.frames[place.triangle].to_local(picture.positions[v] - embedded);
-    }
-    measure_stretch(model.base, model.stretch, pose.positions, mesh.places, picture.stretch);
+    show_frame(model.base, model.shown, model.stretch, pose.positions, pose.frames, lifted, offset, picture);
+    picture.height.resize(model.shown.places.size());
+    apply<float>(model.shown.from_solved, height, picture.height);
 }
 
 Packed pack(const Model& model, const Settings& settings, const Input& input, const State& state) {
