@@ -216,6 +216,18 @@ void bind_values(py::module_& module) {
         .def_readonly("moved_most", &Report::moved_most, "... 99th percentile");
     py::class_<Picture, ShownFrame>(module, "WrinklePathsPicture", "The shown mesh of one frame.")
         .def_property_readonly("height", [](const Picture& p) { return to_numpy<float>(p.height, 0); });
+    py::class_<Packed>(module, "WrinklePathsLists", "Whom the folds reach: the three buffers of section 7.2.")
+        .def_property_readonly(
+            "triangle_start", [](const Packed& p) { return to_numpy<Index>(p.triangle_start, 0); },
+            "(t + 1,) int32: where the ranges of every triangle begin.")
+        .def_property_readonly(
+            "ranges", [](const Packed& p) { return to_numpy<Index>(p.ranges, 2); },
+            "(r, 2) int32: first piece and end of the pieces that reach the triangle.")
+        .def_property_readonly(
+            "ends", [](const Packed& p) { return to_numpy<float>(p.ends, 8); },
+            "(e, 8) float32: piece i runs from end i to end i + 1; at, width, along, height. For fold_height "
+            "of\n"
+            "shaders/shared/wrinkle_paths.glsl.");
     py::class_<Curves>(module, "WrinklePathsCurves", "The paths as lines in space.")
         .def_property_readonly("start", [](const Curves& c) { return to_numpy<Index>(c.start, 0); })
         .def_property_readonly("id", [](const Curves& c) { return to_numpy<Index>(c.id, 0); })

@@ -106,11 +106,7 @@ void follow_all(const Ground& ground, const State& state, const Settings& settin
 
 void check_positions(const Model& model, std::span<const Vec3> positions, const char* name) {
     expect_count(name, positions.size(), size_t(model.base.display.vertex_count), "vertices");
-    for (size_t v = 0; v < positions.size(); ++v) {
-        const Vec3& p = positions[v];
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-            throw InvalidInput(std::string(name) + ": vertex " + std::to_string(v) + " is not finite");
-    }
+    expect_finite(name, positions, "vertex");
 }
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
