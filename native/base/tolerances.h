@@ -83,6 +83,9 @@ inline constexpr float kSliver = 0.15f;
 // Unit: none (sine of an angle). A path that enters a triangle at a smaller angle runs along its edge.
 inline constexpr double kShallow = 0.05;
 
+// Unit: radians. A fold that has turned by so much ends: cloth folds in arcs, not in rings.
+inline constexpr double kMostTurn = 1.75;
+
 // Unit: edges. A path keeps so far from vertices: there it would lie on many edges at a time.
 inline constexpr double kEdgeMargin = 1e-3;
 

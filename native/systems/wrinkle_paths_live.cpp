@@ -65,6 +65,7 @@ bool lengthen(const Ground& ground, const Settings& settings, const SegmentMap& 
     limits.compression = reach_threshold(settings);
     limits.length = amount;
     limits.others = &map;
+    limits.turned = turning(ground, points);
     std::vector<Index> visited;
     for (size_t i = 0; i < last; ++i) visited.push_back(segment_triangle(ground.model, points, i));
     const Walk more = walk(ground, t, at, (at - from) / size, limits, visited);

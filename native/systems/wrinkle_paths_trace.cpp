@@ -73,6 +73,7 @@ std::vector<PathPoint> trace(const Ground& ground, const Settings& settings, con
     std::vector<Index> visited{seed.triangle};
     const dvec2 at = flat_in(ground, seed.triangle, seed.at), along(-s.direction.y, s.direction.x);
     const Walk ahead = walk(ground, seed.triangle, at, along, limits, visited);
+    limits.turned = -ahead.turned;  // what was walked ahead lies behind now, the other way round
     const Walk back = walk(ground, seed.triangle, at, -along, limits, visited);
     std::vector<PathPoint> points = reversed(ground.model, back.points);
     points.insert(points.end(), ahead.points.begin(), ahead.points.end());

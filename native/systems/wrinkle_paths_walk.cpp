@@ -53,6 +53,10 @@ dvec2 unfolded(const Ground& ground, const dvec2& direction, Index triangle, Ind
     return -along * to + std::abs(outward) * dvec2(-to.y, to.x);
 }
 
+double angle_to(const dvec2& from, const dvec2& to) {
+    return std::atan2(cross(from, to), glm::dot(from, to));
+}
+
 // At right angles to the compression, in the sense of `ahead`; `ahead` itself where there is no direction
 // worth following. inward: of the triangle, at the edge it is entered by.
 dvec2 turned(const Ground& ground, Index triangle, const dvec2& ahead, const dvec2& inward) {
@@ -173,9 +177,23 @@ bool SegmentMap::has_near(Index triangle, const Vec3& p, float radius) const {
     return false;
 }
 
+double turning(const Ground& ground, const std::vector<PathPoint>& points) {
+    double sum = 0.0;
+    for (size_t i = 1; i + 1 < points.size(); ++i) {
+        const Index t = points[i].triangle, twin = ground.model.net.twin[half_edge(points[i])];
+        const Index next = triangle_of(twin);
+        const dvec2 before = flat_in(ground, t, points[i]) - flat_in(ground, t, points[i - 1]);
+        const dvec2 after = flat_in(ground, next, points[i + 1]) - flat_in(ground, next, points[i]);
+        if (!ground.pose.shapes[t].has_area() || !ground.pose.shapes[next].has_area()) continue;
+        sum += angle_to(unfolded(ground, before, t, points[i].edge, twin), after);
+    }
+    return sum;
+}
+
 Walk walk(const Ground& ground, Index triangle, dvec2 at, dvec2 direction, const WalkLimits& limits,
           std::vector<Index>& visited) {
     Walk out;
+    out.turned = limits.turned;
     const auto end = [&](const dvec2& where) {
         out.points.push_back(inside(ground, triangle, where));
         return out;
@@ -195,12 +213,15 @@ Walk walk(const Ground& ground, Index triangle, dvec2 at, dvec2 direction, const
         const Index next = triangle_of(twin);
         if (ground.compression[next] < limits.compression) return end(at);
         if (std::find(visited.begin(), visited.end(), next) != visited.end()) return end(at);
-        const double share = std::clamp(exit.along_edge, kEdgeMargin, 1.0 - kEdgeMargin);
-        out.points.push_back({triangle, exit.edge, Vec2(float(share), 0.0f)});
         const dvec2 ahead = unfolded(ground, direction, triangle, exit.edge, twin);
         const dvec2 from = ground.corner(next, twin % 3), to = ground.corner(next, (twin + 1) % 3);
         const dvec2 edge = glm::normalize(to - from);
-        direction = turned(ground, next, ahead, dvec2(-edge.y, edge.x));
+        const dvec2 onwards = turned(ground, next, ahead, dvec2(-edge.y, edge.x));
+        out.turned += angle_to(ahead, onwards);
+        if (std::abs(out.turned) > kMostTurn) return end(at);
+        const double share = std::clamp(exit.along_edge, kEdgeMargin, 1.0 - kEdgeMargin);
+        out.points.push_back({triangle, exit.edge, Vec2(float(share), 0.0f)});
+        direction = onwards;
         at = glm::mix(from, to, 1.0 - share);
         entry = twin % 3;
         triangle = next;

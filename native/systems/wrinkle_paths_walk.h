@@ -52,17 +52,22 @@ struct WalkLimits {
     float compression = 1.0f;            // it enters no triangle below
     float length = 0.0f;                 // it ends after so much, object units
     const SegmentMap* others = nullptr;  // it ends where it meets one of these
+    double turned = 0.0;                 // by what it continues, radians to the left; it ends at kMostTurn
 };
 
 // Section 5.1: from `at` in a triangle in `direction` (unit, in its plane), then in every triangle at right
-// angles to its compression. points: edge points and, last, the end.
+// angles to its compression.
 struct Walk {
-    std::vector<PathPoint> points;
+    std::vector<PathPoint> points;  // edge points and, last, the end
     float length = 0.0f;
+    double turned = 0.0;
 };
 // visited: triangles that it must not enter; it adds those it enters.
 Walk walk(const Ground& ground, Index triangle, glm::dvec2 at, glm::dvec2 direction, const WalkLimits& limits,
           std::vector<Index>& visited);
+
+// How far a path turns to the left from its first to its last segment, radians.
+double turning(const Ground& ground, const std::vector<PathPoint>& points);
 
 // Both ends of [a, b] and [c, d] on the other's two sides; share: of the way from a to b.
 bool segments_cross(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d,

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "systems/wrinkle_paths.h"
+#include "systems/wrinkle_paths_walk.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {
@@ -87,6 +87,34 @@ struct PathCloth {
             return Vec3(centre + way * std::cos(a) - p.z * std::sin(a), p.y,
                         way * std::sin(a) + p.z * std::cos(a));
         });
+    }
+};
+
+// Every triangle of a 4 x 4 grid squeezed along x: a fold from (1.6, 1.2) runs along y to both hems.
+struct Squeezed : PathCloth {
+    wrinkle_paths::Pose pose;
+    wrinkle_paths::Ground ground;
+    explicit Squeezed(float x = 0.5f)
+        : PathCloth(grid(4, 4, 1.0f)),
+          pose(wrinkle_paths::make_pose(*model, squeezed(x))),
+          ground(wrinkle_paths::make_ground(*model, settings, {}, pose, model->rest,
+                                            std::vector<wrinkle_paths::Stretch>(32))) {}
+    Index triangle_at(const Vec3& p) const {
+        for (Index t = 0; t < model->net.triangles(); ++t) {
+            const glm::dvec2 at = ground.to_flat(t, p), u1 = ground.corner(t, 1), u2 = ground.corner(t, 2);
+            const double y = at.y / u2.y, x = (at.x - y * u2.x) / u1.x;
+            if (x > 1e-6 && y > 1e-6 && x + y < 1.0 - 1e-6) return t;
+        }
+        return kNone;
+    }
+    std::vector<Vec3> walk_from(const Vec3& p, const Vec3& direction,
+                                const wrinkle_paths::WalkLimits& limits) const {
+        const Index t = triangle_at(p);
+        std::vector<Index> visited{t};
+        const glm::dvec2 to = ground.to_flat(t, p + direction);
+        const glm::dvec2 at = ground.to_flat(t, p);
+        return wrinkle_paths::positions(ground,
+                                        wrinkle_paths::walk(ground, t, at, to - at, limits, visited).points);
     }
 };
 
