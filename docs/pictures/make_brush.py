@@ -16,9 +16,8 @@ import bpy
 from mathutils import Vector
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1] / "addon"), os.environ["RUMPLE_NATIVE"]]
-import rumple  # noqa: E402
-from make_panels import screen  # noqa: E402
+sys.path[:0] = [str(HERE)]
+from make_panels import picture_of, rumple, save_jpeg  # noqa: E402
 
 # Of the 3D viewport, from its lower left corner, in shares of its size.
 STROKES = (((0.36, 0.30), (0.46, 0.66)), ((0.42, 0.28), (0.50, 0.64)), ((0.58, 0.30), (0.55, 0.66)),
@@ -65,9 +64,7 @@ def steps():
         yield 0.5
     event("MOUSEMOVE", "NOTHING", (0.62, 0.62))
     yield 1.5
-    top = 1000 - area.y - area.height
-    picture = screen().crop((area.x, top, area.x + area.width, top + area.height))
-    picture.save(HERE / "brush.jpg", optimize=True, quality=88)
+    save_jpeg(picture_of(area), HERE / "brush.jpg")
     print("message:", shirt.rumple.message or "none", flush=True)
 
 
