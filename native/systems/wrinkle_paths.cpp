@@ -5,17 +5,11 @@
 #include <cmath>
 #include <string>
 
-#include "base/errors.h"
+#include "base/expect.h"
 #include "systems/wrinkle_paths_life.h"
 
 namespace rumple::wrinkle_paths {
 namespace {
-
-void expect_count(const std::string& name, size_t got, size_t expected, const char* what) {
-    if (got == expected) return;
-    throw InvalidInput(name + ": expected " + std::to_string(expected) + " " + what + ", got " +
-                       std::to_string(got));
-}
 
 void check(const Model& model, const Paint& paint) {
     if (paint.mask.empty()) return;
