@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/errors.h"
+#include "base/expect.h"
 #include "base/tolerances.h"
 
 namespace rumple::wrinkle_maps {
@@ -36,28 +37,18 @@ double dot(const Point& a, const Point& b) {
     return sum;
 }
 
-std::string counted(size_t expected, size_t got) {
-    return "expected " + std::to_string(expected) + " bones, got " + std::to_string(got);
-}
-
-bool finite(const Vec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 void check_bones(const Rig& rig, std::span<const Bone> bones, const std::string& of) {
-    if (bones.size() != rig.names.size())
-        throw InvalidInput(of + ": " + counted(rig.names.size(), bones.size()));
+    expect_count(of, bones.size(), rig.names.size(), "bones");
     for (size_t i = 0; i < bones.size(); ++i) {
-        if (finite(bones[i].head) && finite(bones[i].tail)) continue;
-        throw InvalidInput(of + ": the " + (finite(bones[i].head) ? "tail" : "head") + " of bone " +
+        if (is_finite(bones[i].head) && is_finite(bones[i].tail)) continue;
+        throw InvalidInput(of + ": the " + (is_finite(bones[i].head) ? "tail" : "head") + " of bone " +
                            rig.names[i] + " is not finite");
     }
 }
 
 void check_rig(const Rig& rig) {
-    const size_t bones = rig.names.size();
-    if (rig.tracked.size() != bones) throw InvalidInput("tracked: " + counted(bones, rig.tracked.size()));
-    if (rig.group.size() != bones) throw InvalidInput("group: " + counted(bones, rig.group.size()));
+    expect_count("tracked", rig.tracked.size(), rig.names.size(), "bones");
+    expect_count("group", rig.group.size(), rig.names.size(), "bones");
     check_bones(rig, rig.neutral, "the neutral pose");
     if (rig.poses.size() > size_t(kMostPoses)) {
         throw InvalidInput("poses: expected at most " + std::to_string(kMostPoses) + ", got " +
@@ -245,18 +236,11 @@ std::vector<float> padded(const Model& model, const Settings& settings, const In
 }  // namespace
 
 void check(const Settings& settings, Index poses) {
-    const auto within = [](const std::string& name, double value, double low, double high) {
-        if (value >= low && value <= high) return;  // not a number is never within
-        throw InvalidInput(name + ": expected " + std::to_string(low) + " to " + std::to_string(high) +
-                           ", got " + std::to_string(value));
-    };
-    within("gain", settings.gain, 0.1, 100.0);
-    if (!settings.strength.empty() && settings.strength.size() != size_t(poses)) {
-        throw InvalidInput("strength: expected " + std::to_string(poses) + " values, got " +
-                           std::to_string(settings.strength.size()));
-    }
+    expect_within("gain", settings.gain, 0.1f, 100.0f);
+    if (settings.strength.empty()) return;
+    expect_count("strength", settings.strength.size(), size_t(poses), "values");
     for (size_t k = 0; k < settings.strength.size(); ++k) {
-        within("strength " + std::to_string(k), settings.strength[k], 0.0, 1.0);
+        expect_within("strength " + std::to_string(k), settings.strength[k], 0.0, 1.0);
     }
 }
 
@@ -338,10 +322,7 @@ std::vector<float> presence(const Model& model, const Influences& influences) {
 
 std::vector<float> masks(const Model& model, const Settings& settings, const Influences& influences) {
     check(settings, model.poses());
-    if (influences.pose.size() != model.moves.size()) {
-        throw InvalidInput("influences: expected " + std::to_string(model.moves.size()) + " values, got " +
-                           std::to_string(influences.pose.size()));
-    }
+    expect_count("influences", influences.pose.size(), model.moves.size(), "values");
     std::vector<float> out(size_t(model.poses()) * model.vertices());
     const std::vector<float> rows = padded(model, settings, influences);
     if (settings.gain == 1.0f) {
