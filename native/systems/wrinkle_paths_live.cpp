@@ -45,7 +45,8 @@ void shorten(const Ground& ground, std::vector<PathPoint>& points, float amount)
         const dvec2 a = flat_in(ground, t, points[last]), b = flat_in(ground, t, points[last - 1]);
         const float size = float(glm::distance(a, b));
         if (size > amount || last == 1) {
-            points[last] = inside(ground, t, glm::mix(a, b, double(std::min(amount, 0.9f * size) / size)));
+            const double share = size > 0.0f ? std::min(amount, 0.9f * size) / size : 0.0f;
+            points[last] = inside(ground, t, glm::mix(a, b, share));
             return;
         }
         amount -= size;

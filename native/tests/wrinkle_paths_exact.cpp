@@ -194,6 +194,34 @@ TEST(PathSlide, TurnsAPathTowardsTheFieldAndNotWithoutAlpha) {
     EXPECT_EQ(sheet.off_axis(kept), before);
 }
 
+// A walk whose length is used up exactly at an edge ends there: its last segment has no length. Cut back to
+// that segment alone, such a path once became not a number, and its own state was refused in the next frame.
+TEST(PathLive, CutsAPathBackToASegmentWithoutLength) {
+    PathCloth cloth(grid(2, 2, 0.1f));
+    cloth.settings.growth_limit = 1.0f;
+    cloth.settings.fade = 10.0f;
+    State state = cloth.solve(cloth.mesh.positions);
+    const Pose pose = make_pose(*cloth.model, cloth.mesh.positions);
+    const Ground ground{*cloth.model, pose, {}, {}, {}};
+    Index h = 0;
+    while (cloth.model->net.twin[h] == kNone) ++h;
+    const PathPoint on_edge{triangle_of(h), h % 3, {0.5f, 0.0f}};
+    const Index next = triangle_of(cloth.model->net.twin[h]);
+    const glm::dvec2 there = flat_in(ground, next, on_edge);
+    const glm::dvec2 centre =
+        (ground.corner(next, 0) + ground.corner(next, 1) + ground.corner(next, 2)) / 3.0;
+    state.paths = {{0,
+                    1.0f,
+                    1.5f,
+                    {inside(ground, on_edge.triangle, flat_in(ground, on_edge.triangle, on_edge)), on_edge,
+                     inside(ground, next, there + 0.05 * (centre - there))}}};
+    ASSERT_EQ(cloth.fault(state), "");
+    for (int f = 0; f < 5; ++f) {
+        ASSERT_NO_THROW(state = cloth.solve(cloth.mesh.positions, &state));
+        ASSERT_EQ(cloth.fault(state), "");
+    }
+}
+
 // One inner point, on an edge along x from 0 to 1, between ends straight below and above its place at t =
 // 1/2, with e = x. Eq. 5.2 for its change d, all in square lengths: two segments give a' (d - c)^2 each, its
 // place d^2, its bend and those of the ends d^2 each. By hand with c the offset of both ends: d = 2 a' c / (2
