@@ -197,24 +197,20 @@ TEST(PathSlide, TurnsAPathTowardsTheFieldAndNotWithoutAlpha) {
 // A walk whose length is used up exactly at an edge ends there: its last segment has no length. Cut back to
 // that segment alone, such a path once became not a number, and its own state was refused in the next frame.
 TEST(PathLive, CutsAPathBackToASegmentWithoutLength) {
-    PathCloth cloth(grid(2, 2, 0.1f));
+    PathCloth cloth(grid(1, 1, 0.125f));  // all lengths below are exact in binary
     cloth.settings.growth_limit = 1.0f;
     cloth.settings.fade = 10.0f;
     State state = cloth.solve(cloth.mesh.positions);
     const Pose pose = make_pose(*cloth.model, cloth.mesh.positions);
     const Ground ground{*cloth.model, pose, {}, {}, {}};
-    Index h = 0;
-    while (cloth.model->net.twin[h] == kNone) ++h;
-    const PathPoint on_edge{triangle_of(h), h % 3, {0.5f, 0.0f}};
-    const Index next = triangle_of(cloth.model->net.twin[h]);
-    const glm::dvec2 there = flat_in(ground, next, on_edge);
-    const glm::dvec2 centre =
-        (ground.corner(next, 0) + ground.corner(next, 1) + ground.corner(next, 2)) / 3.0;
+    const PathPoint on_edge{1, 0, {0.5f, 0.0f}};  // the middle of the diagonal, (1/16, 1/16)
+    ASSERT_EQ(triangle_of(cloth.model->net.twin[half_edge(on_edge)]), 0);
     state.paths = {{0,
                     1.0f,
                     1.5f,
-                    {inside(ground, on_edge.triangle, flat_in(ground, on_edge.triangle, on_edge)), on_edge,
-                     inside(ground, next, there + 0.05 * (centre - there))}}};
+                    {{1, kNone, {0.5f, 0.0f}},  // the same place
+                     on_edge,
+                     inside(ground, 0, {0.0625 + 1.0 / 512.0, 0.0625})}}};
     ASSERT_EQ(cloth.fault(state), "");
     for (int f = 0; f < 5; ++f) {
         ASSERT_NO_THROW(state = cloth.solve(cloth.mesh.positions, &state));
