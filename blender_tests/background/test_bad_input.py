@@ -13,7 +13,10 @@ from rumple.blender import modifier, registry
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 
 
-class BadInput(unittest.TestCase):
+class BadInput:
+    """What every system answers."""
+
+    method: str
 
     def add(self, vertices, faces, edges=(), scale=1.0) -> bpy.types.Object:
         """A mesh object of that name with wrinkles asked for; nothing raises."""
@@ -27,7 +30,7 @@ class BadInput(unittest.TestCase):
         bpy.context.view_layer.update()
         try:
             self.answer = ""
-            bpy.ops.object.rumple_add(method="MESH")
+            bpy.ops.object.rumple_add(method=self.method)
         except RuntimeError as error:  # how bpy.ops hands on an operator's error report
             self.answer = str(error)
         return obj
@@ -43,7 +46,7 @@ class BadInput(unittest.TestCase):
         self.assertEqual(self.answer, "")
         self.assertEqual(obj.rumple.message, "")
         self.assertTrue(np.isfinite(sleeve.shown(obj)).all())
-        self.assertGreater(len(sleeve.shown(obj)), len(obj.data.vertices))
+        self.assertGreaterEqual(len(sleeve.shown(obj)), len(obj.data.vertices))
         return obj
 
     def test_empty(self):
@@ -76,6 +79,26 @@ class BadInput(unittest.TestCase):
     def test_zero_length_edges_and_flat_triangles_are_handled(self):
         self.handled([(0, 0, 0), (1, 0, 0), (1, 0, 0), (0, 1, 0), (2, 0, 0)], [(0, 1, 2, 3), (1, 4, 2)])
 
+    def test_a_pose_that_is_not_finite_is_named_and_the_last_picture_stays(self):
+        obj = self.handled(SQUARE, [(0, 1, 2, 3)])
+        obj.shape_key_add(name="Basis")
+        torn = obj.shape_key_add(name="Torn")
+        torn.data[1].co.x = 0.5
+        torn.value = 1.0
+        sleeve.at(2)
+        before = registry.runtime(obj).picture
+        torn.data[2].co.y = math.nan
+        sleeve.at(3)
+        self.assertEqual(obj.rumple.message, "Rag: positions: vertex 2 is not finite")
+        self.assertIs(registry.runtime(obj).picture, before)
+        torn.data[2].co.y = 1.0
+        sleeve.at(4)
+        self.assertEqual(obj.rumple.message, "")
+
+
+class BadInputOfMesh(BadInput, unittest.TestCase):
+    method = "MESH"
+
     def test_an_own_mesh_far_away_names_its_vertex_and_keeps_the_last_mesh(self):
         obj = self.handled(SQUARE, [(0, 1, 2, 3)])
         count = len(sleeve.shown(obj))
@@ -88,6 +111,14 @@ class BadInput(unittest.TestCase):
         sleeve.at(2)
         self.assertRegex(obj.rumple.message, r"^Rag: vertex \d+ of the own mesh")
         self.assertEqual(len(sleeve.shown(obj)), count)
+
+
+class BadInputOfField(BadInput, unittest.TestCase):
+    method = "FIELD"
+
+
+class BadInputOfPaths(BadInput, unittest.TestCase):
+    method = "PATHS"
 
 
 if __name__ == "__main__":
