@@ -40,7 +40,13 @@ class Painting(WindowCase):
         settings.radius, settings.strength = 60, 1.0
         with self.area():
             self.assertEqual(bpy.ops.object.rumple_brush(), {"FINISHED"})
+        self.addCleanup(self.put_away)
         yield 0.3
+
+    def put_away(self) -> None:
+        """Its circle would stand in the pictures of other tests."""
+        with self.area():
+            bpy.ops.wm.tool_set_by_id(name="builtin.select_box")
 
     @property
     def obj(self) -> bpy.types.Object:

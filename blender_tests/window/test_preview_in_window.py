@@ -56,6 +56,7 @@ class PreviewCase(WindowCase):
 
     def shot(self) -> Iterator[float]:
         """Leaves what the viewport shows in self.seen, (height, width) float, its inside without the header."""
+        bpy.context.window_manager.windows[0].cursor_warp(2, 2)  # the pointer would be in the picture
         self.area.tag_redraw()
         yield 0.3
         region = next(region for region in self.area.regions if region.type == "WINDOW")

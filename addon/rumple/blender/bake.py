@@ -343,12 +343,4 @@ def _key_evaluation_time(keys: bpy.types.Key, start: int) -> None:
 
 CLASSES = (OBJECT_OT_rumple_bake, OBJECT_OT_rumple_bake_free, OBJECT_OT_rumple_bake_shape_keys)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -277,7 +277,8 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Scene.rumple_brush = bpy.props.PointerProperty(type=RUMPLE_Brush)
-    bpy.utils.register_tool(RUMPLE_RestWrinkleTool, after={"builtin.cursor"}, separator=True)
+    if not bpy.app.background:  # there are no keymaps yet when a background Blender starts with the add-on on
+        bpy.utils.register_tool(RUMPLE_RestWrinkleTool, after={"builtin.cursor"}, separator=True)
     bpy.app.handlers.load_post.append(_on_load)
     brush_overlay.register(TOOL)
 
@@ -285,7 +286,8 @@ def register() -> None:
 def unregister() -> None:
     brush_overlay.unregister()
     bpy.app.handlers.load_post.remove(_on_load)
-    bpy.utils.unregister_tool(RUMPLE_RestWrinkleTool)
+    if not bpy.app.background:
+        bpy.utils.unregister_tool(RUMPLE_RestWrinkleTool)
     del bpy.types.Scene.rumple_brush
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

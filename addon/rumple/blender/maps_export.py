@@ -160,12 +160,4 @@ class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
 
 CLASSES = (RUMPLE_OT_maps_weights, RUMPLE_OT_maps_export)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

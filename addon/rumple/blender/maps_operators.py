@@ -357,12 +357,4 @@ CLASSES = (RUMPLE_OT_maps_add, RUMPLE_OT_maps_remove, RUMPLE_OT_pose_add, RUMPLE
            RUMPLE_OT_pose_remove, RUMPLE_OT_pose_move, RUMPLE_OT_pose_go, RUMPLE_OT_neutral_capture,
            RUMPLE_OT_neutral_rest, RUMPLE_OT_maps_bones, RUMPLE_OT_maps_show, RUMPLE_OT_maps_hide)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -167,12 +167,4 @@ CLASSES = (RUMPLE_UL_poses, RUMPLE_UL_tracked_bones,
            _panel(_Poses, _InSidebar, "VIEW3D_PT_rumple_maps"),
            _panel(_Shading, _InSidebar, "VIEW3D_PT_rumple_maps_shading", "VIEW3D_PT_rumple_maps"))
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

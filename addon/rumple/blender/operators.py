@@ -322,12 +322,4 @@ CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_apply
            OBJECT_OT_rumple_shade, OBJECT_OT_rumple_unshade, OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_paint,
            OBJECT_OT_rumple_clear_frames)
 
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
