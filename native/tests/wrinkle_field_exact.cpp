@@ -207,6 +207,27 @@ TEST(WrinkleFieldExact, AccordionPleatsKeepTheLengthOfASection) {
     }
 }
 
+// Where the three waves of a triangle agree, equation (8) is the whole derivative of (5).
+TEST(WrinkleFieldExact, TheGradientIsTheDerivativeOfTheHeight) {
+    Field field(irregular_square());
+    field.settings.wavelength = 0.25f;
+    const Pose3 pose = scaled(field.mesh, {0.5f, 1.0f, 1.0f});
+    const State state = field.solve(pose);
+    const Waves waves = field.crush(pose, state.direction);
+    const float step = 0.02f;
+    for (Index t = 0; t < Index(field.model->base.triangles.size()); ++t) {
+        const auto at = [&](float b0) {
+            return evaluate(*field.model, waves, sine(), state.phase, {t, b0, 0.3f});
+        };
+        const auto corner = [&](int k) {
+            return waves
+                .positions[field.model->base.welded.corner_vertex[field.model->base.triangles[t].corner[k]]];
+        };
+        const float rise = (at(0.3f + step).height - at(0.3f - step).height) / (2.0f * step);
+        EXPECT_NEAR(rise, glm::dot(at(0.3f).gradient, corner(1) - corner(0)), 0.1f * waves.height[0]) << t;
+    }
+}
+
 TEST(WrinkleFieldExact, ProfilesAreEvenPeriodicAndTheirSlopeIsTheDerivative) {
     for (const Profile& profile : {sine(), accordion(), pencil_pleats(), drawn(sine().height)}) {
         const auto read = [&](float phase) {
