@@ -59,10 +59,9 @@ void paths_reference(benchmark::State& bench) {
         const State& state = sleeve.states[f];
         const Input input = sleeve.input(f);
         const Pose pose = make_pose(*cloth.model, input.positions);
-        const auto changes = recent_changes(*cloth.model, cloth.settings, input.time, pose, &state);
-        const Labels labels = label_frame(*cloth.model, cloth.settings, input, pose, changes, &state);
+        std::vector<Stretch> changes;
         benchmark::DoNotOptimize(
-            update_reference(*cloth.model, cloth.settings, pose, labels, 1.0 / 30.0, &state));
+            adapt(cloth.model->base, *cloth.model, cloth.settings, input, pose, &state, changes));
         f = (f + 1) % kFrames;
     }
     sleeve.count(bench);

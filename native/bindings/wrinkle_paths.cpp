@@ -8,6 +8,7 @@
 #include "bindings/arrays.h"
 #include "bindings/choices.h"
 #include "bindings/module.h"
+#include "bindings/reference.h"
 
 namespace rumple::bindings {
 namespace {
@@ -17,9 +18,6 @@ using namespace wrinkle_paths;
 template <typename Choice>
 using Names = std::initializer_list<std::pair<const char*, Choice>>;
 
-constexpr Names<Reference> kReferences = {{"REST", Reference::kRestPose},
-                                          {"FIRST_FRAME", Reference::kFirstFrame},
-                                          {"STATIC_REST", Reference::kStaticRest}};
 constexpr Names<Direction> kDirections = {
     {"OUTWARD", Direction::kOutward}, {"INWARD", Direction::kInward}, {"BOTH", Direction::kBoth}};
 constexpr Names<Profile> kProfiles = {{"SPLINE", Profile::kSpline},
@@ -51,14 +49,6 @@ void bind_settings(py::module_& module) {
     py::class_<Settings> settings(module, "WrinklePathsSettings",
                                   "Settings of a solve; see docs/wrinkle_paths.md. Lengths in object units.");
     settings.def(py::init<>())
-        .def_readwrite("window", &Settings::window,
-                       "seconds; labels compare with the pose so long ago; 0: the previous frame")
-        .def_readwrite("relaxation", &Settings::relaxation,
-                       "share per 1/30 s by which compressed reference triangles give in, 0..1")
-        .def_readwrite("growth", &Settings::growth,
-                       "most length of a reference triangle over the rest pose's, >= 1")
-        .def_readwrite("growth_time", &Settings::growth_time,
-                       "seconds in which a reference triangle takes over a longer shape, >= 0")
         .def_readwrite("smoothing", &Settings::smoothing, "of compression in time, seconds, >= 0")
         .def_readwrite("threshold", &Settings::threshold, "tau: compression from which folds live, > 1")
         .def_readwrite("reach", &Settings::reach, "folds go on down to this share of tau's compression, 0..1")
@@ -73,7 +63,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("persistent", &Settings::persistent, "False: every frame is traced anew")
         .def_readwrite("seed", &Settings::seed, "of the places where folds may start")
         .def_readwrite("height", &Settings::height, "factor on the height that keeps the arc length, >= 0");
-    bind_choice(settings, "reference", &Settings::reference, kReferences, "REST, FIRST_FRAME or STATIC_REST");
+    bind_reference_settings(settings, [](Settings& s) -> ReferenceSettings& { return s; });
     bind_choice(settings, "direction", &Settings::direction, kDirections, "OUTWARD, INWARD or BOTH");
     bind_choice(settings, "profile", &Settings::profile, kProfiles, "SPLINE, QUARTIC, CIRCULAR_ARCS or SINE");
 }
@@ -297,7 +287,7 @@ void bind_wrinkle_paths(py::module_& module) {
             Labels labels;
             {
                 const py::gil_scoped_release release;
-                labels = label_clip(model, settings, seconds, flat, raw);
+                labels = label_clip(model.base, model, settings, seconds, flat, raw);
             }
             return to_numpy<std::uint8_t>(labels, py::ssize_t(model.net.triangles()));
         },

@@ -23,30 +23,14 @@ void check(const Model& model, const Paint& paint) {
 }
 
 void check(const Model& model, const State& state) {
-    const size_t triangles = model.rest.size(), vertices = size_t(model.base.welded.vertex_count);
-    expect_count("state.labels", state.labels.size(), triangles, "triangles");
-    expect_count("state.reference", state.reference.size(), triangles, "triangles");
-    expect_count("state.compression", state.compression.size(), triangles, "triangles");
-    if (state.past_times.empty()) throw InvalidInput("state.past_times: expected the state's own, got none");
-    expect_count("state.past_positions", state.past_positions.size(), state.past_times.size() * vertices,
-                 "vertices");
+    check_reference(model.base, state);
+    expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
     const auto refuse = [](const char* name, size_t at) {
         throw InvalidInput(std::string("state.") + name + ": number " + std::to_string(at) +
                            " is out of range");
     };
-    for (size_t t = 0; t < triangles; ++t) {
-        const FlatTriangle& r = state.reference[t];
-        if (state.labels[t] > kStretch) refuse("labels", t);
-        if (!(r.x1 >= 0.0f) || !(r.y2 >= 0.0f) || !std::isfinite(r.x1 + r.x2 + r.y2)) refuse("reference", t);
+    for (size_t t = 0; t < state.compression.size(); ++t) {
         if (!(state.compression[t] > 0.0f) || !std::isfinite(state.compression[t])) refuse("compression", t);
-    }
-    for (size_t i = 0; i < state.past_times.size(); ++i) {
-        if (!(state.past_times[i] <= state.time) || (i > 0 && state.past_times[i] < state.past_times[i - 1]))
-            refuse("past_times", i);
-    }
-    for (size_t v = 0; v < state.past_positions.size(); ++v) {
-        const Vec3& p = state.past_positions[v];
-        if (!std::isfinite(p.x + p.y + p.z)) refuse("past_positions", v);
     }
     for (size_t i = 0; i < state.paths.size(); ++i) {
         if (!(state.paths[i].fade >= 0.0f && state.paths[i].fade <= 1.0f)) refuse("path_fade", i);
@@ -58,26 +42,8 @@ void check(const Model& model, const State& state) {
 
 void check(const Model& model, const Input& input, const State* state) {
     check_positions(model, input.positions, "positions");
-    if (!std::isfinite(input.time))
-        throw InvalidInput("time: expected seconds, got a value that is not finite");
-    if (!input.labels.empty()) {
-        expect_count("labels", input.labels.size(), model.rest.size(), "triangles");
-        for (const std::uint8_t label : input.labels) {
-            if (label > kStretch) throw InvalidInput("labels: expected 0..2, got " + std::to_string(label));
-        }
-    }
-    if (!input.next_positions.empty()) {
-        check_positions(model, input.next_positions, "next_positions");
-        if (!(input.next_time > input.time))
-            throw InvalidInput("next_time: expected later than " + std::to_string(input.time) + " s, got " +
-                               std::to_string(input.next_time));
-    }
-    if (!state) return;
-    check(model, *state);
-    if (state->time > input.time) {
-        throw InvalidInput("time: the state is of " + std::to_string(state->time) +
-                           " s, later than this frame at " + std::to_string(input.time));
-    }
+    if (state) check(model, *state);
+    check_moment(model.base, input, state);
 }
 
 // Section 5.2.1 for all paths, and how far their points went.
@@ -112,13 +78,9 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
     const Pose pose = make_pose(model, input.positions);
     const double seconds = state ? input.time - state->time : 0.0;
     State next;
-    next.time = input.time;
     next.next_id = state ? state->next_id : 0;
-    remember(settings, pose, state, next);
-
-    const std::vector<Stretch> changes = recent_changes(model, settings, input.time, pose, state);
-    next.labels = label_frame(model, settings, input, pose, changes, state);
-    next.reference = update_reference(model, settings, pose, next.labels, seconds, state);
+    std::vector<Stretch> changes;
+    static_cast<ReferenceState&>(next) = adapt(model.base, model, settings, input, pose, state, changes);
     Ground ground = make_ground(model, settings, paint, pose, next.reference, changes);
     smooth_in_time(settings, seconds, state, ground);
     next.compression = ground.compression;

@@ -10,27 +10,18 @@
 #include <string>
 #include <vector>
 
+#include "surface/adaptive_reference.h"
 #include "surface/attachments.h"
 #include "surface/deformation.h"
 #include "surface/shown_mesh.h"
-#include "surface/triangle_net.h"
-#include "systems/wrinkle_paths_labels.h"
 #include "systems/wrinkle_paths_profile.h"
 
 namespace rumple::wrinkle_paths {
 
-// What compression is measured against (section 4.2): reference triangles that start from the rest pose or
-// from the first frame and adapt, or the rest pose itself.
-enum class Reference { kRestPose, kFirstFrame, kStaticRest };
 enum class Direction { kOutward, kInward, kBoth };
 
-// What the user sets for every solve.
-struct Settings {
-    float window = 0.1f;  // labels compare with the pose so long ago, seconds, >= 0; 0: the previous frame
-    Reference reference = Reference::kRestPose;
-    float relaxation = 0.01f;    // of compressed reference triangles, share per 1/30 s, 0..1; printed: 0.05
-    float growth = 1.05f;        // most length of a reference triangle over the rest pose's (kRestPose), >= 1
-    float growth_time = 0.1f;    // of reference triangles that take over a longer shape, s, >= 0; printed: 0
+// What the user sets for every solve; what compression is measured against (chapter 4) first.
+struct Settings : ReferenceSettings {
     float smoothing = 0.1f;      // of compression in time, seconds, >= 0; printed: 0
     float threshold = 1.25f;     // tau: folds start where lambda~_min is above it, > 1
     float reach = 0.3f;          // folds go on down to this share of tau's compression, 0..1; printed: 1
@@ -56,10 +47,8 @@ struct Paint {
 };
 
 // Built once at rest, then immutable; may be shared between objects.
-struct Model {
+struct Model : ReferenceModel {
     Surface base;
-    TriangleNet net;
-    std::vector<FlatTriangle> rest;    // per triangle
     std::vector<float> quality;        // per triangle at rest: 1 equilateral, 0 a sliver
     std::vector<Index> border_ring;    // per welded vertex: edges to the nearest open border, or kNone
     Attachments attachments;           // of the fine vertices
@@ -91,24 +80,15 @@ struct Path {
 };
 
 // What lives from frame to frame. All plain values: a stored state continues as the one that was stored.
-struct State {
-    double time = 0.0;                    // seconds
-    Labels labels;                        // per triangle
-    std::vector<FlatTriangle> reference;  // per triangle
-    std::vector<float> compression;       // per triangle, as the paths see it: masked, smoothed in time
-    std::vector<double> past_times;       // of the poses that labels still need, oldest first, this one last
-    std::vector<Vec3> past_positions;     // poses x welded vertices, object space
-    std::vector<Path> paths;              // by id
+struct State : ReferenceState {
+    std::vector<float> compression;  // per triangle, as the paths see it: masked, smoothed in time
+    std::vector<Path> paths;         // by id
     Index next_id = 0;
 };
 
 // One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
-struct Input {
+struct Input : Moment {
     std::span<const Vec3> positions;
-    double time = 0.0;                       // seconds; the frame number over the frame rate
-    std::span<const std::uint8_t> labels{};  // of label_clip(), per triangle; or empty: they are cut here
-    std::span<const Vec3> next_positions{};  // one frame of look-ahead for the cut; or empty
-    double next_time = 0.0;
 };
 
 struct Report {
@@ -122,12 +102,6 @@ struct Report {
     float moved_mean = 0.0f;        // of path points along the surface since the frame before, in L_min
     float moved_most = 0.0f;        // ... of the 99th percentile
 };
-
-// Labels of a whole clip in one cut (section 4.1.2), frames x triangles; for bakes. raw: without the cut.
-// positions: frames x vertices. Throws InvalidInput as solve() does, and when times do not ascend. Cost:
-// about 1 ms per frame and 1,000 triangles.
-Labels label_clip(const Model& model, const Settings& settings, std::span<const double> times,
-                  std::span<const Vec3> positions, bool raw = false);
 
 // Chapters 4 and 5: one frame, from `state` (of the frame before), or from the canonical start when there is
 // none. The same input gives the same bits, whatever the numbering of vertices. Throws InvalidInput when

@@ -60,10 +60,7 @@ std::vector<Index> rings_from_border(const Surface& surface, const TriangleNet& 
 
 void check(const Settings& s) {
     constexpr double kMost = 1e6;
-    check_range("window", s.window, 0.0, 10.0);
-    check_range("relaxation", s.relaxation, 0.0, 1.0);
-    check_range("growth", s.growth, 1.0, kMost);
-    check_range("growth_time", s.growth_time, 0.0, 10.0);
+    check_reference(s);
     check_range("smoothing", s.smoothing, 0.0, 10.0);
     check_range("threshold", s.threshold, 1.0, kMost, true);
     check_range("reach", s.reach, 0.0, 1.0);
@@ -79,8 +76,7 @@ void check(const Settings& s) {
 std::shared_ptr<const Model> build(Surface base, const FineSource& source, AttachmentKind attachment) {
     auto model = std::make_shared<Model>();
     model->base = std::move(base);
-    model->net = build_net(model->base);
-    model->rest = flat_triangles(*model, model->base.positions_rest);
+    static_cast<ReferenceModel&>(*model) = build_reference(model->base);
     for (const FlatTriangle& t : model->rest) model->quality.push_back(quality_of(t));
     model->border_ring = rings_from_border(model->base, model->net);
     const FineMesh fine = refine(model->base, source);

@@ -8,23 +8,6 @@
 
 namespace rumple::wrinkle_paths {
 
-float share_of(double seconds, double time) {
-    return time > 0.0 ? float(1.0 - std::exp(-seconds / time)) : 1.0f;
-}
-
-float share_in(float share_per_thirtieth, double seconds) {
-    return float(1.0 - std::pow(1.0 - share_per_thirtieth, 30.0 * seconds));
-}
-
-std::vector<FlatTriangle> flat_triangles(const Model& model, std::span<const Vec3> welded) {
-    std::vector<FlatTriangle> shapes(size_t(model.net.triangles()));
-    for (size_t t = 0; t < shapes.size(); ++t) {
-        const Index* vertex = &model.net.vertex[3 * t];
-        shapes[t] = flatten(welded[vertex[0]], welded[vertex[1]], welded[vertex[2]]);
-    }
-    return shapes;
-}
-
 Pose make_pose(const Model& model, std::span<const Vec3> positions) {
     std::vector<Vec3> welded(size_t(model.base.welded.vertex_count));
     weld_positions(model.base, positions, welded);
@@ -32,20 +15,19 @@ Pose make_pose(const Model& model, std::span<const Vec3> positions) {
 }
 
 Pose make_welded_pose(const Model& model, std::vector<Vec3> welded) {
-    Pose pose;
-    pose.positions = std::move(welded);
+    Pose pose{flat_pose(model.net, std::move(welded)), {}, 0};
     pose.frames.resize(model.rest.size());
     triangle_frames(model.base, pose.positions, pose.frames);
-    pose.shapes = flat_triangles(model, pose.positions);
     for (const FlatTriangle& shape : pose.shapes) pose.collapsed += !shape.has_area();
     return pose;
 }
 
 std::vector<Stretch> stretches(const Model& model, const State& state,
                                std::span<const Vec3> welded_positions) {
-    const std::vector<FlatTriangle> shapes = flat_triangles(model, welded_positions);
+    const FlatPose pose = flat_pose(model.net, {welded_positions.begin(), welded_positions.end()});
     std::vector<Stretch> out;
-    for (size_t t = 0; t < shapes.size(); ++t) out.push_back(measure_stretch(state.reference[t], shapes[t]));
+    for (size_t t = 0; t < pose.shapes.size(); ++t)
+        out.push_back(measure_stretch(state.reference[t], pose.shapes[t]));
     return out;
 }
 

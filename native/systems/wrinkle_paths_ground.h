@@ -9,10 +9,8 @@
 
 namespace rumple::wrinkle_paths {
 
-struct Pose {
-    std::vector<Vec3> positions;        // welded vertices, object space
+struct Pose : FlatPose {                // u1 of a shape lies along its frame's tangent
     std::vector<TriangleFrame> frames;  // per triangle
-    std::vector<FlatTriangle> shapes;   // per triangle, u1 along the frame's tangent
     Index collapsed = 0;
 };
 
@@ -20,20 +18,6 @@ struct Pose {
 void check_positions(const Model& model, std::span<const Vec3> positions, const char* name);
 Pose make_pose(const Model& model, std::span<const Vec3> positions);
 Pose make_welded_pose(const Model& model, std::vector<Vec3> welded);
-std::vector<FlatTriangle> flat_triangles(const Model& model, std::span<const Vec3> welded);
-
-// Section 4.1: how every triangle changed since settings.window ago, which `state` remembers. Undefined where
-// there is no state.
-std::vector<Stretch> recent_changes(const Model& model, const Settings& settings, double time,
-                                    const Pose& pose, const State* state);
-Labels label_frame(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
-                   const std::vector<Stretch>& changes, const State* state);
-// The poses that later frames need: those of `state` and this one, less what is too old.
-void remember(const Settings& settings, const Pose& pose, const State* state, State& next);
-
-// Section 4.2.
-std::vector<FlatTriangle> update_reference(const Model& model, const Settings& settings, const Pose& pose,
-                                           const Labels& labels, double seconds, const State* state);
 
 // What paths stand on: the pose, and the compression of its triangles.
 struct Ground {
@@ -78,11 +62,5 @@ inline Index segment_triangle(const Model& model, const std::vector<PathPoint>& 
 
 // 0 at open borders, 1 from settings.hem_rings on: for compression and height.
 float hem_weight(const Model& model, const Settings& settings, Index vertex);
-
-// A share per 1/30 s as a share of `seconds`, so that any frame rate gives the same in the same time.
-float share_in(float share_per_thirtieth, double seconds);
-
-// What an exponential filter of this time constant takes over in `seconds`.
-float share_of(double seconds, double time);
 
 }  // namespace rumple::wrinkle_paths

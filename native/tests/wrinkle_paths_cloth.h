@@ -98,7 +98,7 @@ struct Squeezed : PathCloth {
         : PathCloth(grid(4, 4, 1.0f)),
           pose(wrinkle_paths::make_pose(*model, squeezed(x))),
           ground(wrinkle_paths::make_ground(*model, settings, {}, pose, model->rest,
-                                            std::vector<wrinkle_paths::Stretch>(32))) {}
+                                            std::vector<Stretch>(32))) {}
     Index triangle_at(const Vec3& p) const {
         for (Index t = 0; t < model->net.triangles(); ++t) {
             const glm::dvec2 at = ground.to_flat(t, p), u1 = ground.corner(t, 1), u2 = ground.corner(t, 2);

@@ -162,10 +162,13 @@ TEST(WrinklePathsInput, LabelsPaintAndTimesAreChecked) {
     expect_refused([&] { call({}); }, {"next_time: expected later than 1.0"});
     const std::vector<Vec3> two(18, Vec3(0.0f));
     const std::vector<double> backwards{1.0, 0.5};
-    expect_refused([&] { label_clip(*cloth.model, cloth.settings, backwards, two); },
+    expect_refused([&] { label_clip(cloth.model->base, *cloth.model, cloth.settings, backwards, two); },
                    {"times: ", "frame 1 "});
-    expect_refused([&] { label_clip(*cloth.model, cloth.settings, backwards, std::span(two).first(17)); },
-                   {"2 frames of 9 vertices", "got 17"});
+    expect_refused(
+        [&] {
+            label_clip(cloth.model->base, *cloth.model, cloth.settings, backwards, std::span(two).first(17));
+        },
+        {"2 frames of 9 vertices", "got 17"});
 }
 
 // Collapsed and duplicated triangles are not refused: they have no direction, and folds end at them.
@@ -190,7 +193,8 @@ TEST(WrinklePathsInput, CollapsedTrianglesAreTolerated) {
 TEST(WrinklePathsInput, AClipOfOneFrameIsAllRest) {
     const PathCloth cloth(grid(2, 2, 0.1f));
     const std::vector<double> times{0.0};
-    EXPECT_EQ(label_clip(*cloth.model, cloth.settings, times, cloth.mesh.positions), Labels(8, kRest));
+    EXPECT_EQ(label_clip(cloth.model->base, *cloth.model, cloth.settings, times, cloth.mesh.positions),
+              Labels(8, kRest));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "systems/wrinkle_paths_labels.h"
+#include "surface/labels.h"
 
 #define MAXFLOW_INCLUDE_TEMPLATE_IMPLEMENTATION
 // The library moves pointers into a block that realloc() has moved, by their distance from it. g++ 14 at -O3
@@ -13,7 +13,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace rumple::wrinkle_paths {
+namespace rumple {
 namespace {
 
 constexpr double kSigma = 0.05, kAlpha = 9.0, kBeta = 90.0;  // section 4.1.2
@@ -113,7 +113,8 @@ LabelCosts label_costs_printed(const Stretch& change) {
     return {dominance_cost_printed(a, b), rest_cost(a, b), dominance_cost_printed(b, a)};
 }
 
-Labels cut(const TriangleNet& net, std::span<const LabelCosts> costs, std::span<const std::uint8_t> before) {
+Labels cut_labels(const TriangleNet& net, std::span<const LabelCosts> costs,
+                  std::span<const std::uint8_t> before) {
     LabelGraph graph(costs.size());
     for (size_t i = 0; i < costs.size(); ++i) {
         LabelCosts cost = costs[i];
@@ -124,7 +125,7 @@ Labels cut(const TriangleNet& net, std::span<const LabelCosts> costs, std::span<
     return graph.solve(costs.size());
 }
 
-Labels cheapest(std::span<const LabelCosts> costs) {
+Labels cheapest_labels(std::span<const LabelCosts> costs) {
     Labels labels;
     for (const LabelCosts& cost : costs)
         labels.push_back(std::uint8_t(std::min_element(cost.begin(), cost.end()) - cost.begin()));
@@ -141,4 +142,4 @@ double label_energy(const TriangleNet& net, std::span<const LabelCosts> costs,
     return sum;
 }
 
-}  // namespace rumple::wrinkle_paths
+}  // namespace rumple

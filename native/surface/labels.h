@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "surface/flat_triangle.h"
 #include "surface/triangle_net.h"
-#include "systems/wrinkle_paths_stretch.h"
 
-namespace rumple::wrinkle_paths {
+namespace rumple {
 
 // In the order in which the label costs are distances on a line.
 enum Label : std::uint8_t { kCompress = 0, kRest = 1, kStretch = 2 };
@@ -31,13 +31,14 @@ LabelCosts label_costs_printed(const Stretch& change);
 // frame. before: labels of the frame before the first, fixed; or none. Of several optima the one with the
 // lowest labels everywhere: it does not depend on the order of triangles. Costs are rounded to 2^-16. Cost:
 // about 0.5 ms for one frame of 3,000 triangles.
-Labels cut(const TriangleNet& net, std::span<const LabelCosts> costs, std::span<const std::uint8_t> before);
+Labels cut_labels(const TriangleNet& net, std::span<const LabelCosts> costs,
+                  std::span<const std::uint8_t> before);
 
 // The cheapest label of every node for itself (figure 4.1, middle): to see what the cut does.
-Labels cheapest(std::span<const LabelCosts> costs);
+Labels cheapest_labels(std::span<const LabelCosts> costs);
 
 // The sum of eq. 4.3 for given labels.
 double label_energy(const TriangleNet& net, std::span<const LabelCosts> costs,
                     std::span<const std::uint8_t> before, std::span<const std::uint8_t> labels);
 
-}  // namespace rumple::wrinkle_paths
+}  // namespace rumple

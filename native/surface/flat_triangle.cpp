@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "systems/wrinkle_paths_stretch.h"
+#include "surface/flat_triangle.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/tolerances.h"
 
-namespace rumple::wrinkle_paths {
+namespace rumple {
 namespace {
 
 using glm::dmat2;
@@ -99,4 +99,4 @@ FlatTriangle capped(const FlatTriangle& reference, const FlatTriangle& rest, flo
     return scaled(reference, svd.a_small, std::min(most / svd.small, 1.0), most / svd.large);
 }
 
-}  // namespace rumple::wrinkle_paths
+}  // namespace rumple

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Labels of the Wrinkle Paths (Gillette 2015, section 4.1): stretches, costs and the cut.
-#include "systems/wrinkle_paths_labels.h"
-
+// Labels of triangles (Gillette 2015, section 4.1): stretches, costs and the cut.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "base/tolerances.h"
+#include "surface/labels.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {
 namespace {
-
-using namespace wrinkle_paths;
 
 const FlatTriangle kRight{1.0f, 0.0f, 1.0f};
 
@@ -23,7 +20,7 @@ Stretch change(float compression, float stretch) {
 
 // ---- stretch tensors
 
-TEST(PathStretch, OfAShapeWithItselfIsOne) {
+TEST(FlatTriangles, OfAShapeWithItselfIsOne) {
     for (const FlatTriangle& t : {kRight, FlatTriangle{0.03f, -0.01f, 0.002f}}) {
         const Stretch s = measure_stretch(t, t);
         EXPECT_NEAR(s.compression, 1.0f, 1e-6f);
@@ -32,7 +29,7 @@ TEST(PathStretch, OfAShapeWithItselfIsOne) {
     }
 }
 
-TEST(PathStretch, DoesNotSeeTurnsAndShifts) {
+TEST(FlatTriangles, DoesNotSeeTurnsAndShifts) {
     const Vec3 a(1, 2, 3), b(1.5f, 2, 3), c(1, 2.25f, 3.5f), n = glm::normalize(Vec3(1, -2, 0.5f));
     const auto turned = [&](const Vec3& p) {
         return 0.5f * p + 0.5f * glm::dot(n, p) * n + 0.8660254f * glm::cross(n, p) +
@@ -44,7 +41,7 @@ TEST(PathStretch, DoesNotSeeTurnsAndShifts) {
 }
 
 // u1 = (1, 0) stays, u2 = (0, 1) is halved: compressed to half along y.
-TEST(PathStretch, OfAHalvedHeightIsTwoAcross) {
+TEST(FlatTriangles, OfAHalvedHeightIsTwoAcross) {
     const Stretch s = measure_stretch(kRight, {1.0f, 0.0f, 0.5f});
     EXPECT_NEAR(s.compression, 2.0f, 1e-6f);
     EXPECT_NEAR(s.stretch, 1.0f, 1e-6f);
@@ -54,7 +51,7 @@ TEST(PathStretch, OfAHalvedHeightIsTwoAcross) {
 // F = [[1, 1], [0, 1]] shears: F^T F = [[1, 1], [1, 2]] has eigenvalues (3 +- sqrt 5) / 2, so U has the
 // golden ratio and its inverse; the compressed direction in the current triangle is that of F F^T = [[2, 1],
 // [1, 1]] for the smaller one, (1, -phi).
-TEST(PathStretch, OfAShearIsTheGoldenRatio) {
+TEST(FlatTriangles, OfAShearIsTheGoldenRatio) {
     const float phi = 0.5f * (1.0f + std::sqrt(5.0f));
     const Stretch s = measure_stretch(kRight, {1.0f, 1.0f, 1.0f});
     EXPECT_NEAR(s.compression, phi, 1e-6f);
@@ -62,7 +59,7 @@ TEST(PathStretch, OfAShearIsTheGoldenRatio) {
     EXPECT_NEAR(s.direction.y / s.direction.x, -phi, 1e-5f);
 }
 
-TEST(PathStretch, OfATriangleWithoutAreaIsNotDefined) {
+TEST(FlatTriangles, OfATriangleWithoutAreaIsNotDefined) {
     const FlatTriangle none = flatten({0, 0, 0}, {1, 0, 0}, {2, 0, 0});
     EXPECT_FALSE(none.has_area());
     EXPECT_FALSE(measure_stretch(none, kRight).defined);
@@ -71,11 +68,11 @@ TEST(PathStretch, OfATriangleWithoutAreaIsNotDefined) {
     EXPECT_FALSE(flatten({1, 1, 1}, {1, 1, 1}, {1, 1, 1}).has_area());
 }
 
-TEST(PathStretch, HasNoEndWhereATriangleFoldsUp) {
+TEST(FlatTriangles, HasNoEndWhereATriangleFoldsUp) {
     EXPECT_EQ(measure_stretch(kRight, {1.0f, 0.0f, 1e-5f}).compression, kMostCompression);
 }
 
-TEST(PathStretch, BetweenTwoShapesTurningDoesNotShrink) {
+TEST(FlatTriangles, BetweenTwoShapesTurningDoesNotShrink) {
     // Lengths 1 and 3 mix to sqrt(5) half way: squares are mixed.
     const FlatTriangle half = between({1.0f, 0.0f, 1.0f}, {3.0f, 0.0f, 3.0f}, 0.5f);
     EXPECT_NEAR(half.x1, std::sqrt(5.0f), 1e-6f);
@@ -199,7 +196,7 @@ TEST(LabelCut, IsTheBestOfAllLabelingsOfSmallGraphs) {
             }
             double least = 0.0;
             best_by_trying_all(net, costs, before, least);
-            const Labels labels = cut(net, costs, before);
+            const Labels labels = cut_labels(net, costs, before);
             EXPECT_NEAR(label_energy(net, costs, before, labels), least, 1e-4) << seed;
         }
     }
@@ -218,17 +215,17 @@ TEST(LabelCut, OverrulesOneTriangleAgainstItsNeighbours) {
     }
     ASSERT_NE(middle, kNone);
     costs[middle] = {0.3, 0.0, 1.0};
-    EXPECT_EQ(cut(net, costs, {}), Labels(4, kCompress));
+    EXPECT_EQ(cut_labels(net, costs, {}), Labels(4, kCompress));
     costs[middle] = {0.5, 0.0, 1.0};
-    EXPECT_EQ(cut(net, costs, {})[middle], kRest);
+    EXPECT_EQ(cut_labels(net, costs, {})[middle], kRest);
 }
 
 TEST(LabelCut, KeepsTheFormerLabelWhereTheCostsAreNearlyEven) {
     const Surface surface = build(grid(1, 1, 1.0f));
     const TriangleNet net = build_net(surface);
     const std::vector<LabelCosts> costs(2, LabelCosts{0.1, 0.0, 1.0});
-    EXPECT_EQ(cut(net, costs, {}), Labels(2, kRest));
-    EXPECT_EQ(cut(net, costs, Labels(2, kCompress)), Labels(2, kCompress));
+    EXPECT_EQ(cut_labels(net, costs, {}), Labels(2, kRest));
+    EXPECT_EQ(cut_labels(net, costs, Labels(2, kCompress)), Labels(2, kCompress));
 }
 
 TEST(LabelCut, DoesNotDependOnTheOrderOfTriangles) {
@@ -238,7 +235,7 @@ TEST(LabelCut, DoesNotDependOnTheOrderOfTriangles) {
     const TriangleNet net = build_net(surface);
     std::vector<LabelCosts> costs = random_costs(size_t(net.triangles()), 5);
     for (size_t i = 0; i < costs.size(); i += 2) costs[i] = {0.25, 0.25, 0.25};
-    const Labels labels = cut(net, costs, {});
+    const Labels labels = cut_labels(net, costs, {});
 
     MeshData turned = mesh;  // the same faces, the last one first
     turned.corner_vertex.clear();
@@ -251,7 +248,7 @@ TEST(LabelCut, DoesNotDependOnTheOrderOfTriangles) {
     const auto counterpart = [&](size_t i) { return 2 * (costs.size() / 2 - 1 - i / 2) + i % 2; };
     std::vector<LabelCosts> turned_costs(costs.size());
     for (size_t i = 0; i < costs.size(); ++i) turned_costs[counterpart(i)] = costs[i];
-    const Labels turned_labels = cut(build_net(build(turned)), turned_costs, {});
+    const Labels turned_labels = cut_labels(build_net(build(turned)), turned_costs, {});
     for (size_t i = 0; i < labels.size(); ++i) EXPECT_EQ(turned_labels[counterpart(i)], labels[i]) << i;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Stretch of triangles: Gillette 2015, section 4.1.1.
+// Shapes of triangles in their own plane, and the stretch from one to another: Gillette 2015, section 4.1.1.
 #pragma once
 
 #include "base/array.h"
 
-namespace rumple::wrinkle_paths {
+namespace rumple {
 
 // The shape of a triangle in its own plane: edge vectors u1 = (x1, 0) and u2 = (x2, y2), object
 // units. All zero where the triangle has no area worth trusting.
@@ -41,4 +41,4 @@ FlatTriangle relaxed(const FlatTriangle& reference, const FlatTriangle& current,
 // The shape nearest to `reference` whose stretches from `rest` are at most `most`.
 FlatTriangle capped(const FlatTriangle& reference, const FlatTriangle& rest, float most);
 
-}  // namespace rumple::wrinkle_paths
+}  // namespace rumple
