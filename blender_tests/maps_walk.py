@@ -1,43 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A random walk through what an artist may do with Wrinkle Maps: at every step the masks are those of a fresh start."""
-import os
-import random
-
 import bpy
 import face
 import numpy as np
 import sleeve
+from random_walk import RandomWalk
 from rumple.blender import maps_rig, maps_tree, modifier, properties, structure, versions
 from rumple.core.poses import PoseComparison, strengths
 
-MOST_OBJECTS = 4
 
+class Walk(RandomWalk):
 
-class Walk:
+    REOPEN = 0.03
+    OFTEN = ("do_pose",) * 3
 
-    def __init__(self, seed, folder):
-        self.random = random.Random(seed)
-        self.path = os.path.join(folder, "walk.blend")
-        self.done = []
-
-    def steps(self, count):
+    def start(self):
         face.two_poses(*face.scene())
-        with sleeve.context():
-            bpy.ops.ed.undo_push(message="start")
-        actions = [getattr(self, name) for name in dir(self) if name.startswith("do_")] + [self.do_pose] * 3
-        for _ in range(count):
-            action = self.random.choice(actions)
-            self.done.append(action.__name__)
-            if self.random.random() < 0.03:
-                bpy.ops.wm.save_as_mainfile(filepath=self.path)
-                bpy.ops.wm.open_mainfile(filepath=self.path)
-            with sleeve.context():
-                action()
-                if action not in (self.do_undo, self.do_redo):
-                    bpy.ops.ed.undo_push(message=action.__name__)
-            yield
-            with sleeve.context():
-                self.check()
+
+    def is_ours(self, obj):
+        return maps_tree.find(obj) is not None
 
     # --- the law
     def check(self):
@@ -68,13 +49,6 @@ class Walk:
         assert obj.rumple_maps.group is None or images == [i for i in maps_rig.usable_images(obj) if i], trail
 
     # --- helpers
-    def pick(self, mapped=True):
-        found = [o for o in bpy.context.scene.objects if o.type == "MESH" and bool(maps_tree.find(o)) == mapped]
-        if not found:
-            return None
-        sleeve.make_active(self.random.choice(found))
-        return bpy.context.view_layer.objects.active
-
     def pick_pose(self):
         obj = self.pick()
         if obj is None or not obj.rumple_maps.poses:
@@ -153,16 +127,8 @@ class Walk:
             bpy.ops.rumple.maps_remove()
 
     def do_add(self):
-        if self.pick(mapped=False):
+        if self.pick(ours=False):
             bpy.ops.rumple.maps_add()
-
-    def do_duplicate(self):
-        if len(bpy.context.scene.objects) < MOST_OBJECTS + 1 and self.pick():
-            bpy.ops.object.duplicate(linked=self.random.random() < 0.5)
-
-    def do_delete(self):
-        if len([o for o in bpy.context.scene.objects if o.type == "MESH"]) > 1 and self.pick():
-            bpy.ops.object.delete()
 
     def do_wrinkle_mesh(self):
         obj = self.pick()
@@ -196,12 +162,3 @@ class Walk:
             maps_tree.find(obj).show_viewport = False
             self.do_pose()
             maps_tree.find(obj).show_viewport = True
-
-    def do_undo(self):
-        for _ in range(self.random.randint(1, 3)):
-            if bpy.ops.ed.undo.poll():
-                bpy.ops.ed.undo()
-
-    def do_redo(self):
-        if bpy.ops.ed.redo.poll():
-            bpy.ops.ed.redo()

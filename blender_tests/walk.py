@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A random walk through everything an artist may do to wrinkled objects, with a law checked at every step."""
-import os
-import random
-
 import bmesh
 import bpy
 import numpy as np
 import sleeve
+from random_walk import RandomWalk
 from rumple.blender import mesh_io, modifier, properties, structure
 
-MOST_OBJECTS = 4
 PAINT = "Rumple Radius"
 SETTINGS = dict(
     MESH=(("radius", 0.5), ("bending", 0.2), ("level", 0), ("level", 1), ("hem_rings", 0), ("attachment", "PN"),
@@ -22,36 +19,23 @@ SETTINGS = dict(
            ("profile", "SINE"), ("source", "EDGE_LENGTH"), ("stateless", True)))
 
 
-class Walk:
-    """steps() yields after each step, so that a window can redraw in between."""
+class Walk(RandomWalk):
 
-    def __init__(self, seed, folder):
-        self.random = random.Random(seed)
-        self.path = os.path.join(folder, "walk.blend")
-        self.done = []
+    OFTEN = ("do_add", "do_free")
 
-    def steps(self, count):
+    def start(self):
         obj = sleeve.scene()
         with sleeve.context():
             bpy.ops.object.rumple_paint(group="radius")
             obj.vertex_groups[PAINT].add(range(20), 0.25, "REPLACE")
             self.leave_mode()
             bpy.ops.wm.save_as_mainfile(filepath=self.path)
-            bpy.ops.ed.undo_push(message="start")
-        actions = [getattr(self, name) for name in dir(self) if name.startswith("do_")] + [self.do_add, self.do_free]
-        for _ in range(count):
-            action = self.random.choice(actions) if any(modifier.wrinkled_objects()) else self.do_add
-            self.done.append(action.__name__)
-            if self.random.random() < 0.02:
-                self.save_and_open()
-            with sleeve.context():
-                self.leave_mode()
-                action()
-                if bpy.context.view_layer.objects.active and action not in (self.do_undo, self.do_redo):
-                    bpy.ops.ed.undo_push(message=action.__name__)
-            yield
-            with sleeve.context():
-                self.check()
+
+    def choose(self, names):
+        return super().choose(names) if any(modifier.wrinkled_objects()) else "do_add"
+
+    def is_ours(self, obj):
+        return modifier.find(obj) is not None
 
     # --- the law
     def check(self):
@@ -73,25 +57,6 @@ class Walk:
                 weights = mesh_io.group_weights(obj, obj.data, [PAINT])
                 assert np.isclose(weights, 0.25).sum() >= 20, f"{trail}: paint is lost"
 
-    # --- helpers
-    def leave_mode(self):
-        active = bpy.context.view_layer.objects.active
-        if active is not None and active.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
-
-    def save_and_open(self):
-        """Outside any context override: the windows of the file before are gone."""
-        bpy.ops.wm.save_as_mainfile(filepath=self.path)
-        bpy.ops.wm.open_mainfile(filepath=self.path)
-
-    def pick(self, wrinkled=True):
-        """Makes one mesh object active; None where there is none."""
-        found = [o for o in bpy.context.scene.objects if o.type == "MESH" and bool(modifier.find(o)) == wrinkled]
-        if not found:
-            return None
-        sleeve.make_active(self.random.choice(found))
-        return bpy.context.view_layer.objects.active
-
     # --- the steps
     def do_frame(self):
         sleeve.at(self.random.randint(1, sleeve.LAST), self.random.choice((0.0, 0.0, 0.5)))
@@ -112,14 +77,6 @@ class Walk:
         if obj and obj.rumple.method == "MESH":
             bpy.ops.object.rumple_preset(preset=self.random.choice(("DENIM", "SILK", "COTTON")))
 
-    def do_duplicate(self):
-        if len(bpy.context.scene.objects) < MOST_OBJECTS + 1 and self.pick():
-            bpy.ops.object.duplicate(linked=self.random.random() < 0.5)
-
-    def do_delete(self):
-        if len([o for o in bpy.context.scene.objects if o.type == "MESH"]) > 1 and self.pick():
-            bpy.ops.object.delete()
-
     def do_rename(self):
         obj = self.pick()
         if obj:
@@ -130,7 +87,7 @@ class Walk:
             bpy.ops.object.rumple_remove()
 
     def do_add(self):
-        obj = self.pick(wrinkled=False)
+        obj = self.pick(ours=False)
         if obj and len(obj.data.vertices) < 1500:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
             obj.rumple.field.gpu_preview = True
@@ -200,15 +157,6 @@ class Walk:
     def do_free(self):
         if self.pick() and bpy.ops.object.rumple_bake_free.poll():
             bpy.ops.object.rumple_bake_free()
-
-    def do_undo(self):
-        for _ in range(self.random.randint(1, 3)):
-            if bpy.ops.ed.undo.poll():
-                bpy.ops.ed.undo()
-
-    def do_redo(self):
-        if bpy.ops.ed.redo.poll():
-            bpy.ops.ed.redo()
 
     def do_render(self):
         if self.random.random() < 0.3:

@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-#include "base/errors.h"
+#include "tests/refusals.h"
 #include "tests/wrinkle_field_cloth.h"
 
 namespace rumple::tests {
@@ -359,16 +359,11 @@ TEST(WrinkleFieldBrushExact, SmoothingSpreadsASpike) {
 
 TEST(WrinkleFieldBrushInput, IsRefusedByName) {
     Easel easel(grid(2, 2, 0.1f));
-    const auto message = [&](const Dab& dab) -> std::string {
-        try {
-            easel.touch(easel.field.mesh.positions, dab);
-        } catch (const InvalidInput& error) {
-            return error.what();
-        }
-        return "";
+    const auto message = [&](const Dab& dab) {
+        return refusal([&] { easel.touch(easel.field.mesh.positions, dab); });
     };
     Dab dab = from_above({0, 0, 0}, Vec3(1, 0, 0), 0.1f);
-    EXPECT_EQ(message(dab), "");
+    EXPECT_EQ(message(dab), "not refused");
     easel.painted[3] = Vec3(1.0f, 0.2f, 0.0f);
     EXPECT_NE(message(dab).find("vertex 3 has length"), std::string::npos) << message(dab);
     easel.painted[3] = Vec3(NAN, 0.0f, 0.0f);

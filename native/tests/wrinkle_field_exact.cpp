@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/errors.h"
+#include "tests/refusals.h"
 #include "tests/wrinkle_field_cloth.h"
 
 namespace rumple::tests {
@@ -285,16 +285,6 @@ TEST(WrinkleFieldExact, AMirroredHalfOfTheTextureKeepsItsOwnGradient) {
 }
 
 // ---- What is refused
-
-template <typename Call>
-std::string refusal(Call&& call) {
-    try {
-        call();
-    } catch (const InvalidInput& error) {
-        return error.what();
-    }
-    return "not refused";
-}
 
 TEST(WrinkleFieldInput, BadInputIsNamed) {
     Field field(irregular_square());

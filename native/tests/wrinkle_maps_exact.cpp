@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
-#include <limits>
 
-#include "base/errors.h"
+#include "tests/refusals.h"
 #include "tests/wrinkle_maps_rig.h"
 
 namespace rumple::tests {
@@ -143,21 +141,6 @@ TEST(WrinkleMaps, WrinklesAddToTheNeutralDetailsAsPrinted) {
 }
 
 // ---------------------------------------------------------------- bad input
-
-void expect_refused(const std::function<void()>& call, std::initializer_list<std::string> parts) {
-    try {
-        call();
-    } catch (const InvalidInput& error) {
-        for (const std::string& part : parts) {
-            EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
-                << "'" << error.what() << "' does not say '" << part << "'";
-        }
-        return;
-    }
-    ADD_FAILURE() << "accepted: " << *parts.begin();
-}
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(WrinkleMapsInput, APoseThatIsTheNeutralPoseOrAnotherPoseIsNamed) {
     Rig rig = RandomRig(0).rig(5, 3);

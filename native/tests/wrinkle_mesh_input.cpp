@@ -3,32 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 #include <string>
 
-#include "base/errors.h"
+#include "tests/refusals.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
 namespace rumple::tests {
 namespace {
 
 using namespace wrinkle_mesh;
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-void expect_refused(const std::function<void()>& call, std::initializer_list<std::string> parts) {
-    try {
-        call();
-    } catch (const InvalidInput& error) {
-        for (const std::string& part : parts) {
-            EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
-                << "'" << error.what() << "' does not say '" << part << "'";
-        }
-        return;
-    }
-    ADD_FAILURE() << "accepted: " << *parts.begin();
-}
 
 struct Range {
     const char* name;

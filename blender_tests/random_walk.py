@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Random walks through what an artist may do. A walk has steps, methods do_*(), and a law, check(), that holds after
+every step."""
+import os
+import random
+
+import bpy
+import sleeve
+
+MOST_OBJECTS = 4
+
+
+class RandomWalk:
+    """steps() yields after each step, so that a window can redraw in between."""
+
+    REOPEN = 0.02  # chance of saving and opening the file before a step
+    OFTEN = ()  # names of steps that come up more often
+
+    def __init__(self, seed, folder):
+        self.random = random.Random(seed)
+        self.path = os.path.join(folder, "walk.blend")
+        self.done = []
+
+    def steps(self, count):
+        self.start()
+        with sleeve.context():
+            bpy.ops.ed.undo_push(message="start")
+        names = [name for name in dir(self) if name.startswith("do_")] + list(self.OFTEN)
+        for _ in range(count):
+            name = self.choose(names)
+            self.done.append(name)
+            if self.random.random() < self.REOPEN:
+                self.save_and_open()
+            with sleeve.context():
+                self.leave_mode()
+                getattr(self, name)()
+                if bpy.context.view_layer.objects.active and name not in ("do_undo", "do_redo"):
+                    bpy.ops.ed.undo_push(message=name)
+            yield
+            with sleeve.context():
+                self.check()
+
+    # --- for a walk of its own
+    def start(self):
+        """Makes the scene."""
+        raise NotImplementedError
+
+    def choose(self, names):
+        """The next step."""
+        return self.random.choice(names)
+
+    def is_ours(self, obj):
+        """Whether an object has what the walk is about."""
+        raise NotImplementedError
+
+    def check(self):
+        """The law."""
+        raise NotImplementedError
+
+    # --- helpers
+    def leave_mode(self):
+        active = bpy.context.view_layer.objects.active
+        if active is not None and active.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+
+    def save_and_open(self):
+        """Outside any context override: the windows of the file before are gone."""
+        bpy.ops.wm.save_as_mainfile(filepath=self.path)
+        bpy.ops.wm.open_mainfile(filepath=self.path)
+
+    def pick(self, ours=True):
+        """Makes one mesh object active; None where there is none."""
+        found = [o for o in bpy.context.scene.objects if o.type == "MESH" and self.is_ours(o) == ours]
+        if not found:
+            return None
+        sleeve.make_active(self.random.choice(found))
+        return bpy.context.view_layer.objects.active
+
+    # --- steps of every walk
+    def do_duplicate(self):
+        if len(bpy.context.scene.objects) < MOST_OBJECTS + 1 and self.pick():
+            bpy.ops.object.duplicate(linked=self.random.random() < 0.5)
+
+    def do_delete(self):
+        if len([o for o in bpy.context.scene.objects if o.type == "MESH"]) > 1 and self.pick():
+            bpy.ops.object.delete()
+
+    def do_undo(self):
+        for _ in range(self.random.randint(1, 3)):
+            if bpy.ops.ed.undo.poll():
+                bpy.ops.ed.undo()
+
+    def do_redo(self):
+        if bpy.ops.ed.redo.poll():
+            bpy.ops.ed.redo()
