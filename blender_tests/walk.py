@@ -74,8 +74,8 @@ class Walk(RandomWalk):
 
     def do_preset(self):
         obj = self.pick()
-        if obj and obj.rumple.method == "MESH":
-            bpy.ops.object.rumple_preset(preset=self.random.choice(("DENIM", "SILK", "COTTON")))
+        if obj and bpy.ops.object.rumple_preset.poll():
+            bpy.ops.object.rumple_preset(preset=self.random.choice(("LEATHER", "SILK", "COTTON")))
 
     def do_rename(self):
         obj = self.pick()

@@ -110,7 +110,7 @@ class Settings(unittest.TestCase):
             bpy.ops.object.rumple_preset(preset=preset)
             sleeve.at(15)
             self.assertEqual(obj.rumple.message, "", preset)
-            self.assertEqual(obj.rumple.preset, preset)
+            self.assertEqual(obj.rumple.mesh.preset, preset)
 
     def test_stiff_cloth_has_wider_folds_than_what_was_chosen_and_the_way_back_is_exact(self):
         obj = sleeve.scene()

@@ -67,6 +67,38 @@ class Paths(unittest.TestCase):
         sleeve.play()
         self.assertEqual(np.abs(sleeve.attribute(obj, "rumple_height")).max(), 0.0)
 
+    def test_presets_differ_and_the_way_back_is_exact(self) -> None:
+        obj = folding(threshold=1.05)
+        chosen = {name: getattr(obj.rumple.paths, name) for name in obj.rumple.paths.__annotations__}
+        seen = {}
+        for preset in ("SILK", "WOOL", "LEATHER", "COTTON"):
+            bpy.ops.object.rumple_preset(preset=preset)
+            structure.settle_all()
+            sleeve.play()
+            self.assertEqual(obj.rumple.message, "", preset)
+            seen[preset] = registry.runtime(obj).picture.report.paths
+        self.assertGreater(seen["SILK"], seen["COTTON"])
+        self.assertLess(seen["LEATHER"], seen["COTTON"])
+        back = {name: getattr(obj.rumple.paths, name) for name in chosen}
+        self.assertAlmostEqual(back.pop("width"), chosen.pop("width"), places=7)
+        self.assertEqual(back.pop("threshold"), 1.25, "a preset sets what any of its sisters sets")
+        chosen.pop("threshold")
+        self.assertEqual(back, chosen)
+
+    def test_a_preset_leaves_alone_what_no_cloth_is_about(self) -> None:
+        obj = folding()
+        obj.rumple.paths.seed, obj.rumple.paths.direction = 5, "BOTH"
+        bpy.ops.object.rumple_preset(preset="WOOL")
+        self.assertEqual((obj.rumple.paths.seed, obj.rumple.paths.direction), (5, "BOTH"))
+        self.assertEqual(obj.rumple.mesh.preset, "COTTON", "each system has its own")
+
+    def test_the_field_has_no_presets(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        with sleeve.context():
+            bpy.ops.object.rumple_add(method="FIELD")
+            self.assertFalse(bpy.ops.object.rumple_preset.poll())
+        self.assertEqual(obj.rumple.method, "FIELD")
+
     def test_removing_leaves_nothing(self) -> None:
         obj = folding()
         sleeve.at(5)

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from meshes import compressed, quad_mesh, rotated, sheet, tube
 from rumple.core.engine import Refused
-from rumple.core.settings import PRESETS, MeshSettings
+from rumple.core.presets import MESH_PRESETS
+from rumple.core.settings import MeshSettings
 from rumple.core.wrinkle_mesh import WrinkleMesh, fitting_wavelength, level_for, wavelength_of
 
 SETTINGS = MeshSettings(density="LEVEL", level=2)
@@ -159,8 +160,8 @@ class PictureLaws(unittest.TestCase):
 
     def test_every_preset_makes_finite_folds_on_a_squeezed_tube(self) -> None:
         base = tube(16, 16)
-        for name, (_, _, changes) in PRESETS.items():
-            settings = replace(SETTINGS, **changes)
+        for name, preset in MESH_PRESETS.items():
+            settings = replace(SETTINGS, **preset.values)
             mesh = WrinkleMesh.build(base, settings)
             picture = mesh.solve_frame(1.0, compressed(base.positions, 0.75), settings, {}, start=1)
             self.assertTrue(np.isfinite(picture.positions).all(), name)

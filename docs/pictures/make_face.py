@@ -19,7 +19,7 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
 from contact_sheet import compose  # noqa: E402
-from rumple.core.settings import PRESETS  # noqa: E402
+from rumple.core.presets import MESH_PRESETS  # noqa: E402
 
 REFERENCE = {"Surprise": 21, "Anger": 51}  # frames that hold these expressions
 SHOWN = {"Neutral": 1, "Surprise": 21, "Anger": 51, "One brow of Anger": 51, "Laughing": 81, "Crying": 111}
@@ -45,7 +45,7 @@ def wrinkle(head: bpy.types.Object, rig: bpy.types.Object) -> None:
     for name, frame in REFERENCE.items():
         exaggerate(rig, frame)
         bpy.ops.rumple.pose_add(name=name)
-    skin = dict(PRESETS["SKIN"][2], wavelength=0.005, radius=0.5, hem_rings=3)
+    skin = dict(MESH_PRESETS["SKIN"].values, wavelength=0.005, radius=0.5, hem_rings=3)
     for name, value in skin.items():
         setattr(head.rumple.mesh, name, value)
     head.rumple_maps.bake_size = 2048

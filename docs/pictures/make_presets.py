@@ -19,7 +19,7 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
 from contact_sheet import compose, studio  # noqa: E402
-from rumple.core.settings import PRESETS  # noqa: E402
+from rumple.core.presets import MESH_PRESETS  # noqa: E402
 
 FRAME = 52
 
@@ -46,9 +46,9 @@ def main() -> None:
     scene.camera.data.shift_y -= 0.08
     with tempfile.TemporaryDirectory() as folder:
         tiles = []
-        for preset, (name, tip, _values) in PRESETS.items():
-            play(preset)
-            tiles.append((f"{name}: {tip}", Path(folder) / f"{preset}.png"))
+        for key, preset in MESH_PRESETS.items():
+            play(key)
+            tiles.append((f"{preset.label}: {preset.tip}", Path(folder) / f"{key}.png"))
             render(tiles[-1][1])
         compose(tiles, 2, Path(folder) / "presets.png")
         from PIL import Image

@@ -64,4 +64,5 @@ def main() -> None:
         Image.open(Path(folder) / "sheet.png").save(HERE / "s2_sisters.jpg", quality=88, optimize=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -9,12 +9,9 @@ from __future__ import annotations
 import bpy
 
 from .. import native
-from ..core.settings import PRESETS, fold_width
+from ..core.presets import touched
 from ..core.systems import SYSTEMS
 from . import field_nodes, mesh_io, modifier, node_tree, properties, registry, structure, versions
-
-_KEPT_BY_PRESETS = ("source", "density", "wavelength", "level", "segments", "edge_length", "weld", "rest_shape",
-                    "iterations", "start_iterations", "stateless", "offset_space", "seed")
 
 # No method of its own: it may stand beside the wrinkles that its maps are baked from.
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
@@ -224,24 +221,41 @@ def evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.typ
             m.show_viewport = True
 
 
+def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | None) -> tuple:
+    """Of the object at hand; Blender asks without one when it lists all operators."""
+    obj = context.object if context is not None else None
+    return _PRESET_ITEMS[properties.system_of(obj).method if obj is not None else "MESH"]
+
+
+_PRESET_ITEMS = {method: properties.preset_items(system) for method, system in SYSTEMS.items()}  # Blender keeps no copy
+
+
 class OBJECT_OT_rumple_preset(OnWrinkled, bpy.types.Operator):
-    """Set the cloth of a Wrinkle Mesh: width, height, stiffness and fullness of folds. Rest shape and paint stay"""
+    """Set the cloth: where folds form, how wide, high and lively they are. Rest shape and paint stay"""
 
     bl_idname = "object.rumple_preset"
     bl_label = "Cloth Preset"
 
-    preset: bpy.props.EnumProperty(name="Cloth", items=[(key, *about[:2]) for key, about in PRESETS.items()])
+    preset: bpy.props.EnumProperty(name="Cloth", items=_preset_items)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not super().poll(context):
+            return False
+        system = properties.system_of(context.object)
+        if not system.presets:
+            cls.poll_message_set(f"The {system.label} has no presets")
+        return bool(system.presets)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
-        if obj.rumple.method != "MESH":
-            self.report({"ERROR"}, "Cloth presets are for the Wrinkle Mesh")
-            return {"CANCELLED"}
-        names = set(properties.fields_of(obj)) - set(_KEPT_BY_PRESETS)
-        values = {**properties.defaults(obj, names), **PRESETS[self.preset][2]}
-        properties.apply_values(obj, context.scene, values)
-        obj.rumple.mesh.wavelength *= fold_width(self.preset) / fold_width(obj.rumple.preset)
-        obj.rumple.preset = self.preset
+        system, settings = properties.system_of(obj), properties.group_of(obj)
+        chosen, former = system.presets[self.preset], system.presets[settings.preset]
+        properties.apply_values(obj, context.scene,
+                                {**properties.defaults(obj, touched(system.presets)), **chosen.values})
+        length = system.wrinkles.FITTING
+        setattr(settings, length, getattr(settings, length) * chosen.fold_width / former.fold_width)
+        settings.preset = self.preset
         return {"FINISHED"}
 
 

@@ -45,11 +45,12 @@ class DATA_PT_rumple(bpy.types.Panel):
             return
         draw_message(layout, registry.message(obj))
         row = layout.row(align=True)
-        if obj.rumple.method == "MESH":
+        system = properties.system_of(obj)
+        if system.presets:
             row.operator_menu_enum("object.rumple_preset", "preset",
-                                   text=obj.rumple.bl_rna.properties["preset"].enum_items[obj.rumple.preset].name)
+                                   text=system.presets[properties.group_of(obj).preset].label)
         else:
-            row.label(text=modifier.system(ours).label)
+            row.label(text=system.label)
         row.operator("object.rumple_apply", text="Apply")
         row.operator("object.rumple_remove", text="", icon="X")
         _add_maps_button(layout)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import Field, fields
-from typing import Any, Callable
+from typing import Any, Callable, Iterable
 
 import bpy
 
-from ..core.settings import PRESETS, FieldSettings, MeshSettings, PathsSettings
 from ..core.systems import SYSTEMS, System
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
@@ -54,18 +53,28 @@ def _property(f: Field) -> Any:
     return bpy.props.FloatProperty(subtype="FACTOR" if about["unit"] == "FACTOR" else "NONE", precision=3, **common)
 
 
-def _settings_group(settings: type, **others: Any) -> type:
+def _settings_group(method: str, **others: Any) -> type:
     """others: properties that no solve depends on."""
-    annotations = {f.name: _property(f) for f in fields(settings)} | others
-    return type(f"RUMPLE_{settings.__name__}", (bpy.types.PropertyGroup,),
-                {"__annotations__": annotations, "__doc__": settings.__doc__})
+    system = SYSTEMS[method]
+    annotations = {f.name: _property(f) for f in fields(system.settings)} | others
+    if system.presets:
+        annotations["preset"] = bpy.props.EnumProperty(
+            name="Cloth", default=next(iter(system.presets)), items=preset_items(system), options=set(),
+            override=_OVERRIDE, description="The material that was chosen last")
+    return type(f"RUMPLE_{system.settings.__name__}", (bpy.types.PropertyGroup,),
+                {"__annotations__": annotations, "__doc__": system.settings.__doc__})
 
 
-RUMPLE_MeshSettings = _settings_group(MeshSettings)
-RUMPLE_FieldSettings = _settings_group(FieldSettings, gpu_preview=bpy.props.BoolProperty(
+def preset_items(system: System) -> tuple[tuple[str, str, str], ...]:
+    """The presets of a system as Blender's enums have them."""
+    return tuple((key, preset.label, preset.tip) for key, preset in system.presets.items())
+
+
+RUMPLE_MeshSettings = _settings_group("MESH")
+RUMPLE_FieldSettings = _settings_group("FIELD", gpu_preview=bpy.props.BoolProperty(
     name="GPU Preview", options=set(), override=_OVERRIDE, update=_redraw,
     description="Draw the waves in Solid viewports, on the graphics card"))
-RUMPLE_PathsSettings = _settings_group(PathsSettings)
+RUMPLE_PathsSettings = _settings_group("PATHS")
 
 
 def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
@@ -85,9 +94,6 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     mesh: bpy.props.PointerProperty(type=RUMPLE_MeshSettings, override=_OVERRIDE)
     field: bpy.props.PointerProperty(type=RUMPLE_FieldSettings, override=_OVERRIDE)
     paths: bpy.props.PointerProperty(type=RUMPLE_PathsSettings, override=_OVERRIDE)
-    preset: bpy.props.EnumProperty(name="Cloth", default="COTTON", options=set(), override=_OVERRIDE,
-                                   items=[(key, *about[:2]) for key, about in PRESETS.items()],
-                                   description="The material that was chosen last")
     own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Own Mesh", override=_OVERRIDE,
                                         poll=_is_own_mesh, update=_changed("MESH"),
                                         description="Your own fine mesh, in place over the undeformed coarse mesh")
@@ -116,16 +122,17 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
 
 def group_of(obj: bpy.types.Object) -> bpy.types.PropertyGroup:
     """The settings of an object's method as properties. Without wrinkles: those of the Wrinkle Mesh."""
-    return getattr(obj.rumple, _system(obj).group)
+    return getattr(obj.rumple, system_of(obj).group)
 
 
-def _system(obj: bpy.types.Object) -> System:
+def system_of(obj: bpy.types.Object) -> System:
+    """The system of an object's method. Without wrinkles: the Wrinkle Mesh."""
     return SYSTEMS.get(obj.rumple.method, SYSTEMS["MESH"])
 
 
 def fields_of(obj: bpy.types.Object) -> dict[str, Field]:
     """The fields of the settings of an object's method."""
-    return {f.name: f for f in fields(_system(obj).settings)}
+    return {f.name: f for f in fields(system_of(obj).settings)}
 
 
 def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
@@ -140,7 +147,7 @@ def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
     for name, f in fields_of(obj).items():
         value = getattr(group, name)
         values[name] = value * metres if f.metadata["unit"] == "LENGTH" else value
-    return _system(obj).settings(**values)
+    return system_of(obj).settings(**values)
 
 
 def apply_values(obj: bpy.types.Object, scene: bpy.types.Scene, values: dict[str, Any]) -> None:
@@ -151,7 +158,7 @@ def apply_values(obj: bpy.types.Object, scene: bpy.types.Scene, values: dict[str
         setattr(group_of(obj), name, value / metres if length else value)
 
 
-def defaults(obj: bpy.types.Object, names: set[str]) -> dict[str, Any]:
+def defaults(obj: bpy.types.Object, names: Iterable[str]) -> dict[str, Any]:
     """Default values of some settings."""
     return {name: f.default for name, f in fields_of(obj).items() if name in names}
 

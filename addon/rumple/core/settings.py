@@ -250,28 +250,3 @@ class PathsSettings:
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from."""
         return {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
-
-
-PAPER = dict(attachment="PN", radius=0.45, bending=0.0, inside=0.0, stretch_relief=0.0,
-             compression_limit=10.0, hem_rings=0, display_steps=0, damping=0.0, collision="PLANE")
-
-PRESETS: dict[str, tuple[str, str, dict[str, Any]]] = {
-    "COTTON": ("Cotton", "Soft everyday folds: a shirt", {}),
-    "DENIM": ("Denim", "Fewer, broader, stiffer folds: jeans", dict(bending=1.0, radius=1.1,
-                                                                   compression_limit=1.25)),
-    "LEATHER": ("Leather", "Only where it must: few round folds", dict(bending=1.0, radius=0.9, prestretch=0.98,
-                                                                      stretch_relief=0.6, compression_limit=1.2)),
-    "SILK": ("Silk", "Many fine, sharp folds", dict(bending=0.35, radius=1.1, prestretch=1.02, stretch_relief=0.15)),
-    "SKIN": ("Skin", "Low creases that never leave the body", dict(bending=0.3, radius=0.35, inside=0.8,
-                                                                 prestretch=0.99, stretch_relief=1.0,
-                                                                 compression_limit=1.15)),
-    "PAPER": ("As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: for dense or simulated meshes", PAPER),
-}
-
-# Wavelength of a preset over that of the others. One level of subdivision: less would round to none.
-FOLD_WIDTH = dict(DENIM=2.0, LEATHER=2.0)
-
-
-def fold_width(preset: str) -> float:
-    """How many times as wide as cotton's the folds of a preset are."""
-    return FOLD_WIDTH.get(preset, 1.0)

@@ -2,9 +2,10 @@
 """The sister systems by the name of their method: the one list that Blender's side goes by."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from .engine import Wrinkles
+from .presets import MESH_PRESETS, PATHS_PRESETS, Preset
 from .settings import FieldSettings, MeshSettings, PathsSettings
 from .wrinkle_field import WrinkleField
 from .wrinkle_mesh import WrinkleMesh
@@ -21,13 +22,14 @@ class System:
     group: str  # where its settings are: object.rumple.<group>
     settings: type
     wrinkles: type[Wrinkles]
+    presets: dict[str, Preset] = field(default_factory=dict)  # the first is the one of the default settings
 
 
 SYSTEMS: dict[str, System] = {system.method: system for system in (
     System("MESH", "Wrinkle Mesh", "A fine mesh solved over the animated coarse one", "mesh", MeshSettings,
-           WrinkleMesh),
+           WrinkleMesh, MESH_PRESETS),
     System("FIELD", "Wrinkle Field", "Waves on the coarse mesh itself, across the direction of compression", "field",
            FieldSettings, WrinkleField),
     System("PATHS", "Wrinkle Paths", "Crisp folds traced across the compression, which live from frame to frame",
-           "paths", PathsSettings, WrinklePaths),
+           "paths", PathsSettings, WrinklePaths, PATHS_PRESETS),
 )}
