@@ -7,7 +7,7 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import modifier, registry, structure
+from rumple.blender import modifier, properties, registry, structure
 
 
 def folding(**settings: object) -> bpy.types.Object:
@@ -98,6 +98,44 @@ class Paths(unittest.TestCase):
             bpy.ops.object.rumple_add(method="FIELD")
             self.assertFalse(bpy.ops.object.rumple_preset.poll())
         self.assertEqual(obj.rumple.method, "FIELD")
+
+    def test_width_from_the_height_of_the_armature_in_any_unit(self) -> None:
+        obj = folding()
+        rig = bpy.data.objects["Arm"]
+        rig.rotation_euler.y, rig.scale = -np.pi / 2, (3.0, 3.0, 3.0)  # it stands: 3 x 0.6 m, and bends anywhere
+        bpy.context.view_layer.update()
+        for frame, metres in ((1, 1.0), (20, 1.0), (20, 10.0)):
+            sleeve.at(frame)
+            bpy.context.scene.unit_settings.scale_length = metres
+            self.assertEqual(bpy.ops.object.rumple_width_from_height(percent=0.5), {"FINISHED"})
+            self.assertAlmostEqual(obj.rumple.paths.width, 0.005 * 1.8, places=6)
+            self.assertAlmostEqual(properties.settings_of(obj, bpy.context.scene).width, 0.009 * metres, places=6)
+
+    def test_without_armature_the_parent_and_then_the_mesh_itself_has_the_height(self) -> None:
+        obj = folding()
+        bpy.data.objects.remove(bpy.data.objects["Arm"])
+        body = bpy.data.objects.new("Body", sleeve.tube("Body"))
+        bpy.context.scene.collection.objects.link(body)
+        body.scale.z = 10.0
+        bpy.context.view_layer.update()
+        for parent, height in ((body, 20.0 * sleeve.RADIUS), (None, 2.0 * sleeve.RADIUS)):
+            obj.parent = parent
+            obj.matrix_parent_inverse = body.matrix_world.inverted()
+            if parent is None:
+                obj.matrix_parent_inverse.identity()
+            bpy.context.view_layer.update()
+            bpy.ops.object.rumple_width_from_height()
+            self.assertAlmostEqual(obj.rumple.paths.width, 0.01 * height, places=5)
+
+    def test_what_is_flat_has_no_height(self) -> None:
+        obj = folding()
+        bpy.data.objects.remove(bpy.data.objects["Arm"])
+        obj.scale.z = 0.0
+        bpy.context.view_layer.update()
+        before = obj.rumple.paths.width
+        with self.assertRaisesRegex(RuntimeError, "Sleeve: no height to go by"):
+            bpy.ops.object.rumple_width_from_height()
+        self.assertEqual(obj.rumple.paths.width, before)
 
     def test_removing_leaves_nothing(self) -> None:
         obj = folding()

@@ -25,7 +25,7 @@ from rumple.core.systems import SYSTEMS  # noqa: E402
 FIRST, FRAME = 9, 59
 
 
-def look(path: Path) -> None:
+def look(path: Path, lens: float = 72.0) -> None:
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = 48, False
@@ -36,7 +36,7 @@ def look(path: Path) -> None:
     scene.collection.objects.link(camera)
     place, target = middle + Vector((1.3, -2.2, 0.5)), middle + Vector((0.0, 0.0, 0.1))
     camera.location, camera.rotation_euler = place, (target - place).to_track_quat("-Z", "Y").to_euler()
-    camera.data.lens, scene.camera = 72.0, camera
+    camera.data.lens, scene.camera = lens, camera
     scene.world = bpy.data.worlds.new("Sky")
     if bpy.app.version < (5, 0, 0):
         scene.world.use_nodes = True

@@ -4,22 +4,14 @@ from __future__ import annotations
 
 import bpy
 
-from . import brush, brush_overlay, mesh_io, modifier
+from . import brush, brush_overlay, mesh_io
+from .panel_parts import Panel
 
 
-class DATA_PT_rumple_rest_wrinkles(bpy.types.Panel):
+class DATA_PT_rumple_rest_wrinkles(Panel, bpy.types.Panel):
     bl_label = "Rest Wrinkles"
-    bl_parent_id = "DATA_PT_rumple"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        obj = context.object
-        return (obj is not None and obj.type == "MESH" and obj.rumple.method == "FIELD"
-                and modifier.find(obj) is not None)
+    method = "FIELD"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout

@@ -5,24 +5,12 @@ from __future__ import annotations
 import bpy
 
 from ..core.systems import SYSTEMS
-from . import (bake_state, brush_panel, field_curve, maps_tree, mesh_io, modifier, operators, properties, registry,
-               structure, versions)
+from . import (bake_state, brush_panel, field_curve, maps_tree, mesh_io, modifier, operators, paths_panel, properties,
+               registry, structure, versions)
+from .panel_parts import Panel, named_paint, property_column
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
-
-
-class _Panel:
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
-    method: str | None = None  # that it belongs to; None: all
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        obj = context.object
-        return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None and (
-            cls.method is None or obj.rumple.method == cls.method)
 
 
 class DATA_PT_rumple(bpy.types.Panel):
@@ -78,13 +66,12 @@ def wrapped(text: str) -> list[str]:
     return lines
 
 
-class DATA_PT_rumple_fine_mesh(_Panel, bpy.types.Panel):
+class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
     bl_label = "Fine Mesh"
-    bl_parent_id = "DATA_PT_rumple"
     method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = _column(self.layout), context.object
+        column, obj = property_column(self.layout), context.object
         settings = obj.rumple.mesh
         column.prop(settings, "source")
         if settings.source == "SUBDIVISION":
@@ -100,13 +87,12 @@ class DATA_PT_rumple_fine_mesh(_Panel, bpy.types.Panel):
         column.prop(settings, "weld")
 
 
-class DATA_PT_rumple_waves(_Panel, bpy.types.Panel):
+class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
     bl_label = "Waves"
-    bl_parent_id = "DATA_PT_rumple"
     method = "FIELD"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = _column(self.layout), context.object
+        column, obj = property_column(self.layout), context.object
         settings = obj.rumple.field
         column.prop(settings, "output")
         if settings.output == "SHADING":
@@ -126,66 +112,26 @@ class DATA_PT_rumple_waves(_Panel, bpy.types.Panel):
             structure.note_drawn_profile(obj)
         column.separator()
         for name, group in (("mask", "mask"), ("wavelength_scale", "wavelength")):
-            _named_paint(column, obj, name, group)
+            named_paint(column, obj, name, group)
 
 
-class DATA_PT_rumple_relaxation(_Panel, bpy.types.Panel):
+class DATA_PT_rumple_relaxation(Panel, bpy.types.Panel):
     bl_label = "Relaxation"
-    bl_parent_id = "DATA_PT_rumple"
     bl_options = {"DEFAULT_CLOSED"}
     method = "FIELD"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column = _column(self.layout)
+        column = property_column(self.layout)
         for name in ("rate", "rounds", "start", "start_rounds", "stateless", "weld"):
             column.prop(context.object.rumple.field, name)
 
 
-class DATA_PT_rumple_folds(_Panel, bpy.types.Panel):
-    bl_label = "Folds"
-    bl_parent_id = "DATA_PT_rumple"
-    method = "PATHS"
-
-    def draw(self, context: bpy.types.Context) -> None:
-        column, obj = _column(self.layout), context.object
-        settings = obj.rumple.paths
-        for name in ("threshold", "width", "height", "direction", "profile", "spacing", "seed"):
-            column.prop(settings, name)
-        column.separator()
-        _named_paint(column, obj, "mask", "mask")
-        column.separator()
-        for name in ("source", "attachment", "weld"):
-            column.prop(settings, name)
-
-
-class DATA_PT_rumple_persistence(_Panel, bpy.types.Panel):
-    bl_label = "Persistence"
-    bl_parent_id = "DATA_PT_rumple"
-    bl_options = {"DEFAULT_CLOSED"}
-    method = "PATHS"
-
-    def draw(self, context: bpy.types.Context) -> None:
-        column = _column(self.layout)
-        for name in ("reference", "relaxation", "growth", "window", "smoothing", "alignment", "reach", "growth_limit",
-                     "fade", "hem_rings", "stateless"):
-            column.prop(context.object.rumple.paths, name)
-
-
-def _named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
-    """The name of a vertex group or an attribute, and the button that paints the group."""
-    row = column.row(align=True)
-    row.prop(properties.group_of(obj), name)
-    exists = getattr(properties.group_of(obj), name) in obj.vertex_groups
-    row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = group
-
-
-class DATA_PT_rumple_rest(_Panel, bpy.types.Panel):
+class DATA_PT_rumple_rest(Panel, bpy.types.Panel):
     bl_label = "Rest Shape"
-    bl_parent_id = "DATA_PT_rumple"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = _column(self.layout), context.object
+        column, obj = property_column(self.layout), context.object
         settings = properties.group_of(obj)
         column.prop(settings, "rest_shape")
         if settings.rest_shape == "FRAME":
@@ -200,13 +146,12 @@ class DATA_PT_rumple_rest(_Panel, bpy.types.Panel):
                 column.prop_search(obj.rumple, "rest_key", keys, "key_blocks")
 
 
-class DATA_PT_rumple_constraints(_Panel, bpy.types.Panel):
+class DATA_PT_rumple_constraints(Panel, bpy.types.Panel):
     bl_label = "Attachment & Constraints"
-    bl_parent_id = "DATA_PT_rumple"
     method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = _column(self.layout), context.object
+        column, obj = property_column(self.layout), context.object
         settings = obj.rumple.mesh
         column.prop(settings, "attachment")
         for name in ("radius", "prestretch", "bending"):
@@ -231,25 +176,23 @@ def _painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> No
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = name
 
 
-class DATA_PT_rumple_solver(_Panel, bpy.types.Panel):
+class DATA_PT_rumple_solver(Panel, bpy.types.Panel):
     bl_label = "Solver"
-    bl_parent_id = "DATA_PT_rumple"
     bl_options = {"DEFAULT_CLOSED"}
     method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column = _column(self.layout)
+        column = property_column(self.layout)
         for name in ("iterations", "start_iterations", "damping", "stateless", "offset_space", "nudge", "seed"):
             column.prop(context.object.rumple.mesh, name)
 
 
-class DATA_PT_rumple_frames(_Panel, bpy.types.Panel):
+class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
     bl_label = "Stored Frames"
-    bl_parent_id = "DATA_PT_rumple"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = _column(self.layout), context.object
+        column, obj = property_column(self.layout), context.object
         column.prop(obj.rumple, "memory_limit")
         entry = registry.known(obj)
         if entry is None or entry.fine is None:
@@ -276,13 +219,12 @@ def ranges(frames: list[float], most: int = 6) -> str:
     return ", ".join(words[:most]) + (" ..." if len(words) > most else "")
 
 
-class DATA_PT_rumple_bake(_Panel, bpy.types.Panel):
+class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
     bl_label = "Bake"
-    bl_parent_id = "DATA_PT_rumple"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = _column(self.layout), context.object
+        column, obj = property_column(self.layout), context.object
         for name in ("bake_start", "bake_end", "bake_samples", "bake_folder"):
             column.prop(obj.rumple, name)
         row = column.row(align=True)
@@ -292,9 +234,8 @@ class DATA_PT_rumple_bake(_Panel, bpy.types.Panel):
         column.operator("object.rumple_bake_shape_keys")
 
 
-class DATA_PT_rumple_status(_Panel, bpy.types.Panel):
+class DATA_PT_rumple_status(Panel, bpy.types.Panel):
     bl_label = "Status"
-    bl_parent_id = "DATA_PT_rumple"
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
@@ -320,12 +261,6 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     return lines + [(note, "INFO") for note in (*entry.notes, *([late] if late else []))]
 
 
-def _column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
-    layout.use_property_split = True
-    layout.use_property_decorate = False
-    return layout.column()
-
-
 def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
     if not operators.refusal(context.object, wrinkled=False):
         self.layout.separator()
@@ -346,8 +281,7 @@ def _add_maps_button(layout: bpy.types.UILayout) -> None:
 
 
 CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
-           DATA_PT_rumple_folds, DATA_PT_rumple_persistence, brush_panel.DATA_PT_rumple_rest_wrinkles,
-           DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
+           *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
            DATA_PT_rumple_bake, DATA_PT_rumple_status)
 
 

@@ -15,6 +15,14 @@ from .settings import PathsSettings
 MOST_LEVEL = 5
 EDGES_PER_WIDTH = 4.5  # of the fine mesh. Section 7.3 has 8/3: on edges that do not follow the folds crests look sawn
 
+# Table 9.1 has 0.5 (and 1 in one clip), with folds pi L_min / compression wide; ours are pi/2 L_min / compression wide.
+PERCENT_OF_HEIGHT = 1.0
+
+
+def width_of_height(height: float, percent: float) -> float:
+    """Width of the tightest folds for a character of that height, both metres; three significant digits."""
+    return float(f"{0.01 * percent * height:.3g}")
+
 
 def fitting_width(base: BaseMesh, unit_scale: float) -> float:
     """Width of the tightest folds, in metres, that suits a mesh as it is; two significant digits."""

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The buttons of the Wrinkle Paths: bpy.ops.object.rumple_width_from_height(percent=1.0)."""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core.wrinkle_paths import PERCENT_OF_HEIGHT, width_of_height
+from . import mesh_io, properties
+from .operators import OnWrinkled
+
+
+class OnPaths(OnWrinkled):
+    """Operators for an object with Wrinkle Paths."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not super().poll(context):
+            return False
+        paths = context.object.rumple.method == "PATHS"
+        if not paths:
+            cls.poll_message_set("Only for Wrinkle Paths")
+        return paths
+
+
+class OBJECT_OT_rumple_width_from_height(OnPaths, bpy.types.Operator):
+    """Set the width of the tightest folds from the height of the character: that of the deforming bones of its
+armature at rest, else of the mesh that this one is parented to, else of this mesh"""
+
+    bl_idname = "object.rumple_width_from_height"
+    bl_label = "Width from Height"
+
+    percent: bpy.props.FloatProperty(name="Percent of Height", default=PERCENT_OF_HEIGHT, min=0.01, max=20.0,
+                                     soft_min=0.25, soft_max=4.0, description="1 gives folds as wide as the thesis has "
+                                     "them at its 0.5, for there the same compression makes folds twice as wide")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.object
+        found = character_height(obj)
+        if found is None:
+            self.report({"ERROR"}, f"{obj.name}: no height to go by: it is flat, and has neither an armature with "
+                                   "deforming bones nor a mesh that it is parented to")
+            return {"CANCELLED"}
+        character, height = found
+        metres = height * context.scene.unit_settings.scale_length
+        width = width_of_height(metres, self.percent)
+        properties.apply_values(obj, context.scene, dict(width=width))
+        self.report({"INFO"}, f"Width {1e3 * width:.3g} mm: {self.percent:g} % of the height of {character.name}, "
+                              f"{metres:.3g} m")
+        return {"FINISHED"}
+
+
+def character_height(obj: bpy.types.Object) -> tuple[bpy.types.Object, float] | None:
+    """Whose height counts for a garment, and that height: up and down in the world, at rest, scene units."""
+    for character in (obj.find_armature(), obj.parent, obj):
+        height = _rest_height(character) if character is not None else 0.0
+        if height > 0.0:
+            return character, height
+    return None
+
+
+def _rest_height(obj: bpy.types.Object) -> float:
+    """0 where there is none."""
+    if obj.type == "ARMATURE":
+        points = [end for bone in obj.data.bones if bone.use_deform for end in (bone.head_local, bone.tail_local)]
+    elif obj.type == "MESH":
+        points = mesh_io.rest_positions(obj, "REST_POSE", "")
+    else:
+        return 0.0
+    if not len(points):
+        return 0.0
+    up = np.array(obj.matrix_world, np.float32)[2]
+    return float(np.ptp((np.array(points, np.float32) * up[:3]).sum(1)))
+
+
+CLASSES = (OBJECT_OT_rumple_width_from_height,)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

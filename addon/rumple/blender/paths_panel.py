@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panels of the Wrinkle Paths. panels.py registers them among the others."""
+from __future__ import annotations
+
+import bpy
+
+from .panel_parts import Panel, named_paint, property_column
+
+
+class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
+    bl_label = "Folds"
+    method = "PATHS"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = property_column(self.layout), context.object
+        settings = obj.rumple.paths
+        column.prop(settings, "threshold")
+        row = column.row(align=True)
+        row.prop(settings, "width")
+        row.operator("object.rumple_width_from_height", text="", icon="OUTLINER_OB_ARMATURE")
+        for name in ("height", "direction", "profile", "spacing", "seed"):
+            column.prop(settings, name)
+        column.separator()
+        named_paint(column, obj, "mask", "mask")
+        column.separator()
+        for name in ("source", "attachment", "weld"):
+            column.prop(settings, name)
+
+
+class DATA_PT_rumple_persistence(Panel, bpy.types.Panel):
+    bl_label = "Persistence"
+    bl_options = {"DEFAULT_CLOSED"}
+    method = "PATHS"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = property_column(self.layout)
+        for name in ("reference", "relaxation", "growth", "window", "smoothing", "alignment", "reach", "growth_limit",
+                     "fade", "hem_rings", "stateless"):
+            column.prop(context.object.rumple.paths, name)
+
+
+CLASSES = (DATA_PT_rumple_folds, DATA_PT_rumple_persistence)
