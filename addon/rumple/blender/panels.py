@@ -281,8 +281,9 @@ def _add_maps_button(layout: bpy.types.UILayout) -> None:
 
 
 CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
-           *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, DATA_PT_rumple_rest, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
-           DATA_PT_rumple_bake, DATA_PT_rumple_status)
+           *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, DATA_PT_rumple_rest,
+           DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames, DATA_PT_rumple_bake,
+           DATA_PT_rumple_status)
 
 
 def register() -> None:

@@ -44,8 +44,8 @@ MESH_PRESETS = {
 # Section 9.1 of the thesis: the compression sensitivity is how easily a cloth bends, the width how tightly it can be
 # squeezed.
 PATHS_PRESETS = {
-    "COTTON": Preset("Cotton", "Everyday cloth, the measure of the others: folds from a fifth of compression on, as "
-                     "wide as you set"),
+    "COTTON": Preset("Cotton", "Everyday folds, the measure of the others.\n"
+                     "They start at a fifth of compression, and are as wide as you set"),
     "SILK": Preset(
         "Silk", "Many long, thin folds.\n"
         "Sensitivity nearer to 1, a longer reach: it has next to no stiffness, so little compression buckles it, and "
