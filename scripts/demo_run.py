@@ -30,6 +30,7 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="scripts/demo")
     parser.add_argument("--object")
     parser.add_argument("--frames")
+    parser.add_argument("--method", type=str.upper, choices=("MESH", "FIELD", "PATHS"), default="MESH")
     parser.add_argument("--out", type=Path, required=True)
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
 
@@ -56,9 +57,10 @@ def frame_range(text: str | None) -> range:
     return range(first, min(last, first + MOST_FRAMES - 1) + 1)
 
 
-def add_wrinkles(garment: bpy.types.Object) -> bpy.types.Modifier:
+def add_wrinkles(garment: bpy.types.Object, method: str) -> bpy.types.Modifier:
     bpy.context.view_layer.objects.active = garment
-    if bpy.ops.object.rumple_add(method="MESH") != {"FINISHED"}:
+    garment.rumple.field.output = "GEOMETRY"  # the studio draws no materials
+    if bpy.ops.object.rumple_add(method=method) != {"FINISHED"}:
         say(garment.rumple.message)
         raise SystemExit(1)
     from rumple.blender import modifier
@@ -71,11 +73,10 @@ def play(garment: bpy.types.Object, frames: range) -> Report:
     scene = bpy.context.scene
     fine = registry.runtime(garment).fine
     scale = structure.metres_per_unit(garment, scene)
-    report = Report(dict(object=garment.name, blender=bpy.app.version_string, base_vertices=len(garment.data.vertices),
-                         solved_vertices=fine.solve_vertex_count, shown_vertices=fine.vertex_count, level=fine.level,
-                         mean_fine_edge=fine.edge_mean, units="metres, milliseconds, shares of 1"))
-    say(f"{garment.name}: {len(garment.data.vertices)} vertices, {fine.solve_vertex_count} solved, "
-        f"{fine.vertex_count} shown, fine edge {fine.edge_mean * 1e3:.1f} mm")
+    report = Report(dict(object=garment.name, method=garment.rumple.method, blender=bpy.app.version_string,
+                         base_vertices=len(garment.data.vertices), shown_vertices=fine.vertex_count,
+                         units="metres, milliseconds, shares of 1"), scale)
+    say(f"{garment.name}: {len(garment.data.vertices)} vertices, {fine.vertex_count} shown")
     for number, frame in enumerate(frames):
         began = time.perf_counter()
         scene.frame_set(frame)
@@ -85,7 +86,7 @@ def play(garment: bpy.types.Object, frames: range) -> Report:
             say(f"frame {frame}: {entry.message or 'nothing was solved'}")
             raise SystemExit(1)
         measures = fine.measure_frame(float(frame), entry.inputs.positions, properties.settings_of(garment, scene))
-        report.add(frame, measures, entry.picture.milliseconds, spent, scale)
+        report.add(frame, entry.picture, measures, spent)
         if number % 10 == 0:
             say(f"solving frame {frame} of {frames[-1]}")
     return report
@@ -139,7 +140,7 @@ def main() -> None:
     garment = find_garment(options.object)
     frames = frame_range(options.frames)
     bpy.context.scene.frame_start = frames[0]
-    wrinkles = add_wrinkles(garment)
+    wrinkles = add_wrinkles(garment, options.method)
     report = play(garment, frames)
     bpy.context.scene.frame_set(frames[0])
     bpy.ops.wm.save_as_mainfile(filepath=str(out / "wrinkled.blend"))

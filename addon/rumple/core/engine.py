@@ -264,6 +264,10 @@ class Wrinkles:
         """Make the shown mesh and bind it. unit_scale: metres per object unit. Raises Refused."""
         raise NotImplementedError
 
+    def measure_frame(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
+        """What a system can say of a stored frame in numbers; None where there is nothing."""
+        return None
+
     def status(self, picture: Picture) -> list[str]:
         """How the solve of a picture went, in lines for the artist."""
         raise NotImplementedError
