@@ -13,8 +13,11 @@ namespace rumple::wrinkle_paths {
 namespace {
 
 // Pieces that a smoothed segment is cut into, to the width L_min, and at most.
-constexpr float kPiecesPerWidth = 1.0f;
+constexpr float kPiecesPerWidth = 2.0f;
 constexpr int kMostPieces = 16;
+
+// Of the Gaussian that smooths a path, in L_min.
+constexpr float kStiffness = 1.0f;
 
 // The ends of a fold taper over so many full widths, or over half of it where it is shorter.
 constexpr float kTaper = 2.0f;
@@ -33,32 +36,49 @@ Vec3 unit(const Vec3& v) {
     return size > kShortestEdge ? v / size : Vec3(0.0f);
 }
 
-// Bezier segments whose directions at the edges are the mean of the segments beside (section 6.2).
+// Lengths along a line of points from its first.
+std::vector<float> lengths_along(const std::vector<FoldEnd>& ends) {
+    std::vector<float> way{0.0f};
+    for (size_t i = 0; i + 1 < ends.size(); ++i)
+        way.push_back(way.back() + glm::distance(ends[i].at, ends[i + 1].at));
+    return way;
+}
+
+// The mean of a line around its point i, by a Gaussian of its length; nothing at the ends.
+Vec3 smoothed(const std::vector<FoldEnd>& ends, const std::vector<float>& way, size_t i, float most) {
+    const float sigma = std::min(most, 0.5f * std::min(way[i], way.back() - way[i]));
+    if (sigma <= kShortestEdge) return ends[i].at;
+    Vec3 sum(0.0f);
+    float weights = 0.0f;
+    const auto add = [&](size_t j) {
+        const float x = (way[j] - way[i]) / sigma;
+        const float span = way[std::min(j + 1, way.size() - 1)] - way[j > 0 ? j - 1 : 0];
+        const float weight = std::exp(-0.5f * x * x) * span;
+        sum += weight * ends[j].at;
+        weights += weight;
+    };
+    for (size_t j = i; j < way.size() && way[j] - way[i] <= 3.0f * sigma; ++j) add(j);
+    for (size_t j = i; j-- > 0 && way[i] - way[j] <= 3.0f * sigma;) add(j);
+    return sum / weights;
+}
+
+// Section 6.2: a fold cannot bend within its own width.
 void smooth(const Settings& settings, const std::vector<Vec3>& points, Fold& fold) {
-    const size_t segments = points.size() - 1;
-    std::vector<Vec3> direction(points.size());
-    for (size_t i = 0; i < points.size(); ++i) {
-        const Vec3 before = i > 0 ? unit(points[i] - points[i - 1]) : Vec3(0.0f);
-        const Vec3 after = i < segments ? unit(points[i + 1] - points[i]) : Vec3(0.0f);
-        direction[i] = unit(before + after);
-    }
-    for (size_t i = 0; i < segments; ++i) {
+    std::vector<FoldEnd> raw;
+    for (size_t i = 0; i + 1 < points.size(); ++i) {
         const float size = glm::distance(points[i], points[i + 1]);
-        const Vec3 a = points[i], d = points[i + 1];
-        const Vec3 b = a + size / 3.0f * direction[i], c = d - size / 3.0f * direction[i + 1];
         const int pieces =
             std::clamp(int(std::ceil(kPiecesPerWidth * size / settings.width)), 2, kMostPieces);
-        fold.first.push_back(static_cast<Index>(fold.ends.size()));
-        for (int k = 0; k < pieces; ++k) {
-            const float t = float(k) / float(pieces), u = 1.0f - t;
-            fold.ends.push_back({u * u * u * a + 3.0f * u * u * t * b + 3.0f * u * t * t * c + t * t * t * d,
-                                 0.0f,
-                                 {},
-                                 0.0f});
-        }
+        fold.first.push_back(static_cast<Index>(raw.size()));
+        for (int k = 0; k < pieces; ++k)
+            raw.push_back({glm::mix(points[i], points[i + 1], float(k) / float(pieces)), 0.0f, {}, 0.0f});
     }
-    fold.first.push_back(static_cast<Index>(fold.ends.size()));
-    fold.ends.push_back({points.back(), 0.0f, {}, 0.0f});
+    fold.first.push_back(static_cast<Index>(raw.size()));
+    raw.push_back({points.back(), 0.0f, {}, 0.0f});
+    fold.ends = raw;
+    const std::vector<float> way = lengths_along(raw);
+    const float most = kStiffness * settings.width;
+    for (size_t i = 1; i + 1 < raw.size(); ++i) fold.ends[i].at = smoothed(raw, way, i, most);
 }
 
 float signed_side(Direction direction, Index id) {
@@ -73,9 +93,7 @@ float ease(float x) {
 
 // Section 6.1: L_max wide and flat at the ends, as narrow as the compression asks for in the middle.
 void shape(const Settings& settings, const Path& path, std::vector<FoldEnd>& ends) {
-    std::vector<float> way{0.0f};
-    for (size_t i = 0; i + 1 < ends.size(); ++i)
-        way.push_back(way.back() + glm::distance(ends[i].at, ends[i + 1].at));
+    const std::vector<float> way = lengths_along(ends);
     const float widest = kMostRatio * settings.width;  // s = L_max
     const float taper = std::max(std::min(0.5f * way.back(), kTaper * widest), kShortestEdge);
     const float narrow = widest / std::clamp(path.compression, 1.0f, kMostRatio);

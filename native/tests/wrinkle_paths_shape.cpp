@@ -219,6 +219,45 @@ TEST(PathShow, ListsAreSortedAndWhole) {
     }
 }
 
+// A fold along y whose points zigzag by a fifth of its width: a fold cannot bend within its width. Straight
+// folds stay as they are, and so do ends.
+TEST(PathShow, SmoothsWhatIsShorterThanTheWidth) {
+    PathCloth cloth(grid(4, 24, 0.01f));  // squeezed to 7 mm by 10 mm, folds of 20 mm
+    cloth.settings.reference = Reference::kStaticRest;
+    const Pose3 pose = cloth.squeezed(0.7f);
+    State state = cloth.solve(pose);
+    ASSERT_FALSE(state.paths.empty());
+    const auto spread = [](const std::vector<Vec3>& line) {  // across, of the middle half
+        float low = 1.0f, high = 0.0f;
+        for (const Vec3& p : line) {
+            if (std::abs(p.y - 0.12f) < 0.06f) low = std::min(low, p.x), high = std::max(high, p.x);
+        }
+        return high - low;
+    };
+    const auto shown = [&](const Path& path) {
+        state.paths = {path};
+        return cloth.curves(pose, state).positions;
+    };
+    const Path straight =
+        *std::max_element(state.paths.begin(), state.paths.end(),
+                          [](const Path& a, const Path& b) { return a.points.size() < b.points.size(); });
+    ASSERT_GT(straight.points.size(), 20u);
+    EXPECT_LT(spread(shown(straight)), 1e-6f);
+
+    Path zigzag = straight;
+    for (size_t i = 1; i + 1 < zigzag.points.size(); ++i) {
+        float& share = zigzag.points[i].at.x;
+        share = std::clamp(share + (i % 2 == 1 ? 0.3f : -0.3f), 0.01f, 0.99f);
+    }
+    const Pose flat = make_pose(*cloth.model, pose);
+    const std::vector<Vec3> raw = positions(Ground{*cloth.model, flat, {}, {}, {}}, zigzag.points);
+    const std::vector<Vec3> line = shown(zigzag);
+    ASSERT_GT(spread(raw), 0.1f * cloth.settings.width);
+    EXPECT_LT(spread(line), 0.1f * spread(raw));
+    EXPECT_EQ(line.front(), raw.front());
+    EXPECT_EQ(line.back(), raw.back());
+}
+
 // A straight piece along y: height and slope depend on the distance only; the gradient is the slope of the
 // height.
 TEST(PathShow, TheGradientIsTheSlopeOfTheHeight) {
