@@ -23,7 +23,7 @@ class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
         column.separator()
         named_paint(column, obj, "mask", "mask")
         column.separator()
-        for name in ("source", "attachment", "weld"):
+        for name in ("source", "detail", "attachment", "weld"):
             column.prop(settings, name)
 
 

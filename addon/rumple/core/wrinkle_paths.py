@@ -13,7 +13,6 @@ from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Momen
 from .settings import PathsSettings
 
 MOST_LEVEL = 5
-EDGES_PER_WIDTH = 4.5  # of the fine mesh. Section 7.3 has 8/3: on edges that do not follow the folds crests look sawn
 
 # Table 9.1 has 0.5 (and 1 in one clip), with folds pi L_min / compression wide; ours are pi/2 L_min / compression wide.
 PERCENT_OF_HEIGHT = 1.0
@@ -43,7 +42,7 @@ class WrinklePaths(Wrinkles):
     def build(cls, base: BaseMesh, settings: PathsSettings, *, unit_scale: float = 1.0) -> "WrinklePaths":
         """Make the fine mesh and bind it. unit_scale: metres per object unit. Raises Refused."""
         surface, warnings = checked_surface(base, settings.weld, unit_scale)
-        longest = settings.width / EDGES_PER_WIDTH
+        longest = settings.width / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         try:
             model = native.load().build_wrinkle_paths(
