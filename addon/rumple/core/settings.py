@@ -240,9 +240,9 @@ class PathsSettings:
     # The shown mesh
     source: str = setting("SUBDIVISION", "Fine Mesh", "How the fine mesh is made", choices=FIELD_SOURCES,
                           affects="MESH")
-    detail: int = setting(5, "Edges per Fold", "Edges of the fine mesh across the tightest folds, at least. With fewer, "
-                          "crests look sawn; twice as many cost four times the vertices", low=2, high=32,
-                          affects="MESH")
+    detail: int = setting(5, "Edges per Fold", "Edges of the fine mesh across the tightest folds, at least. With "
+                        "fewer, crests look sawn; twice as many cost four times the vertices", low=2, high=32,
+                        affects="MESH")
     attachment: str = setting("LIMIT", "Attach To", "The surface that folds ride on", choices=ATTACHMENTS,
                               affects="MESH")
     weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that folds run "
