@@ -14,4 +14,5 @@ PYBIND11_MODULE(rumple_native, module) {
     rumple::bindings::bind_wrinkle_field(module);
     rumple::bindings::bind_wrinkle_field_brush(module);
     rumple::bindings::bind_wrinkle_paths(module);
+    rumple::bindings::bind_wrinkle_paths_curves(module);
 }

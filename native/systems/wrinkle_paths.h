@@ -138,6 +138,7 @@ Packed pack(const Model& model, const Settings& settings, const Input& input, co
 struct Curves {
     std::vector<Index> start{0};  // curves + 1, into positions
     std::vector<Index> id;        // per curve
+    std::vector<Index> triangle;  // per point: of its segment
     std::vector<Vec3> positions;  // on the triangles of the deformed base but for the smoothing, object space
     std::vector<float> width;     // L there, object units
     std::vector<float> height;    // signed

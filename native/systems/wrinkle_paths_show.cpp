@@ -297,6 +297,10 @@ Curves curves(const Model& model, const Settings& settings, const Input& input, 
             out.width.push_back(end.width);
             out.height.push_back(end.height);
         }
+        for (size_t i = 0; i + 1 < path.points.size(); ++i)
+            out.triangle.resize(out.triangle.size() + fold.first[i + 1] - fold.first[i],
+                                segment_triangle(model, path.points, i));
+        out.triangle.push_back(out.triangle.back());
         out.start.push_back(static_cast<Index>(out.positions.size()));
     }
     return out;

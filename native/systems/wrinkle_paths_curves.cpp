@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_paths_curves.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/tolerances.h"
+#include "systems/wrinkle_paths_ground.h"
+
+namespace rumple::wrinkle_paths {
+namespace {
+
+// Where a point stands in the plane of a triangle; its first corner where the triangle has no area.
+SurfacePoint place_of(const Ground& ground, Index triangle, const Vec3& p) {
+    const FlatTriangle& shape = ground.pose.shapes[triangle];
+    if (!shape.has_area()) return {triangle, 0.0f, 0.0f};
+    const glm::dvec2 at = ground.to_flat(triangle, p);
+    const double v = at.y / shape.y2;
+    return {triangle, float((at.x - v * shape.x2) / shape.x1), float(v)};
+}
+
+float hem_weight_at(const Model& model, const Settings& settings, const SurfacePoint& place) {
+    float weight = 0.0f;
+    const float share[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
+    for (Index k = 0; k < 3; ++k)
+        weight += share[k] * hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]);
+    return std::clamp(weight, 0.0f, 1.0f);  // smoothed paths leave their triangles a little
+}
+
+// The unwrinkled surface that the fine mesh rides on, near enough: PN triangles for both smooth ones.
+struct SmoothBase {
+    const Model& model;
+    const Pose& pose;
+    std::vector<Vec3> normals;
+
+    Vec3 at(const SurfacePoint& place) const {
+        if (model.attachments.kind == AttachmentKind::kLinear)
+            return interpolate(model.base, place, pose.positions);
+        Vec3 corner[3], normal[3];
+        for (Index k = 0; k < 3; ++k) {
+            const Index v = model.net.vertex[3 * place.triangle + k];
+            corner[k] = pose.positions[v];
+            normal[k] = normals[v];
+        }
+        return pn_triangle(corner, normal, place.b0, place.b1);
+    }
+    Vec3 normal_at(const SurfacePoint& place) const {
+        const Vec3 normal = interpolate(model.base, place, normals);
+        const float size = glm::length(normal);
+        return size > kShortestNormal ? normal / size : Vec3(0.0f);
+    }
+};
+
+}  // namespace
+
+RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state) {
+    RidingCurves out{curves(model, settings, input, state), {}, {}, {}};
+    const Pose pose = make_pose(model, input.positions);
+    const Ground ground{model, pose, {}, {}, {}};
+    SmoothBase smooth{model, pose, std::vector<Vec3>(pose.positions.size())};
+    vertex_normals(model.base, pose.positions, smooth.normals);
+    for (size_t i = 0; i < out.positions.size(); ++i) {
+        const SurfacePoint place = place_of(ground, out.triangle[i], out.positions[i]);
+        out.height[i] *= hem_weight_at(model, settings, place);
+        out.positions[i] = smooth.at(place) + out.height[i] * smooth.normal_at(place);
+        out.weights.push_back({place.b0, place.b1});
+        out.local_offset.push_back(pose.frames[place.triangle].to_local(
+            out.positions[i] - interpolate(model.base, place, pose.positions)));
+        std::array<Index, 3> corners;
+        for (Index k = 0; k < 3; ++k)
+            corners[k] = model.base.display.corner_vertex[model.base.triangles[place.triangle].corner[k]];
+        out.corners.push_back(corners);
+    }
+    return out;
+}
+
+std::vector<Ellipse> ellipses(const Model& model, std::span<const Vec3> positions, const State& state,
+                              float size) {
+    check_positions(model, positions, "positions");
+    check_reference(model.base, state);
+    const Pose pose = make_pose(model, positions);
+    std::vector<Ellipse> out(model.rest.size());
+    for (size_t t = 0; t < out.size(); ++t) {
+        const Index* v = &model.net.vertex[3 * t];
+        out[t].centre = (pose.positions[v[0]] + pose.positions[v[1]] + pose.positions[v[2]]) / 3.0f;
+        const FlatTriangle& reference = state.reference[t];
+        const Stretch stretch = measure_stretch(reference, pose.shapes[t]);
+        if (!stretch.defined) continue;
+        const float around = reference.x1 + std::hypot(reference.x2, reference.y2) +
+                             std::hypot(reference.x2 - reference.x1, reference.y2);
+        const float radius = size * 2.0f * reference.area() / around;
+        const Vec2 along = stretch.direction;
+        out[t].compressed = radius / stretch.compression * pose.frames[t].to_object(Vec3(along, 0.0f));
+        out[t].stretched = radius * stretch.stretch * pose.frames[t].to_object(Vec3(-along.y, along.x, 0.0f));
+    }
+    return out;
+}
+
+}  // namespace rumple::wrinkle_paths
