@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..core import engine
-from . import bake_files, bake_state, modifier, operators, registry, structure, versions
+from . import bake_files, bake_state, modifier, operators, path_curves, registry, structure, versions
 
 FOLDER = "//rumple"
 SUFFIX = ".clip"
@@ -91,12 +91,7 @@ def attach(obj: bpy.types.Object, manifest: bake_files.Manifest, clip: Path) -> 
     """Show the clip, through a new player: a former one may belong to a duplicate too."""
     ours = modifier.find(obj)
     player = make_player(obj, modifier.carrier(ours).data)
-    cache = player.modifiers.new(modifier.CACHE_NAME, "MESH_CACHE")
-    cache.cache_format, cache.play_mode, cache.time_mode = "PC2", "SCENE", "FRAME"
-    cache.deform_mode, cache.interpolation = "OVERWRITE", "LINEAR"
-    # Mesh Cache takes sample number frame * scale - start.
-    cache.frame_start, cache.frame_scale = float(manifest.start * manifest.samples), float(manifest.samples)
-    cache.filepath = stored_path(clip)
+    modifier.add_cache(player, manifest, stored_path(clip))
     modifier.set_player(ours, player)
     modifier.set_baked(ours, True)
     registry.runtime(obj).stale = True
@@ -122,8 +117,11 @@ def free(obj: bpy.types.Object, delete_file: bool) -> None:
     clip = bake_state.clip_path(obj)
     modifier.set_player(ours, None)
     modifier.set_baked(ours, False)
+    for child in path_curves.of(obj):
+        path_curves.free(child)
     if delete_file and clip is not None:
         bake_files.delete(clip)
+        path_curves.clip_path(clip).unlink(missing_ok=True)
     entry = registry.runtime(obj)
     entry.stale = True
     entry.forget_written()
@@ -149,6 +147,7 @@ class _Bake:
             coarse_vertices=len(obj.data.vertices), start=about.bake_start, end=about.bake_end,
             samples=about.bake_samples, inputs=bake_state.inputs_fingerprint(obj, context.scene))
         self.writer = bake_files.ClipWriter(clip, manifest, fine.ATTRIBUTES)
+        self.curves = path_curves.Recorder(obj)
         self.samples = self.playback.samples_in_order()
 
     def step(self) -> bool:
@@ -159,12 +158,14 @@ class _Bake:
             return False
         if wanted:
             self.writer.add(picture, coarse)
+            self.curves.add()
         self.done += 1
         return True
 
     def finish(self) -> Path:
         self.writer.finish()
         attach(self.obj, self.writer.manifest, self.writer.clip)
+        self.curves.finish(self.writer.manifest, self.writer.clip, stored_path)
         self.playback.end_playback(restore_bake=False)
         structure.settle_all()
         return self.writer.clip

@@ -13,6 +13,7 @@ import os
 import struct
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Iterable
 
 import numpy as np
 
@@ -134,6 +135,27 @@ def is_whole(clip: Path, manifest: Manifest) -> bool:
 _HEADER = struct.Struct("<12siiffi")  # signature, version, points, start, step, samples
 
 
+def _header(manifest: Manifest, points: int) -> bytes:
+    return _HEADER.pack(b"POINTCACHE2\0", 1, points, float(manifest.start), 1.0 / manifest.samples,
+                        manifest.sample_count)
+
+
+def _temporary(clip: Path) -> Path:
+    return clip.with_name(f".{clip.name}.{os.getpid()}.part")
+
+
+def write_points(clip: Path, manifest: Manifest, points: int, samples: Iterable[np.ndarray]) -> None:
+    """Another clip with the frames of a manifest, whole or not at all. samples: (points, 3) each."""
+    temporary = _temporary(clip)
+    with open(temporary, "wb") as file:
+        file.write(_header(manifest, points))
+        for rows in samples:
+            file.write(np.ascontiguousarray(rows, "<f4").tobytes())
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(temporary, clip)
+
+
 class ClipWriter:
     """Writes samples one after the other; nothing stands at the path before finish()."""
 
@@ -141,10 +163,9 @@ class ClipWriter:
         clip.parent.mkdir(parents=True, exist_ok=True)
         self.clip, self.manifest, self.attributes = clip, manifest, attributes
         self.before: np.ndarray | None = None  # points of the sample before
-        self.temporary = clip.with_name(f".{clip.name}.{os.getpid()}.part")
+        self.temporary = _temporary(clip)
         self.file = open(self.temporary, "wb")
-        self.file.write(_HEADER.pack(b"POINTCACHE2\0", 1, manifest.points, float(manifest.start),
-                                     1.0 / manifest.samples, manifest.sample_count))
+        self.file.write(_header(manifest, manifest.points))
 
     def add(self, picture: Picture, coarse: np.ndarray) -> None:
         """One sample: what is shown, and the coarse pose it belongs to."""

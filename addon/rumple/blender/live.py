@@ -13,7 +13,8 @@ import numpy as np
 
 from .. import native
 from ..core import engine
-from . import bake_state, carrier as carriers, mesh_io, modifier, properties, registry, structure, versions
+from . import bake_state, carrier as carriers, mesh_io, modifier, path_curves, properties, registry, structure, \
+    versions
 from .registry import LOCK, Inputs, Runtime
 
 _BUSY_MODES = frozenset(("EDIT", "SCULPT"))
@@ -176,6 +177,8 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
                                      frame_rate=inputs.frame_rate)
     entry.inputs = inputs
     registry.say(entry, "")
+    if entry.fine.HAS_CURVES:
+        path_curves.write(obj, entry)
     return _show(held, entry, picture)
 
 

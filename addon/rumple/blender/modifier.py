@@ -7,7 +7,7 @@ from typing import Iterator
 import bpy
 
 from ..core.systems import SYSTEMS, System
-from . import node_tree, versions
+from . import bake_files, node_tree, versions
 
 CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the player of a baked clip
 
@@ -149,6 +149,18 @@ def set_baked(modifier: bpy.types.NodesModifier, baked: bool) -> None:
 
 def is_baked(modifier: bpy.types.NodesModifier) -> bool:
     return bool(_get(modifier, node_tree.BAKED))
+
+
+def add_cache(player_object: bpy.types.Object, manifest: bake_files.Manifest,
+              path: str) -> bpy.types.MeshCacheModifier:
+    """Let the points of a player be those of a clip. path: as a blend file names it."""
+    cache = player_object.modifiers.new(CACHE_NAME, "MESH_CACHE")
+    cache.cache_format, cache.play_mode, cache.time_mode = "PC2", "SCENE", "FRAME"
+    cache.deform_mode, cache.interpolation = "OVERWRITE", "LINEAR"
+    # Mesh Cache takes sample number frame * scale - start.
+    cache.frame_start, cache.frame_scale = float(manifest.start * manifest.samples), float(manifest.samples)
+    cache.filepath = path
+    return cache
 
 
 def cache(player_object: bpy.types.Object) -> bpy.types.MeshCacheModifier | None:

@@ -165,14 +165,19 @@ class _Builder:
         return versions.socket(node.outputs, "Output")
 
     def embedded_position(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        return self.embedded([self.sample(geometry, self.named(name, "INT")) for name in CORNERS],
+                             self.named(BARYCENTRIC, "FLOAT_VECTOR"), self.named(LOCAL_OFFSET, "FLOAT_VECTOR"))
+
+    def embedded(self, points: list[bpy.types.NodeSocket], weights: bpy.types.NodeSocket,
+                 offset: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """The formula at the top of this file."""
-        p0, p1, p2 = (self.sample(geometry, self.named(name, "INT")) for name in CORNERS)
+        p0, p1, p2 = points
         edge_1, edge_2 = self.vector("SUBTRACT", p1, p0), self.vector("SUBTRACT", p2, p0)
         tangent = self.vector("NORMALIZE", edge_1)
         normal = self.vector("NORMALIZE", self.vector("CROSS_PRODUCT", edge_1, edge_2))
         bitangent = self.vector("CROSS_PRODUCT", normal, tangent)
-        u, v, _ = self.components(self.named(BARYCENTRIC, "FLOAT_VECTOR"))
-        x, y, z = self.components(self.named(LOCAL_OFFSET, "FLOAT_VECTOR"))
+        u, v, _ = self.components(weights)
+        x, y, z = self.components(offset)
         return self.total(p0, self.vector("SCALE", edge_1, u), self.vector("SCALE", edge_2, v),
                           self.vector("SCALE", tangent, x), self.vector("SCALE", bitangent, y),
                           self.vector("SCALE", normal, z))

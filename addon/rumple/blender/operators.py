@@ -11,7 +11,7 @@ import bpy
 from .. import native
 from ..core.presets import touched
 from ..core.systems import SYSTEMS
-from . import field_nodes, mesh_io, modifier, node_tree, properties, registry, structure, versions
+from . import field_nodes, mesh_io, modifier, node_tree, path_curves, properties, registry, structure, versions
 
 # No method of its own: it may stand beside the wrinkles that its maps are baked from.
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
@@ -27,6 +27,8 @@ def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
         return "This object is linked from another file: make a library override or append it"
     if obj.mode == "EDIT":
         return "Leave Edit Mode first"
+    if path_curves.find(obj) is not None:
+        return "This object shows the paths of a garment: choose that one"
     found = modifier.find(obj) is not None
     if wrinkled and not found:
         return "This object has no wrinkles: add them first"
@@ -171,6 +173,8 @@ class OBJECT_OT_rumple_remove(OnWrinkled, bpy.types.Operator):
 def remove_all(obj: bpy.types.Object) -> None:
     """Modifier, carrier, node group (when the last), attributes and stored frames; the settings stay."""
     with registry.LOCK:
+        for child in path_curves.of(obj):
+            path_curves.remove(child)
         modifier.remove(obj)
         structure.drop_traces(obj)
         structure.drop_orphan_carriers()

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons of the Wrinkle Paths: bpy.ops.object.rumple_width_from_height(percent=1.0)."""
+"""The buttons of the Wrinkle Paths.
+
+bpy.ops.object.rumple_width_from_height(percent=1.0), rumple_curves_add(), rumple_curves_remove().
+"""
 from __future__ import annotations
 
 import bpy
 import numpy as np
 
 from ..core.wrinkle_paths import PERCENT_OF_HEIGHT, width_of_height
-from . import mesh_io, properties
+from . import mesh_io, modifier, path_curves, properties
 from .operators import OnWrinkled
 
 
@@ -73,6 +76,48 @@ def _rest_height(obj: bpy.types.Object) -> float:
     return float(np.ptp((np.array(points, np.float32) * up[:3]).sum(1)))
 
 
-CLASSES = (OBJECT_OT_rumple_width_from_height,)
+class OBJECT_OT_rumple_curves_add(OnPaths, bpy.types.Operator):
+    """Add a child object that shows the paths as curves, with their number, height and width as attributes"""
+
+    bl_idname = "object.rumple_curves_add"
+    bl_label = "Add Curves"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not super().poll(context):
+            return False
+        baked = modifier.is_baked(modifier.find(context.object))
+        if baked:
+            cls.poll_message_set("The folds are baked: free the bake, add the curves, bake again")
+        return not baked
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        child = path_curves.add(context.object)
+        self.report({"INFO"}, f"{child.name} shows the paths")
+        return {"FINISHED"}
+
+
+class OBJECT_OT_rumple_curves_remove(OnPaths, bpy.types.Operator):
+    """Remove the curves of this object's paths, and what was made of them by modifiers"""
+
+    bl_idname = "object.rumple_curves_remove"
+    bl_label = "Remove Curves"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not super().poll(context):
+            return False
+        found = bool(path_curves.of(context.object))
+        if not found:
+            cls.poll_message_set("There are no curves")
+        return found
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        for child in path_curves.of(context.object):
+            path_curves.remove(child)
+        return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_rumple_width_from_height, OBJECT_OT_rumple_curves_add, OBJECT_OT_rumple_curves_remove)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

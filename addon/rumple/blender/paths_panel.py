@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from . import path_curves
 from .panel_parts import Panel, named_paint, property_column
 
 
@@ -39,4 +40,15 @@ class DATA_PT_rumple_persistence(Panel, bpy.types.Panel):
             column.prop(context.object.rumple.paths, name)
 
 
-CLASSES = (DATA_PT_rumple_folds, DATA_PT_rumple_persistence)
+class DATA_PT_rumple_show_paths(Panel, bpy.types.Panel):
+    bl_label = "Curves & Overlay"
+    bl_options = {"DEFAULT_CLOSED"}
+    method = "PATHS"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = property_column(self.layout)
+        shown = bool(path_curves.of(context.object))
+        column.operator(f"object.rumple_curves_{'remove' if shown else 'add'}", icon="CURVE_DATA")
+
+
+CLASSES = (DATA_PT_rumple_folds, DATA_PT_rumple_persistence, DATA_PT_rumple_show_paths)

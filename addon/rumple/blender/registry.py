@@ -64,6 +64,7 @@ class Runtime(Messages):
     picture: engine.Picture | None = None  # what the carrier holds
     carrier_key: int = 0  # ... which carrier
     bake_note: str = ""  # what is wrong with the baked clip, whatever the frame
+    curve_points: int = 0  # the most points that its curves had no room for
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it
 
     def forget_written(self) -> None:

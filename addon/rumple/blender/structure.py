@@ -135,7 +135,8 @@ def settle_all() -> None:
             if registry.runtime(obj).stale:
                 prepare(obj, ours)
         _tidy_removed({obj.name_full for obj, _ in objects})
-        from . import maps_live  # it asks this module when structural work is allowed
+        from . import maps_live, path_curves  # they ask this module when structural work is allowed
+        path_curves.settle([obj for obj, _ in modifier.wrinkled_objects()])
         maps_live.settle()
 
 

@@ -131,6 +131,7 @@ class Wrinkles:
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
     FITTING = "wavelength"  # the setting that suits the mesh when wrinkles are added: see fitting_length()
     READS_TIME = False  # whether the solve depends on the frame rate
+    HAS_CURVES = False  # whether curves() has something to say
 
     def __init__(self, base: BaseMesh, source: BaseMesh, model: Any, warnings: list[str], unit_scale: float) -> None:
         """source: what the shown mesh inherits from: the base, or an artist's own mesh."""
@@ -230,6 +231,11 @@ class Wrinkles:
         picture.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
         return picture
 
+    def state_of(self, frame: float) -> Any:
+        """The stored state of a frame, or None."""
+        entry = self.history.get(frame)
+        return entry.state if entry is not None else None
+
     def _frame_before(self, frame: float) -> Entry | None:
         """The stored whole frame that a frame goes on from: the one before it, or the one a subframe is in."""
         return self.history.get(float(math.ceil(frame) - 1))
@@ -270,6 +276,14 @@ class Wrinkles:
 
     def status(self, picture: Picture) -> list[str]:
         """How the solve of a picture went, in lines for the artist."""
+        raise NotImplementedError
+
+    def curves(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
+        """The folds of a solved frame as curves (see curve_rows.py). positions: as they were solved."""
+        raise NotImplementedError
+
+    def curve_points(self, settings: Any) -> float:
+        """About how many points its curves have when it is folded all over."""
         raise NotImplementedError
 
     def _reads_world(self, settings: Any) -> bool:

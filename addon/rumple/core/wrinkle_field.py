@@ -77,11 +77,6 @@ class WrinkleField(Wrinkles):
         wishes = native.load().wishes_wrinkle_field(self.model, options, self._paint)
         return options, wishes, native_profile(settings.profile, self._drawn)
 
-    def state_of(self, frame: float) -> Any:
-        """The stored WrinkleFieldState of a frame, or None."""
-        entry = self.history.get(frame)
-        return entry.state if entry is not None else None
-
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         self._drawn = paint.get("profile")
         return native.load().WrinkleFieldPaint(

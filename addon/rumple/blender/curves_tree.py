@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node group "Rumple Path Curves", built by code: makes curves of the rows in core/curve_rows.py.
+
+The rows are the points of the mesh that comes in: handlers write them, or a Mesh Cache in front plays them. Points ride
+on the garment as it enters its wrinkles, in the garment's object space. On the result:
+
+  rumple_path_id       INT    for each curve, in order of birth, never used twice
+  rumple_path_height   FLOAT  for each point, object units, signed
+  rumple_path_width    FLOAT  for each point, object units
+
+With a radius they become tubes.
+"""
+from __future__ import annotations
+
+import bpy
+
+from . import node_tree, versions
+from ..core.curve_rows import ROWS
+
+VERSION = 1  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION_KEY = "rumple_path_curves_version"
+
+GARMENT, RADIUS = "Garment", "Radius"
+PATH_ID, PATH_HEIGHT, PATH_WIDTH = "rumple_path_id", "rumple_path_height", "rumple_path_width"
+_POINT_ID = "rumple_point_path"  # of the points, until the curves have it
+_INPUTS = (("Geometry", "NodeSocketGeometry"), (GARMENT, "NodeSocketObject"), (RADIUS, "NodeSocketFloat"))
+
+
+def is_ours(group: bpy.types.NodeTree | None) -> bool:
+    """True for this node group, whatever its name and version."""
+    return group is not None and VERSION_KEY in group
+
+
+def ensure() -> bpy.types.NodeTree:
+    """The node group of this file, made or upgraded where needed."""
+    group = next((g for g in bpy.data.node_groups if is_ours(g) and versions.is_editable(g)), None)
+    if group is None:
+        group = bpy.data.node_groups.new("Rumple Path Curves", "GeometryNodeTree")
+        group[VERSION_KEY] = 0
+    upgrade(group)
+    return group
+
+
+def upgrade(group: bpy.types.NodeTree) -> None:
+    """Rebuild the nodes of an older version in place, so that modifiers keep their inputs."""
+    if group[VERSION_KEY] == VERSION or not versions.is_editable(group):
+        return
+    group.nodes.clear()
+    present = versions.group_sockets(group, "INPUT")
+    for name, socket_type in _INPUTS:
+        if name not in present:
+            versions.new_group_socket(group, name, "INPUT", socket_type)
+    if not versions.group_sockets(group, "OUTPUT"):
+        versions.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
+    versions.mark_as_modifier(group)
+    _Curves(group, ()).build()
+    group[VERSION_KEY] = VERSION
+
+
+class _Curves(node_tree._Builder):
+
+    def row(self, geometry: bpy.types.NodeSocket, number: int) -> bpy.types.NodeSocket:
+        """One of the rows of every point."""
+        room = self.math("DIVIDE", self.element_count(geometry, "POINT"), float(ROWS))
+        index = self.node("GeometryNodeInputIndex").outputs[0]
+        return self.sample(geometry, self.math("MULTIPLY_ADD", room, float(number), index))
+
+    def of_garment(self, garment: bpy.types.NodeSocket, name: str, data_type: str,
+                   index: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        node = self.node("GeometryNodeSampleIndex", data_type=data_type, domain="POINT")
+        self.link(garment, node, "Geometry")
+        self.link(self.named(name, data_type), node, "Value")
+        self.link(index, node, "Index")
+        return versions.socket(node.outputs, "Value")
+
+    def is_number(self, garment: bpy.types.NodeSocket, index: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Whether a coarse point still is where it was on the result of the wrinkles."""
+        compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
+        self.link(self.of_garment(garment, node_tree.BASE_INDEX, "INT", index), compare, "A")
+        self.link(index, compare, "B")
+        return compare.outputs[0]
+
+    def is_joined(self, garment: bpy.types.NodeSocket, corners: list[bpy.types.NodeSocket],
+                  next_is_its_own: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """For the edge from point i to point i + 1, which is edge i. Where the garment does not show its wrinkles no
+        coarse point says its number, so there are no curves; two are asked, for zero is also what nothing says."""
+        there = self.both(self.is_number(garment, corners[0]), self.is_number(garment, corners[1]))
+        compare = self.node("FunctionNodeCompare", data_type="FLOAT", operation="GREATER_THAN")
+        self.link(next_is_its_own, compare, "A")
+        versions.socket(compare.inputs, "B").default_value = 0.5
+        return self.both(there, compare.outputs[0])
+
+    def tubes(self, curves: bpy.types.NodeSocket, radius: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        circle = self.node("GeometryNodeCurvePrimitiveCircle")
+        circle.inputs["Resolution"].default_value = 8
+        self.link(radius, circle, "Radius")
+        node = self.node("GeometryNodeCurveToMesh")
+        self.link(curves, node, "Curve")
+        self.link(circle.outputs["Curve"], node, "Profile Curve")
+        node.inputs["Fill Caps"].default_value = True
+        return node.outputs[0]
+
+    def build(self) -> None:
+        inputs = self.node("NodeGroupInput").outputs
+        geometry, garment = inputs["Geometry"], self.object_geometry(inputs[GARMENT])
+        places, weights, offset, shape = (self.row(geometry, number) for number in range(ROWS))
+        corners = self.components(places)
+        posed = [self.of_garment(garment, node_tree.BASE_POSITION, "FLOAT_VECTOR", corner) for corner in corners]
+        width, height, joined = self.components(shape)
+        points = geometry
+        for name, data_type, value in ((_POINT_ID, "INT", self.components(weights)[2]), (PATH_WIDTH, "FLOAT", width),
+                                       (PATH_HEIGHT, "FLOAT", height)):
+            points = self.store(points, name, data_type, value)
+        points = self.moved(points, self.embedded(posed, weights, offset))
+        to_curve = self.node("GeometryNodeMeshToCurve")
+        self.link(points, to_curve, "Mesh")
+        self.link(self.is_joined(garment, corners, joined), to_curve, "Selection")
+        curves = self.store(to_curve.outputs[0], PATH_ID, "INT", self.named(_POINT_ID, "INT"), "CURVE")
+        curves = self.without(curves, _POINT_ID)
+        thick = self.node("FunctionNodeCompare", data_type="FLOAT", operation="GREATER_THAN")
+        self.link(inputs[RADIUS], thick, "A")
+        versions.socket(thick.inputs, "B").default_value = 0.0
+        shown = self.switch(thick.outputs[0], curves, self.tubes(curves, inputs[RADIUS]))
+        output = self.node("NodeGroupOutput")
+        self.group.links.new(shown, output.inputs[0])

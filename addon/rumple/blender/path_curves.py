@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The paths as curves: a child object of the garment whose mesh holds rows of numbers (core/curve_rows.py), of which
+its node group makes curves (curves_tree.py).
+
+The mesh has room for some points and never changes its topology while handlers run: they write positions, nothing
+else. Room is made by structural work. Whose curves they are, the modifier's input says.
+"""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Iterator
+
+import bpy
+import numpy as np
+
+from ..core.curve_rows import ROWS, room_for, rows_of
+from . import bake_files, curves_tree, modifier, properties, registry, structure, versions
+from .registry import Runtime
+
+SUFFIX = ".curves"
+
+
+# ---------------------------------------------------------------- whose they are
+def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """The modifier that makes curves of an object's mesh."""
+    return next((m for m in obj.modifiers if m.type == "NODES" and curves_tree.is_ours(m.node_group)), None)
+
+
+def all_curves() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
+    """Every object that shows paths, in the order of their names."""
+    if not any(curves_tree.is_ours(group) for group in bpy.data.node_groups):
+        return
+    for obj in bpy.data.objects:
+        if obj.type == "MESH" and len(obj.modifiers):
+            found = find(obj)
+            if found is not None:
+                yield obj, found
+
+
+def garment_of(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    found = versions.modifier_input(ours, _input(ours, curves_tree.GARMENT))
+    return found if isinstance(found, bpy.types.Object) else None
+
+
+def of(garment: bpy.types.Object) -> list[bpy.types.Object]:
+    """The curves of a garment."""
+    return [obj for obj, ours in all_curves() if garment_of(ours) == garment]
+
+
+def _input(ours: bpy.types.NodesModifier, name: str) -> str:
+    return versions.group_sockets(ours.node_group, "INPUT")[name]
+
+
+# ---------------------------------------------------------------- adding and removing
+def add(garment: bpy.types.Object) -> bpy.types.Object:
+    """A child that shows the paths of a garment, beside it in its collections."""
+    name = garment.name + SUFFIX
+    child = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    _make_room(child.data, _room_wanted(garment))
+    child.parent = garment
+    for collection in garment.users_collection:
+        collection.objects.link(child)
+    ours = child.modifiers.new("Path Curves", "NODES")
+    ours.node_group = curves_tree.ensure()
+    versions.set_modifier_input(ours, _input(ours, curves_tree.GARMENT), garment)
+    ours.node_group = ours.node_group  # as in modifier.set_carrier()
+    _write_again(garment)
+    return child
+
+
+def remove(child: bpy.types.Object) -> None:
+    """A child, its mesh, and the node group when it was the last."""
+    group = find(child).node_group
+    versions.set_modifier_input(find(child), _input(find(child), curves_tree.GARMENT), None)
+    modifier.delete_hidden(child)
+    if group.users == 0 and versions.is_editable(group):
+        bpy.data.node_groups.remove(group)
+
+
+def _write_again(garment: bpy.types.Object) -> None:
+    """The next update writes the curves of this frame."""
+    registry.runtime(garment).forget_written()
+    garment.update_tag()
+
+
+# ---------------------------------------------------------------- room
+def room(mesh: bpy.types.Mesh) -> int:
+    """For how many points a mesh has rows."""
+    return len(mesh.vertices) // ROWS
+
+
+def _make_room(mesh: bpy.types.Mesh, points: int) -> None:
+    """Rows for so many points, and edges between those that follow one another."""
+    mesh.clear_geometry()
+    mesh.vertices.add(ROWS * points)
+    mesh.edges.add(points - 1)
+    pairs = np.stack([np.arange(points - 1), np.arange(1, points)], 1)
+    mesh.edges.foreach_set("vertices", np.ascontiguousarray(pairs, np.int32).ravel())
+    mesh.update()
+
+
+def _room_wanted(garment: bpy.types.Object) -> int:
+    entry = registry.known(garment)
+    if entry is None or entry.fine is None:
+        return room_for(0)
+    settings = properties.settings_of(garment, structure.scene_of(garment))
+    return room_for(max(entry.fine.curve_points(settings), 1.5 * entry.curve_points))
+
+
+# ---------------------------------------------------------------- every frame
+def write(garment: bpy.types.Object, entry: Runtime) -> None:
+    """The curves of the frame that was solved last. In handlers."""
+    children = [child for child in of(garment) if _is_writable(child)]
+    if not children:
+        return
+    inputs = entry.inputs
+    curves = entry.fine.curves(inputs.frame, inputs.positions, inputs.settings)
+    points = len(curves.width)
+    for child in children:
+        if room(child.data) < points:
+            entry.curve_points = points
+            if structure.allowed_now():
+                _make_room(child.data, _room_wanted(garment))
+            else:
+                structure.request()
+        rows, left_out = rows_of(curves, room(child.data))
+        if left_out:
+            registry.say(entry, f"{garment.name}: {child.name} has no room for {left_out} of {len(curves.id)} paths "
+                                "in this frame: play the clip through before you render it")
+        if not np.array_equal(versions.positions(child.data), rows):
+            versions.set_positions(child.data, rows)
+            child.data.update()
+
+
+def _is_writable(child: bpy.types.Object) -> bool:
+    """In Edit Mode the mesh is not what is shown; a baked one is played; linked ones ignore what is written."""
+    return (child.mode == "OBJECT" and modifier.cache(child) is None and versions.is_editable(child)
+            and versions.is_editable(child.data))
+
+
+# ---------------------------------------------------------------- structural work
+def settle(wrinkled: list[bpy.types.Object]) -> None:
+    """After other structural work: no mesh belongs to two, none is too small, none is left over."""
+    seen: set[int] = set()
+    for child, ours in list(all_curves()):
+        if not versions.is_editable(child):
+            continue
+        garment = garment_of(ours)
+        if _is_left_over(child, garment, wrinkled):
+            remove(child)
+            continue
+        key = versions.session_key(child.data)
+        if key in seen or not versions.is_editable(child.data):
+            child.data = child.data.copy()
+        seen.add(versions.session_key(child.data))
+        if garment is not None and modifier.cache(child) is None and child.mode == "OBJECT":
+            wanted = _room_wanted(garment)
+            if room(child.data) < wanted:
+                _make_room(child.data, wanted)
+                _write_again(garment)
+
+
+def _is_left_over(child: bpy.types.Object, garment: bpy.types.Object | None,
+                  wrinkled: list[bpy.types.Object]) -> bool:
+    """Its garment was deleted (an artist who only emptied the input keeps it), or has no such wrinkles any more."""
+    if garment is None:
+        return child.parent is None
+    return garment not in wrinkled or not properties.system_of(garment).wrinkles.HAS_CURVES
+
+
+# ---------------------------------------------------------------- baked
+class Recorder:
+    """Takes the curves of a garment sample by sample while it is baked, and lets its children play them."""
+
+    def __init__(self, garment: bpy.types.Object) -> None:
+        self.garment = garment
+        self.curves: list[Any] = []
+        self.wanted = bool(of(garment))
+        for child in of(garment):
+            free(child)
+
+    def add(self) -> None:
+        """The sample that was solved last."""
+        if self.wanted:
+            entry = registry.runtime(self.garment)
+            self.curves.append(entry.fine.curves(entry.inputs.frame, entry.inputs.positions, entry.inputs.settings))
+
+    def finish(self, manifest: bake_files.Manifest, clip: Path, stored_path: Any) -> None:
+        """Write the clip beside that of the garment. stored_path: how a blend file names it. Raises OSError."""
+        if not self.wanted:
+            return
+        points = room_for(max(len(curves.width) for curves in self.curves))
+        path = clip_path(clip)
+        bake_files.write_points(path, manifest, ROWS * points, (rows_of(curves, points)[0] for curves in self.curves))
+        for child in of(self.garment):
+            if versions.is_editable(child):
+                _make_room(child.data, points)
+                cache = modifier.add_cache(child, manifest, stored_path(path))
+                cache.interpolation = "NONE"  # between two samples there may be other curves: they ride on the pose
+                versions.move_modifier(child, len(child.modifiers) - 1, 0)
+
+
+def clip_path(clip: Path) -> Path:
+    """Where the curves of a garment's clip are. Names of clips have no dots."""
+    return clip.with_suffix(f"{SUFFIX}{clip.suffix}")
+
+
+def free(child: bpy.types.Object) -> None:
+    """Live again."""
+    cache = modifier.cache(child)
+    if cache is not None and versions.is_editable(child):
+        child.modifiers.remove(cache)

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curves as points of a mesh that never changes its topology: what handlers may write at any time, and what Blender's
+own Mesh Cache can play.
+
+With room for n points there are 4 n rows of three numbers. Rows i, n + i, 2 n + i and 3 n + i say about point i:
+
+    vertices of the coarse mesh, i0 i1 i2      float32 has whole numbers up to 2^24
+    u, v, number of the curve
+    local offset, o.x o.y o.z                  position = p0 + u (p1 - p0) + v (p2 - p0) + t o.x + b o.y + n o.z
+    width, height, 1 where point i + 1 is the next one of the same curve, else 0
+
+Never imports bpy.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+ROWS = 4
+LEAST_ROOM, MOST_ROOM = 1 << 10, 1 << 18
+
+
+def room_for(points: float) -> int:
+    """A power of two of points, for so many and some more."""
+    return int(min(max(2 ** np.ceil(np.log2(max(points, 1.0))), LEAST_ROOM), MOST_ROOM))
+
+
+def rows_of(curves: Any, room: int) -> tuple[np.ndarray, int]:
+    """(4 room, 3) float32, and how many curves at the end found no room.
+
+    curves: with start (c + 1,), id (c,), and for each of p points corners (p, 3), weights (p, 2), local_offset (p, 3),
+    width and height (p,).
+    """
+    rows = np.zeros((ROWS, room, 3), np.float32)
+    whole = int(np.searchsorted(curves.start, room, side="right")) - 1  # curves that fit
+    starts = curves.start[:whole + 1]
+    points = int(starts[-1])
+    rows[0, :points] = curves.corners[:points]
+    rows[1, :points, :2] = curves.weights[:points]
+    rows[1, :points, 2] = np.repeat(curves.id[:whole], np.diff(starts))
+    rows[2, :points] = curves.local_offset[:points]
+    rows[3, :points, 0], rows[3, :points, 1] = curves.width[:points], curves.height[:points]
+    rows[3, :points, 2] = 1.0
+    rows[3, starts[1:] - 1, 2] = 0.0
+    return rows.reshape(-1, 3), len(curves.id) - whole

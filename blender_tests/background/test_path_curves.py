@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The paths as curves: what they show, and what becomes of them when their garment is copied, saved, baked, removed."""
+from __future__ import annotations
+
+import os
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import bpy
+import numpy as np
+import shots
+import sleeve
+import stranger
+import wires
+from rumple.blender import handlers, modifier, path_curves, registry, structure, versions
+from rumple.core import curve_rows
+
+
+def curved() -> tuple[bpy.types.Object, bpy.types.Object]:
+    """The sleeve with Wrinkle Paths, and its curves."""
+    obj = sleeve.scene(wrinkles=False)
+    with sleeve.context():
+        bpy.ops.object.rumple_add(method="PATHS")
+        bpy.ops.object.rumple_curves_add()
+    return obj, wires.child_of(obj)
+
+
+class Curves(unittest.TestCase):
+    def test_follow_playback_scrubbing_and_subframes(self) -> None:
+        obj, child = curved()
+        self.assertEqual([wires.same(self, obj, child)], [0], "nothing folds at rest")
+        sleeve.play()
+        self.assertGreater(wires.same(self, obj, child), 3)
+        for frame, subframe in ((3, 0.0), (20, 0.0), (11, 0.5), (15, 0.25), (1, 0.0)):
+            sleeve.at(frame, subframe)
+            wires.same(self, obj, child)
+        self.assertEqual(obj.rumple.message, "")
+
+    def test_they_move_with_the_garment_and_stand_at_its_crests(self) -> None:
+        obj, child = curved()
+        obj.location, obj.rotation_euler, obj.scale = (1.0, 2.0, 3.0), (0.4, 0.5, 0.6), (2.0, 2.0, 2.0)
+        sleeve.play()
+        _, positions, values = wires.seen(child)
+        np.testing.assert_allclose(np.array(child.matrix_world), np.array(obj.matrix_world), atol=1e-6)
+        high = positions[values["rumple_path_height"] > 0.2 * obj.rumple.paths.width / 2.0]
+        self.assertGreater(len(high), 10)
+        shown, heights = sleeve.shown(obj), sleeve.attribute(obj, "rumple_height")[:, 0]
+        for p in high:
+            nearest = np.linalg.norm(shown - p, axis=1).argmin()
+            self.assertLess(np.linalg.norm(shown[nearest] - p), 0.3 * obj.rumple.paths.width / 2.0)
+            self.assertGreater(heights[nearest], 0.0)
+
+    def test_nothing_is_written_when_nothing_changed(self) -> None:
+        obj, child = curved()
+        sleeve.at(15)
+        with mock.patch.object(versions, "set_positions", side_effect=AssertionError("written")):
+            registry.runtime(obj).forget_written()
+            sleeve.at(15)
+        self.assertEqual(obj.rumple.message, "")
+        sleeve.at(14)
+        wires.same(self, obj, child)
+
+    def test_a_modifier_behind_that_shuffles_the_points_hides_them_and_the_wrinkles_off_too(self) -> None:
+        obj, child = curved()
+        sleeve.play()
+        modifier.find(obj).show_viewport = False
+        bpy.context.view_layer.update()
+        self.assertEqual(len(wires.seen(child)[0]), 0, "they shrank to the origin")
+        modifier.find(obj).show_viewport = True
+        sleeve.at(20)
+        obj.modifiers.new("Subdivision", "SUBSURF")
+        sleeve.at(19)
+        self.assertGreater(wires.same(self, obj, child), 0)
+
+    def test_a_tube_has_the_radius_that_is_set(self) -> None:
+        obj, child = curved()
+        sleeve.play()
+        curves, positions, _ = wires.seen(child)
+        child.modifiers.remove(child.modifiers[wires.NAME])
+        ours = path_curves.find(child)
+        versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")["Radius"], 0.002)
+        child.update_tag()
+        sleeve.at(20)
+        mesh = sleeve.evaluated(child).data
+        self.assertGreater(len(mesh.polygons), 6 * len(positions))
+        away = [np.linalg.norm(positions - p, axis=1).min() for p in versions.positions(mesh)]
+        self.assertAlmostEqual(max(away), 0.002, places=4)
+
+    def test_refusals_in_words(self) -> None:
+        obj, child = curved()
+        sleeve.make_active(child)
+        self.assertFalse(bpy.ops.object.rumple_add.poll(), "curves have no folds")
+        sleeve.make_active(obj)
+        self.assertTrue(bpy.ops.object.rumple_curves_remove.poll())
+        bpy.ops.object.rumple_curves_remove()
+        self.assertFalse(bpy.ops.object.rumple_curves_remove.poll())
+        bpy.ops.object.rumple_remove()
+        self.assertFalse(bpy.ops.object.rumple_curves_add.poll())
+
+    def test_in_edit_mode_they_wait(self) -> None:
+        obj, child = curved()
+        sleeve.make_active(child)
+        bpy.ops.object.mode_set(mode="EDIT")
+        sleeve.play()
+        bpy.ops.object.mode_set(mode="OBJECT")
+        sleeve.at(19)
+        self.assertGreater(wires.same(self, obj, child), 0)
+
+
+class Rows(unittest.TestCase):
+    def test_curves_without_room_are_left_out_whole(self) -> None:
+        obj, _ = curved()
+        sleeve.play()
+        curves = wires.solved(obj)
+        room = int(curves.start[2]) + 1  # two curves and a point
+        rows, left_out = curve_rows.rows_of(curves, room)
+        self.assertEqual(left_out, len(curves.id) - 2)
+        self.assertEqual(rows.reshape(4, room, 3)[3, :, 2].sum(), curves.start[2] - 2, "edges within curves")
+
+    def test_room_grows_where_it_may_and_is_said_where_not(self) -> None:
+        obj, child = curved()
+        sleeve.at(1)
+        path_curves._make_room(child.data, 16)
+        with mock.patch.object(structure, "_render_running", True):
+            sleeve.play()
+            self.assertRegex(obj.rumple.message, "Sleeve.curves has no room for [0-9]+ of [0-9]+ paths")
+            self.assertEqual(path_curves.room(child.data), 16, "topology changed while it renders")
+        structure.settle_all()
+        sleeve.at(20)
+        self.assertGreater(wires.same(self, obj, child), 3)
+        self.assertEqual(obj.rumple.message, "")
+
+
+class Lives(unittest.TestCase):
+    def test_removing_the_wrinkles_removes_them(self) -> None:
+        for remove in (bpy.ops.object.rumple_remove,
+                       lambda: bpy.context.object.modifiers.remove(modifier.find(bpy.context.object)),
+                       lambda: bpy.data.objects.remove(bpy.data.objects["Sleeve"])):
+            obj, _ = curved()
+            sleeve.at(5)
+            remove()
+            structure.settle_all()
+            self.assertEqual([o for o in sleeve.names(bpy.data.objects) if o != "Sleeve"], ["Arm"])
+            self.assertEqual(len(bpy.data.node_groups), 0)
+            self.assertLessEqual(sleeve.names(bpy.data.meshes), ["Sleeve"])
+
+    def test_an_emptied_input_removes_nothing(self) -> None:
+        _, child = curved()
+        ours = path_curves.find(child)
+        versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")["Garment"], None)
+        structure.settle_all()
+        self.assertIn(child.name, bpy.data.objects)
+
+    def test_copies_of_both_have_curves_of_their_own(self) -> None:
+        for linked in (False, True):
+            obj, child = curved()
+            child.select_set(True)
+            bpy.ops.object.duplicate(linked=linked)
+            structure.settle_all()
+            copy = next(o for o, _ in modifier.wrinkled_objects() if o != obj)
+            self.assertNotEqual(wires.child_of(copy).data, child.data)
+            copy.rumple.paths.seed = 7
+            sleeve.play()
+            for garment in (obj, copy):
+                self.assertGreater(wires.same(self, garment, wires.child_of(garment)), 3)
+
+    def test_a_copy_of_the_garment_alone_has_none(self) -> None:
+        obj, child = curved()
+        bpy.ops.object.duplicate()
+        structure.settle_all()
+        self.assertEqual(path_curves.of(obj), [child])
+        self.assertEqual(len(list(path_curves.all_curves())), 1)
+
+    def test_saved_and_opened_they_go_on(self) -> None:
+        curved()
+        sleeve.play()
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "curves.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            bpy.ops.wm.open_mainfile(filepath=path)
+            obj = bpy.data.objects["Sleeve"]
+            sleeve.play()
+            self.assertGreater(wires.same(self, obj, wires.child_of(obj)), 3)
+
+
+class ElseWhere(unittest.TestCase):
+    """Baked, rendered, and in a Blender without the add-on."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def save(self) -> None:
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / stranger.FILE))
+
+    def test_without_the_add_on_they_ride_on_the_pose(self) -> None:
+        obj, child = curved()
+        sleeve.play()
+        sleeve.at(12)
+        wires.to_edges(child)
+        self.save()
+        curves = wires.solved(obj)
+        there = stranger.look(self.folder, child.name, (12.0, 20.0), attributes=("rumple_path_height",))
+        np.testing.assert_allclose(there[12.0]["position"], curves.positions, atol=2e-6)
+        np.testing.assert_array_equal(there[20.0]["rumple_path_height"][:, 0], curves.height)
+        sleeve.at(20)
+        pose = registry.runtime(obj).inputs.positions
+        p0, p1, p2 = (pose[curves.corners[:, k]] for k in range(3))
+        on_triangle = p0 + curves.weights[:, :1] * (p1 - p0) + curves.weights[:, 1:] * (p2 - p0)
+        np.testing.assert_allclose(np.linalg.norm(there[20.0]["position"] - on_triangle, axis=1),
+                                   np.linalg.norm(curves.local_offset, axis=1), atol=2e-6)
+
+    def test_baked_they_need_neither_handlers_nor_the_add_on(self) -> None:
+        obj, child = curved()
+        self.save()
+        sleeve.play()
+        live = {}
+        for frame in (20, 9, 15):
+            sleeve.at(frame)
+            live[frame] = wires.seen(child)
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+        self.assertFalse(bpy.ops.object.rumple_curves_add.poll())
+        handlers.unregister()
+        try:
+            for frame, (curves, positions, values) in live.items():
+                sleeve.at(frame)
+                baked = wires.seen(child)
+                np.testing.assert_array_equal(baked[0], curves)
+                np.testing.assert_allclose(baked[1], positions, atol=2e-6)
+                for name in wires.ATTRIBUTES if len(curves) else ():
+                    np.testing.assert_array_equal(baked[2][name], values[name])
+            sleeve.at(15, 0.4)
+            self.assertGreater(len(wires.seen(child)[0]), 0)
+        finally:
+            handlers.register()
+        self.save()
+        there = stranger.look(self.folder, child.name, (20.0, 15.0), attributes=("rumple_path_width",))
+        for frame in (20, 15):
+            np.testing.assert_allclose(there[float(frame)]["position"], live[frame][1], atol=2e-6)
+
+    def test_between_baked_samples_they_ride_on_the_pose(self) -> None:
+        obj, child = curved()
+        self.save()
+        bpy.ops.object.rumple_bake()
+        sleeve.at(18)
+        count = len(wires.seen(child)[0])
+        for subframe in (0.25, 0.4):
+            sleeve.at(18, subframe)
+            curves, positions, _ = wires.seen(child)
+            self.assertEqual(len(curves), count, "the curves of two samples were mixed")
+            shown = sleeve.shown(obj)
+            away = max(np.linalg.norm(shown - p, axis=1).min() for p in positions)
+            self.assertLess(away, obj.rumple.paths.width)
+
+    def test_a_freed_bake_is_live_again_and_its_file_goes_when_told(self) -> None:
+        obj, child = curved()
+        self.save()
+        bpy.ops.object.rumple_bake()
+        files = sorted(path.name for path in (self.folder / "rumple").iterdir())
+        self.assertEqual(files, ["Sleeve.curves.pc2", "Sleeve.json", "Sleeve.pc2"])
+        bpy.ops.object.rumple_bake_free(delete_file=True)
+        self.assertEqual(list((self.folder / "rumple").iterdir()), [])
+        sleeve.play()
+        self.assertGreater(wires.same(self, obj, child), 3)
+
+    def test_rendered_stills_and_animations_show_the_same_curves(self) -> None:
+        obj = shots.stage("CYCLES")
+        bpy.ops.object.rumple_remove()
+        bpy.ops.object.rumple_add(method="PATHS")
+        bpy.ops.object.rumple_curves_add()
+        child = wires.child_of(obj)
+        ours = path_curves.find(child)
+        versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")["Radius"], 0.006)
+        obj.is_holdout = True  # only the curves are seen
+        sleeve.play()
+        stills = {frame: shots.still(frame) for frame in (14, 17, 20)}
+        animation = shots.clip(1, 20)
+        for frame, still in stills.items():
+            self.assertGreater((still[..., 3] > 0.5).sum(), 30)
+            np.testing.assert_allclose(animation[frame], still, atol=0.02)
+        self.assertGreater(np.abs(stills[14] - stills[20]).max(), 0.3)
