@@ -14,7 +14,7 @@ import shots
 import sleeve
 import stranger
 import wires
-from rumple.blender import handlers, modifier, path_curves, registry, structure, versions
+from rumple.blender import curves_tree, handlers, modifier, path_curves, registry, structure, versions
 from rumple.core import curve_rows
 
 
@@ -30,7 +30,8 @@ def curved() -> tuple[bpy.types.Object, bpy.types.Object]:
 class Curves(unittest.TestCase):
     def test_follow_playback_scrubbing_and_subframes(self) -> None:
         obj, child = curved()
-        self.assertEqual([wires.same(self, obj, child)], [0], "nothing folds at rest")
+        sleeve.at(1)
+        self.assertEqual(wires.same(self, obj, child), 0, "nothing folds at rest")
         sleeve.play()
         self.assertGreater(wires.same(self, obj, child), 3)
         for frame, subframe in ((3, 0.0), (20, 0.0), (11, 0.5), (15, 0.25), (1, 0.0)):
@@ -40,17 +41,19 @@ class Curves(unittest.TestCase):
 
     def test_they_move_with_the_garment_and_stand_at_its_crests(self) -> None:
         obj, child = curved()
-        obj.location, obj.rotation_euler, obj.scale = (1.0, 2.0, 3.0), (0.4, 0.5, 0.6), (2.0, 2.0, 2.0)
+        rig = bpy.data.objects["Arm"]
+        obj.parent, rig.location, rig.rotation_euler = rig, (1.0, 2.0, 3.0), (0.4, 0.5, 0.6)
         sleeve.play()
         _, positions, values = wires.seen(child)
         np.testing.assert_allclose(np.array(child.matrix_world), np.array(obj.matrix_world), atol=1e-6)
-        high = positions[values["rumple_path_height"] > 0.2 * obj.rumple.paths.width / 2.0]
-        self.assertGreater(len(high), 10)
         shown, heights = sleeve.shown(obj), sleeve.attribute(obj, "rumple_height")[:, 0]
-        for p in high:
-            nearest = np.linalg.norm(shown - p, axis=1).argmin()
-            self.assertLess(np.linalg.norm(shown[nearest] - p), 0.3 * obj.rumple.paths.width / 2.0)
-            self.assertGreater(heights[nearest], 0.0)
+        width, away = obj.rumple.paths.width, []
+        for p, height in zip(positions, values["rumple_path_height"]):
+            distance = np.linalg.norm(shown - p, axis=1)
+            if heights[distance.argmin()] < 1.2 * height:  # else it runs below a higher fold there
+                away.append(distance.min())
+        self.assertGreater(len(away), 0.5 * len(positions))
+        self.assertLess(max(away), 0.2 * width, "the points of the fine mesh stand width / 4.5 apart")
 
     def test_nothing_is_written_when_nothing_changed(self) -> None:
         obj, child = curved()
@@ -123,7 +126,7 @@ class Rows(unittest.TestCase):
         obj, child = curved()
         sleeve.at(1)
         path_curves._make_room(child.data, 16)
-        with mock.patch.object(structure, "_render_running", True):
+        with mock.patch.object(structure, "allowed_now", return_value=False):  # as while it renders
             sleeve.play()
             self.assertRegex(obj.rumple.message, "Sleeve.curves has no room for [0-9]+ of [0-9]+ paths")
             self.assertEqual(path_curves.room(child.data), 16, "topology changed while it renders")
@@ -143,7 +146,7 @@ class Lives(unittest.TestCase):
             remove()
             structure.settle_all()
             self.assertEqual([o for o in sleeve.names(bpy.data.objects) if o != "Sleeve"], ["Arm"])
-            self.assertEqual(len(bpy.data.node_groups), 0)
+            self.assertFalse(any(curves_tree.is_ours(group) for group in bpy.data.node_groups))
             self.assertLessEqual(sleeve.names(bpy.data.meshes), ["Sleeve"])
 
     def test_an_emptied_input_removes_nothing(self) -> None:

@@ -52,6 +52,7 @@ struct Model : ReferenceModel {
     std::vector<float> quality;        // per triangle at rest: 1 equilateral, 0 a sliver
     std::vector<Index> border_ring;    // per welded vertex: edges to the nearest open border, or kNone
     Attachments attachments;           // of the fine vertices
+    SparseRows vertex_limit;           // kLimit: limit positions of the welded vertices; else empty
     std::vector<Vec3> positions_rest;  // of the fine vertices, object space
     std::vector<Index> fine_start;     // per triangle, into fine_vertex:
     std::vector<Index> fine_vertex;    //   the fine vertices that lie in it

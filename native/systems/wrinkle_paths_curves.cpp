@@ -27,19 +27,25 @@ float hem_weight_at(const Model& model, const Settings& settings, const SurfaceP
     return std::clamp(weight, 0.0f, 1.0f);  // smoothed paths leave their triangles a little
 }
 
-// The unwrinkled surface that the fine mesh rides on, near enough: PN triangles for both smooth ones.
+// The unwrinkled surface that the fine mesh rides on; the limit surface as PN triangles between its vertices.
 struct SmoothBase {
     const Model& model;
     const Pose& pose;
-    std::vector<Vec3> normals;
+    std::vector<Vec3> normals, vertices;
 
+    SmoothBase(const Model& of, const Pose& at)
+        : model(of), pose(at), normals(at.positions.size()), vertices(at.positions) {
+        vertex_normals(model.base, pose.positions, normals);
+        if (model.attachments.kind == AttachmentKind::kLimit)
+            apply<Vec3>(model.vertex_limit, pose.positions, vertices);
+    }
     Vec3 at(const SurfacePoint& place) const {
         if (model.attachments.kind == AttachmentKind::kLinear)
             return interpolate(model.base, place, pose.positions);
         Vec3 corner[3], normal[3];
         for (Index k = 0; k < 3; ++k) {
             const Index v = model.net.vertex[3 * place.triangle + k];
-            corner[k] = pose.positions[v];
+            corner[k] = vertices[v];
             normal[k] = normals[v];
         }
         return pn_triangle(corner, normal, place.b0, place.b1);
@@ -57,8 +63,7 @@ RidingCurves ride(const Model& model, const Settings& settings, const Input& inp
     RidingCurves out{curves(model, settings, input, state), {}, {}, {}};
     const Pose pose = make_pose(model, input.positions);
     const Ground ground{model, pose, {}, {}, {}};
-    SmoothBase smooth{model, pose, std::vector<Vec3>(pose.positions.size())};
-    vertex_normals(model.base, pose.positions, smooth.normals);
+    const SmoothBase smooth(model, pose);
     for (size_t i = 0; i < out.positions.size(); ++i) {
         const SurfacePoint place = place_of(ground, out.triangle[i], out.positions[i]);
         out.height[i] *= hem_weight_at(model, settings, place);
