@@ -4,8 +4,9 @@ import bmesh
 import bpy
 import numpy as np
 import sleeve
-from random_walk import RandomWalk
-from rumple.blender import mesh_io, modifier, properties, structure
+import wires
+from random_walk import MOST_OBJECTS, RandomWalk
+from rumple.blender import mesh_io, modifier, path_curves, properties, structure
 
 PAINT = "Rumple Radius"
 SETTINGS = dict(
@@ -21,7 +22,7 @@ SETTINGS = dict(
 
 class Walk(RandomWalk):
 
-    OFTEN = ("do_add", "do_free")
+    OFTEN = ("do_add", "do_free", "do_curves")
 
     def start(self):
         obj = sleeve.scene()
@@ -53,11 +54,38 @@ class Walk(RandomWalk):
             if last and obj.name in bpy.context.view_layer.objects and not modifier.is_baked(ours):
                 off = np.abs(sleeve.shown(obj) - sleeve.picture(obj).positions).max()
                 assert off < 1e-5, f"{trail}: shows something else, {off}"
+            self.check_curves(obj, trail)
             if PAINT in obj.vertex_groups:
                 weights = mesh_io.group_weights(obj, obj.data, [PAINT])
                 assert np.isclose(weights, 0.25).sum() >= 20, f"{trail}: paint is lost"
 
+    def check_curves(self, obj, trail):
+        """Those that are shown are those that were solved; their meshes are their own."""
+        for child in path_curves.of(obj):
+            assert child.data.users == 1, f"{trail}: {child.name} shares its mesh"
+            seen = obj.name in bpy.context.view_layer.objects and child.name in bpy.context.view_layer.objects
+            if seen and modifier.find(obj).show_viewport and modifier.cache(child) is None:
+                _, positions, _ = wires.seen(child)
+                expected = wires.solved(obj).positions
+                assert positions.shape == expected.shape, f"{trail}: {len(positions)} points of {len(expected)}"
+                off = np.abs(positions - expected).max(initial=0.0)
+                assert off < 1e-5, f"{trail}: curves show something else, {off}"
+
     # --- the steps
+    def do_curves(self):
+        if self.pick():
+            buttons = (bpy.ops.object.rumple_curves_add, bpy.ops.object.rumple_curves_remove)
+            for button in buttons if self.random.random() < 0.7 else buttons[::-1]:
+                if button.poll():
+                    return button()
+
+    def do_copy_with_curves(self):
+        obj = self.pick()
+        if obj and len(bpy.context.scene.objects) < MOST_OBJECTS:
+            for child in path_curves.of(obj):
+                child.select_set(True)
+            bpy.ops.object.duplicate(linked=self.random.random() < 0.5)
+
     def do_frame(self):
         sleeve.at(self.random.randint(1, sleeve.LAST), self.random.choice((0.0, 0.0, 0.5)))
 
@@ -88,7 +116,7 @@ class Walk(RandomWalk):
 
     def do_add(self):
         obj = self.pick(ours=False)
-        if obj and len(obj.data.vertices) < 1500:
+        if obj and len(obj.data.vertices) < 1500 and path_curves.find(obj) is None:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
             obj.rumple.field.gpu_preview = True
             bpy.ops.object.rumple_add(method=self.random.choice(("MESH", "FIELD", "PATHS")))

@@ -10,13 +10,33 @@
 namespace rumple::wrinkle_paths {
 namespace {
 
-// Where a point stands in the plane of a triangle; its first corner where the triangle has no area.
-SurfacePoint place_of(const Ground& ground, Index triangle, const Vec3& p) {
+// Triangles that a smoothed point may have left its own for.
+constexpr int kMostSteps = 32;
+
+// Weights of the corners where a point stands over the plane of a triangle.
+Vec3 weights_of(const Ground& ground, Index triangle, const Vec3& p) {
     const FlatTriangle& shape = ground.pose.shapes[triangle];
-    if (!shape.has_area()) return {triangle, 0.0f, 0.0f};
+    if (!shape.has_area()) return {1.0f, 0.0f, 0.0f};
     const glm::dvec2 at = ground.to_flat(triangle, p);
-    const double v = at.y / shape.y2;
-    return {triangle, float((at.x - v * shape.x2) / shape.x1), float(v)};
+    const double v = at.y / shape.y2, u = (at.x - v * shape.x2) / shape.x1;
+    return {float(1.0 - u - v), float(u), float(v)};
+}
+
+// The place below a point, by a walk towards it from its segment's triangle; at a border the nearest weights.
+SurfacePoint place_of(const Ground& ground, Index triangle, const Vec3& p) {
+    Vec3 weights = weights_of(ground, triangle, p);
+    for (int step = 0; step < kMostSteps; ++step) {
+        const Index least =
+            weights.x < weights.y ? (weights.x < weights.z ? 0 : 2) : (weights.y < weights.z ? 1 : 2);
+        if (weights[least] >= 0.0f) break;
+        const Index twin = ground.model.net.twin[next_in_triangle(3 * triangle + least)];
+        if (twin == kNone) break;
+        triangle = triangle_of(twin);
+        weights = weights_of(ground, triangle, p);
+    }
+    weights = glm::max(weights, 0.0f);
+    weights /= weights.x + weights.y + weights.z;
+    return {triangle, weights.y, weights.z};
 }
 
 float hem_weight_at(const Model& model, const Settings& settings, const SurfacePoint& place) {
@@ -24,7 +44,7 @@ float hem_weight_at(const Model& model, const Settings& settings, const SurfaceP
     const float share[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
     for (Index k = 0; k < 3; ++k)
         weight += share[k] * hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]);
-    return std::clamp(weight, 0.0f, 1.0f);  // smoothed paths leave their triangles a little
+    return weight;
 }
 
 // The unwrinkled surface that the fine mesh rides on; the limit surface as PN triangles between its vertices.

@@ -67,13 +67,13 @@ class WrinklePaths(Wrinkles):
                                                 self.state_of(frame))
 
     def curve_points(self, settings: PathsSettings) -> float:
-        """Folds side by side; on the way across a triangle a fold has two points, and one in each width."""
+        """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
         base = self.base
         a, b, c = (base.positions[base.corner_vertex[base.triangle_corner[:, k]]] for k in range(3))
         area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) * self.unit_scale**2
         edge = max(base.mean_edge() * self.unit_scale, 1e-6)
         apart = max(settings.spacing, 1.0) * settings.width
-        return area / apart * max(4.0 / edge, 1.0 / settings.width)
+        return area / apart * max(4.0 / edge, 2.0 / settings.width)
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         return native.load().WrinklePathsPaint(self.model, paint)
