@@ -49,7 +49,7 @@ void bind_settings(py::module_& module) {
     py::class_<Settings> settings(module, "WrinklePathsSettings",
                                   "Settings of a solve; see docs/wrinkle_paths.md. Lengths in object units.");
     settings.def(py::init<>())
-        .def_readwrite("smoothing", &Settings::smoothing, "of compression in time, seconds, >= 0")
+        .def_readwrite("smoothing", &Settings::smoothing, "of the triangles' shapes in time, seconds, >= 0")
         .def_readwrite("threshold", &Settings::threshold, "tau: compression from which folds live, > 1")
         .def_readwrite("reach", &Settings::reach, "folds go on down to this share of tau's compression, 0..1")
         .def_readwrite("width", &Settings::width, "L_min: width of the tightest fold, object units, > 0")
@@ -72,11 +72,10 @@ void bind_settings(py::module_& module) {
 
 py::dict state_arrays(const State& state) {
     std::vector<Index> id, start{0}, triangle_edge;
-    std::vector<float> fade, compression, at;
+    std::vector<float> fade, at;
     for (const Path& path : state.paths) {
         id.push_back(path.id);
         fade.push_back(path.fade);
-        compression.push_back(path.compression);
         for (const PathPoint& p : path.points) {
             triangle_edge.insert(triangle_edge.end(), {p.triangle, p.edge});
             at.insert(at.end(), {p.at.x, p.at.y});
@@ -87,13 +86,13 @@ py::dict state_arrays(const State& state) {
     out["time"] = state.time;
     out["labels"] = to_numpy<std::uint8_t>(state.labels, 0);
     out["reference"] = to_numpy<float>(state.reference, 3);
+    out["shapes"] = to_numpy<float>(state.shapes, 3);
     out["compression"] = to_numpy<float>(state.compression, 0);
     out["past_times"] = to_numpy<double>(state.past_times, 0);
     out["past_positions"] = to_numpy(state.past_positions);
     out["next_id"] = state.next_id;
     out["path_id"] = to_numpy<Index>(id, 0);
     out["path_fade"] = to_numpy<float>(fade, 0);
-    out["path_compression"] = to_numpy<float>(compression, 0);
     out["path_start"] = to_numpy<Index>(start, 0);
     out["point_triangle_edge"] = to_numpy<Index>(triangle_edge, 2);
     out["point_at"] = to_numpy<float>(at, 2);
@@ -118,29 +117,29 @@ State state_from(const py::dict& from) {
     state.next_id = py::cast<Index>(from["next_id"]);
     const auto labels = scalars<std::uint8_t>(item(from, "labels"), "labels", 0);
     const auto reference = vectors(item(from, "reference"), "reference");
+    const auto shapes = vectors(item(from, "shapes"), "shapes");
     const auto compression = scalars<float>(item(from, "compression"), "compression", 0);
     const auto times = scalars<double>(item(from, "past_times"), "past_times", 0);
     const auto past = vectors(item(from, "past_positions"), "past_positions");
     state.labels.assign(labels.begin(), labels.end());
     for (const Vec3& r : reference) state.reference.push_back({r.x, r.y, r.z});
+    for (const Vec3& s : shapes) state.shapes.push_back({s.x, s.y, s.z});
     state.compression.assign(compression.begin(), compression.end());
     state.past_times.assign(times.begin(), times.end());
     state.past_positions.assign(past.begin(), past.end());
 
     const auto id = scalars<Index>(item(from, "path_id"), "path_id", 0);
     const auto fade = scalars<float>(item(from, "path_fade"), "path_fade", 0);
-    const auto path_compression = scalars<float>(item(from, "path_compression"), "path_compression", 0);
     const auto start = scalars<Index>(item(from, "path_start"), "path_start", 0);
     const auto place = scalars<Index>(item(from, "point_triangle_edge"), "point_triangle_edge", 2);
     const auto at = scalars<float>(item(from, "point_at"), "point_at", 2);
     expect_size("path_fade", fade.size(), id.size());
-    expect_size("path_compression", path_compression.size(), id.size());
     expect_size("path_start", start.size(), id.size() + 1);
     expect_size("point_at", at.size(), place.size());
     for (size_t i = 0; i < id.size(); ++i) {
         if (start[i] < 0 || start[i + 1] < start[i] || size_t(start[i + 1]) > at.size() / 2)
             throw InvalidInput("path_start: path " + std::to_string(i) + " is not within the points");
-        Path path{id[i], fade[i], path_compression[i], {}};
+        Path path{id[i], fade[i], {}};
         for (Index p = start[i]; p < start[i + 1]; ++p)
             path.points.push_back({place[2 * p], place[2 * p + 1], {at[2 * p], at[2 * p + 1]}});
         state.paths.push_back(std::move(path));
@@ -152,9 +151,9 @@ size_t state_bytes(const State& state) {
     size_t points = 0;
     for (const Path& path : state.paths) points += path.points.size();
     return state.labels.size() + state.compression.size() * sizeof(float) +
-           state.reference.size() * sizeof(FlatTriangle) + state.past_times.size() * sizeof(double) +
-           state.past_positions.size() * sizeof(Vec3) + state.paths.size() * sizeof(Path) +
-           points * sizeof(PathPoint);
+           (state.reference.size() + state.shapes.size()) * sizeof(FlatTriangle) +
+           state.past_times.size() * sizeof(double) + state.past_positions.size() * sizeof(Vec3) +
+           state.paths.size() * sizeof(Path) + points * sizeof(PathPoint);
 }
 
 void bind_values(py::module_& module) {

@@ -156,9 +156,8 @@ void check_reference(const Surface& surface, const ReferenceState& state) {
                            " is out of range");
     };
     for (size_t t = 0; t < triangles; ++t) {
-        const FlatTriangle& r = state.reference[t];
         if (state.labels[t] > kStretch) refuse("labels", t);
-        if (!(r.x1 >= 0.0f) || !(r.y2 >= 0.0f) || !std::isfinite(r.x1 + r.x2 + r.y2)) refuse("reference", t);
+        if (!state.reference[t].is_sound()) refuse("reference", t);
     }
     for (size_t i = 0; i < state.past_times.size(); ++i) {
         if (!(state.past_times[i] <= state.time) || (i > 0 && state.past_times[i] < state.past_times[i - 1]))
@@ -201,6 +200,11 @@ std::vector<FlatTriangle> update_reference(const ReferenceModel& model, const Re
     std::vector<FlatTriangle> reference = state ? state->reference : from_rest ? model.rest : pose.shapes;
     const float share = share_in(settings.relaxation, seconds);
     const float growth = share_of(seconds, settings.growth_time);
+    const bool at_once = settings.growth_time <= 0.0f;  // as printed
+    // A glitch of one frame is no fold that dissolves: it must have stretched in the frame before, too.
+    const auto stretches_on = [&](size_t t) {
+        return labels[t] == kStretch && (at_once || (state && state->labels[t] == kStretch));
+    };
     for (size_t t = 0; t < reference.size(); ++t) {
         const FlatTriangle& now = pose.shapes[t];
         FlatTriangle& ref = reference[t];
@@ -209,7 +213,7 @@ std::vector<FlatTriangle> update_reference(const ReferenceModel& model, const Re
             ref = now;
         } else if (labels[t] == kCompress) {
             ref = relaxed(ref, now, share);
-        } else if (labels[t] == kStretch && measure_stretch(ref, now).compression < 1.0f) {
+        } else if (stretches_on(t) && measure_stretch(ref, now).compression < 1.0f) {
             // Both eigenvalues above one: a fold that was never seen has dissolved.
             ref = between(ref, now, growth);
         } else {

@@ -2,6 +2,8 @@
 // Shapes of triangles in their own plane, and the stretch from one to another: Gillette 2015, section 4.1.1.
 #pragma once
 
+#include <cmath>
+
 #include "base/array.h"
 
 namespace rumple {
@@ -15,6 +17,8 @@ struct FlatTriangle {
 
     bool has_area() const { return y2 > 0.0f; }
     float area() const { return 0.5f * x1 * y2; }
+    // What flatten() can give: no edge of negative length, nothing that is not finite.
+    bool is_sound() const { return x1 >= 0.0f && y2 >= 0.0f && std::isfinite(x1 + x2 + y2); }
 };
 FlatTriangle flatten(const Vec3& p0, const Vec3& p1, const Vec3& p2);
 

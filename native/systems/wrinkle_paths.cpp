@@ -29,12 +29,13 @@ void check(const Model& model, const State& state) {
         throw InvalidInput(std::string("state.") + name + ": number " + std::to_string(at) +
                            " is out of range");
     };
+    expect_count("state.shapes", state.shapes.size(), model.rest.size(), "triangles");
     for (size_t t = 0; t < state.compression.size(); ++t) {
+        if (!state.shapes[t].is_sound()) refuse("shapes", t);
         if (!(state.compression[t] > 0.0f) || !std::isfinite(state.compression[t])) refuse("compression", t);
     }
     for (size_t i = 0; i < state.paths.size(); ++i) {
         if (!(state.paths[i].fade >= 0.0f && state.paths[i].fade <= 1.0f)) refuse("path_fade", i);
-        if (!std::isfinite(state.paths[i].compression)) refuse("path_compression", i);
     }
     const std::string wrong = fault(model, state.paths);
     if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
@@ -81,8 +82,8 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
     next.next_id = state ? state->next_id : 0;
     std::vector<Stretch> changes;
     static_cast<ReferenceState&>(next) = adapt(model.base, model, settings, input, pose, state, changes);
-    Ground ground = make_ground(model, settings, paint, pose, next.reference, changes);
-    smooth_in_time(settings, seconds, state, ground);
+    next.shapes = smoothed_shapes(settings, seconds, state, pose);
+    const Ground ground = make_ground(model, settings, paint, pose, next.shapes, next.reference, changes);
     next.compression = ground.compression;
 
     SegmentMap map(ground);

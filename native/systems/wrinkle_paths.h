@@ -22,7 +22,7 @@ enum class Direction { kOutward, kInward, kBoth };
 
 // What the user sets for every solve; what compression is measured against (chapter 4) first.
 struct Settings : ReferenceSettings {
-    float smoothing = 0.1f;      // of compression in time, seconds, >= 0; printed: 0
+    float smoothing = 0.1f;      // of the triangles' shapes in time, seconds, >= 0; printed: 0
     float threshold = 1.25f;     // tau: folds start where lambda~_min is above it, > 1
     float reach = 0.3f;          // folds go on down to this share of tau's compression, 0..1; printed: 1
     float width = 0.02f;         // L_min: width of the tightest fold, object units, > 0
@@ -76,14 +76,14 @@ struct PathPoint {
 struct Path {
     Index id = 0;                   // in order of birth, never used twice
     float fade = 1.0f;              // 0 at birth, 1 at full height
-    float compression = 1.0f;       // lambda~ that its width and height follow, smoothed in time
     std::vector<PathPoint> points;  // >= 2; consecutive ones share a triangle
 };
 
 // What lives from frame to frame. All plain values: a stored state continues as the one that was stored.
 struct State : ReferenceState {
-    std::vector<float> compression;  // per triangle, as the paths see it: masked, smoothed in time
-    std::vector<Path> paths;         // by id
+    std::vector<FlatTriangle> shapes;  // per triangle, smoothed in time
+    std::vector<float> compression;    // per triangle, as the paths see it: of `shapes`, masked
+    std::vector<Path> paths;           // by id
     Index next_id = 0;
 };
 

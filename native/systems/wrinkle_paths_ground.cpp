@@ -39,10 +39,12 @@ float hem_weight(const Model& model, const Settings& settings, Index vertex) {
 }
 
 Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
-                   const std::vector<FlatTriangle>& reference, const std::vector<Stretch>& changes) {
+                   const std::vector<FlatTriangle>& shapes, const std::vector<FlatTriangle>& reference,
+                   const std::vector<Stretch>& changes) {
     Ground ground{model, pose, {}, {}, {}};
     for (size_t t = 0; t < reference.size(); ++t) {
-        ground.stretch.push_back(measure_stretch(reference[t], pose.shapes[t]));
+        ground.stretch.push_back(pose.shapes[t].has_area() ? measure_stretch(reference[t], shapes[t])
+                                                           : Stretch{});
         float mask = 0.0f;
         for (const Index corner : model.base.triangles[t].corner) {
             const float painted =
@@ -57,14 +59,13 @@ Ground make_ground(const Model& model, const Settings& settings, const Paint& pa
     return ground;
 }
 
-// Lambda_min, not its inverse, is filtered: a collapse of one frame is soon forgotten.
-void smooth_in_time(const Settings& settings, double seconds, const State* state, Ground& ground) {
-    if (!state) return;
+std::vector<FlatTriangle> smoothed_shapes(const Settings& settings, double seconds, const State* state,
+                                          const Pose& pose) {
+    std::vector<FlatTriangle> shapes = pose.shapes;
+    if (!state) return shapes;
     const float share = share_of(seconds, settings.smoothing);
-    for (size_t t = 0; t < ground.compression.size(); ++t) {
-        const float before = 1.0f / state->compression[t], now = 1.0f / ground.compression[t];
-        ground.compression[t] = 1.0f / (before + share * (now - before));
-    }
+    for (size_t t = 0; t < shapes.size(); ++t) shapes[t] = between(state->shapes[t], shapes[t], share);
+    return shapes;
 }
 
 }  // namespace rumple::wrinkle_paths

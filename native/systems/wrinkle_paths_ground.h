@@ -45,11 +45,15 @@ struct Ground {
         return pose.frames[triangle].to_object(Vec3(stretch[triangle].direction, 0.0f));
     }
 };
+// shapes: of the triangles as the paths see them, smoothed in time.
 Ground make_ground(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
-                   const std::vector<FlatTriangle>& reference, const std::vector<Stretch>& changes);
+                   const std::vector<FlatTriangle>& shapes, const std::vector<FlatTriangle>& reference,
+                   const std::vector<Stretch>& changes);
 
-// The compression that the paths see, as an exponential filter of what it was in `state`.
-void smooth_in_time(const Settings& settings, double seconds, const State* state, Ground& ground);
+// The shapes of a pose, as an exponential filter of those in `state`. Squared lengths are filtered: noise
+// lengthens them by its own square only, but shortens the shorter axis, every time, by itself.
+std::vector<FlatTriangle> smoothed_shapes(const Settings& settings, double seconds, const State* state,
+                                          const Pose& pose);
 
 inline Index half_edge(const PathPoint& p) {
     return 3 * p.triangle + p.edge;

@@ -43,7 +43,7 @@ void bear(const Ground& ground, const Settings& settings, bool grown, State& sta
 float overlap(const Ground& ground, const SegmentMap& map, const std::vector<PathPoint>& points,
               float radius);
 
-// The compression that a path's shape follows: the largest along it, slivers weighted down.
+// The largest compression along a path, slivers weighted down: what keeps it alive.
 float strongest(const Ground& ground, const std::vector<PathPoint>& points);
 
 }  // namespace rumple::wrinkle_paths

@@ -109,11 +109,12 @@ void live(const Ground& ground, const Settings& settings, double seconds, std::v
         report.merging += crosses;
 
         const float compression = strongest(ground, path.points);
-        const bool alive = compression >= reach_threshold(settings) &&
+        // A glitch of one frame is over before a fold has risen: until then it needs what it was born of.
+        const float needed = path.fade < 1.0f ? settings.threshold : reach_threshold(settings);
+        const bool alive = compression >= needed &&
                            length(ground, path.points) >= 0.5f * kShortestPath * settings.width &&
                            overlap(ground, map, path.points, kCrowdDistance * settings.width) <= kMostOverlap;
         approach(path.fade, alive ? 1.0f : 0.0f, seconds, settings.fade);
-        approach(path.compression, std::min(compression, kMostRatio), seconds, settings.fade);
         if (!alive && path.fade <= 0.0f) {
             ++report.died;
             continue;

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/errors.h"
+#include "base/expect.h"
 #include "base/tolerances.h"
-#include "systems/wrinkle_paths_walk.h"
+#include "systems/wrinkle_paths_life.h"
 
 namespace rumple::wrinkle_paths {
 namespace {
@@ -21,6 +21,9 @@ constexpr float kStiffness = 1.0f;
 
 // The ends of a fold taper over so many full widths, or over half of it where it is shorter.
 constexpr float kTaper = 2.0f;
+
+// A fold's compression is its mean over so many full widths to both sides.
+constexpr float kBlur = 1.5f;
 
 using formulas::FoldEnd;
 using formulas::FoldHeight;
@@ -91,18 +94,60 @@ float ease(float x) {
     return x * x * (3.0f - 2.0f * x);
 }
 
-// Section 6.1: L_max wide and flat at the ends, as narrow as the compression asks for in the middle.
-void shape(const Settings& settings, const Path& path, std::vector<FoldEnd>& ends) {
+// Of the compression, what the fold takes up: nothing at what paths reach to, all from tau on. The rest the
+// cloth takes up in its plane, as it does below tau where there is no fold.
+float folded_share(const Settings& settings, float compression) {
+    const float least = reach_threshold(settings);
+    return ease((compression - least) / std::max(settings.threshold - least, 1e-6f));
+}
+
+// The compression of the triangles that a path runs through, at `way` from its start. It has a step at every
+// edge; its mean over a stretch of the path has none.
+class AlongPath {
+  public:
+    AlongPath(const Ground& ground, const Path& path, const Fold& fold, const std::vector<float>& way) {
+        for (size_t i = 0; i + 1 < path.points.size(); ++i) {
+            const float compression =
+                weighted_compression(ground, segment_triangle(ground.model, path.points, i));
+            add(way[fold.first[i + 1]], std::min(compression, kMostRatio));
+        }
+    }
+    float mean(float way, float reach) const {
+        const float from = std::max(way - reach, 0.0f), to = std::min(way + reach, end_.back());
+        return to > from ? (sum(to) - sum(from)) / (to - from) : value_.back();
+    }
+
+  private:
+    void add(float end, float value) {
+        sum_.push_back(sum_.back() + value * (end - end_.back()));
+        end_.push_back(end);
+        value_.push_back(value);
+    }
+    float sum(float way) const {  // from the start
+        const auto above = std::upper_bound(end_.begin() + 1, end_.end() - 1, way);
+        const size_t i = size_t(above - end_.begin()) - 1;
+        return sum_[i] + value_[i] * (way - end_[i]);
+    }
+
+    std::vector<float> end_{0.0f}, sum_{0.0f}, value_;
+};
+
+// Section 6.1: L_max wide and flat at the ends, as narrow as the compression asks for between them. Where
+// that falls below tau the fold sinks, down to nothing at the compression that paths reach to.
+void shape(const Ground& ground, const Settings& settings, const Path& path, Fold& fold) {
+    std::vector<FoldEnd>& ends = fold.ends;
     const std::vector<float> way = lengths_along(ends);
     const float widest = kMostRatio * settings.width;  // s = L_max
     const float taper = std::max(std::min(0.5f * way.back(), kTaper * widest), kShortestEdge);
-    const float narrow = widest / std::clamp(path.compression, 1.0f, kMostRatio);
     const float rise = settings.height * ease(path.fade) * signed_side(settings.direction, path.id);
+    const AlongPath along(ground, path, fold, way);
     for (size_t i = 0; i < ends.size(); ++i) {
         FoldEnd& end = ends[i];
+        const float compression = along.mean(way[i], kBlur * widest);
         const float middle = ease(std::min(way[i], way.back() - way[i]) / taper);
-        end.width = glm::mix(widest, narrow, middle);
-        end.height = rise * end.width * height_table(settings.profile).height_over_width(widest / end.width);
+        end.width = glm::mix(widest, widest / std::max(compression, 1.0f), middle);
+        end.height = rise * folded_share(settings, compression) * end.width *
+                     height_table(settings.profile).height_over_width(widest / end.width);
         const Vec3 before = i > 0 ? unit(end.at - ends[i - 1].at) : Vec3(0.0f);
         const Vec3 after = i + 1 < ends.size() ? unit(ends[i + 1].at - end.at) : Vec3(0.0f);
         end.along = unit(before + after);
@@ -112,7 +157,7 @@ void shape(const Settings& settings, const Path& path, std::vector<FoldEnd>& end
 Fold make_fold(const Ground& ground, const Settings& settings, const Path& path) {
     Fold fold;
     smooth(settings, positions(ground, path.points), fold);
-    shape(settings, path, fold.ends);
+    shape(ground, settings, path, fold);
     return fold;
 }
 
@@ -250,6 +295,7 @@ std::vector<float> fine_heights(const Ground& ground, const Settings& settings, 
 
 void check_shown(const Model& model, const Input& input, const State& state) {
     check_positions(model, input.positions, "positions");
+    expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
     const std::string wrong = fault(model, state.paths);
     if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
 }
@@ -261,7 +307,7 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
     check(settings);
     check_shown(model, input, state);
     const Pose pose = make_pose(model, input.positions);
-    const Ground ground{model, pose, {}, {}, {}};
+    const Ground ground{model, pose, {}, state.compression, {}};
     const std::vector<float> height = fine_heights(ground, settings, pack(ground, settings, state.paths));
     std::vector<Vec3> normals(pose.positions.size());
     vertex_normals(model.base, pose.positions, normals);
@@ -280,14 +326,14 @@ Packed pack(const Model& model, const Settings& settings, const Input& input, co
     check(settings);
     check_shown(model, input, state);
     const Pose pose = make_pose(model, input.positions);
-    return pack(Ground{model, pose, {}, {}, {}}, settings, state.paths);
+    return pack(Ground{model, pose, {}, state.compression, {}}, settings, state.paths);
 }
 
 Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state) {
     check(settings);
     check_shown(model, input, state);
     const Pose pose = make_pose(model, input.positions);
-    const Ground ground{model, pose, {}, {}, {}};
+    const Ground ground{model, pose, {}, state.compression, {}};
     Curves out;
     for (const Path& path : state.paths) {
         const Fold fold = make_fold(ground, settings, path);

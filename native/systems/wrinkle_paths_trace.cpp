@@ -30,12 +30,6 @@ struct Seed {
     float compression;  // weighted by the shape of the triangle
 };
 
-// A thin triangle says little about compression, and a fifth of all compression is in thin triangles.
-float weighted_compression(const Ground& ground, Index triangle) {
-    const float weight = std::min(1.0f, 2.0f * ground.model.quality[triangle]);
-    return 1.0f + weight * (ground.compression[triangle] - 1.0f);
-}
-
 // The same places on the cloth in every frame, sampled per area, so that the density of the mesh does not
 // matter.
 std::vector<Seed> seeds(const Ground& ground, const Settings& settings) {
@@ -136,8 +130,7 @@ void bear(const Ground& ground, const Settings& settings, bool grown, State& sta
         if (length(ground, points) < kShortestPath * settings.width) continue;
         if (overlap(ground, map, points, kCrowdDistance * settings.width) > kMostOverlap) continue;
         map.add(points);
-        const float compression = std::min(strongest(ground, points), kMostRatio);
-        state.paths.push_back({state.next_id++, grown ? 1.0f : 0.0f, compression, std::move(points)});
+        state.paths.push_back({state.next_id++, grown ? 1.0f : 0.0f, std::move(points)});
         ++report.born;
     }
 }

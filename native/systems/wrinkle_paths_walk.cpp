@@ -119,6 +119,11 @@ float length(const Ground& ground, const std::vector<PathPoint>& points) {
     return sum;
 }
 
+float weighted_compression(const Ground& ground, Index triangle) {
+    const float weight = std::min(1.0f, 2.0f * ground.model.quality[triangle]);
+    return 1.0f + weight * (ground.compression[triangle] - 1.0f);
+}
+
 dvec2 flat_in(const Ground& ground, Index triangle, const PathPoint& p) {
     const auto along = [&](Index k, double share) {
         return glm::mix(ground.corner(triangle, k), ground.corner(triangle, (k + 1) % 3), share);

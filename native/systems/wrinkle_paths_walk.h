@@ -10,6 +10,10 @@ Vec3 position(const Ground& ground, const PathPoint& p);
 std::vector<Vec3> positions(const Ground& ground, const std::vector<PathPoint>& points);
 float length(const Ground& ground, const std::vector<PathPoint>& points);
 
+// The compression of a triangle by how far its shape can be trusted: a thin triangle says little, and a fifth
+// of all compression is in thin triangles.
+float weighted_compression(const Ground& ground, Index triangle);
+
 // A point of a path in the plane of a triangle that it lies on.
 glm::dvec2 flat_in(const Ground& ground, Index triangle, const PathPoint& p);
 // A point inside a triangle (weights are held within it).

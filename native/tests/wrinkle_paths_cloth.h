@@ -97,7 +97,7 @@ struct Squeezed : PathCloth {
     explicit Squeezed(float x = 0.5f)
         : PathCloth(grid(4, 4, 1.0f)),
           pose(wrinkle_paths::make_pose(*model, squeezed(x))),
-          ground(wrinkle_paths::make_ground(*model, settings, {}, pose, model->rest,
+          ground(wrinkle_paths::make_ground(*model, settings, {}, pose, pose.shapes, model->rest,
                                             std::vector<Stretch>(32))) {}
     Index triangle_at(const Vec3& p) const {
         for (Index t = 0; t < model->net.triangles(); ++t) {
@@ -123,7 +123,6 @@ inline bool same_bits(const std::vector<wrinkle_paths::Path>& a, const std::vect
     for (size_t i = 0; i < a.size(); ++i) {
         if (a[i].id != b[i].id || a[i].points.size() != b[i].points.size()) return false;
         if (std::memcmp(&a[i].fade, &b[i].fade, sizeof(float)) != 0) return false;
-        if (std::memcmp(&a[i].compression, &b[i].compression, sizeof(float)) != 0) return false;
         if (std::memcmp(a[i].points.data(), b[i].points.data(),
                         a[i].points.size() * sizeof(wrinkle_paths::PathPoint)) != 0)
             return false;
@@ -135,7 +134,8 @@ inline bool same_bits(const wrinkle_paths::State& a, const wrinkle_paths::State&
     const auto same = [](const auto& x, const auto& y) {
         return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
     };
-    return same_bits(a.paths, b.paths) && same(a.reference, b.reference) && same(a.labels, b.labels) &&
+    return same_bits(a.paths, b.paths) && same(a.reference, b.reference) && same(a.shapes, b.shapes) &&
+           same(a.compression, b.compression) && same(a.labels, b.labels) &&
            same(a.past_positions, b.past_positions) && a.next_id == b.next_id;
 }
 

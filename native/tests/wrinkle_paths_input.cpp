@@ -92,13 +92,13 @@ TEST(WrinklePathsInput, AStateOfAnotherMeshOrOfALaterTimeIsRefused) {
     expect_refused([&] { solve(*cloth.model, cloth.settings, {}, input, &late, report); },
                    {"time: ", "5.0", "4.0"});
     State spoiled = cloth.solve(cloth.mesh.positions);
-    spoiled.paths = {{7, 1.0f, 1.0f, {{0, kNone, {0.1f, 0.1f}}, {3, kNone, {0.1f, 0.1f}}}}};
+    spoiled.paths = {{7, 1.0f, {{0, kNone, {0.1f, 0.1f}}, {3, kNone, {0.1f, 0.1f}}}}};
     expect_refused([&] { cloth.solve(cloth.mesh.positions, &spoiled); }, {"state.paths: path 7, point 1"});
     expect_refused([&] { cloth.show(cloth.mesh.positions, spoiled); }, {"state.paths: path 7, point 1"});
     spoiled.paths.clear();
     const auto refuses = [&](const char* name, const std::function<void(State&)>& spoil) {
         State bad = cloth.solve(cloth.mesh.positions);
-        bad.paths = {{7, 1.0f, 1.0f, {{0, kNone, {0.1f, 0.1f}}, {0, kNone, {0.2f, 0.1f}}}}};
+        bad.paths = {{7, 1.0f, {{0, kNone, {0.1f, 0.1f}}, {0, kNone, {0.2f, 0.1f}}}}};
         EXPECT_NO_THROW(cloth.solve(cloth.mesh.positions, &bad));
         spoil(bad);
         expect_refused([&] { cloth.solve(cloth.mesh.positions, &bad); }, {std::string("state.") + name});
@@ -106,13 +106,13 @@ TEST(WrinklePathsInput, AStateOfAnotherMeshOrOfALaterTimeIsRefused) {
     refuses("labels: number 3 ", [](State& s) { s.labels[3] = 9; });
     refuses("reference: number 2 ", [](State& s) { s.reference[2].x2 = kNan; });
     refuses("reference: number 2 ", [](State& s) { s.reference[2].y2 = -1.0f; });
+    refuses("shapes: number 2 ", [](State& s) { s.shapes[2].x1 = kNan; });
     refuses("compression: number 5 ", [](State& s) { s.compression[5] = 0.0f; });
     refuses("past_times: number 0 ", [](State& s) { s.past_times[0] = 9.0; });
     refuses("past_times", [](State& s) { s.past_times.clear(); });
     refuses("past_positions: number 4 ", [](State& s) { s.past_positions[4].y = kInfinity; });
     refuses("past_positions: expected 9 ", [](State& s) { s.past_positions.pop_back(); });
     refuses("path_fade: number 0 ", [](State& s) { s.paths[0].fade = 1.5f; });
-    refuses("path_compression: number 0 ", [](State& s) { s.paths[0].compression = kNan; });
 }
 
 TEST(WrinklePathsInput, LabelsPaintAndTimesAreChecked) {

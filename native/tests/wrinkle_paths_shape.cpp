@@ -83,7 +83,6 @@ TEST(PathShow, AFoldKeepsTheLengthOfTheClothAcrossIt) {
     const Pose flat = make_pose(*cloth.model, pose);
     const Ground ground{*cloth.model, flat, {}, {}, {}};
     Path path;
-    path.compression = 1.4f;
     const float x = 0.2f / 1.4f + 0.01f;
     for (Index t = 0; t < 32; ++t) {  // straight up from y = 0.02: found by walking
         const glm::dvec2 at = ground.to_flat(t, {x, 0.02f, 0}), u1 = ground.corner(t, 1),
@@ -104,6 +103,7 @@ TEST(PathShow, AFoldKeepsTheLengthOfTheClothAcrossIt) {
     }
     ASSERT_GT(path.points.size(), 3u);
     state.paths = {path};
+    state.compression.assign(32, 1.4f);
     ASSERT_EQ(cloth.fault(state), "");
     const Picture picture = cloth.show(pose, state);
     const float s = kMostRatio * cloth.settings.width, width = s / 1.4f;

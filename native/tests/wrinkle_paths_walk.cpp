@@ -72,8 +72,8 @@ TEST(PathWalk, TurnsWithTheCompressionOverAFoldedEdge) {
         if (p.y > 2.0f) p = Vec3(p.x, 2.0f, p.y - 2.0f);
     }
     const Pose pose = make_pose(*cloth.model, folded);
-    const Ground ground =
-        make_ground(*cloth.model, cloth.settings, {}, pose, cloth.model->rest, std::vector<Stretch>(32));
+    const Ground ground = make_ground(*cloth.model, cloth.settings, {}, pose, pose.shapes, cloth.model->rest,
+                                      std::vector<Stretch>(32));
     WalkLimits limits;
     limits.compression = 1.5f;
     limits.length = 100.0f;
@@ -93,7 +93,7 @@ TEST(PathWalk, ReversedTwiceIsTheSamePath) {
     const State state = sheet.solve(sheet.squeezed(0.5f));
     ASSERT_FALSE(state.paths.empty());
     const std::vector<PathPoint> back = reversed(*sheet.model, state.paths[0].points);
-    EXPECT_EQ(fault(*sheet.model, {{0, 1.0f, 1.0f, back}}), "");
+    EXPECT_EQ(fault(*sheet.model, {{0, 1.0f, back}}), "");
     std::vector<Vec3> there = positions(sheet.ground, state.paths[0].points),
                       again = positions(sheet.ground, back);
     std::reverse(again.begin(), again.end());
@@ -125,7 +125,7 @@ TEST(PathWalk, EndsWhenItHasTurnedTooFar) {
     EXPECT_NEAR(std::abs(found.turned), kMostTurn, 0.5);
     std::vector<PathPoint> points = found.points;
     points.insert(points.begin(), inside(ground, t, at));
-    EXPECT_EQ(fault(*cloth.model, {{0, 1.0f, 1.0f, points}}), "");
+    EXPECT_EQ(fault(*cloth.model, {{0, 1.0f, points}}), "");
     EXPECT_LT(std::abs(turning(ground, points)), kMostTurn + 0.3);
     EXPECT_GT(std::abs(turning(ground, points)), kMostTurn - 0.6);
     // The other way round it turns to the other side by as much.
