@@ -24,7 +24,7 @@ enum class Direction { kOutward, kInward, kBoth };
 struct Settings : ReferenceSettings {
     float smoothing = 0.1f;      // of the triangles' shapes in time, seconds, >= 0; printed: 0
     float threshold = 1.25f;     // tau: folds start where lambda~_min is above it, > 1
-    float reach = 0.3f;          // folds go on down to this share of tau's compression, 0..1; printed: 1
+    float reach = 0.25f;         // folds go on down to this share of tau's compression, 0..1; printed: 1
     float width = 0.02f;         // L_min: width of the tightest fold, object units, > 0
     float spacing = 1.12f;       // of seeds from folds, in widths, > 0
     float alignment = 0.4f;      // alpha of eq. 5.2: low keeps folds where they are, high turns them, >= 0

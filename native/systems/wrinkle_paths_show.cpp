@@ -23,7 +23,10 @@ constexpr float kStiffness = 1.0f;
 constexpr float kTaper = 2.0f;
 
 // A fold's compression is its mean over so many full widths to both sides.
-constexpr float kBlur = 1.5f;
+constexpr float kBlur = 0.75f;
+
+// A bound is so much wider than what it is computed from.
+constexpr float kRounding = 1.0f + 1e-5f;
 
 using formulas::FoldEnd;
 using formulas::FoldHeight;
@@ -71,7 +74,7 @@ void smooth(const Settings& settings, const std::vector<Vec3>& points, Fold& fol
     for (size_t i = 0; i + 1 < points.size(); ++i) {
         const float size = glm::distance(points[i], points[i + 1]);
         const int pieces =
-            std::clamp(int(std::ceil(kPiecesPerWidth * size / settings.width)), 2, kMostPieces);
+            std::clamp(int(std::ceil(kPiecesPerWidth * size / settings.width)), 1, kMostPieces);
         fold.first.push_back(static_cast<Index>(raw.size()));
         for (int k = 0; k < pieces; ++k)
             raw.push_back({glm::mix(points[i], points[i + 1], float(k) / float(pieces)), 0.0f, {}, 0.0f});
@@ -265,29 +268,71 @@ float hem_weight_at(const Model& model, const Settings& settings, const SurfaceP
     return (1.0f - place.b0 - place.b1) * corner(0) + place.b0 * corner(1) + place.b1 * corner(2);
 }
 
-// Section 7.5: the highest of all folds that reach a point of a triangle.
-float height_at(const Packed& packed, Profile kind, Index triangle, const Vec3& p) {
-    float best = 0.0f;
+// Beyond it a piece's height is zero: most points of the triangles that it reaches are.
+struct Ball {
+    Vec3 middle{0.0f};
+    float radius = 0.0f;  // 0: of a piece without height
+};
+
+std::vector<Ball> balls_around(const std::vector<FoldEnd>& ends) {
+    std::vector<Ball> balls(ends.size());
+    for (size_t i = 0; i + 1 < ends.size(); ++i) {
+        const FoldEnd &a = ends[i], &b = ends[i + 1];
+        if (a.height == 0.0f && b.height == 0.0f) continue;
+        const float size = glm::distance(a.at, b.at) + std::max(a.width, b.width);
+        balls[i] = {0.5f * (a.at + b.at), 0.5f * kRounding * size};
+    }
+    return balls;
+}
+
+bool may_reach(const Ball& ball, const Vec3& p, float radius) {
+    const Vec3 way = p - ball.middle;
+    const float reach = ball.radius + radius;
+    return glm::dot(way, way) <= reach * reach;
+}
+
+// The pieces that are not flat at the points of one triangle.
+void pieces_at(const Ground& ground, const Packed& packed, const std::vector<Ball>& balls, Index triangle,
+               std::vector<Index>& pieces) {
+    const Vec3 a = ground.vertex(3 * triangle), b = ground.vertex(3 * triangle + 1),
+               c = ground.vertex(3 * triangle + 2), middle = (a + b + c) / 3.0f;
+    const float radius =
+        kRounding * std::max({glm::distance(middle, a), glm::distance(middle, b), glm::distance(middle, c)});
+    pieces.clear();
     for (Index r = packed.triangle_start[triangle]; r < packed.triangle_start[triangle + 1]; ++r) {
         for (Index i = packed.ranges[r][0]; i < packed.ranges[r][1]; ++i) {
-            const float height =
-                formulas::fold_height(int(kind), packed.ends[i], packed.ends[i + 1], p).height;
-            if (std::abs(height) > std::abs(best)) best = height;
+            if (balls[i].radius > 0.0f && may_reach(balls[i], middle, radius)) pieces.push_back(i);
         }
+    }
+}
+
+// Section 7.5: the highest of the pieces at a point.
+float height_at(const Packed& packed, const std::vector<Ball>& balls, const std::vector<Index>& pieces,
+                Profile kind, const Vec3& p) {
+    float best = 0.0f;
+    for (const Index i : pieces) {
+        if (!may_reach(balls[i], p, 0.0f)) continue;
+        const float height = formulas::fold_height(int(kind), packed.ends[i], packed.ends[i + 1], p).height;
+        if (std::abs(height) > std::abs(best)) best = height;
     }
     return best;
 }
 
 std::vector<float> fine_heights(const Ground& ground, const Settings& settings, const Packed& packed) {
     const Model& model = ground.model;
+    const std::vector<Ball> balls = balls_around(packed.ends);
     std::vector<float> height(model.attachments.places.size(), 0.0f);
+    std::vector<Index> pieces;
     for (Index t = 0; t < model.net.triangles(); ++t) {
         if (packed.triangle_start[t] == packed.triangle_start[t + 1]) continue;
+        pieces_at(ground, packed, balls, t, pieces);
+        if (pieces.empty()) continue;
         for (Index k = model.fine_start[t]; k < model.fine_start[t + 1]; ++k) {
             const Index v = model.fine_vertex[k];
             const SurfacePoint& place = model.attachments.places[v];
             const Vec3 p = interpolate(model.base, place, ground.pose.positions);
-            height[v] = height_at(packed, settings.profile, t, p) * hem_weight_at(model, settings, place);
+            height[v] = height_at(packed, balls, pieces, settings.profile, p);
+            if (height[v] != 0.0f) height[v] *= hem_weight_at(model, settings, place);
         }
     }
     return height;
@@ -311,11 +356,12 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
     const std::vector<float> height = fine_heights(ground, settings, pack(ground, settings, state.paths));
     std::vector<Vec3> normals(pose.positions.size());
     vertex_normals(model.base, pose.positions, normals);
-    std::vector<Vec3> smooth_surface(height.size()), offset(height.size()), lifted(height.size());
-    attach(model.base, model.attachments, pose.positions, normals, smooth_surface, 0, height.size());
+    std::vector<Vec3> lifted(height.size()), offset(height.size(), Vec3(0.0f));
+    attach(model.base, model.attachments, pose.positions, normals, lifted, 0, height.size());
     for (size_t v = 0; v < height.size(); ++v) {
+        if (height[v] == 0.0f) continue;
         offset[v] = height[v] * unit(interpolate(model.base, model.attachments.places[v], normals));
-        lifted[v] = smooth_surface[v] + offset[v];
+        lifted[v] += offset[v];
     }
     show_frame(model.base, model.shown, model.stretch, pose.positions, pose.frames, lifted, offset, picture);
     picture.height.resize(model.shown.places.size());

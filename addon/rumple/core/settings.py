@@ -208,7 +208,8 @@ class PathsSettings:
                            high=10.0, unit="LENGTH", affects="MESH")
     threshold: float = setting(1.25, "Compression Sensitivity", "Rest length over length from which folds start. "
                                "Nearer to 1: more folds", low=1.01, high=5.0, soft=2.0)
-    reach: float = setting(0.3, "Reach", "Folds go on down to this share of the compression that they start from",
+    reach: float = setting(0.25, "Reach", "Folds sink below the compression that they start from, and end at this "
+                           "share of it",
                            low=0.0, high=1.0, unit="FACTOR")
     spacing: float = setting(1.12, "Spacing", "Of new folds from others, in widths", low=0.5, high=10.0)
     alignment: float = setting(0.4, "Turning", "Low: folds stay where they were born on the cloth. High: they turn "
