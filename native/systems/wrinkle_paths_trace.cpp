@@ -128,7 +128,7 @@ void bear(const Ground& ground, const Settings& settings, bool grown, State& sta
         if (points.size() < 2) continue;
         smooth(ground, points);
         if (length(ground, points) < kShortestPath * settings.width) continue;
-        if (overlap(ground, map, points, kCrowdDistance * settings.width) > kMostOverlap) continue;
+        if (overlap(ground, map, points, kCrowdDistance * settings.width) > kMostOverlapAtBirth) continue;
         map.add(points);
         state.paths.push_back({state.next_id++, grown ? 1.0f : 0.0f, std::move(points)});
         ++report.born;
