@@ -12,8 +12,8 @@ inline constexpr float kShortestPath = 2.0f;
 // A longer one is cut off, in widths: round a sleeve it would meet itself before.
 inline constexpr float kLongestPath = 200.0f;
 
-// More than kMostOverlap of a path within this of older ones, in widths: it is no fold of its own. None is born
-// with more than kMostOverlapAtBirth: it would end when it has grown a little.
+// More than kMostOverlap of a path within this of older ones, in widths: it is no fold of its own. None is
+// born with more than kMostOverlapAtBirth: it would end when it has grown a little.
 inline constexpr float kCrowdDistance = 0.6f;
 inline constexpr float kMostOverlap = 0.6f;
 inline constexpr float kMostOverlapAtBirth = 0.4f;
