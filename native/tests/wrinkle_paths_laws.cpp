@@ -187,6 +187,25 @@ TEST(WrinklePaths, OfAGlitchOfOneFrameAreGoneAfterASecond) {
     }
 }
 
+// Why a glitch leaves nothing in cloth that is compressed anyway: below tau only folds that have risen live
+// on.
+TEST(WrinklePaths, LiveOnBelowTauOnceTheyHaveRisen) {
+    PathCloth cloth(grid(10, 10, 0.03f));
+    cloth.settings.reference = Reference::kStaticRest;
+    cloth.settings.smoothing = 0.0f;
+    cloth.settings.fade = 0.15f;
+    for (const auto& [seconds, stay] : {std::pair(0.1, false), std::pair(0.2, true)}) {
+        const auto pose = [&, until = seconds](double t) {
+            return cloth.squeezed(t == 0.0 ? 1.0f : t < until + 0.01 ? 1.0f / 1.3f : 1.0f / 1.15f);
+        };
+        size_t most = 0;
+        const State state = cloth.play(
+            1.0, pose, [&](const State& s, const Report&) { most = std::max(most, s.paths.size()); });
+        EXPECT_GT(most, 3u);
+        EXPECT_EQ(!state.paths.empty(), stay) << seconds;
+    }
+}
+
 // A new fold starts flat and an old one ends flat: no point of the shown mesh jumps.
 TEST(WrinklePaths, RiseAndSinkWithoutAJump) {
     PathCloth cloth(shaken(triangulated(tube(16, 14, 0.06f, 0.5f)), 0.004f, 3), 2);

@@ -73,41 +73,65 @@ TEST(PathProfile, OfTheCircleSolvesEquation61) {
 
 // ---- chapters 6 to 8
 
-// A sheet squeezed to 1 / 1.4 with one fold across its middle, shown finely: the crest is h high, the cloth
-// beyond L / 2 lies flat, and a line across the fold has the arc length s where it had L.
-TEST(PathShow, AFoldKeepsTheLengthOfTheClothAcrossIt) {
-    PathCloth cloth(grid(4, 4, 0.1f), 6);
-    cloth.settings.width = 0.05f;
-    const Pose3 pose = cloth.squeezed(1.0f / 1.4f);
-    State state = cloth.solve(pose);
-    const Pose flat = make_pose(*cloth.model, pose);
-    const Ground ground{*cloth.model, flat, {}, {}, {}};
-    Path path;
-    const float x = 0.2f / 1.4f + 0.01f;
-    for (Index t = 0; t < 32; ++t) {  // straight up from y = 0.02: found by walking
-        const glm::dvec2 at = ground.to_flat(t, {x, 0.02f, 0}), u1 = ground.corner(t, 1),
-                         u2 = ground.corner(t, 2);
-        const double b = at.y / u2.y, a = (at.x - b * u2.x) / u1.x;
-        if (a < 0 || b < 0 || a + b > 1) continue;
-        Ground field = ground;
-        field.stretch.assign(32, {});
-        for (Index s = 0; s < 32; ++s)
-            field.stretch[s] = measure_stretch(cloth.model->rest[s], flat.shapes[s]);
-        field.compression.assign(32, 1.4f);
-        WalkLimits limits;
-        limits.length = 0.36f;
-        std::vector<Index> visited{t};
-        path.points = walk(field, t, at, field.to_flat(t, {x, 1.02f, 0}) - at, limits, visited).points;
-        path.points.insert(path.points.begin(), inside(ground, t, at));
-        break;
+// A sheet squeezed to 1 / 1.4 along x, with one fold that runs straight up along y from 0.02 to 0.38.
+struct StraightFold : PathCloth {
+    Pose3 pose;
+    State state;
+    float x = 0.2f / 1.4f + 0.01f;
+
+    StraightFold() : PathCloth(grid(4, 4, 0.1f), 6) {
+        settings.width = 0.05f;
+        pose = squeezed(1.0f / 1.4f);
+        state = solve(pose);
+        const Pose flat = make_pose(*model, pose);
+        const Ground ground =
+            make_ground(*model, settings, {}, flat, flat.shapes, model->rest, std::vector<Stretch>(32));
+        for (Index t = 0; t < 32; ++t) {
+            const glm::dvec2 at = ground.to_flat(t, {x, 0.02f, 0}), u1 = ground.corner(t, 1),
+                             u2 = ground.corner(t, 2);
+            const double b = at.y / u2.y, a = (at.x - b * u2.x) / u1.x;
+            if (a < 0 || b < 0 || a + b > 1) continue;
+            WalkLimits limits;
+            limits.length = 0.36f;
+            std::vector<Index> visited{t};
+            Path path;
+            path.points = walk(ground, t, at, ground.to_flat(t, {x, 1.02f, 0}) - at, limits, visited).points;
+            path.points.insert(path.points.begin(), inside(ground, t, at));
+            state.paths = {path};
+            break;
+        }
+        EXPECT_EQ(fault(state), "");
     }
-    ASSERT_GT(path.points.size(), 3u);
-    state.paths = {path};
+    // The height of the crest nearest to y, with the compression given to the lower and the upper half.
+    float crest(float y, float lower, float upper) {
+        state.compression.assign(16, lower);
+        state.compression.resize(32, upper);
+        const Curves line = curves(pose, state);
+        size_t nearest = 0;
+        for (size_t i = 0; i < line.positions.size(); ++i) {
+            if (std::abs(line.positions[i].y - y) < std::abs(line.positions[nearest].y - y)) nearest = i;
+        }
+        return line.height[nearest];
+    }
+};
+
+float full_height(const Settings& settings, float compression) {
+    const float width = kMostRatio * settings.width / compression;
+    return width * height_table(Profile::kSpline).height_over_width(compression);
+}
+
+// The crest is h high, the cloth beyond L / 2 lies flat, and a line across the fold has the arc length s
+// where it had L.
+TEST(PathShow, AFoldKeepsTheLengthOfTheClothAcrossIt) {
+    StraightFold cloth;
+    const float x = cloth.x;
+    const Pose3& pose = cloth.pose;
+    State& state = cloth.state;
+    ASSERT_GT(state.paths[0].points.size(), 3u);
     state.compression.assign(32, 1.4f);
-    ASSERT_EQ(cloth.fault(state), "");
     const Picture picture = cloth.show(pose, state);
     const float s = kMostRatio * cloth.settings.width, width = s / 1.4f;
-    const float high = width * height_table(Profile::kSpline).height_over_width(1.4f);
+    const float high = full_height(cloth.settings, 1.4f);
     std::vector<std::pair<float, float>> section;  // x, height along the line y = 0.2
     for (size_t v = 0; v < picture.positions.size(); ++v) {
         const Vec3& p = picture.positions[v];
@@ -126,6 +150,31 @@ TEST(PathShow, AFoldKeepsTheLengthOfTheClothAcrossIt) {
     }
     EXPECT_NEAR(top, high, 0.02f * high);
     EXPECT_NEAR(length - (section.back().first - section.front().first), s - width, 0.03f * s);
+}
+
+// At what paths reach to a fold is flat, from tau on it takes up all compression, and between it rises.
+TEST(PathShow, AFoldSinksBelowTau) {
+    StraightFold cloth;
+    cloth.settings.threshold = 1.3f;
+    cloth.settings.reach = 0.5f;
+    EXPECT_EQ(cloth.crest(0.2f, 1.15f, 1.15f), 0.0f);
+    EXPECT_NEAR(cloth.crest(0.2f, 1.3f, 1.3f), full_height(cloth.settings, 1.3f), 1e-6f);
+    EXPECT_NEAR(cloth.crest(0.2f, 1.5f, 1.5f), full_height(cloth.settings, 1.5f), 1e-6f);
+    // Half way: ease(1/2) = 1/2 of the height.
+    EXPECT_NEAR(cloth.crest(0.2f, 1.225f, 1.225f), 0.5f * full_height(cloth.settings, 1.225f), 1e-6f);
+}
+
+// One collapsed triangle must not raise a fold along its whole length: it is as high as its surroundings ask
+// for, without a step where they change.
+TEST(PathShow, AFoldFollowsTheCompressionAlongIt) {
+    StraightFold cloth;
+    EXPECT_EQ(cloth.crest(0.1f, 1.0f, 1.4f), 0.0f);
+    EXPECT_NEAR(cloth.crest(0.3f, 1.4f, 1.4f), cloth.crest(0.3f, 1.0f, 1.4f), 1e-6f);
+    EXPECT_GT(cloth.crest(0.3f, 1.0f, 1.4f), 0.1f * cloth.settings.width);
+    cloth.crest(0.0f, 1.0f, 1.4f);
+    const Curves line = cloth.curves(cloth.pose, cloth.state);
+    for (size_t i = 0; i + 1 < line.height.size(); ++i)
+        EXPECT_LT(std::abs(line.height[i + 1] - line.height[i]), 0.5f * full_height(cloth.settings, 1.4f));
 }
 
 TEST(PathShow, TurnsFoldsToTheSideAskedFor) {
