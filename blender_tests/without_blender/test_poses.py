@@ -48,6 +48,7 @@ class Json(unittest.TestCase):
         rig.bones[2].group = rig.bones[3].group = "brows"
         random = np.random.default_rng(1)
         now = rig.neutral + random.uniform(-0.01, 0.01, rig.neutral.shape).astype(np.float32)
+        rig.poses[2].bones[0] = rig.neutral[0] + 0.05 * (rig.poses[0].bones[0] - rig.neutral[0])     # passed by
         data = json.loads(rig.to_json())
         slices = dict(head=slice(0, 3), tail=slice(3, 6), both=slice(0, 6))
         influence = np.zeros((4, 3))
@@ -56,8 +57,10 @@ class Json(unittest.TestCase):
                 part = slices[bone["tracked"]]
                 rest = np.array(bone["head"] + bone["tail"])[part]
                 way = np.array(pose["bones"][i]["head"] + pose["bones"][i]["tail"])[part] - rest
-                influence[i, k] = min(max(sum((now[i, part] - rest) * way) / sum(way * way), 0.0), 1.0)
+                if pose["bones"][i]["moves"]:
+                    influence[i, k] = min(max(sum((now[i, part] - rest) * way) / sum(way * way), 0.0), 1.0)
         influence[2:] = influence[2:].mean(0)
+        self.assertFalse(data["poses"][2]["bones"][0]["moves"])
         masks = PoseComparison.build(rig, one_bone_each(4)).frame(now)
         np.testing.assert_allclose(masks.influence, influence, atol=1e-6)
         np.testing.assert_allclose(masks.pose, influence.T, atol=1e-6)

@@ -61,6 +61,14 @@ inline constexpr float kHeldOutside = 1e-3f;
 // precision jitter by about 1e-7 of a figure's height, a head is a tenth of that.
 inline constexpr double kStillBone = 1e-5;
 
+// Unit: longest way of any bone in the same reference pose. A bone with a shorter way does not move in
+// that pose: constraints and inverse kinematics leave so much behind, and on it every tremor is a step.
+inline constexpr double kShortWay = 0.01;
+
+// Unit: longest way of the same bone in any reference pose. A bone with a shorter way in a pose only passes
+// by there on its way elsewhere: it would raise the pose's influence from 0 to 1 within a frame or two.
+inline constexpr double kPassedBy = 0.1;
+
 // Unit: none (sum of skin weights). Weights that miss 1 by less than this are a
 // rounding: painted floats, or bytes of a game format.
 inline constexpr double kWeightSum = 5e-3;

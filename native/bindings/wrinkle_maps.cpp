@@ -114,6 +114,20 @@ void bind_wrinkle_maps(py::module_& module) {
         .def_property_readonly("vertex_count", &Model::vertices)
         .def_property_readonly("pose_count", &Model::poses)
         .def_property_readonly("bone_count", &Model::bones)
+        .def_property_readonly(
+            "moves", [](const Model& m) { return to_numpy<std::uint8_t>(m.moves, m.poses()); },
+            "(b, o) uint8: 1 where a bone moves in a pose; elsewhere its influence is 0, alone")
+        .def_property_readonly(
+            "reach", [](const Model& m) { return to_numpy<float>(m.reach, m.poses()); },
+            "(n, o) float32: sum of the weights of the bones that move in a pose, 0..1")
+        .def_property_readonly(
+            "weights",
+            [](const Model& m) {
+                return py::make_tuple(to_numpy<Index>(m.weights.start, 0),
+                                      to_numpy<Index>(m.weights.index, 0),
+                                      to_numpy<float>(m.weights.weight, 0));
+            },
+            "(start, bone, weight) as given, but summing to 1 and without the bones that are not listed")
         .def_readonly("unnormalised", &Model::unnormalised, "vertices whose weights did not sum to 1")
         .def_readonly("unbound", &Model::unbound, "vertices without any weight");
     py::class_<Influences>(module, "WrinkleMapsInfluences",

@@ -71,37 +71,59 @@ double extent(const Rig& rig) {
     return farthest;
 }
 
-// Which bones are elsewhere in one pose than in another.
-std::vector<std::uint8_t> displaced(const Rig& rig, std::span<const Bone> from, std::span<const Bone> to,
-                                    double still) {
-    std::vector<std::uint8_t> moves(from.size());
+// How far every bone is in one pose from where it is in another.
+std::vector<double> ways(const Rig& rig, std::span<const Bone> from, std::span<const Bone> to) {
+    std::vector<double> lengths(from.size());
     for (size_t i = 0; i < from.size(); ++i) {
         const Point way = tracked_point(to[i], rig.tracked[i]) - tracked_point(from[i], rig.tracked[i]);
-        moves[i] = dot(way, way) > still * still;
+        lengths[i] = std::sqrt(dot(way, way));
     }
-    return moves;
+    return lengths;
 }
 
-bool any(const std::vector<std::uint8_t>& marks) {
-    return std::any_of(marks.begin(), marks.end(), [](std::uint8_t mark) { return mark != 0; });
+double longest(const std::vector<double>& lengths) {
+    return lengths.empty() ? 0.0 : *std::max_element(lengths.begin(), lengths.end());
 }
 
-void find_moves(Model& model) {
-    const Rig& rig = model.rig;
-    const double still = kStillBone * extent(rig);
-    const Index poses = model.poses();
-    model.moves.resize(size_t(model.bones()) * poses);
-    for (Index k = 0; k < poses; ++k) {
+// The lengths of the ways from P_0, a row for every pose. Throws where a pose has none or another's.
+std::vector<std::vector<double>> ways_to_poses(const Rig& rig, double still) {
+    std::vector<std::vector<double>> lengths;
+    for (size_t k = 0; k < rig.poses.size(); ++k) {
         const ReferencePose& pose = rig.poses[k];
-        const std::vector<std::uint8_t> moves = displaced(rig, rig.neutral, pose.bones, still);
-        if (!any(moves))
+        lengths.push_back(ways(rig, rig.neutral, pose.bones));
+        if (longest(lengths[k]) <= still)
             throw InvalidInput("pose " + pose.name + ": no bone moves in it: it is the neutral pose");
-        for (Index other = 0; other < k; ++other) {
-            if (any(displaced(rig, rig.poses[other].bones, pose.bones, still))) continue;
+        for (size_t other = 0; other < k; ++other) {
+            if (longest(ways(rig, rig.poses[other].bones, pose.bones)) > still) continue;
             throw InvalidInput("pose " + pose.name + ": every bone stands as in pose " +
                                rig.poses[other].name);
         }
-        for (Index i = 0; i < model.bones(); ++i) model.moves[i * poses + k] = moves[i];
+    }
+    return lengths;
+}
+
+// "0 if J_iP0 = J_iPk": equal but for what is too short to be compared with.
+void find_moves(Model& model) {
+    const Index poses = model.poses(), bones = model.bones();
+    const double still = kStillBone * extent(model.rig);
+    const std::vector<std::vector<double>> lengths = ways_to_poses(model.rig, still);
+    std::vector<double> farthest(bones, 0.0);  // of each bone, in any pose
+    for (const std::vector<double>& of_pose : lengths) {
+        for (Index i = 0; i < bones; ++i) farthest[i] = std::max(farthest[i], of_pose[i]);
+    }
+    model.moves.assign(size_t(bones) * poses, 0);
+    for (Index k = 0; k < poses; ++k) {
+        const double shortest = std::max(still, kShortWay * longest(lengths[k]));
+        const auto mark = [&](double passed_by) {
+            bool any = false;
+            for (Index i = 0; i < bones; ++i) {
+                const bool moves = lengths[k][i] > shortest && lengths[k][i] >= passed_by * farthest[i];
+                model.moves[size_t(i) * poses + k] = moves;
+                any = any || moves;
+            }
+            return any;
+        };
+        if (!mark(kPassedBy)) mark(0.0);  // a faint copy of another pose is still a pose
     }
 }
 

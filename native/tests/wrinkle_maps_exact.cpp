@@ -43,6 +43,27 @@ TEST(WrinkleMaps, AnInfluenceIsAFractionOfTheWayNotALength) {
     EXPECT_FLOAT_EQ(evaluate(*model, std::vector<Bone>{{Vec3(5, 1, 0.5f), kZero}}).pose[0], 0.25f);
 }
 
+// The jaw goes by 20 in pose 0 and by 1 in pose 1, where the brow goes by 4. At 1 the jaw only passes by pose
+// 1 on its way to pose 0: on a real face a lip that crosses 2 of its 40 mm took a mask from 0 to 0.7 within
+// one frame. The brow moves in pose 1 only; a lid with 1/200 of the longest way of its pose moves in none.
+TEST(WrinkleMaps, ABoneThatOnlyPassesByAPoseDoesNotMoveInIt) {
+    const auto along = [](float x) { return Bone{Vec3(x, 0, 0), Vec3(0)}; };
+    const auto model =
+        build(rig_of({{along(20), along(0), along(0.1f)}, {along(1), along(4), along(0)}}), one_bone_each(3));
+    EXPECT_EQ(model->moves, (std::vector<std::uint8_t>{1, 0, 0, 1, 0, 0}));
+    const Influences at = evaluate(*model, std::vector<Bone>{along(1), along(2), along(0.1f)});
+    EXPECT_EQ(at.pose, (std::vector<float>{0.05f, 0.0f, 0.0f, 0.5f, 0.0f, 0.0f}));
+}
+
+// Pose 1 is pose 0, a twentieth of it: nothing else tells it from the neutral pose, so it counts.
+TEST(WrinkleMaps, AFaintCopyOfAPoseIsAPose) {
+    const auto along = [](float x) { return Bone{Vec3(x, 0, 0), Vec3(0)}; };
+    const auto model = build(rig_of({{along(20), along(20)}, {along(1), along(1)}}), one_bone_each(2));
+    EXPECT_EQ(model->moves, (std::vector<std::uint8_t>{1, 1, 1, 1}));
+    EXPECT_EQ(evaluate(*model, std::vector<Bone>{along(1), along(1)}).pose,
+              (std::vector<float>{0.05f, 1.0f, 0.05f, 1.0f}));
+}
+
 // As one point of six coordinates: the way is (1,0,0, 0,2,0), of square 5. Head there, tail not: 1/5. Tail
 // there: 4/5.
 TEST(WrinkleMaps, HeadTailOrBothAreFollowed) {

@@ -87,15 +87,21 @@ class PoseRig:
         return np.array([numbers.setdefault(bone.group, len(numbers)) if bone.group else -1 for bone in self.bones],
                         np.int32)
 
+    def moves(self) -> np.ndarray:
+        """(b, o) bool: which bones are compared in which pose. Raises Refused, as PoseComparison.build() does."""
+        return PoseComparison.build(self, SkinWeights.none()).moves
+
     def to_json(self) -> str:
-        """The rig as documented. Numbers are written so that reading gives back the same bits."""
+        """The rig as documented. Numbers are written so that reading gives back the same bits. Raises Refused."""
+        moves = self.moves()
         return json.dumps(dict(
             format=FORMAT, version=FORMAT_VERSION, name=self.name, root=self.root, maps=self.maps.lower(),
             neutral_map=self.neutral_map, gain=self.gain,
             bones=[dict(name=bone.name, tracked=bone.tracked.lower(), group=bone.group, **_points(place))
                    for bone, place in zip(self.bones, self.neutral)],
-            poses=[dict(name=pose.name, map=pose.map, strength=strength, bones=[_points(place) for place in pose.bones])
-                   for pose, strength in zip(self.poses, strengths(self.poses))]), indent=1) + "\n"
+            poses=[dict(name=pose.name, map=pose.map, strength=strength,
+                        bones=[dict(moves=bool(moved), **_points(place)) for moved, place in zip(column, pose.bones)])
+                   for pose, strength, column in zip(self.poses, strengths(self.poses), moves.T)]), indent=1) + "\n"
 
 
 def from_json(text: str) -> PoseRig:
@@ -161,6 +167,11 @@ class SkinWeights:
     bone: np.ndarray  # (w,) int32 of the rig's bones; -1: another bone
     weight: np.ndarray  # (w,) float32
 
+    @classmethod
+    def none(cls) -> "SkinWeights":
+        """Of no vertices."""
+        return cls(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0, np.float32))
+
 
 @dataclass
 class Masks:
@@ -207,6 +218,11 @@ class PoseComparison:
         except ValueError as error:
             raise Refused(f"{rig.name}: {error}") from error
         return cls(rig, model)
+
+    @property
+    def moves(self) -> np.ndarray:
+        """(b, o) bool: which bones move in which pose."""
+        return self.model.moves.astype(bool)
 
     def frame(self, bones: np.ndarray, gain: float | None = None, strength: list[float] | None = None) -> Masks:
         """bones: (b, 6) float32, root space. gain, strength for each pose: the rig's unless given. Raises Refused."""
