@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import sleeve
 from mathutils import Vector
-from rumple.blender import maps_live, maps_tree, versions
+from rumple.blender import maps_geometry, maps_live, modifier, node_tree, versions
 
 SIDE = 13  # vertices along each side of 0.12 m
 BROWS = ("brow.L", "brow.R")
@@ -97,10 +97,35 @@ def two_poses(obj, rig):
     return obj.rumple_maps
 
 
+def animate(rig):
+    """The left brow rises linearly: rest at frame 1, its place in Surprise at frame 11."""
+    for frame, height in ((1, 0.0), (11, 0.01)):
+        pose(rig, brow_L=height)
+        rig.pose.bones["brow.L"].keyframe_insert("location", frame=frame)
+    for curve in versions.action_curves(rig.animation_data.action):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+def risen(frame):
+    """The influence that animate() gives."""
+    return (frame - 1) / 10
+
+
 def mask(obj, name):
     """A mask on the evaluated mesh, (n,)."""
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return versions.read_attribute(evaluated.data.attributes[maps_tree.MASK.format(name)])[:, 0]
+    return versions.read_attribute(evaluated.data.attributes[maps_geometry.MASK.format(name)])[:, 0]
+
+
+def carried(obj, values):
+    """(n,) of the coarse vertices on the points that are shown: those of a Wrinkle Mesh (Field, Paths) where one is."""
+    if modifier.find(obj) is None or not modifier.find(obj).show_viewport:
+        return values
+    attributes = modifier.carrier(modifier.find(obj)).data.attributes
+    corners = [values[versions.read_attribute(attributes[name])[:, 0]] for name in node_tree.CORNERS]
+    u, v, _ = versions.read_attribute(attributes[node_tree.BARYCENTRIC]).T
+    return (1.0 - u - v) * corners[0] + u * corners[1] + v * corners[2]
 
 
 def weights(obj, name):

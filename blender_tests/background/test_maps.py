@@ -9,7 +9,7 @@ import face
 import numpy as np
 import sleeve
 from mathutils import Euler, Matrix
-from rumple.blender import maps_live, maps_nodes, maps_tree, modifier, structure, versions
+from rumple.blender import maps_carriers, maps_live, maps_nodes, maps_tree, modifier, structure, versions
 
 ROUNDING = 1e-4  # of a mask: bones of a head in single precision
 
@@ -69,16 +69,11 @@ class Masks(unittest.TestCase):
         np.testing.assert_array_equal(versions.positions(evaluated.data), with_maps)
 
     def test_animated_bones_in_any_order_of_frames(self):
-        for frame, height in ((1, 0.0), (11, 0.01)):
-            face.pose(self.rig, brow_L=height)
-            self.rig.pose.bones["brow.L"].keyframe_insert("location", frame=frame)
-        for curve in versions.action_curves(self.rig.animation_data.action):
-            for point in curve.keyframe_points:
-                point.interpolation = "LINEAR"
+        face.animate(self.rig)
         for frame in (6, 1, 11, 3, 8):
             bpy.context.scene.frame_set(frame)
             np.testing.assert_allclose(face.mask(self.obj, "Surprise"),
-                                       (frame - 1) / 10 * face.weights(self.obj, "brow.L"), atol=ROUNDING)
+                                       face.risen(frame) * face.weights(self.obj, "brow.L"), atol=ROUNDING)
 
     def test_an_animated_gain_and_strength_count(self):
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
@@ -309,34 +304,6 @@ class Wrong(unittest.TestCase):
             bpy.ops.rumple.maps_add()
 
 
-class BesideOtherWrinkles(unittest.TestCase):
-    """The wrinkles that maps are baked from stay on the object, switched off."""
-
-    def check(self, obj, rig):
-        for _ in range(2):
-            face.pose(rig, brow_L=0.01, brow_R=0.01)
-        self.assertEqual((obj.rumple.message, obj.rumple_maps.message), ("", ""))
-        attributes = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.attributes
-        self.assertIn("rumple_offset", attributes)
-        modifier.find(obj).show_viewport = False
-        bpy.context.view_layer.update()
-        self.assertGreater(face.mask(obj, "Surprise").max(), 0.9)
-        self.assertEqual((obj.rumple.message, obj.rumple_maps.message), ("", ""))
-
-    def test_maps_first(self):
-        obj, rig = face.scene()
-        face.two_poses(obj, rig)
-        bpy.ops.object.rumple_add(method="MESH")
-        self.check(obj, rig)
-
-    def test_a_wrinkle_mesh_first(self):
-        obj, rig = face.scene(maps=False)
-        bpy.ops.object.rumple_add(method="MESH")
-        bpy.ops.rumple.maps_add()
-        face.two_poses(obj, rig)
-        self.check(obj, rig)
-
-
 class Files(unittest.TestCase):
 
     def setUp(self):
@@ -379,14 +346,14 @@ class Files(unittest.TestCase):
         face.pose(self.rig, brow_L=-0.008, brow_R=-0.008, jaw=0.005)
         self.assertTrue(face.mask(copy, "Fury").any())
         self.assertTrue(face.mask(self.obj, "Anger").any())
-        carriers = {maps_tree.carrier(maps_tree.find(obj)) for obj in (self.obj, copy)}
-        self.assertEqual(len(carriers), 2)
+        skins = {maps_tree.skin(maps_tree.find(obj)) for obj in (self.obj, copy)}
+        self.assertEqual(len(skins), 2)
 
     def test_removed_nothing_is_left_but_the_poses(self):
         bpy.ops.rumple.maps_show()
         bpy.ops.rumple.maps_remove()
         self.assertEqual([m.name for m in self.obj.modifiers], ["Armature"])
-        self.assertFalse([o for o in bpy.data.objects if maps_tree.CARRIER_KEY in o])
+        self.assertFalse([o for o in bpy.data.objects if maps_carriers.KEY in o])
         self.assertFalse([g for g in bpy.data.node_groups if maps_tree.is_ours(g) or maps_nodes.is_ours(g)])
         self.assertEqual([pose.name for pose in self.settings.poses], ["Surprise", "Anger"])
         bpy.ops.rumple.maps_add()
@@ -396,4 +363,4 @@ class Files(unittest.TestCase):
     def test_deleted_by_blenders_own_button_the_carrier_goes(self):
         self.obj.modifiers.remove(maps_tree.find(self.obj))
         structure.settle_all()
-        self.assertFalse([o for o in bpy.data.objects if maps_tree.CARRIER_KEY in o])
+        self.assertFalse([o for o in bpy.data.objects if maps_carriers.KEY in o])

@@ -8,7 +8,7 @@ import bpy
 import face
 import numpy as np
 from mathutils import Euler
-from rumple.blender import maps_tree, versions
+from rumple.blender import maps_geometry, maps_tree
 
 SIZE = 104  # pixels over the face: the brightest lies within a millimetre of the middle of the brow
 
@@ -19,7 +19,7 @@ def show_mask(obj, name):
     tree.nodes.clear()
     attribute, emission, output = (tree.nodes.new(kind) for kind in (
         "ShaderNodeAttribute", "ShaderNodeEmission", "ShaderNodeOutputMaterial"))
-    attribute.attribute_name = maps_tree.MASK.format(name)
+    attribute.attribute_name = maps_geometry.MASK.format(name)
     tree.links.new(attribute.outputs["Fac"], emission.inputs["Strength"])
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
 
@@ -30,12 +30,7 @@ class Renders(unittest.TestCase):
         self.obj, self.rig = face.scene()
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         bpy.ops.rumple.pose_add(name="Surprise")
-        for frame, height in ((1, 0.0), (11, 0.01)):
-            face.pose(self.rig, brow_L=height)
-            self.rig.pose.bones["brow.L"].keyframe_insert("location", frame=frame)
-        for curve in versions.action_curves(self.rig.animation_data.action):
-            for point in curve.keyframe_points:
-                point.interpolation = "LINEAR"
+        face.animate(self.rig)
         show_mask(self.obj, "Surprise")
         scene = bpy.context.scene
         camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
@@ -51,20 +46,27 @@ class Renders(unittest.TestCase):
 
     def rendered(self, **how):
         """The brightest pixel of every picture that a render writes, in the order of their names."""
+        return np.array([pixels.max() for pixels in self.pictures(**how)])
+
+    def pixels(self):
+        """(SIZE, SIZE) of a still."""
+        return self.pictures(write_still=True)[0]
+
+    def pictures(self, **how):
         with tempfile.TemporaryDirectory() as folder:
             bpy.context.scene.render.filepath = os.path.join(folder, "f")
             bpy.ops.render.render(**how)
-            brightest = []
+            found = []
             for name in sorted(os.listdir(folder)):
                 image = bpy.data.images.load(os.path.join(folder, name))
-                brightest.append(np.array(image.pixels[:]).reshape(-1, 4)[:, 0].max())
+                found.append(np.array(image.pixels[:]).reshape(SIZE, SIZE, 4)[:, :, 0])
                 bpy.data.images.remove(image)
-        return np.array(brightest)
+        return found
 
     def check(self, found, frames):
         """The mask rises linearly: 0 at frame 1, full at frame 11."""
         full = face.weights(self.obj, "brow.L").max()
-        np.testing.assert_allclose(found, full * (np.array(frames) - 1) / 10, atol=0.04)
+        np.testing.assert_allclose(found, full * face.risen(np.array(frames)), atol=0.04)
 
     def test_an_animation(self):
         bpy.context.scene.frame_start, bpy.context.scene.frame_end = 2, 7

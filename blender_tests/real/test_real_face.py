@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from rumple.blender import maps_live, maps_tree, versions
+from rumple.blender import maps_geometry, maps_live, maps_tree, versions
 
 DATA = Path(os.environ["RUMPLE_DATA"])
 HELD = {"Surprise": 21, "Anger": 51}  # frames that hold these expressions
@@ -31,7 +31,7 @@ class Face(unittest.TestCase):
     def masks(self):
         """{pose: (n,)} on the evaluated mesh."""
         attributes = self.head.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.attributes
-        return {name: versions.read_attribute(attributes[maps_tree.MASK.format(name)])[:, 0] for name in HELD}
+        return {name: versions.read_attribute(attributes[maps_geometry.MASK.format(name)])[:, 0] for name in HELD}
 
     def weights(self, name):
         index = self.head.vertex_groups[name].index

@@ -13,8 +13,8 @@ from typing import Any
 import bpy
 
 from ..core.engine import Refused
-from ..core.poses import PoseRig, from_json
-from . import maps_live, maps_nodes, maps_operators, maps_rig, maps_tree
+from ..core.poses import PoseComparison, PoseRig, SkinWeights, from_json
+from . import maps_geometry, maps_nodes, maps_operators, maps_rig, maps_tree
 
 
 def save_image(image: bpy.types.Image, folder: Path, deep: bool) -> Path:
@@ -72,16 +72,16 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
 
 def sampled(context: bpy.types.Context, obj: bpy.types.Object, rig: PoseRig, first: int, last: int) -> dict[str, Any]:
     """{fps, first, poses, bones, influence[frame][bone][pose], presence[frame][pose]} of whole frames, to 1e-5."""
-    scene, entry = context.scene, maps_live.runtime(obj)
+    scene = context.scene
+    comparison = PoseComparison.build(rig, SkinWeights.none())
     now = scene.frame_current, scene.frame_subframe
     influence, presence = [], []
     try:
         for frame in range(first, last + 1):
             scene.frame_set(frame)
-            if obj.rumple_maps.message or entry.masks is None:
-                raise Refused(obj.rumple_maps.message or f"{obj.name}: its reference poses are not compared")
-            influence.append(entry.masks.influence.round(5).tolist())
-            presence.append(entry.masks.presence.round(5).tolist())
+            found = comparison.frame(maps_rig.present_bones(obj, maps_rig.armature_of(obj), rig))
+            influence.append(found.influence.round(5).tolist())
+            presence.append(found.presence.round(5).tolist())
     finally:
         scene.frame_set(now[0], subframe=now[1])
     return dict(fps=scene.render.fps / scene.render.fps_base, first=first, poses=[pose.name for pose in rig.poses],
@@ -99,7 +99,7 @@ def weighted_copy(obj: bpy.types.Object, clip: dict[str, Any]) -> bpy.types.Obje
     if copy.data.shape_keys is None:
         copy.shape_key_add(name="Basis")
     for number, name in enumerate(clip["poses"]):
-        key = copy.shape_key_add(name=maps_tree.MASK.format(name), from_mix=False)
+        key = copy.shape_key_add(name=maps_geometry.MASK.format(name), from_mix=False)
         for frame, values in enumerate(clip["presence"], clip["first"]):
             key.value = values[number]
             key.keyframe_insert("value", frame=frame)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Maps' structural work and their frames. The rules that keep Blender alive are those of live.py.
+"""The Wrinkle Maps' structural work. The rules that keep Blender alive are those of live.py.
 
-A frame depends on the present bones and on nothing before it: no history, and any order of frames is right.
+Nodes compute the masks of a frame (maps_geometry.py). Handlers only see to what the nodes cannot: weights, bones or
+poses that were edited, and gain, strength, mute and solo where they change.
 """
 from __future__ import annotations
 
@@ -12,8 +13,9 @@ import bpy
 
 from .. import native
 from ..core.engine import Refused
-from ..core.poses import Masks, PoseComparison, PoseRig, SkinWeights, strengths
-from . import maps_nodes, maps_rig, maps_tree, modifier, registry, structure, versions
+from ..core.poses import PoseComparison, PoseRig, SkinWeights, strengths
+from . import maps_carriers, maps_nodes, maps_rig, maps_tree, modifier, registry, structure, versions
+from .maps_geometry import Shape
 from .registry import LOCK
 
 _BUSY_MODES = frozenset(("EDIT", "SCULPT"))
@@ -26,9 +28,9 @@ class Runtime(registry.Messages):
     comparison: PoseComparison | None = None
     shape: str = ""  # fingerprint of what it was made from
     stale: bool = True
-    inputs: tuple | None = None  # what the carrier's masks were made from
-    carrier_key: int = 0  # ... which carrier
-    masks: Masks | None = None
+    lifted: tuple | None = None  # gain and strengths that were written ...
+    carrier_key: int = 0  # ... to which skin
+    seen: tuple | None = None  # the present bones, and what presence was found for them
 
 
 _runtimes: dict[int, Runtime] = {}
@@ -46,12 +48,22 @@ def message(obj: bpy.types.Object) -> str:
 
 
 def presence(obj: bpy.types.Object, pose: str) -> float:
-    """How far the present pose has come to a reference pose, 0..1."""
-    entry = _runtimes.get(versions.session_key(obj.original))
-    if entry is None or entry.comparison is None or entry.masks is None:
+    """How far the present pose has come to a reference pose, 0..1. Computed when a bar is drawn, not in frames."""
+    obj = obj.original
+    entry = runtime(obj)
+    try:
+        if entry.comparison is None:
+            ensure_comparison(obj, entry)  # linked objects are not prepared
+        if entry.comparison is None:
+            return 0.0
+        rig, armature = entry.comparison.rig, maps_rig.armature_of(obj)
+        bones = maps_rig.present_bones(obj, armature, rig)
+        if entry.seen is None or entry.seen[0] != bones.tobytes():
+            entry.seen = bones.tobytes(), entry.comparison.frame(bones).presence
+    except (Refused, native.NativeMissing):  # the panel has the message
         return 0.0
-    names = [other.name for other in entry.comparison.rig.poses]
-    return float(entry.masks.presence[names.index(pose)]) if pose in names else 0.0
+    names = [other.name for other in rig.poses]
+    return float(entry.seen[1][names.index(pose)]) if pose in names else 0.0
 
 
 def forget_all() -> None:
@@ -59,9 +71,9 @@ def forget_all() -> None:
 
 
 def forget_written() -> None:
-    """The carriers may hold something else now: write the next masks whatever they are."""
+    """The skins may hold something else now: write gain and strengths again, whatever they are."""
     for entry in _runtimes.values():
-        entry.inputs, entry.carrier_key = None, 0
+        entry.lifted, entry.carrier_key = None, 0
 
 
 def doubt_all() -> None:
@@ -106,18 +118,31 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
 
 # ---------------------------------------------------------------- structural work
 def settle() -> None:
-    """Bring every object in order: trees, shared carriers and groups, comparisons, leftovers."""
+    """Bring every object in order: trees, shared skins and groups, comparisons, leftovers."""
     objects = list(maps_tree.mapped_objects())
     present = {versions.session_key(obj) for obj, _ in objects}
     for key in [key for key in _runtimes if key not in present]:
         del _runtimes[key]
-    held = {maps_tree.carrier(ours) for _, ours in objects}
+    held = {hidden for _, ours in objects for hidden in maps_tree.hidden(ours)}
     objects = [(obj, ours) for obj, ours in objects if versions.is_editable(obj)]  # linked ones cannot be written
     _split_shared(objects)
     for obj, ours in objects:
-        if runtime(obj).stale:
+        if runtime(obj).stale or _is_behind_others(obj, ours):
             prepare(obj, ours)
-    _tidy(held | {maps_tree.carrier(ours) for _, ours in objects})
+    _tidy(held | {hidden for _, ours in objects for hidden in maps_tree.hidden(ours)})
+
+
+def _wrinkles_in_front(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    """The carrier of a Wrinkle Mesh, Field or Paths in front of the maps."""
+    wrinkles, stack = modifier.find(obj), list(obj.modifiers)
+    if wrinkles is None or stack.index(wrinkles) > stack.index(ours):
+        return None
+    return modifier.carrier(wrinkles)
+
+
+def _is_behind_others(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+    """Other wrinkles came, went or were made anew since the modifier was prepared."""
+    return _wrinkles_in_front(obj, ours) != maps_tree.wrinkles(ours)
 
 
 def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
@@ -127,63 +152,98 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
     try:
         _prepare(obj, ours, entry)
         registry.refuse(entry, "")
-    except (Refused, native.NativeMissing) as error:
+    except Refused as error:
+        registry.refuse(entry, str(error))
+        maps_tree.connect(obj, ours, None, None, None)  # no masks rather than wrong ones
+    except native.NativeMissing as error:  # the nodes go on without
         registry.refuse(entry, str(error))
     except Exception as error:  # a message on the panel, never a traceback
         registry.refuse(entry, structure.unexpected(obj, error))
 
 
 def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> None:
-    if versions.is_editable(ours.node_group):
-        maps_tree.fill(ours.node_group, [pose.name for pose in obj.rumple_maps.poses])
-    held, count = maps_tree.carrier(ours), len(obj.data.vertices)
-    if held is None or not versions.is_editable(held) or len(held.data.vertices) != count \
-            or maps_tree.vertices(ours) != count:
-        maps_tree.give_carrier(obj, ours, count)
-        entry.inputs = None
     ensure_comparison(obj, entry)
+    comparison, front = entry.comparison, _wrinkles_in_front(obj, ours)
+    if comparison is None:
+        maps_tree.fill(ours.node_group, Shape())
+        maps_tree.connect(obj, ours, None, None, front)
+        return
+    table = comparison.table()
+    maps_tree.fill(ours.node_group, Shape(
+        tuple(pose.name for pose in comparison.rig.poses), len(comparison.rig.bones), 1 + len(table.more),
+        bool((comparison.rig.group_numbers() >= 0).any()), front is not None))
+    armature = maps_rig.armature_of(obj)
+    skin, skeleton = maps_tree.skin(ours), maps_tree.skeleton(ours)
+    if not maps_carriers.made_from(skin, entry.shape):
+        skin = maps_carriers.new_skin(obj.name, comparison, entry.shape)
+    if not maps_carriers.made_from(skeleton, entry.shape) or skeleton.parent != armature:
+        skeleton = maps_carriers.new_skeleton(obj.name, comparison, armature, entry.shape)
+    _lift(obj, skin, entry, obj.rumple_maps)
+    maps_tree.connect(obj, ours, skin, skeleton, front)
+
+
+def _lift(obj: bpy.types.Object, skin: bpy.types.Object, entry: Runtime, settings: bpy.types.PropertyGroup) -> None:
+    """Gain, strengths, mute and solo, where the skin has others. A write costs another evaluation."""
+    wanted, key = (settings.gain, tuple(strengths(settings.poses))), versions.session_key(skin.data)
+    if wanted != entry.lifted or key != entry.carrier_key:
+        maps_carriers.write_lifts(skin, entry.comparison.lifts(*wanted))
+        entry.lifted, entry.carrier_key = wanted, key
 
 
 def ensure_comparison(obj: bpy.types.Object, entry: Runtime) -> None:
     """Make entry.comparison for the object as it is. Reads only: allowed in any handler. Raises Refused."""
     if not obj.rumple_maps.poses:
-        entry.comparison, entry.shape, entry.masks = None, "", None
+        entry.comparison, entry.shape = None, ""
         entry.notes = [f"{obj.name}: pose its armature and add a reference pose"]
         return
     rig, notes = maps_rig.rig_of(obj)
     weights = maps_rig.weights_of(obj, rig)
-    shape = _fingerprint(rig, weights)
+    shape = _fingerprint(rig, weights, maps_rig.bone_lengths(obj, rig))
     if entry.comparison is None or entry.shape != shape:
-        entry.comparison, entry.shape, entry.inputs = PoseComparison.build(rig, weights), shape, None
-    entry.notes = notes + entry.comparison.warnings + maps_rig.image_notes(obj)
+        entry.comparison, entry.shape, entry.seen = PoseComparison.build(rig, weights), shape, None
+    entry.notes = notes + entry.comparison.warnings + maps_rig.image_notes(obj) + _order_notes(obj)
 
 
-def _fingerprint(rig: PoseRig, weights: SkinWeights) -> str:
+def _fingerprint(rig: PoseRig, weights: SkinWeights, lengths: np.ndarray) -> str:
     digest = hashlib.sha1(rig.to_json().encode())
-    for values in (weights.start, weights.bone, weights.weight):
+    for values in (weights.start, weights.bone, weights.weight, lengths):
         digest.update(values.tobytes())
     return digest.hexdigest()
 
 
+def _order_notes(obj: bpy.types.Object) -> list[str]:
+    """Where the mesh that the masks are for is not the one that comes in, or does not come out."""
+    ours, stack = maps_tree.find(obj), list(obj.modifiers)
+    wrinkles = modifier.find(obj)
+    if wrinkles is not None and stack.index(ours) < stack.index(wrinkles):
+        return [f"{obj.name}: {wrinkles.name} stands behind {ours.name} and drops the masks: move it in front"]
+    changer = next((m for m in stack[:stack.index(ours)] if m != wrinkles and modifier.changes_topology(m)), None)
+    if changer is not None:
+        return [f"{obj.name}: the modifier \"{changer.name}\" in front of {ours.name} changes the number of vertices: "
+                "no map shows. Move it behind"]
+    return []
+
+
 def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> None:
-    """Duplicates share tree, carrier and shader group with their original until they get their own."""
+    """Duplicates share tree, skin and shader group with their original until they get their own; overrides, with the
+    linked file. A skeleton is never written to: it may be shared until the poses differ."""
     seen: set[bpy.types.ID] = set()
     for obj, ours in objects:
-        if ours.node_group in seen:
+        if ours.node_group in seen or not versions.is_editable(ours.node_group):
             ours.node_group = ours.node_group.copy()
-        held = maps_tree.carrier(ours)
-        if held is not None and held in seen:
-            maps_tree.give_carrier(obj, ours, len(obj.data.vertices))
+        skin = maps_tree.skin(ours)
+        if skin is not None and skin in seen:
+            maps_tree.connect(obj, ours, None, maps_tree.skeleton(ours), maps_tree.wrinkles(ours))
             runtime(obj).stale = True
         group = obj.rumple_maps.group
         if group is not None and group in seen:
             obj.rumple_maps.group = group.copy()  # its materials show the original's maps until it has its own
-        seen |= {ours.node_group, maps_tree.carrier(ours), obj.rumple_maps.group}
+        seen |= {ours.node_group, maps_tree.skin(ours), obj.rumple_maps.group}
 
 
 def _tidy(held: set[bpy.types.Object | None]) -> None:
-    """Carriers whose modifier was removed or applied by Blender's own buttons."""
-    candidates = {o for o in bpy.data.objects if maps_tree.CARRIER_KEY in o} - held
+    """Skins and skeletons whose modifier was removed or applied by Blender's own buttons."""
+    candidates = {o for o in bpy.data.objects if maps_carriers.KEY in o} - held
     if candidates:
         for candidate, users in bpy.data.user_map(subset=candidates).items():
             if not users:
@@ -192,13 +252,17 @@ def _tidy(held: set[bpy.types.Object | None]) -> None:
 
 # ---------------------------------------------------------------- the frame
 def process(depsgraph: bpy.types.Depsgraph) -> None:
-    """The masks of what this depsgraph shows. Never raises."""
+    """Gain and strengths of what this depsgraph shows. Never raises."""
     if structure.rendering() and depsgraph.mode == "VIEWPORT":
         return
     if structure.is_half_done():
         return
     with LOCK:
         objects = list(maps_tree.mapped_objects())
+        for obj, ours in objects:
+            if versions.is_editable(obj) and not runtime(obj).stale and _is_behind_others(obj, ours):
+                runtime(obj).stale = True
+                structure.request()
         if structure.allowed_now() and any(runtime(obj).stale and versions.is_editable(obj) for obj, _ in objects):
             settle()
         for obj, ours in objects:
@@ -218,26 +282,13 @@ def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, depsg
 
 def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, depsgraph: bpy.types.Depsgraph
              ) -> None:
-    held = maps_tree.carrier(ours)
-    armature = obj.find_armature()
-    if held is None or not versions.is_editable(held) or entry.refusal or obj.mode in _BUSY_MODES:
-        return
-    if entry.comparison is None or entry.stale:  # the timer's turn comes later; reading is allowed here
-        ensure_comparison(obj, entry)
-    if entry.comparison is None or armature is None:
+    if entry.comparison is None or entry.refusal or obj.mode in _BUSY_MODES:
         return
     if len(obj.data.vertices) != entry.comparison.model.vertex_count:
         entry.stale = True
         structure.request()  # the topology was edited
         return
-    evaluated, settings = armature.evaluated_get(depsgraph), obj.evaluated_get(depsgraph).rumple_maps
-    bones = maps_rig.present_bones(obj, evaluated, entry.comparison.rig)
-    # The evaluated copy: animated settings are right there, in renders too.
-    inputs = (bones.tobytes(), settings.gain, tuple(strengths(settings.poses)))
-    key = versions.session_key(held.data)
-    if inputs == entry.inputs and key == entry.carrier_key:
-        return
-    entry.masks = entry.comparison.frame(bones, inputs[1], list(inputs[2]))
-    if ours.show_render if depsgraph.mode == "RENDER" else ours.show_viewport:  # else for the bars only
-        maps_tree.write(held, entry.masks.packed())
-        entry.inputs, entry.carrier_key = inputs, key
+    skin = maps_tree.skin(ours)
+    if maps_carriers.made_from(skin, entry.shape):
+        # The evaluated copy: animated settings are right there, in renders too.
+        _lift(obj, skin, entry, obj.evaluated_get(depsgraph).rumple_maps)

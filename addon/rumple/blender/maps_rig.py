@@ -183,6 +183,12 @@ def _pose_of(obj: bpy.types.Object, records: Any, name: str, names: list[str], o
     return stored.relative(obj, obj.rumple_maps.root, names, otherwise)
 
 
+def bone_lengths(obj: bpy.types.Object, rig: PoseRig) -> np.ndarray:
+    """(b,) at rest, of the tracked bones."""
+    known = armature_of(obj).data.bones
+    return np.array([known[bone.name].length for bone in rig.bones], np.float32)
+
+
 def _listed(names: list[str], most: int = 3) -> str:
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 

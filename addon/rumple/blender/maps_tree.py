@@ -1,29 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The modifier "Wrinkle Maps": a node tree that hands the mesh on as it is, with the masks as point attributes.
 
-The masks lie on the points of a carrier, a hidden mesh without faces, which handlers write:
     rumple_poses_0 .. rumple_poses_5    FLOAT_VECTOR    masks of poses 1 to 3, 4 to 6, ...: for the shader
-On the result they stand again, and one by one:
     rumple_pose_<name>                  FLOAT           0..1: where the map of that pose shows, and how much
-Every object has a tree of its own, for the names of its poses stand in it.
+Every object has a tree of its own, for the names of its poses stand in it. The nodes are those of maps_geometry.py,
+the hidden objects that they read those of maps_carriers.py.
 """
 from __future__ import annotations
 
-from typing import Iterator, Sequence
+from typing import Iterator
 
 import bpy
-import numpy as np
 
-from ..core.poses import PACKED
-from . import modifier, versions
-from .maps_nodes import MASKS
+from . import maps_geometry, modifier, versions
+from .maps_geometry import BONES, CARRIER, COUNT, WRINKLES, Shape
 
 NAME = "Wrinkle Maps"
-KEY = "rumple_maps_tree"  # custom property of the trees ...
-CARRIER_KEY = "rumple_maps_carrier"  # ... and of the carriers
-MASK = "rumple_pose_{}"
-CARRIER, COUNT = "Carrier", "Vertices"
-SUFFIX = ".maps"
+KEY = "rumple_maps_tree"  # custom property of the trees
 
 
 def is_ours(group: bpy.types.NodeTree | None) -> bool:
@@ -50,74 +43,27 @@ def mapped_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier
 def new_tree(name: str) -> bpy.types.NodeTree:
     group = bpy.data.node_groups.new(f"Rumple {NAME} {name}", "GeometryNodeTree")
     group[KEY] = ""
-    for socket, kind in (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (COUNT, "NodeSocketInt")):
-        versions.new_group_socket(group, socket, "INPUT", kind)
-    versions.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
     versions.mark_as_modifier(group)
-    fill(group, ())
+    fill(group, Shape())
     return group
 
 
-def fill(group: bpy.types.NodeTree, names: Sequence[str]) -> None:
-    """Make the nodes for poses of these names, unless they are there."""
-    wanted = repr(list(names))
-    if group[KEY] == wanted:
+def fill(group: bpy.types.NodeTree, shape: Shape) -> None:
+    """Make the nodes, unless they are there; sockets that an older file lacks, too."""
+    if group[KEY] == repr(shape):
         return
+    present = versions.group_sockets(group, "INPUT")
+    for name, kind in maps_geometry.INPUTS:
+        if name not in present:
+            versions.new_group_socket(group, name, "INPUT", kind)
+    if not versions.group_sockets(group, "OUTPUT"):
+        versions.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
     group.nodes.clear()
-    _build(group, names)
-    group[KEY] = wanted
+    maps_geometry.Builder(group, shape).build()
+    group[KEY] = repr(shape)
 
 
-def _build(group: bpy.types.NodeTree, names: Sequence[str]) -> None:
-    def node(kind: str, **properties: object) -> bpy.types.Node:
-        made = group.nodes.new(kind)
-        for name, value in properties.items():
-            setattr(made, name, value)
-        made.location = (180.0 * (len(group.nodes) // 6), -160.0 * (len(group.nodes) % 6))
-        return made
-
-    def link(output: bpy.types.NodeSocket, target: bpy.types.Node, name: str) -> None:
-        group.links.new(output, versions.socket(target.inputs, name))
-
-    def stored(geometry: bpy.types.NodeSocket, name: str, data_type: str, value: bpy.types.NodeSocket
-               ) -> bpy.types.NodeSocket:
-        made = node("GeometryNodeStoreNamedAttribute", data_type=data_type, domain="POINT")
-        made.inputs["Name"].default_value = name
-        link(geometry, made, "Geometry")
-        link(value, made, "Value")
-        return made.outputs[0]
-
-    inputs = node("NodeGroupInput").outputs
-    info = node("GeometryNodeObjectInfo")
-    link(inputs[CARRIER], info, "Object")
-    index = node("GeometryNodeInputIndex").outputs[0]
-    geometry = inputs["Geometry"]
-    for pack in range((len(names) + PACKED - 1) // PACKED):
-        named = node("GeometryNodeInputNamedAttribute", data_type="FLOAT_VECTOR")
-        named.inputs["Name"].default_value = MASKS.format(pack)
-        sample = node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="POINT")
-        link(info.outputs["Geometry"], sample, "Geometry")
-        link(versions.socket(named.outputs, "Attribute"), sample, "Value")
-        link(index, sample, "Index")
-        masks = versions.socket(sample.outputs, "Value")
-        geometry = stored(geometry, MASKS.format(pack), "FLOAT_VECTOR", masks)
-        parts = node("ShaderNodeSeparateXYZ")
-        group.links.new(masks, parts.inputs[0])
-        for name, part in zip(names[PACKED * pack:], parts.outputs):
-            geometry = stored(geometry, MASK.format(name), "FLOAT", part)
-    size = node("GeometryNodeAttributeDomainSize", component="MESH")
-    group.links.new(inputs["Geometry"], size.inputs[0])
-    fits = node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
-    link(size.outputs["Point Count"], fits, "A")
-    link(inputs[COUNT], fits, "B")
-    switch = node("GeometryNodeSwitch", input_type="GEOMETRY")
-    link(fits.outputs[0], switch, "Switch")
-    link(inputs["Geometry"], switch, "False")
-    link(geometry, switch, "True")
-    group.links.new(versions.socket(switch.outputs, "Output"), node("NodeGroupOutput").inputs[0])
-
-
-# ---------------------------------------------------------------- the modifier and its carrier
+# ---------------------------------------------------------------- the modifier and what it reads
 def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
     """Put the modifier behind the last deforming one, and behind other wrinkles, with a tree of its own."""
     wrinkles = modifier.find(obj)
@@ -131,17 +77,20 @@ def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
 
 
 def remove(obj: bpy.types.Object) -> None:
-    """The modifier, its tree and its carrier."""
+    """The modifier, its tree and what it read."""
     ours = find(obj)
     if ours is None:
         return
-    group, held = ours.node_group, carrier(ours)
-    _set(ours, CARRIER, None)
+    group, held = ours.node_group, hidden(ours)
+    for name in (CARRIER, BONES, WRINKLES):
+        if _get(ours, name) is not None:
+            _set(ours, name, None)
     obj.modifiers.remove(ours)
     if group.users == 0 and versions.is_editable(group):
         bpy.data.node_groups.remove(group)
-    if held is not None and not any(carrier(other) == held for _, other in mapped_objects()):
-        modifier.delete_hidden(held)
+    still_held = {other for _, another in mapped_objects() for other in hidden(another)}
+    for former in held - still_held:
+        modifier.delete_hidden(former)
 
 
 def _set(ours: bpy.types.NodesModifier, name: str, value: object) -> None:
@@ -153,35 +102,46 @@ def _get(ours: bpy.types.NodesModifier, name: str) -> object:
     return versions.modifier_input(ours, identifier) if identifier else None
 
 
-def carrier(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    found = _get(ours, CARRIER)
+def _mesh_object(ours: bpy.types.NodesModifier, name: str) -> bpy.types.Object | None:
+    found = _get(ours, name)
     return found if isinstance(found, bpy.types.Object) and found.type == "MESH" else None
 
 
-def vertices(ours: bpy.types.NodesModifier) -> int:
-    """The number of points that the masks were made for."""
-    return int(_get(ours, COUNT) or 0)
+def skin(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    """The hidden object with the weights."""
+    return _mesh_object(ours, CARRIER)
 
 
-def give_carrier(obj: bpy.types.Object, ours: bpy.types.NodesModifier, count: int) -> bpy.types.Object:
-    """A new carrier of so many points, in no collection: the modifier's input keeps it alive."""
-    mesh = bpy.data.meshes.new(obj.name + SUFFIX)
-    mesh.vertices.add(count)
-    held = bpy.data.objects.new(obj.name + SUFFIX, mesh)
-    held[CARRIER_KEY] = True
-    former = carrier(ours)
-    _set(ours, CARRIER, held)
-    _set(ours, COUNT, count)
+def skeleton(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    """The hidden object that follows the bones."""
+    return _mesh_object(ours, BONES)
+
+
+def wrinkles(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    """The carrier of other wrinkles that it knows of."""
+    return _mesh_object(ours, WRINKLES)
+
+
+def hidden(ours: bpy.types.NodesModifier) -> set[bpy.types.Object]:
+    """Skin and skeleton, where it has them."""
+    return {held for held in (skin(ours), skeleton(ours)) if held is not None}
+
+
+def connect(obj: bpy.types.Object, ours: bpy.types.NodesModifier, new_skin: bpy.types.Object | None,
+            new_skeleton: bpy.types.Object | None, wrinkles: bpy.types.Object | None) -> None:
+    """Let the modifier read these; count of vertices as obj has them now. The former ones go, unless others read them.
+
+    wrinkles: the carrier of the modifier that makes other wrinkles in front of this one.
+    """
+    count, former = len(obj.data.vertices), hidden(ours)
+    wanted = {CARRIER: new_skin, BONES: new_skeleton, WRINKLES: wrinkles, COUNT: count}
+    if all((_get(ours, name) or None) == (value or None) for name, value in wanted.items()):
+        return
+    for name, value in wanted.items():
+        _set(ours, name, value)
     # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
     ours.node_group = ours.node_group
     obj.update_tag()
-    if former is not None and former.users == 0:
-        modifier.delete_hidden(former)
-    return held
-
-
-def write(held: bpy.types.Object, packs: Sequence[np.ndarray]) -> None:
-    """One frame's masks. The only thing that handlers write."""
-    for number, pack in enumerate(packs):
-        versions.write_attribute(held.data, MASKS.format(number), "FLOAT_VECTOR", "POINT", pack)
-    held.data.update()
+    for held in former - {new_skin, new_skeleton}:
+        if held.users == 0:
+            modifier.delete_hidden(held)

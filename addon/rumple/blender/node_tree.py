@@ -31,13 +31,12 @@ Attributes, all starting with "rumple_":
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import bpy
 
 from ..core.engine import Attribute
 from ..core.systems import SYSTEMS, System
 from . import bake_files, versions
+from .geometry_nodes import GeometryNodes
 
 VERSION = 3  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
@@ -95,66 +94,22 @@ def upgrade(group: bpy.types.NodeTree) -> bool:
     return True
 
 
-@dataclass
-class _Builder:
-    """Adds nodes from left to right; every method returns the output socket of what it added."""
+class _Builder(GeometryNodes):
+    """The tree of one system."""
 
-    group: bpy.types.NodeTree
-    attributes: tuple[Attribute, ...]
-    column: int = 0
-
-    def node(self, kind: str, **properties: object) -> bpy.types.Node:
-        node = self.group.nodes.new(kind)
-        for name, value in properties.items():
-            setattr(node, name, value)
-        node.location = (180.0 * (self.column // 6), -160.0 * (self.column % 6))
-        self.column += 1
-        return node
-
-    def link(self, output: bpy.types.NodeSocket, node: bpy.types.Node, name: str) -> None:
-        self.group.links.new(output, versions.socket(node.inputs, name))
-
-    def named(self, name: str, data_type: str) -> bpy.types.NodeSocket:
-        node = self.node("GeometryNodeInputNamedAttribute", data_type=data_type)
-        node.inputs["Name"].default_value = name
-        return versions.socket(node.outputs, "Attribute")
+    def __init__(self, group: bpy.types.NodeTree, attributes: tuple[Attribute, ...]) -> None:
+        super().__init__(group)
+        self.attributes = attributes
 
     def sample(self, geometry: bpy.types.NodeSocket, index: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Position of the point `index` of a geometry."""
-        position = self.node("GeometryNodeInputPosition")
-        node = self.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="POINT")
-        self.link(geometry, node, "Geometry")
-        self.link(position.outputs[0], node, "Value")
-        self.link(index, node, "Index")
-        return versions.socket(node.outputs, "Value")
-
-    def vector(self, operation: str, a: bpy.types.NodeSocket,
-               b: bpy.types.NodeSocket | None = None) -> bpy.types.NodeSocket:
-        node = self.node("ShaderNodeVectorMath", operation=operation)
-        self.group.links.new(a, node.inputs[0])
-        if b is not None:
-            self.group.links.new(b, node.inputs["Scale"] if operation == "SCALE" else node.inputs[1])
-        return node.outputs["Vector"]
-
-    def math(self, operation: str, *operands: bpy.types.NodeSocket | float) -> bpy.types.NodeSocket:
-        node = self.node("ShaderNodeMath", operation=operation)
-        for operand, target in zip(operands, node.inputs):
-            if isinstance(operand, bpy.types.NodeSocket):
-                self.group.links.new(operand, target)
-            else:
-                target.default_value = operand
-        return node.outputs[0]
+        return self.at(geometry, self.position(), index)
 
     def total(self, *terms: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         result = terms[0]
         for term in terms[1:]:
             result = self.vector("ADD", result, term)
         return result
-
-    def components(self, vector: bpy.types.NodeSocket) -> list[bpy.types.NodeSocket]:
-        node = self.node("ShaderNodeSeparateXYZ")
-        self.group.links.new(vector, node.inputs[0])
-        return list(node.outputs)
 
     def switch(self, condition: bpy.types.NodeSocket, no: bpy.types.NodeSocket,
                yes: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
@@ -184,7 +139,7 @@ class _Builder:
 
     def played(self, fine: bpy.types.NodeSocket, clip: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """The shown mesh as the points of a clip have it: see bake_files.points_of()."""
-        index = self.node("GeometryNodeInputIndex").outputs[0]
+        index = self.index()
         fine = self.moved(fine, self.sample(clip, index))
         begin, counts = self.element_count(fine, "POINT"), {}
         for block in bake_files.blocks(self.attributes):
@@ -212,17 +167,8 @@ class _Builder:
         self.link(position, node, "Position")
         return node.outputs[0]
 
-    def store(self, fine: bpy.types.NodeSocket, name: str, data_type: str,
-              value: bpy.types.NodeSocket, domain: str = "POINT") -> bpy.types.NodeSocket:
-        node = self.node("GeometryNodeStoreNamedAttribute", data_type=data_type, domain=domain)
-        self.link(fine, node, "Geometry")
-        node.inputs["Name"].default_value = name
-        self.link(value, node, "Value")
-        return node.outputs[0]
-
     def store_base_position(self, geometry: bpy.types.NodeSocket, fine: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        index = self.node("GeometryNodeInputIndex")
-        return self.store(fine, BASE_POSITION, "FLOAT_VECTOR", self.sample(geometry, index.outputs[0]))
+        return self.store(fine, BASE_POSITION, "FLOAT_VECTOR", self.sample(geometry, self.index()))
 
     def without(self, fine: bpy.types.NodeSocket, name: str) -> bpy.types.NodeSocket:
         """Later modifiers need not carry what only this tree reads."""
@@ -230,11 +176,6 @@ class _Builder:
         self.link(fine, node, "Geometry")
         node.inputs["Name"].default_value = name
         return node.outputs[0]
-
-    def element_count(self, geometry: bpy.types.NodeSocket, domain: str) -> bpy.types.NodeSocket:
-        size = self.node("GeometryNodeAttributeDomainSize", component="MESH")
-        self.group.links.new(geometry, size.inputs[0])
-        return size.outputs["Point Count" if domain == "POINT" else "Face Corner Count"]
 
     def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
@@ -248,15 +189,10 @@ class _Builder:
         self.group.links.new(b, node.inputs[1])
         return node.outputs[0]
 
-    def object_geometry(self, held: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        info = self.node("GeometryNodeObjectInfo", transform_space="ORIGINAL")
-        self.link(held, info, "Object")
-        return info.outputs["Geometry"]
-
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
-        geometry, carried = inputs["Geometry"], self.object_geometry(inputs[CARRIER])
-        clip = self.object_geometry(inputs[PLAYER])
+        geometry, carried = inputs["Geometry"], self.mesh_of(inputs[CARRIER])
+        clip = self.mesh_of(inputs[PLAYER])
         # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
         baked = self.both(inputs[BAKED], self.counts_match(clip, self.clip_points(carried)))
         # Switches evaluate only the branch they take: a baked clip costs no embedding.

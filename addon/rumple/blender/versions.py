@@ -14,6 +14,7 @@ VERSION: tuple[int, int, int] = bpy.app.version
 HAS_MODIFIER_MENU = VERSION >= (4, 0, 0)  # before, the Add Modifier menu is fixed and takes no entries
 HAS_AUTO_SMOOTH = VERSION < (4, 1, 0)
 SMOOTH_COLOR_SHADER = "SMOOTH_COLOR" if VERSION >= (4, 0, 0) else "3D_SMOOTH_COLOR"
+GROUP_INPUT = "Group ID" if VERSION >= (3, 6, 0) else "Group Index"  # of the Accumulate Field node
 LINE_SHADER = "POLYLINE_SMOOTH_COLOR" if VERSION >= (4, 0, 0) else "3D_POLYLINE_SMOOTH_COLOR"
 
 # Attribute data types: property of an element, numbers in it, and what foreach_get fills.

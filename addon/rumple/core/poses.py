@@ -18,7 +18,9 @@ FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
 TRACKED = ("HEAD", "TAIL", "BOTH")
 MAPS = ("WRINKLES", "WHOLE")
 MOST_POSES = 16  # as the native module
-PACKED = 3  # masks in one vector attribute, for shaders
+_UNTRACKED = dict(HEAD=slice(3, 6), TAIL=slice(0, 3))
+PACKED = 3  # masks in one vector attribute: EEVEE takes 14 attributes a material, a rig may have 16 poses
+ROW = 4  # skin weights in a row of the table that the nodes read: most vertices need no second one
 LONGEST_NAME = 48  # bytes: Blender's attribute names end after 63, ours begin with rumple_pose_
 GAINS = (0.1, 100.0)
 
@@ -182,15 +184,25 @@ class Masks:
     rest: np.ndarray  # (b,)
     presence: np.ndarray  # (o,) of each pose as a whole
 
-    def packed(self) -> list[np.ndarray]:
-        """(n, 3) float32 for every three poses: EEVEE takes 14 attributes a material, a rig may have 16 poses."""
-        count = len(self.pose)
-        packs = []
-        for first in range(0, count, PACKED):
-            pack = np.zeros((self.pose.shape[1], PACKED), np.float32)
-            pack[:, :min(PACKED, count - first)] = self.pose[first:first + PACKED].T
-            packs.append(pack)
-        return packs
+
+def packed(values: np.ndarray) -> list[np.ndarray]:
+    """(o, n) as (n, PACKED) float32 for every PACKED poses."""
+    count = len(values)
+    packs = []
+    for first in range(0, count, PACKED):
+        pack = np.zeros((values.shape[1], PACKED), np.float32)
+        pack[:, :min(PACKED, count - first)] = values[first:first + PACKED].T
+        packs.append(pack)
+    return packs
+
+
+@dataclass
+class WeightTable:
+    """Skin weights in rows of ROW. Row v is of vertex v; where it is too short, more rows follow behind the last."""
+
+    bone: np.ndarray  # (m, ROW) int32
+    weight: np.ndarray  # (m, ROW) float32, 0 where a row ends early
+    more: np.ndarray  # (d, n) int32: further rows of every vertex; -1: none
 
 
 class PoseComparison:
@@ -224,6 +236,45 @@ class PoseComparison:
         """(b, o) bool: which bones move in which pose."""
         return self.model.moves.astype(bool)
 
+    # --- for the nodes, that compute the masks where no Python runs (blender/maps_geometry.py)
+    def slopes(self) -> np.ndarray:
+        """(o, b, 6): slope . (bones - neutral), clamped to 0..1, is the influence: way / |way|^2 of what is tracked."""
+        ways = np.array([pose.bones for pose in self.rig.poses], float) - self.rig.neutral
+        for number, bone in enumerate(self.rig.bones):
+            if bone.tracked != "BOTH":
+                ways[:, number, _UNTRACKED[bone.tracked]] = 0.0
+        squares = (ways * ways).sum(2, keepdims=True)
+        moving = self.moves.T[:, :, None]
+        return np.divide(ways, squares, out=np.zeros_like(ways), where=moving).astype(np.float32)
+
+    def shares(self) -> np.ndarray:
+        """(o, b): of the sum over a bone's group, to be the mean over those that move; 1 for bones on their own."""
+        group = self.rig.group_numbers()
+        together = (group[:, None] == group) & (group >= 0) | np.eye(len(group), dtype=bool)
+        return (1.0 / np.maximum(together @ self.moves.astype(int), 1)).T.astype(np.float32)
+
+    def lifts(self, gain: float, strength: Sequence[float]) -> np.ndarray:
+        """(o, n): what gain and strengths multiply the weighted sum by. reach' / reach of the native gained()."""
+        reach = self.model.reach.T
+        return (np.array(strength, np.float32)[:, None] * gain / (1.0 + (gain - 1.0) * reach)).astype(np.float32)
+
+    def table(self) -> WeightTable:
+        """The normalised weights of the rig's bones."""
+        start, bone, weight = self.model.weights
+        counts = np.diff(start)
+        further = np.maximum((counts + ROW - 1) // ROW - 1, 0)
+        first_further = len(counts) + np.cumsum(further) - further
+        vertex = np.repeat(np.arange(len(counts)), counts)
+        place = np.arange(len(bone)) - start[:-1][vertex]
+        row = np.where(place < ROW, vertex, first_further[vertex] + place // ROW - 1)
+        shape = len(counts) + int(further.sum()), ROW
+        table = WeightTable(np.zeros(shape, np.int32), np.zeros(shape, np.float32), np.array(
+            [np.where(further > d, first_further + d, -1) for d in range(further.max(initial=0))],
+            np.int32).reshape(-1, len(counts)))
+        table.bone[row, place % ROW], table.weight[row, place % ROW] = bone, weight
+        return table
+
+    # --- here
     def frame(self, bones: np.ndarray, gain: float | None = None, strength: list[float] | None = None) -> Masks:
         """bones: (b, 6) float32, root space. gain, strength for each pose: the rig's unless given. Raises Refused."""
         kernels = native.load()

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Geometry nodes by code: what every tree of ours is written with."""
+from __future__ import annotations
+
+import bpy
+
+from . import versions
+
+Socket = bpy.types.NodeSocket
+
+
+class GeometryNodes:
+    """Adds nodes from left to right; every method returns the output socket of what it added."""
+
+    def __init__(self, group: bpy.types.NodeTree) -> None:
+        self.group = group
+        self.count = 0
+
+    def node(self, kind: str, **properties: object) -> bpy.types.Node:
+        node = self.group.nodes.new(kind)
+        for name, value in properties.items():
+            setattr(node, name, value)
+        node.location = (180.0 * (self.count // 6), -160.0 * (self.count % 6))
+        self.count += 1
+        return node
+
+    def link(self, output: Socket, node: bpy.types.Node, name: str) -> None:
+        self.group.links.new(output, versions.socket(node.inputs, name))
+
+    def put(self, value: object, target: Socket) -> None:
+        """A link, or a constant."""
+        if isinstance(value, Socket):
+            self.group.links.new(value, target)
+        else:
+            target.default_value = value
+
+    # --- values
+    def index(self) -> Socket:
+        return self.node("GeometryNodeInputIndex").outputs[0]
+
+    def position(self) -> Socket:
+        return self.node("GeometryNodeInputPosition").outputs[0]
+
+    def named(self, name: str, data_type: str) -> Socket:
+        node = self.node("GeometryNodeInputNamedAttribute", data_type=data_type)
+        node.inputs["Name"].default_value = name
+        return versions.socket(node.outputs, "Attribute")
+
+    def at(self, geometry: Socket, value: Socket, index: Socket | int, data_type: str = "FLOAT_VECTOR") -> Socket:
+        """A value at the point `index` of a geometry; zero where there is no such point."""
+        node = self.node("GeometryNodeSampleIndex", data_type=data_type, domain="POINT")
+        self.link(geometry, node, "Geometry")
+        self.link(value, node, "Value")
+        self.put(index, versions.socket(node.inputs, "Index"))
+        return versions.socket(node.outputs, "Value")
+
+    def vector(self, operation: str, *operands: object) -> Socket:
+        node = self.node("ShaderNodeVectorMath", operation=operation)
+        targets = [node.inputs[0], node.inputs["Scale"]] if operation == "SCALE" else node.inputs
+        for operand, target in zip(operands, targets):
+            self.put(operand, target)
+        return node.outputs["Value" if operation == "DOT_PRODUCT" else "Vector"]
+
+    def math(self, operation: str, *operands: object) -> Socket:
+        node = self.node("ShaderNodeMath", operation=operation)
+        for operand, target in zip(operands, node.inputs):
+            self.put(operand, target)
+        return node.outputs[0]
+
+    def components(self, vector: Socket) -> list[Socket]:
+        node = self.node("ShaderNodeSeparateXYZ")
+        self.group.links.new(vector, node.inputs[0])
+        return list(node.outputs)
+
+    def combined(self, *values: object) -> Socket:
+        node = self.node("ShaderNodeCombineXYZ")
+        for value, target in zip(values, node.inputs):
+            self.put(value, target)
+        return node.outputs[0]
+
+    # --- geometries
+    def store(self, geometry: Socket, name: str, data_type: str, value: Socket, domain: str = "POINT") -> Socket:
+        node = self.node("GeometryNodeStoreNamedAttribute", data_type=data_type, domain=domain)
+        self.link(geometry, node, "Geometry")
+        node.inputs["Name"].default_value = name
+        self.link(value, node, "Value")
+        return node.outputs[0]
+
+    def element_count(self, geometry: Socket, domain: str) -> Socket:
+        size = self.node("GeometryNodeAttributeDomainSize", component="MESH")
+        self.group.links.new(geometry, size.inputs[0])
+        return size.outputs["Point Count" if domain == "POINT" else "Face Corner Count"]
+
+    def mesh_of(self, obj: Socket) -> Socket:
+        """An object's mesh in its own space."""
+        info = self.node("GeometryNodeObjectInfo")
+        self.link(obj, info, "Object")
+        return info.outputs["Geometry"]

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrinkle Maps on an object that also shows a Wrinkle Mesh, Field or Paths: both are there, in every frame."""
+import os
+import tempfile
+import unittest
+from pathlib import Path
+
+import bpy
+import face
+import numpy as np
+import sleeve
+import stranger
+from rumple.blender import handlers, maps_live, maps_tree, modifier, structure, versions
+from test_maps_render import Renders
+
+ROUNDING = 1e-4  # of a mask
+METHODS = ("MESH", "FIELD", "PATHS")
+
+
+def add_wrinkles(obj, method):
+    obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+    obj.rumple.field.output = "GEOMETRY"
+    sleeve.make_active(obj)
+    with sleeve.context():
+        assert bpy.ops.object.rumple_add(method=method) == {"FINISHED"}
+
+
+class Beside(unittest.TestCase):
+
+    def setUp(self):
+        self.obj, self.rig = face.scene()
+        face.two_poses(self.obj, self.rig)
+        face.animate(self.rig)
+
+    def check(self, frame):
+        bpy.context.scene.frame_set(frame)
+        self.assertEqual((self.obj.rumple.message, self.obj.rumple_maps.message), ("", ""))
+        expected = face.carried(self.obj, face.risen(frame) * face.weights(self.obj, "brow.L"))
+        np.testing.assert_allclose(face.mask(self.obj, "Surprise"), expected, atol=ROUNDING)
+        self.assertGreater(expected.max(), 0.0)
+
+    def fine(self):
+        return len(sleeve.shown(self.obj)) > 2 * len(self.obj.data.vertices)
+
+    def test_every_kind_of_wrinkles(self):
+        for method in METHODS:
+            with self.subTest(method):
+                add_wrinkles(self.obj, method)
+                for frame in (11, 3, 7):
+                    self.check(frame)
+                self.assertTrue(self.fine())
+                self.assertIn("rumple_offset", sleeve.evaluated(self.obj).data.attributes)
+                bpy.ops.object.rumple_remove()
+                self.check(5)
+                self.assertFalse(self.fine())
+
+    def test_wrinkles_first(self):
+        self.obj, self.rig = face.scene(maps=False)
+        add_wrinkles(self.obj, "MESH")
+        bpy.ops.rumple.maps_add()
+        face.two_poses(self.obj, self.rig)
+        face.animate(self.rig)
+        self.check(6)
+        self.assertTrue(self.fine())
+
+    def test_switched_off_and_on(self):
+        add_wrinkles(self.obj, "MESH")
+        wrinkles = modifier.find(self.obj)
+        self.check(6)
+        wrinkles.show_viewport = False
+        self.check(8)
+        self.assertFalse(self.fine())
+        wrinkles.show_viewport = True
+        self.check(4)
+        self.assertTrue(self.fine())
+
+    def test_a_denser_mesh(self):
+        add_wrinkles(self.obj, "MESH")
+        self.check(6)
+        before = len(sleeve.shown(self.obj))
+        self.obj.rumple.mesh.level = 2
+        structure.settle_all()
+        self.check(7)
+        self.assertGreater(len(sleeve.shown(self.obj)), 2 * before)
+
+    def test_as_many_points_as_the_coarse_mesh_has_but_others(self):
+        """An own fine mesh may have the coarse one's number of points: numbers alone do not tell which one is shown."""
+        mesh = self.obj.data.copy()
+        points = versions.positions(mesh)[::-1] + np.float32(0.0007)
+        versions.set_positions(mesh, points)
+        own = bpy.data.objects.new("Own", mesh)
+        bpy.context.scene.collection.objects.link(own)
+        self.obj.rumple.mesh.source, self.obj.rumple.own_mesh = "OBJECT", own
+        add_wrinkles(self.obj, "MESH")
+        structure.settle_all()
+        self.check(6)
+        self.assertEqual(len(sleeve.shown(self.obj)), len(self.obj.data.vertices))
+        modifier.find(self.obj).show_viewport = False
+        self.check(9)
+
+    def test_baked_clips_and_no_handlers(self):
+        add_wrinkles(self.obj, "MESH")
+        bpy.context.scene.frame_end = 11
+        with tempfile.TemporaryDirectory() as folder:
+            bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "face.blend"))
+            self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+            handlers.unregister()
+            try:
+                for frame in (11, 2, 6):
+                    self.check(frame)
+            finally:
+                handlers.register()
+        self.assertTrue(self.fine())
+
+    def test_a_machine_without_rumple_sees_the_same_masks(self):
+        add_wrinkles(self.obj, "MESH")
+        for wrinkles in (True, False):
+            modifier.find(self.obj).show_viewport = wrinkles
+            with tempfile.TemporaryDirectory() as folder:
+                bpy.context.scene.frame_set(1)
+                bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, stranger.FILE))
+                seen = stranger.look(Path(folder), "Face", (11, 4), attributes=("rumple_pose_Surprise",))
+            for frame in (4, 11):
+                self.check(frame)
+                np.testing.assert_allclose(seen[frame]["rumple_pose_Surprise"][:, 0],
+                                           face.mask(self.obj, "Surprise"), atol=1e-6)
+
+    def test_in_the_wrong_order_it_is_said_and_mended_by_moving(self):
+        add_wrinkles(self.obj, "MESH")
+        stack = list(self.obj.modifiers)
+        versions.move_modifier(self.obj, stack.index(maps_tree.find(self.obj)), stack.index(modifier.find(self.obj)))
+        maps_live.rig_changed(self.obj)
+        bpy.context.scene.frame_set(6)
+        bpy.context.scene.frame_set(7)
+        self.assertIn("Wrinkle Mesh stands behind Wrinkle Maps and drops the masks", face.notes(self.obj))
+        versions.move_modifier(self.obj, stack.index(maps_tree.find(self.obj)), stack.index(modifier.find(self.obj)))
+        bpy.context.scene.frame_set(5)
+        self.check(6)
+        self.assertEqual(face.notes(self.obj), "")
+
+    def test_subdivision_in_front_shows_no_mask_and_is_named(self):
+        subdivision = self.obj.modifiers.new("Smooth", "SUBSURF")
+        versions.move_modifier(self.obj, len(self.obj.modifiers) - 1, 1)
+        maps_live.rig_changed(self.obj)
+        bpy.context.scene.frame_set(10)
+        bpy.context.scene.frame_set(11)
+        self.assertFalse(face.mask(self.obj, "Surprise").any())
+        self.assertIn('"Smooth" in front of Wrinkle Maps changes the number of vertices', face.notes(self.obj))
+        self.obj.modifiers.remove(subdivision)
+        self.check(6)
+
+
+class RendersBeside(Renders):
+    """The same pictures, of a Wrinkle Mesh that carries the masks."""
+
+    def setUp(self):
+        super().setUp()
+        add_wrinkles(self.obj, "MESH")
+        self.obj.rumple.mesh.radius = 0.05  # so low that every point keeps its pixel
+
+    def test_pixel_by_pixel_as_without_wrinkles(self):
+        bpy.context.scene.frame_set(9)
+        wrinkled = self.pixels()
+        modifier.find(self.obj).show_render = False
+        bare = self.pixels()
+        self.assertGreater(bare.max(), 0.5)
+        self.assertLess(np.abs(wrinkled - bare).max(), 0.05)
+        self.assertLess(np.abs(wrinkled - bare).mean(), 0.002)
+
+
+del Renders  # it runs where it belongs
