@@ -46,7 +46,8 @@ class Walk(RandomWalk):
         for pose, mask, strength in zip(rig.poses, fresh.pose, strengths(rig.poses)):
             found = versions.read_attribute(attributes[maps_geometry.MASK.format(pose.name)])[:, 0]
             mask = face.carried(obj, mask)
-            assert found.shape == mask.shape and np.abs(found - mask).max() < ROUNDING * rig.gain, f"{trail}: {pose.name} shows {found.max()}, not {mask.max()}"
+            assert found.shape == mask.shape and np.abs(found - mask).max() < ROUNDING * rig.gain, \
+                f"{trail}: {pose.name} shows {found.max()}, not {mask.max()}"
             assert strength > 0.0 or not found.any(), f"{trail}: {pose.name} is muted"
         images = [node.image for node in (obj.rumple_maps.group.nodes if obj.rumple_maps.group else ())
                   if node.type == "TEX_IMAGE"]

@@ -139,12 +139,42 @@ class Frames(unittest.TestCase):
         for count in range(1, 17):
             rig = face(count, 20)
             masks = PoseComparison.build(rig, one_bone_each(20)).frame(rig.poses[-1].bones)
-            packed = masks.packed()
+            packed = poses.packed(masks.pose)
             self.assertEqual(len(packed), (count + 2) // 3)
             together = np.concatenate(packed, 1)
             np.testing.assert_array_equal(together[:, :count], masks.pose.T)
             self.assertFalse(together[:, count:].any())
             self.assertTrue((masks.pose[-1] == 1.0).all())
+
+    def test_what_the_nodes_compute_with_gives_the_same_masks(self) -> None:
+        """blender/maps_geometry.py in NumPy: slopes, shares, the table of weights in rows of four, lifts."""
+        random = np.random.default_rng(3)
+        for bones, groups, entries in ((5, "", 1), (12, "ab", 9), (30, "abc", 23)):
+            rig = face(4, bones, bones)
+            for number, bone in enumerate(rig.bones):
+                bone.tracked = poses.TRACKED[number % 3]
+                bone.group = groups[number % len(groups)] if groups and number % 2 else ""
+            rig.poses[1].bones[:2] = rig.neutral[:2]
+            counts = random.integers(0, entries + 1, 40)
+            weights = SkinWeights(np.concatenate([[0], np.cumsum(counts)]).astype(np.int32),
+                                  random.integers(-1, bones, counts.sum()).astype(np.int32),
+                                  random.uniform(0.1, 1.0, counts.sum()).astype(np.float32))
+            comparison = PoseComparison.build(rig, weights)
+            now = rig.neutral + random.uniform(-0.01, 0.01, rig.neutral.shape).astype(np.float32)
+            influence = np.clip((comparison.slopes() * (now - rig.neutral)).sum(2), 0.0, 1.0)
+            number = rig.group_numbers()
+            group = [np.flatnonzero(number == number[i]) if number[i] >= 0 else [i] for i in range(bones)]
+            influence = comparison.shares() * np.stack([influence[:, members].sum(1) for members in group], 1)
+            table = comparison.table()
+            self.assertEqual(table.bone.shape[1], poses.ROW)
+            rows = (table.weight[:, :, None] * influence.T[table.bone]).sum(1)
+            summed = rows[:40] + sum(np.where(more[:, None] < 0, 0.0, rows[more]) for more in table.more)
+            strength = [1.0, 0.5, 0.0, 1.0]
+            masks = np.minimum(comparison.lifts(3.0, strength) * summed.T, 1.0)
+            expected = comparison.frame(now, 3.0, strength)
+            np.testing.assert_allclose(influence.T, expected.influence, atol=1e-5)
+            np.testing.assert_allclose(masks, expected.pose, atol=1e-5)
+            self.assertGreater(masks.max(), 0.05)
 
     def test_what_moves_as_a_whole_stays_in_root_space(self) -> None:
         rig = face()

@@ -29,9 +29,9 @@ INPUTS = (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (CO
           (BONES, "NodeSocketObject"), (WRINKLES, "NodeSocketObject"))
 
 # Attributes of the hidden meshes. {} is a pose, a pack of three poses, a column or a further row of the weight table.
-NEUTRAL, SLOPE, GROUP, SHARE, INFLUENCES = ("rumple_neutral", "rumple_slope_{}", "rumple_group", "rumple_share_{}",
-                                            "rumple_influences_{}")
-BONE, WEIGHT, MORE, LIFT, SUM = "rumple_bone_{}", "rumple_weight_{}", "rumple_more_{}", "rumple_lift_{}", "rumple_sum_{}"
+NEUTRAL, SLOPE, GROUP, SHARE = "rumple_neutral", "rumple_slope_{}", "rumple_group", "rumple_share_{}"
+BONE, WEIGHT, MORE, LIFT = "rumple_bone_{}", "rumple_weight_{}", "rumple_more_{}", "rumple_lift_{}"
+INFLUENCES, SUM = "rumple_influences_{}", "rumple_sum_{}"  # on the way, within the tree
 ROOT_POINTS = 4  # behind the 2 b points of the bones: the root's head, and one unit along x, y and z
 
 DEAD = 1e-4  # of a way, at both ends: nodes count in single precision, and 0 and 1 are to be exact
