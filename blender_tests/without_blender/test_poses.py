@@ -167,10 +167,11 @@ class Frames(unittest.TestCase):
             influence = comparison.shares() * np.stack([influence[:, members].sum(1) for members in group], 1)
             table = comparison.table()
             self.assertEqual(table.bone.shape[1], poses.ROW)
-            rows = (table.weight[:, :, None] * influence.T[table.bone]).sum(1)
-            summed = rows[:40] + sum(np.where(more[:, None] < 0, 0.0, rows[more]) for more in table.more)
             strength = [1.0, 0.5, 0.0, 1.0]
-            masks = np.minimum(comparison.lifts(3.0, strength) * summed.T, 1.0)
+            weight = table.weight[:, :, None] * comparison.lifts(3.0, strength).T[table.vertex][:, None]
+            rows = (weight * influence.T[table.bone]).sum(1)
+            summed = rows[:40] + sum(np.where(more[:, None] < 0, 0.0, rows[more]) for more in table.more)
+            masks = np.minimum(summed.T, 1.0)
             expected = comparison.frame(now, 3.0, strength)
             np.testing.assert_allclose(influence.T, expected.influence, atol=1e-5)
             np.testing.assert_allclose(masks, expected.pose, atol=1e-5)

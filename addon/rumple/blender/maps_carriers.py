@@ -2,11 +2,13 @@
 """The two hidden objects that a Wrinkle Maps modifier reads, in no collection: its inputs keep them alive.
 
 The skin has a point for each vertex, with its weights. The skeleton has two for each bone: Hook modifiers, Blender's
-own, move them with its head and tail. So the present pose reaches the nodes within Blender's one evaluation of a
-frame: no handler, no second evaluation, and on a machine without Rumple the masks follow the bones just so.
-What stands in their attributes says maps_geometry.py.
+own, move them with its head and tail, and a constraint puts the object itself to the root bone. So the present pose
+reaches the nodes within Blender's one evaluation of a frame: no handler, no second evaluation, and on a machine
+without Rumple the masks follow the bones just so. What stands in their attributes says maps_geometry.py.
 """
 from __future__ import annotations
+
+from typing import Sequence
 
 import bpy
 import numpy as np
@@ -32,73 +34,71 @@ def made_from(held: bpy.types.Object | None, shape: str) -> bool:
 
 
 def new_skin(name: str, comparison: PoseComparison, shape: str) -> bpy.types.Object:
-    """Without lifts: write_lifts() must follow."""
+    """Without weights: write_weights() must follow."""
     table = comparison.table()
     mesh = bpy.data.meshes.new(name + SKIN)
     mesh.vertices.add(len(table.bone))
     for column in range(ROW):
         versions.write_attribute(mesh, maps_geometry.BONE.format(column), "INT", "POINT", table.bone[:, column])
-        versions.write_attribute(mesh, maps_geometry.WEIGHT.format(column), "FLOAT", "POINT", table.weight[:, column])
     for row, further in enumerate(table.more):
         values = np.full(len(table.bone), -1, np.int32)
         values[:len(further)] = further
         versions.write_attribute(mesh, maps_geometry.MORE.format(row), "INT", "POINT", values)
-    mesh.update()
     return _hidden(name + SKIN, mesh, shape)
 
 
-def write_lifts(held: bpy.types.Object, lifts: np.ndarray) -> None:
-    """Gain and strengths: (o, n). The only thing that handlers write, and only where these are animated."""
-    count = len(held.data.vertices)
-    for number, pack in enumerate(packed(lifts)):
-        values = np.zeros((count, pack.shape[1]), np.float32)
-        values[:len(pack)] = pack
-        versions.write_attribute(held.data, maps_geometry.LIFT.format(number), "FLOAT_VECTOR", "POINT", values)
+def write_weights(held: bpy.types.Object, comparison: PoseComparison, gain: float, strength: Sequence[float]) -> None:
+    """With gain and strengths. The only thing that handlers write, and only where these are animated."""
+    table = comparison.table()
+    for number, lifts in enumerate(packed(comparison.lifts(gain, strength))):
+        for column in range(ROW):
+            versions.write_attribute(held.data, maps_geometry.WEIGHTS.format(number, column), "FLOAT_VECTOR", "POINT",
+                                     table.weight[:, column, None] * lifts[table.vertex])
     held.data.update()
 
 
 def new_skeleton(name: str, comparison: PoseComparison, armature: bpy.types.Object, shape: str) -> bpy.types.Object:
-    """Follows the bones of an armature, in its space."""
-    rig, known = comparison.rig, armature.data.bones
-    count = len(rig.bones)
-    rest = np.zeros((2 * count + maps_geometry.ROOT_POINTS, 3), np.float32)  # of every point, in its bone's space
-    rest[count:2 * count, 1] = [known[bone.name].length for bone in rig.bones]
-    rest[2 * count + 1:] = np.eye(3)
+    """Follows the bones of an armature, in the space of the root bone."""
+    rig, count = comparison.rig, len(comparison.rig.bones)
     mesh = bpy.data.meshes.new(name + SKELETON)
-    mesh.vertices.add(len(rest))
-    versions.set_positions(mesh, rest)
+    mesh.vertices.add(2 * count)
+    tails = np.zeros((2 * count, 3), np.float32)  # every point in the space of its bone
+    tails[count:, 1] = [armature.data.bones[bone.name].length for bone in rig.bones]
+    versions.set_positions(mesh, tails)
     _write_rig(mesh, comparison)
     mesh.update()
     held = _hidden(name + SKELETON, mesh, shape)
-    held.parent = armature
     for number, bone in enumerate(rig.bones):
         _hook(held, armature, bone.name, [number, count + number])
-    _hook(held, armature, rig.root, list(range(2 * count, len(rest))))
+    at_root = held.constraints.new("COPY_TRANSFORMS")
+    at_root.target, at_root.subtarget = armature, rig.root
     return held
+
+
+def armature_of(skeleton: bpy.types.Object) -> bpy.types.Object | None:
+    """The armature that it follows."""
+    return next((c.target for c in skeleton.constraints if c.type == "COPY_TRANSFORMS"), None)
 
 
 def _write_rig(mesh: bpy.types.Mesh, comparison: PoseComparison) -> None:
     rig, count = comparison.rig, len(comparison.rig.bones)
 
-    def write(name: str, data_type: str, values: np.ndarray) -> None:
-        """For the points of the bones; those of the root get zeros."""
-        padded = np.zeros((len(mesh.vertices), *values.shape[1:]), values.dtype)
-        padded[:len(values)] = values
-        versions.write_attribute(mesh, name, data_type, "POINT", padded)
-
     def ends(bones: np.ndarray) -> np.ndarray:
         """(b, 6) heads and tails as points: all heads, then all tails."""
         return np.concatenate([bones[:, :3], bones[:, 3:]])
+
+    def write(name: str, data_type: str, values: np.ndarray) -> None:
+        versions.write_attribute(mesh, name, data_type, "POINT", values)
 
     write(maps_geometry.NEUTRAL, "FLOAT_VECTOR", ends(rig.neutral))
     for number, slope in enumerate(comparison.slopes()):
         write(maps_geometry.SLOPE.format(number), "FLOAT_VECTOR", ends(slope))
     group = rig.group_numbers()
     alone = group < 0
-    group[alone] = len(group) + np.flatnonzero(alone)
-    write(maps_geometry.GROUP, "INT", np.concatenate([group, np.full(count, -1, np.int32)]))
-    for number, pack in enumerate(packed(comparison.shares())):
-        write(maps_geometry.SHARE.format(number), "FLOAT_VECTOR", pack)
+    group[alone] = count + np.flatnonzero(alone)
+    write(maps_geometry.GROUP, "INT", np.concatenate([group, np.full(count, -1, np.int32)]))  # tails count for none
+    for number, shares in enumerate(packed(comparison.shares())):
+        write(maps_geometry.SHARE.format(number), "FLOAT_VECTOR", np.concatenate([shares, np.zeros_like(shares)]))
 
 
 def _hook(held: bpy.types.Object, armature: bpy.types.Object, bone: str, points: list[int]) -> None:

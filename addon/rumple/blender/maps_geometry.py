@@ -2,13 +2,12 @@
 """The Wrinkle Maps' frame in geometry nodes: evaluated with the mesh itself, where no Python runs.
 
 Two hidden meshes come in (maps_carriers.py): the skeleton, whose points are heads and tails of the bones as they stand
-now, and the skin, whose points hold the weights of the vertices. With b bones and the influences I of three poses in
-a vector (Dutreve et al. 2009; native/systems/wrinkle_maps.cpp computes the same and tests compare):
+now in the space of the root bone, and the skin, whose points hold the weights of the vertices. With the influences I
+of three poses in a vector (Dutreve et al. 2009; native/systems/wrinkle_maps.cpp computes the same and tests compare):
 
-    c_i = R^-1 (p_i - o)                     section 5, footnote 1; R from the points of the root bone
-    I_i = clamp(slope . (c - neutral))       section 5.1; slope = way / |way|^2, head and tail together
+    I_i = clamp(slope . (p - neutral))       section 5.1; slope = way / |way|^2, head and tail together
     I_i = share_i  sum of I over its group   section 5.2
-    mask_v = lift_v  sum of w_vi I_i         section 5.2; lift: gain and strength
+    mask_v = sum of w_vi I_i                 section 5.2; gain and strengths are in the weights of each pose
 
 Behind a Wrinkle Mesh (Field, Paths) the fine points get the masks of the coarse corners that they are embedded in.
 """
@@ -30,9 +29,8 @@ INPUTS = (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (CO
 
 # Attributes of the hidden meshes. {} is a pose, a pack of three poses, a column or a further row of the weight table.
 NEUTRAL, SLOPE, GROUP, SHARE = "rumple_neutral", "rumple_slope_{}", "rumple_group", "rumple_share_{}"
-BONE, WEIGHT, MORE, LIFT = "rumple_bone_{}", "rumple_weight_{}", "rumple_more_{}", "rumple_lift_{}"
+BONE, WEIGHTS, MORE = "rumple_bone_{}", "rumple_weights_{}_{}", "rumple_more_{}"
 INFLUENCES, SUM = "rumple_influences_{}", "rumple_sum_{}"  # on the way, within the tree
-ROOT_POINTS = 4  # behind the 2 b points of the bones: the root's head, and one unit along x, y and z
 
 DEAD = 1e-4  # of a way, at both ends: nodes count in single precision, and 0 and 1 are to be exact
 
@@ -64,24 +62,12 @@ class Builder(GeometryNodes):
         geometry = inputs["Geometry"]
         if self.shape.poses:
             skeleton = self.with_influences(self.mesh_of(inputs[BONES]))
-            skin = self.with_masks(self.mesh_of(inputs[CARRIER]), skeleton)
-            geometry = self.shown(geometry, skin, inputs)
+            geometry = self.shown(geometry, self.mesh_of(inputs[CARRIER]), skeleton, inputs)
         self.group.links.new(geometry, self.node("NodeGroupOutput").inputs[0])
 
     # --- section 5.1
-    def in_root_space(self, skeleton: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """By Cramer's rule: the root bone may be scaled."""
-        position = self.position()
-        head, *ends = (self.at(skeleton, position, 2 * self.shape.bones + n) for n in range(ROOT_POINTS))
-        x, y, z = (self.vector("SUBTRACT", end, head) for end in ends)
-        crosses = [self.vector("CROSS_PRODUCT", *pair) for pair in ((y, z), (z, x), (x, y))]
-        volume = self.vector("DOT_PRODUCT", x, crosses[0])
-        place = self.vector("SUBTRACT", position, head)
-        return self.combined(*(self.math("DIVIDE", self.vector("DOT_PRODUCT", place, cross), volume)
-                               for cross in crosses))
-
     def with_influences(self, skeleton: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        displaced = self.vector("SUBTRACT", self.in_root_space(skeleton), self.named(NEUTRAL, "FLOAT_VECTOR"))
+        displaced = self.vector("SUBTRACT", self.position(), self.named(NEUTRAL, "FLOAT_VECTOR"))
         tail = self.math("ADD", self.index(), float(self.shape.bones))
         result = skeleton
         for pack in self.shape.packs:
@@ -98,26 +84,24 @@ class Builder(GeometryNodes):
         return result
 
     # --- section 5.2
-    def with_masks(self, skin: bpy.types.NodeSocket, skeleton: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        bones = [self.named(BONE.format(column), "INT") for column in range(ROW)]
-        weights = [self.named(WEIGHT.format(column), "FLOAT") for column in range(ROW)]
-        more = [self.named(MORE.format(row), "INT") for row in range(self.shape.rows - 1)]
-        for pack in self.shape.packs:
-            influences = self.named(INFLUENCES.format(pack), "FLOAT_VECTOR")
-            row: object = (0.0,) * 3
-            for bone, weight in zip(bones, weights):
-                row = self.vector("MULTIPLY_ADD", self.at(skeleton, influences, bone), weight, row)
-            skin = self.store(skin, SUM.format(pack), "FLOAT_VECTOR", row)
-            summed = first = self.named(SUM.format(pack), "FLOAT_VECTOR")
-            for place in more:
-                summed = self.vector("ADD", summed, self.at(skin, first, place))
-            mask = self.vector("MULTIPLY", summed, self.named(LIFT.format(pack), "FLOAT_VECTOR"))
-            skin = self.store(skin, MASKS.format(pack), "FLOAT_VECTOR", self.vector("MINIMUM", mask, (1.0,) * 3))
-        return skin
+    def masks(self, pack: int, skin: bpy.types.NodeSocket, skeleton: bpy.types.NodeSocket
+              ) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
+        """The skin with what is needed, and the field on it. In 3.4 every attribute that is stored copies a mesh."""
+        influences: bpy.types.NodeSocket = self.named(INFLUENCES.format(pack), "FLOAT_VECTOR")
+        summed: object = (0.0,) * 3
+        for column in range(ROW):
+            bone = self.at(skeleton, influences, self.named(BONE.format(column), "INT"))
+            summed = self.vector("MULTIPLY_ADD", bone, self.named(WEIGHTS.format(pack, column), "FLOAT_VECTOR"), summed)
+        if self.shape.rows > 1:
+            skin = self.store(skin, SUM.format(pack), "FLOAT_VECTOR", summed)
+            summed = row = self.named(SUM.format(pack), "FLOAT_VECTOR")
+            for further in range(self.shape.rows - 1):
+                summed = self.vector("ADD", summed, self.at(skin, row, self.named(MORE.format(further), "INT")))
+        return skin, self.vector("MINIMUM", summed, (1.0,) * 3)
 
     # --- on the mesh that comes in
-    def shown(self, geometry: bpy.types.NodeSocket, skin: bpy.types.NodeSocket, inputs: object
-              ) -> bpy.types.NodeSocket:
+    def shown(self, geometry: bpy.types.NodeSocket, skin: bpy.types.NodeSocket, skeleton: bpy.types.NodeSocket,
+              inputs: object) -> bpy.types.NodeSocket:
         """The mesh with its masks; 0 where it has other points than the masks are for.
 
         The incoming mesh goes to one node only: for a second one Blender would copy it.
@@ -133,13 +117,14 @@ class Builder(GeometryNodes):
         else:
             coarse = self.equal(count, inputs[COUNT])
         for pack in self.shape.packs:
-            mask = self.named(MASKS.format(pack), "FLOAT_VECTOR")
+            skin, mask = self.masks(pack, skin, skeleton)
             here = self.vector("SCALE", self.at(skin, mask, self.index()), coarse)
             if self.shape.fine:
                 between = self.between([self.at(skin, mask, corner) for corner in corners], place)
                 here = self.vector("ADD", here, self.vector("SCALE", between, fine))
             geometry = self.store(geometry, MASKS.format(pack), "FLOAT_VECTOR", here)
-            for name, part in zip(self.shape.poses[PACKED * pack:], self.components(mask)):
+            parts = self.components(self.named(MASKS.format(pack), "FLOAT_VECTOR"))
+            for name, part in zip(self.shape.poses[PACKED * pack:], parts):
                 geometry = self.store(geometry, MASK.format(name), "FLOAT", part)
         return geometry
 

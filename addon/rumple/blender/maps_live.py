@@ -176,7 +176,8 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     skin, skeleton = maps_tree.skin(ours), maps_tree.skeleton(ours)
     if not maps_carriers.made_from(skin, entry.shape):
         skin = maps_carriers.new_skin(obj.name, comparison, entry.shape)
-    if not maps_carriers.made_from(skeleton, entry.shape) or skeleton.parent != armature:
+    if not maps_carriers.made_from(skeleton, entry.shape) or \
+            maps_carriers.armature_of(skeleton) != armature:
         skeleton = maps_carriers.new_skeleton(obj.name, comparison, armature, entry.shape)
     _lift(obj, skin, entry, obj.rumple_maps)
     maps_tree.connect(obj, ours, skin, skeleton, front)
@@ -186,7 +187,7 @@ def _lift(obj: bpy.types.Object, skin: bpy.types.Object, entry: Runtime, setting
     """Gain, strengths, mute and solo, where the skin has others. A write costs another evaluation."""
     wanted, key = (settings.gain, tuple(strengths(settings.poses))), versions.session_key(skin.data)
     if wanted != entry.lifted or key != entry.carrier_key:
-        maps_carriers.write_lifts(skin, entry.comparison.lifts(*wanted))
+        maps_carriers.write_weights(skin, entry.comparison, *wanted)
         entry.lifted, entry.carrier_key = wanted, key
 
 

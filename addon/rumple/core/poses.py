@@ -202,6 +202,7 @@ class WeightTable:
 
     bone: np.ndarray  # (m, ROW) int32
     weight: np.ndarray  # (m, ROW) float32, 0 where a row ends early
+    vertex: np.ndarray  # (m,) int32: whose row it is
     more: np.ndarray  # (d, n) int32: further rows of every vertex; -1: none
 
 
@@ -267,10 +268,10 @@ class PoseComparison:
         vertex = np.repeat(np.arange(len(counts)), counts)
         place = np.arange(len(bone)) - start[:-1][vertex]
         row = np.where(place < ROW, vertex, first_further[vertex] + place // ROW - 1)
-        shape = len(counts) + int(further.sum()), ROW
-        table = WeightTable(np.zeros(shape, np.int32), np.zeros(shape, np.float32), np.array(
-            [np.where(further > d, first_further + d, -1) for d in range(further.max(initial=0))],
-            np.int32).reshape(-1, len(counts)))
+        owner = np.concatenate([np.arange(len(counts)), np.repeat(np.arange(len(counts)), further)]).astype(np.int32)
+        more = [np.where(further > d, first_further + d, -1) for d in range(further.max(initial=0))]
+        table = WeightTable(np.zeros((len(owner), ROW), np.int32), np.zeros((len(owner), ROW), np.float32), owner,
+                            np.array(more, np.int32).reshape(-1, len(counts)))
         table.bone[row, place % ROW], table.weight[row, place % ROW] = bone, weight
         return table
 
