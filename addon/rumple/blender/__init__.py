@@ -2,11 +2,12 @@
 """What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code."""
 from __future__ import annotations
 
-from . import (bake, brush, handlers, maps_bake, maps_export, maps_operators, maps_overlay, maps_panel, maps_properties,
-               operators, panels, paths_operators, preview, properties, structure)
+from . import (bake, brush, handlers, maps_bake, maps_export, maps_operators, maps_overlay, maps_panel,
+               maps_pose_operators, maps_properties, operators, panels, paths_operators, preview, properties, structure)
 
-_MODULES = (properties, maps_properties, operators, paths_operators, maps_operators, maps_export, maps_bake, bake,
-            panels, maps_panel, maps_overlay, handlers, preview, brush)  # brush: its lines over the preview's folds
+_MODULES = (properties, maps_properties, operators, paths_operators, maps_operators, maps_pose_operators, maps_export,
+            maps_bake, bake, panels, maps_panel, maps_overlay, handlers, preview,
+            brush)  # its lines are drawn over the preview's folds
 
 
 def register() -> None:

@@ -30,7 +30,8 @@ def _hidden(name: str, mesh: bpy.types.Mesh, shape: str) -> bpy.types.Object:
 
 def made_from(held: bpy.types.Object | None, shape: str) -> bool:
     """True where it can be written and is what new_skin() or new_skeleton() would make."""
-    return held is not None and versions.is_editable(held) and held.get(SHAPE) == shape
+    # An override of a hidden object has the linked mesh, where writing is silently ignored.
+    return held is not None and all(map(versions.is_editable, (held, held.data))) and held.get(SHAPE) == shape
 
 
 def new_skin(name: str, comparison: PoseComparison, shape: str) -> bpy.types.Object:

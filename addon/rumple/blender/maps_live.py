@@ -206,8 +206,9 @@ def ensure_comparison(obj: bpy.types.Object, entry: Runtime) -> None:
 
 
 def _fingerprint(rig: PoseRig, weights: SkinWeights, lengths: np.ndarray) -> str:
-    digest = hashlib.sha1(rig.to_json().encode())
-    for values in (weights.start, weights.bone, weights.weight, lengths):
+    """Of what skin, skeleton and comparison are made from: no gain, strengths and images."""
+    digest = hashlib.sha1(repr((rig.root, rig.bones, [pose.name for pose in rig.poses])).encode())
+    for values in (weights.start, weights.bone, weights.weight, lengths, rig.neutral, *(p.bones for p in rig.poses)):
         digest.update(values.tobytes())
     return digest.hexdigest()
 

@@ -95,7 +95,7 @@ class RUMPLE_ReferencePose(bpy.types.PropertyGroup):
                                  description="Show the wrinkles of this pose (and of others that are solo) only")
     present: bpy.props.FloatProperty(name="Present", min=0.0, max=1.0, subtype="FACTOR", get=_presence,
                                      description="How far the present pose has come to this one: mean over its bones")
-    bones: bpy.props.CollectionProperty(type=RUMPLE_PosedBone, override={"LIBRARY_OVERRIDABLE"})
+    bones: bpy.props.CollectionProperty(type=RUMPLE_PosedBone, override=_OVERRIDE)
 
 
 class RUMPLE_TrackedBone(bpy.types.PropertyGroup):
@@ -117,7 +117,7 @@ class RUMPLE_Maps(bpy.types.PropertyGroup):
                                    description="Poses are compared in the space of this bone: its motion has no effect")
     bones: bpy.props.CollectionProperty(type=RUMPLE_TrackedBone, override=_OVERRIDE)
     active_bone: bpy.props.IntProperty(options=set(), override={"LIBRARY_OVERRIDABLE"})
-    neutral: bpy.props.CollectionProperty(type=RUMPLE_PosedBone, override={"LIBRARY_OVERRIDABLE"},
+    neutral: bpy.props.CollectionProperty(type=RUMPLE_PosedBone, override=_OVERRIDE,
                                           description="The neutral pose where one is captured; else the rest pose")
     poses: bpy.props.CollectionProperty(type=RUMPLE_ReferencePose, override=_OVERRIDE,
                                         description=f"At most {MOST_POSES}")

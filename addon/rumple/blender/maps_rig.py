@@ -2,7 +2,7 @@
 """Reads armatures, stored poses and skin weights for the Wrinkle Maps, and writes stored poses back."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Sequence
 
 import bpy
 import numpy as np
@@ -62,13 +62,32 @@ def choose_by_default(obj: bpy.types.Object) -> None:
 
 
 # ---------------------------------------------------------------- storing poses
+StoredBone = tuple[str, Sequence[float], Sequence[float], Sequence[float], Sequence[float]]  # as in RUMPLE_PosedBone
+
+
 def store(records: Any, armature: bpy.types.Object) -> None:
     """Fill a collection of RUMPLE_PosedBone with all bones of an evaluated armature."""
-    records.clear()
-    for bone in armature.pose.bones:
-        record = records.add()
-        record.name, record.head, record.tail = bone.name, bone.head, bone.tail
-        record.matrix, record.basis = _flat(bone.matrix), _flat(bone.matrix_basis)
+    write(records, [(bone.name, bone.head, bone.tail, _flat(bone.matrix), _flat(bone.matrix_basis))
+                    for bone in armature.pose.bones])
+
+
+def read(records: Any) -> list[StoredBone]:
+    """What write() takes."""
+    return [(r.name, tuple(r.head), tuple(r.tail), tuple(r.matrix), tuple(r.basis)) for r in records]
+
+
+def write(records: Any, bones: list[StoredBone]) -> None:
+    """In place, bone by bone: of a linked pose a library override keeps values, not other items."""
+    names = {bone[0] for bone in bones}
+    for place in reversed(range(len(records))):
+        if records[place].name not in names:
+            records.remove(place)
+    for name, *values in bones:
+        record = records.get(name)
+        if record is None:
+            record = records.add()
+            record.name = name
+        record.head, record.tail, record.matrix, record.basis = values
 
 
 def go_to(records: Any, armature: bpy.types.Object) -> list[str]:

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The buttons of the reference poses; all of them can be undone.
+
+bpy.ops.rumple.pose_add(name="Surprise"), pose_update(), pose_rename(name="Joy"), pose_move(direction="UP"),
+pose_mute(mute=True), pose_solo(solo=True), pose_remove(), pose_go(), pose_go(neutral=True), neutral_capture(),
+neutral_rest(). They act on object.rumple_maps.poses[object.rumple_maps.active], whose name, muted and solo are
+properties as well.
+"""
+from __future__ import annotations
+
+import bpy
+
+from ..core.engine import Refused
+from ..core.poses import MOST_POSES, PoseComparison
+from . import maps_live, maps_rig
+from .maps_operators import OnMaps, OnPose, target
+from .maps_properties import unused_name
+
+
+def _posed(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Object:
+    armature = maps_rig.armature_of(obj)
+    return armature.evaluated_get(context.evaluated_depsgraph_get())
+
+
+def _refuse_bad(obj: bpy.types.Object) -> None:
+    """Raises Refused where the stored poses cannot be compared: two that are equal, one that is the neutral pose."""
+    rig, _ = maps_rig.rig_of(obj)
+    PoseComparison.build(rig, maps_rig.weights_of(obj, rig))
+
+
+class RUMPLE_OT_pose_add(OnMaps, bpy.types.Operator):
+    """Store the present pose of the armature as a reference pose"""
+
+    bl_idname = "rumple.pose_add"
+    bl_label = "Add Reference Pose"
+
+    name: bpy.props.StringProperty(name="Name", default="Pose", maxlen=48,
+                                   description="Taken names get a number, as everywhere in Blender")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        return self.guarded(lambda: self._add(context, target(context)))
+
+    def _add(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        settings = obj.rumple_maps
+        if len(settings.poses) == MOST_POSES:
+            raise Refused(f"{obj.name}: there are {MOST_POSES} reference poses already")
+        posed = _posed(context, obj)
+        if not settings.bones:
+            maps_rig.choose_by_default(obj)
+        name = unused_name(self.name, [pose.name for pose in settings.poses])
+        pose = settings.poses.add()
+        maps_rig.store(pose.bones, posed)
+        pose.name = name
+        try:
+            _refuse_bad(obj)
+        except Refused:
+            settings.poses.remove(len(settings.poses) - 1)
+            raise
+        settings.active = len(settings.poses) - 1
+        maps_live.maps_changed(obj)
+
+
+class RUMPLE_OT_pose_update(OnPose, bpy.types.Operator):
+    """Store the present pose in place of the active reference pose; its name and map stay"""
+
+    bl_idname = "rumple.pose_update"
+    bl_label = "Update Reference Pose"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        return self.guarded(lambda: self._update(context, target(context)))
+
+    def _update(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        pose = obj.rumple_maps.poses[obj.rumple_maps.active]
+        _replace(obj, pose.bones, _posed(context, obj))
+
+
+def _replace(obj: bpy.types.Object, records: bpy.types.bpy_prop_collection, posed: bpy.types.Object) -> None:
+    """Store a pose over another; the former comes back where the new one is refused."""
+    former = maps_rig.read(records)
+    maps_rig.store(records, posed)
+    try:
+        if obj.rumple_maps.poses:
+            _refuse_bad(obj)
+    except Refused:
+        maps_rig.write(records, former)
+        raise
+    maps_live.rig_changed(obj)
+
+
+class RUMPLE_OT_pose_remove(OnPose, bpy.types.Operator):
+    """Delete the active reference pose; its image stays in the file"""
+
+    bl_idname = "rumple.pose_remove"
+    bl_label = "Delete Reference Pose"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        return self.guarded(lambda: self._remove(target(context)))
+
+    def _remove(self, obj: bpy.types.Object) -> None:
+        settings = obj.rumple_maps
+        settings.poses.remove(settings.active)
+        settings.active = max(0, min(settings.active, len(settings.poses) - 1))
+        maps_live.maps_changed(obj)
+
+
+class RUMPLE_OT_pose_move(OnPose, bpy.types.Operator):
+    """Move the active reference pose in the list"""
+
+    bl_idname = "rumple.pose_move"
+    bl_label = "Move Reference Pose"
+
+    direction: bpy.props.EnumProperty(name="Direction", items=(("UP", "Up", ""), ("DOWN", "Down", "")))
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = target(context)
+        settings = obj.rumple_maps
+        place = settings.active + (1 if self.direction == "DOWN" else -1)
+        if not 0 <= place < len(settings.poses):
+            return {"CANCELLED"}
+        return self.guarded(lambda: self._move(obj, place))
+
+    def _move(self, obj: bpy.types.Object, place: int) -> None:
+        settings = obj.rumple_maps
+        settings.poses.move(settings.active, place)
+        settings.active = place
+        maps_live.maps_changed(obj)
+
+
+class RUMPLE_OT_pose_rename(OnPose, bpy.types.Operator):
+    """Rename the active reference pose: shaders and nodes that read its mask must follow"""
+
+    bl_idname = "rumple.pose_rename"
+    bl_label = "Rename Reference Pose"
+
+    name: bpy.props.StringProperty(name="Name", default="Pose", maxlen=48,
+                                   description="Taken names get a number, as everywhere in Blender")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        settings = target(context).rumple_maps
+        settings.poses[settings.active].name = self.name
+        return {"FINISHED"}
+
+
+class RUMPLE_OT_pose_mute(OnPose, bpy.types.Operator):
+    """Do not show the wrinkles of the active reference pose, or show them again"""
+
+    bl_idname = "rumple.pose_mute"
+    bl_label = "Mute Reference Pose"
+
+    mute: bpy.props.BoolProperty(name="Mute", default=True)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        settings = target(context).rumple_maps
+        settings.poses[settings.active].muted = self.mute
+        return {"FINISHED"}
+
+
+class RUMPLE_OT_pose_solo(OnPose, bpy.types.Operator):
+    """Show the wrinkles of the active reference pose only, or of all again"""
+
+    bl_idname = "rumple.pose_solo"
+    bl_label = "Solo Reference Pose"
+
+    solo: bpy.props.BoolProperty(name="Solo", default=True)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        settings = target(context).rumple_maps
+        for number, pose in enumerate(settings.poses):
+            pose.solo = self.solo and number == settings.active
+        return {"FINISHED"}
+
+
+class RUMPLE_OT_pose_go(OnMaps, bpy.types.Operator):
+    """Put the armature into the active reference pose. Nothing is keyed"""
+
+    bl_idname = "rumple.pose_go"
+    bl_label = "Go to Pose"
+
+    neutral: bpy.props.BoolProperty(name="Neutral", description="Go to the neutral pose instead", options={"SKIP_SAVE"})
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = target(context)
+        settings, armature = obj.rumple_maps, obj.find_armature()
+        if not self.neutral and not 0 <= settings.active < len(settings.poses):
+            self.report({"ERROR"}, f"{obj.name}: there is no reference pose to go to")
+            return {"CANCELLED"}
+        if self.neutral and not settings.neutral:
+            maps_rig.go_to_rest(armature)
+            missing = []
+        else:
+            records = settings.neutral if self.neutral else settings.poses[settings.active].bones
+            missing = maps_rig.go_to(records, armature)
+        if missing:
+            self.report({"WARNING"}, f"{armature.name} has no bone {', '.join(missing)}: renamed or deleted?")
+        context.view_layer.update()
+        return {"FINISHED"}
+
+
+class RUMPLE_OT_neutral_capture(OnMaps, bpy.types.Operator):
+    """Take the present pose as the neutral one, which shows no wrinkles"""
+
+    bl_idname = "rumple.neutral_capture"
+    bl_label = "Capture Neutral Pose"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = target(context)
+        return self.guarded(lambda: _replace(obj, obj.rumple_maps.neutral, _posed(context, obj)))
+
+
+class RUMPLE_OT_neutral_rest(OnMaps, bpy.types.Operator):
+    """Take the rest pose of the armature as the neutral one"""
+
+    bl_idname = "rumple.neutral_rest"
+    bl_label = "Neutral Is Rest"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = target(context)
+
+        def rest() -> None:
+            obj.rumple_maps.neutral.clear()
+            maps_live.rig_changed(obj)
+        return self.guarded(rest)
+
+
+CLASSES = (RUMPLE_OT_pose_add, RUMPLE_OT_pose_update, RUMPLE_OT_pose_rename, RUMPLE_OT_pose_move,
+           RUMPLE_OT_pose_mute, RUMPLE_OT_pose_solo, RUMPLE_OT_pose_remove, RUMPLE_OT_pose_go,
+           RUMPLE_OT_neutral_capture, RUMPLE_OT_neutral_rest)
+
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
