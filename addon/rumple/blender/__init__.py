@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from . import (bake, brush, handlers, maps_bake, maps_export, maps_operators, maps_overlay, maps_panel,
-               maps_pose_operators, maps_properties, operators, panels, paths_operators, preview, properties, structure)
+               maps_pose_operators, maps_properties, operators, panels, paths_operators, paths_overlay, preview,
+               properties, structure)
 
 _MODULES = (properties, maps_properties, operators, paths_operators, maps_operators, maps_pose_operators, maps_export,
-            maps_bake, bake, panels, maps_panel, maps_overlay, handlers, preview,
-            brush)  # its lines are drawn over the preview's folds
+            maps_bake, bake, panels, maps_panel, maps_overlay, handlers, preview, paths_overlay,
+            brush)  # the last three draw, each over the one before
 
 
 def register() -> None:

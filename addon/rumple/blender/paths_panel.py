@@ -49,6 +49,7 @@ class DATA_PT_rumple_show_paths(Panel, bpy.types.Panel):
         column = property_column(self.layout)
         shown = bool(path_curves.of(context.object))
         column.operator(f"object.rumple_curves_{'remove' if shown else 'add'}", icon="CURVE_DATA")
+        column.prop(context.object.rumple.paths, "show_overlay")
 
 
 CLASSES = (DATA_PT_rumple_folds, DATA_PT_rumple_persistence, DATA_PT_rumple_show_paths)

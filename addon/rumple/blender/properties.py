@@ -74,7 +74,10 @@ RUMPLE_MeshSettings = _settings_group("MESH")
 RUMPLE_FieldSettings = _settings_group("FIELD", gpu_preview=bpy.props.BoolProperty(
     name="GPU Preview", options=set(), override=_OVERRIDE, update=_redraw,
     description="Draw the waves in Solid viewports, on the graphics card"))
-RUMPLE_PathsSettings = _settings_group("PATHS")
+RUMPLE_PathsSettings = _settings_group("PATHS", show_overlay=bpy.props.BoolProperty(
+    name="Labels & Ellipses", options=set(), override=_OVERRIDE, update=_redraw,
+    description="Draw over the coarse triangles what folds go by: blue is being compressed, red stretched, green at "
+                "rest. The ellipses were circles before the cloth was stretched"))
 
 
 def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:

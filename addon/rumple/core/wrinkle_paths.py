@@ -66,6 +66,13 @@ class WrinklePaths(Wrinkles):
         return native.load().ride_wrinkle_paths(self.model, self._native_settings(settings), positions,
                                                 self.state_of(frame))
 
+    def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
+        1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
+        state = self.state_of(frame)
+        corners = positions[self.base.corner_vertex[self.base.triangle_corner]]
+        return corners, state.labels, native.load().wrinkle_path_ellipses(self.model, positions, state)
+
     def curve_points(self, settings: PathsSettings) -> float:
         """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
         base = self.base

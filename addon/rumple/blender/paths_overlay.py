@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the Wrinkle Paths go by, over the garment in the viewport: the coarse triangles in the colours of their labels,
+and on each what became of a circle drawn on its reference triangle.
+
+It looks at what the handlers solved last and never solves. Off in background mode and while a render runs.
+"""
+from __future__ import annotations
+
+from typing import Any, Iterator
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+from mathutils import Matrix
+
+from . import modifier, registry, structure, versions
+
+# By label: being compressed, at rest, being stretched.
+COLOURS = np.array(((0.10, 0.30, 1.0), (0.10, 0.65, 0.20), (1.0, 0.12, 0.10)), np.float32)
+FACE_ALPHA, ELLIPSE_ALPHA = 0.35, 0.85
+CORNERS = 16  # of an ellipse
+NEARER = 0.02  # share of the way to the viewer that it is drawn nearer, so that folds do not hide it
+
+_handle: Any = None
+_drawn: dict[int, tuple[registry.Inputs, Any]] = {}  # by session key: what the batch was made from, the batch
+_complaint = ""
+
+
+def shown_objects() -> Iterator[tuple[bpy.types.Object, registry.Runtime]]:
+    """Objects whose overlay is on and has a solved frame to show."""
+    for obj, ours in modifier.wrinkled_objects():
+        if obj.rumple.method != "PATHS" or not obj.rumple.paths.show_overlay:
+            continue
+        entry = registry.known(obj)
+        if (entry is not None and entry.inputs is not None and entry.fine is not None and ours.show_viewport
+                and not modifier.is_baked(ours) and obj.mode not in ("EDIT", "SCULPT")):
+            yield obj, entry
+
+
+def faces(corners: np.ndarray, labels: np.ndarray, ellipses: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(points (v, 3), colours (v, 4), triangles (f, 3)): the triangles, and before them their ellipses.
+
+    corners: (t, 3, 3); labels: (t,); ellipses: (t, 9), centre and two semi-axes.
+    """
+    count = len(corners)
+    centre, short, long = (ellipses[:, k:k + 3] for k in (0, 3, 6))
+    angle = np.linspace(0.0, 2.0 * np.pi, CORNERS, endpoint=False, dtype=np.float32)[:, None, None]
+    rim = (centre + np.cos(angle) * short + np.sin(angle) * long).swapaxes(0, 1)  # (t, CORNERS, 3)
+    points = np.concatenate([corners.reshape(-1, 3), rim.reshape(-1, 3)])
+    colours = np.concatenate([np.repeat(COLOURS[labels], each, axis=0) for each in (3, CORNERS)])
+    alpha = np.repeat(np.array((FACE_ALPHA, ELLIPSE_ALPHA), np.float32), (3 * count, CORNERS * count))
+    fan = np.stack([np.zeros(CORNERS - 2), np.arange(1, CORNERS - 1), np.arange(2, CORNERS)], 1).astype(np.int32)
+    fans = 3 * count + CORNERS * np.arange(count, dtype=np.int32)[:, None, None] + fan
+    triangles = np.concatenate([np.arange(3 * count, dtype=np.int32).reshape(-1, 3), fans.reshape(-1, 3)])
+    return points, np.concatenate([colours, alpha[:, None]], 1), triangles
+
+
+# ---------------------------------------------------------------- drawing
+def _draw_guarded() -> None:
+    """The draw handler. Never raises: what is wrong goes to the console once. Never waits for a solve."""
+    global _complaint
+    space = bpy.context.space_data
+    if structure.rendering() or space is None or space.type != "VIEW_3D" or not space.overlay.show_overlays:
+        return
+    if not registry.LOCK.acquire(blocking=False):
+        return
+    try:
+        shown = {versions.session_key(obj): (obj, entry) for obj, entry in shown_objects()}
+        for key in _drawn.keys() - shown.keys():
+            del _drawn[key]
+        for key, (obj, entry) in shown.items():
+            if obj.visible_get(viewport=space):
+                _draw(obj, _batch(key, entry))
+        _complaint = ""
+    except Exception as error:
+        text = f"Rumple: the overlay of the paths cannot be drawn: {error!r}"
+        if text != _complaint:
+            print(text)
+        _complaint = text
+    finally:
+        registry.LOCK.release()
+
+
+def _batch(key: int, entry: registry.Runtime) -> Any:
+    """Of the frame that was solved last; made anew when that is another."""
+    inputs = entry.inputs
+    held = _drawn.get(key)
+    if held is None or held[0] is not inputs:
+        import gpu  # not at the top: it needs a window in 3.4
+        from gpu_extras.batch import batch_for_shader
+        points, colours, triangles = faces(*entry.fine.labels_and_ellipses(inputs.frame, inputs.positions))
+        shader = gpu.shader.from_builtin(versions.SMOOTH_COLOR_SHADER)
+        held = _drawn[key] = inputs, batch_for_shader(shader, "TRIS", dict(pos=points, color=colours),
+                                                      indices=triangles)
+    return held[1]
+
+
+def _draw(obj: bpy.types.Object, batch: Any) -> None:
+    import gpu
+    view = bpy.context.region_data
+    nearer = (Matrix.Scale(1.0 - NEARER, 4) if view.is_perspective
+              else Matrix.Translation((0.0, 0.0, NEARER * view.view_distance)))
+    wrote_depth = gpu.state.depth_mask_get()
+    gpu.state.blend_set("ALPHA")
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.depth_mask_set(False)  # else triangles hide their ellipses
+    try:
+        with gpu.matrix.push_pop():
+            gpu.matrix.load_matrix(nearer @ gpu.matrix.get_model_view_matrix() @ obj.matrix_world)
+            batch.draw(gpu.shader.from_builtin(versions.SMOOTH_COLOR_SHADER))
+    finally:
+        gpu.state.depth_mask_set(wrote_depth)
+        gpu.state.depth_test_set("NONE")
+        gpu.state.blend_set("NONE")
+
+
+# ---------------------------------------------------------------- registration
+@persistent
+def _on_load(*_arguments: object) -> None:
+    _drawn.clear()
+
+
+def register() -> None:
+    global _handle
+    if not bpy.app.background:
+        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw_guarded, (), "WINDOW", "POST_VIEW")
+        bpy.app.handlers.load_pre.append(_on_load)
+
+
+def unregister() -> None:
+    global _handle
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+        bpy.app.handlers.load_pre.remove(_on_load)
+        _handle = None
+    _drawn.clear()
