@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cloths of the Wrinkle Paths on a jump of ../shared/data: paths_presets.jpg beside this file.
+"""Wrinkle Paths on a jump of ../shared/data: the cloths, paths_presets.jpg, and curves, paths_curves.jpg.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
@@ -16,6 +16,7 @@ import bpy
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE)]
 from make_sisters import FIRST, FRAME, ROOT, compose, look, rumple  # noqa: E402
+from rumple.blender import curves_tree, path_curves, versions  # noqa: E402
 from rumple.core.presets import PATHS_PRESETS  # noqa: E402
 
 GARMENTS = ("trousers", "sweater")
@@ -44,10 +45,54 @@ def presets(folder: Path) -> None:
     Image.open(folder / "sheet.png").save(HERE / "paths_presets.jpg", quality=88, optimize=True)
 
 
+def curves(folder: Path) -> None:
+    """Tubes along the paths, as a modifier behind the curves colours them by their height."""
+    jump("COTTON")
+    for garment, radius in (("trousers", 0.0025), ("sweater", 0.0025)):
+        bpy.context.view_layer.objects.active = bpy.data.objects[garment]
+        assert bpy.ops.object.rumple_curves_add() == {"FINISHED"}
+        child, = path_curves.of(bpy.data.objects[garment])
+        ours = path_curves.find(child)
+        identifier = versions.group_sockets(ours.node_group, "INPUT")[curves_tree.RADIUS]
+        versions.set_modifier_input(ours, identifier, radius)
+        child.modifiers.new("Colours", "NODES").node_group = coloured()
+    bpy.context.scene.frame_set(FRAME)
+    look(folder / "curves.png", lens=95.0)
+    from PIL import Image
+    Image.open(folder / "curves.png").convert("RGB").save(HERE / "paths_curves.jpg", quality=88, optimize=True)
+
+
+def coloured() -> bpy.types.NodeTree:
+    """A node group that gives a material: blue where a path is flat, red where it is a centimetre high."""
+    material = bpy.data.materials.new("Paths")
+    versions.use_nodes(material)
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    height, ramp = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeValToRGB")
+    height.attribute_name = curves_tree.PATH_HEIGHT
+    scale = nodes.new("ShaderNodeMath")
+    scale.operation, scale.inputs[1].default_value = "MULTIPLY", 100.0
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.0, 0.1, 1.0, 1.0), (1.0, 0.02, 0.0, 1.0)
+    links.new(height.outputs["Fac"], scale.inputs[0])
+    links.new(scale.outputs[0], ramp.inputs[0])
+    links.new(ramp.outputs[0], next(n for n in nodes if n.type == "BSDF_PRINCIPLED").inputs["Base Color"])
+    group = bpy.data.node_groups.new("Colours", "GeometryNodeTree")
+    for in_out in ("INPUT", "OUTPUT"):
+        versions.new_group_socket(group, "Geometry", in_out, "NodeSocketGeometry")
+    versions.mark_as_modifier(group)
+    start, give, end = (group.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeSetMaterial",
+                                                           "NodeGroupOutput"))
+    give.inputs["Material"].default_value = material
+    group.links.new(start.outputs[0], give.inputs[0])
+    group.links.new(give.outputs[0], end.inputs[0])
+    return group
+
+
 def main() -> None:
     rumple.register()
     with tempfile.TemporaryDirectory() as folder:
-        presets(Path(folder))
+        for picture in (presets, curves):
+            if picture.__name__ in sys.argv[-1] or "--" not in sys.argv:  # one of them: -- presets
+                picture(Path(folder))
 
 
 main()

@@ -17,7 +17,8 @@ from . import modifier, registry, structure, versions
 
 # By label: being compressed, at rest, being stretched.
 COLOURS = np.array(((0.10, 0.30, 1.0), (0.10, 0.65, 0.20), (1.0, 0.12, 0.10)), np.float32)
-FACE_ALPHA, ELLIPSE_ALPHA = 0.35, 0.85
+PALE = 0.6  # share of white in the ellipses
+FACE_ALPHA, ELLIPSE_ALPHA = 0.5, 0.9
 CORNERS = 16  # of an ellipse
 NEARER = 0.02  # share of the way to the viewer that it is drawn nearer, so that folds do not hide it
 
@@ -47,12 +48,18 @@ def faces(corners: np.ndarray, labels: np.ndarray, ellipses: np.ndarray) -> tupl
     angle = np.linspace(0.0, 2.0 * np.pi, CORNERS, endpoint=False, dtype=np.float32)[:, None, None]
     rim = (centre + np.cos(angle) * short + np.sin(angle) * long).swapaxes(0, 1)  # (t, CORNERS, 3)
     points = np.concatenate([corners.reshape(-1, 3), rim.reshape(-1, 3)])
-    colours = np.concatenate([np.repeat(COLOURS[labels], each, axis=0) for each in (3, CORNERS)])
-    alpha = np.repeat(np.array((FACE_ALPHA, ELLIPSE_ALPHA), np.float32), (3 * count, CORNERS * count))
+    colours = np.concatenate([_repeated(COLOURS, FACE_ALPHA, labels, 3),
+                              _repeated(COLOURS + PALE * (1.0 - COLOURS), ELLIPSE_ALPHA, labels, CORNERS)])
     fan = np.stack([np.zeros(CORNERS - 2), np.arange(1, CORNERS - 1), np.arange(2, CORNERS)], 1).astype(np.int32)
     fans = 3 * count + CORNERS * np.arange(count, dtype=np.int32)[:, None, None] + fan
     triangles = np.concatenate([np.arange(3 * count, dtype=np.int32).reshape(-1, 3), fans.reshape(-1, 3)])
-    return points, np.concatenate([colours, alpha[:, None]], 1), triangles
+    return points, colours, triangles
+
+
+def _repeated(colours: np.ndarray, alpha: float, labels: np.ndarray, times: int) -> np.ndarray:
+    """(times t, 4): the colour of every label, for so many points each."""
+    with_alpha = np.concatenate([colours, np.full((len(colours), 1), alpha, np.float32)], 1)
+    return np.repeat(with_alpha[labels], times, axis=0).astype(np.float32)
 
 
 # ---------------------------------------------------------------- drawing
