@@ -90,7 +90,7 @@ class Overlay(PathsCase):
         sleeve.at(1)
         yield from self.shot()
         still = self.coloured()
-        self.assertEqual((still[0], still[2]), (without[0], without[2]), "nothing is compressed or stretched in the first frame")
+        self.assertEqual((still[0], still[2]), (without[0], without[2]), "the first frame has nothing to compare with")
         self.assertGreater(still[1], moving[1])
         with sleeve.context():
             bpy.ops.object.rumple_remove()

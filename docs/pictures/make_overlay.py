@@ -26,9 +26,9 @@ def view(area: bpy.types.Area) -> None:
     """A clean viewport that looks at the trousers of this frame."""
     space = area.spaces.active
     space.shading.type, space.show_gizmo, space.show_region_toolbar = "SOLID", False, False
-    overlay = space.overlay
-    overlay.show_floor = overlay.show_axis_x = overlay.show_axis_y = overlay.show_cursor = overlay.show_text = False
-    overlay.show_extras = overlay.show_outline_selected = overlay.show_object_origins = overlay.show_relationship_lines = False
+    for name in ("floor", "axis_x", "axis_y", "cursor", "text", "extras", "outline_selected", "object_origins",
+                 "relationship_lines"):
+        setattr(space.overlay, f"show_{name}", False)
     region = space.region_3d
     region.view_perspective = "PERSP"
     region.view_rotation = Vector((-1.3, 2.2, -0.5)).to_track_quat("-Z", "Y")
