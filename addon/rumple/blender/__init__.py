@@ -6,10 +6,6 @@ from . import (bake, brush, handlers, maps_bake, maps_export, maps_operators, ma
                maps_pose_operators, maps_properties, operators, panels, paths_operators, paths_overlay, preview,
                properties, structure)
 
-from . import (bake, brush, handlers, maps_bake, maps_export, maps_operators, maps_overlay, maps_panel,
-               maps_pose_operators, maps_properties, operators, panels, paths_operators, paths_overlay, preview,
-               properties, structure)
-
 _MODULES = (properties, maps_properties, operators, paths_operators, maps_operators, maps_pose_operators, maps_export,
             maps_bake, bake, panels, maps_panel, maps_overlay, handlers, preview, paths_overlay,
             brush)  # the last three draw, each over the one before

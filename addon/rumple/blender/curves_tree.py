@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import node_tree, versions
 from ..core.curve_rows import ROWS
+from . import node_tree, versions
+from .geometry_nodes import GeometryNodes, Socket
 
 VERSION = 1  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_path_curves_version"
@@ -53,44 +54,31 @@ def upgrade(group: bpy.types.NodeTree) -> None:
     if not versions.group_sockets(group, "OUTPUT"):
         versions.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
     versions.mark_as_modifier(group)
-    _Curves(group, ()).build()
+    _Curves(group).build()
     group[VERSION_KEY] = VERSION
 
 
-class _Curves(node_tree._Builder):
+class _Curves(GeometryNodes):
 
-    def row(self, geometry: bpy.types.NodeSocket, number: int) -> bpy.types.NodeSocket:
+    def row(self, geometry: Socket, number: int) -> Socket:
         """One of the rows of every point."""
         room = self.math("DIVIDE", self.element_count(geometry, "POINT"), float(ROWS))
-        index = self.node("GeometryNodeInputIndex").outputs[0]
-        return self.sample(geometry, self.math("MULTIPLY_ADD", room, float(number), index))
+        return self.sample(geometry, self.math("MULTIPLY_ADD", room, float(number), self.index()))
 
-    def of_garment(self, garment: bpy.types.NodeSocket, name: str, data_type: str,
-                   index: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        node = self.node("GeometryNodeSampleIndex", data_type=data_type, domain="POINT")
-        self.link(garment, node, "Geometry")
-        self.link(self.named(name, data_type), node, "Value")
-        self.link(index, node, "Index")
-        return versions.socket(node.outputs, "Value")
-
-    def is_number(self, garment: bpy.types.NodeSocket, index: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    def is_number(self, garment: Socket, index: Socket) -> Socket:
         """Whether a coarse point still is where it was on the result of the wrinkles."""
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
-        self.link(self.of_garment(garment, node_tree.BASE_INDEX, "INT", index), compare, "A")
+        self.link(self.at(garment, self.named(node_tree.BASE_INDEX, "INT"), index, "INT"), compare, "A")
         self.link(index, compare, "B")
         return compare.outputs[0]
 
-    def is_joined(self, garment: bpy.types.NodeSocket, corners: list[bpy.types.NodeSocket],
-                  next_is_its_own: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    def is_joined(self, garment: Socket, corners: list[Socket], next_is_its_own: Socket) -> Socket:
         """For the edge from point i to point i + 1, which is edge i. Where the garment does not show its wrinkles no
         coarse point says its number, so there are no curves; two are asked, for zero is also what nothing says."""
         there = self.both(self.is_number(garment, corners[0]), self.is_number(garment, corners[1]))
-        compare = self.node("FunctionNodeCompare", data_type="FLOAT", operation="GREATER_THAN")
-        self.link(next_is_its_own, compare, "A")
-        versions.socket(compare.inputs, "B").default_value = 0.5
-        return self.both(there, compare.outputs[0])
+        return self.both(there, self.above(next_is_its_own, 0.5))
 
-    def tubes(self, curves: bpy.types.NodeSocket, radius: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    def tubes(self, curves: Socket, radius: Socket) -> Socket:
         circle = self.node("GeometryNodeCurvePrimitiveCircle")
         circle.inputs["Resolution"].default_value = 8
         self.link(radius, circle, "Radius")
@@ -102,10 +90,11 @@ class _Curves(node_tree._Builder):
 
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
-        geometry, garment = inputs["Geometry"], self.object_geometry(inputs[GARMENT])
+        geometry, garment = inputs["Geometry"], self.mesh_of(inputs[GARMENT])
         places, weights, offset, shape = (self.row(geometry, number) for number in range(ROWS))
         corners = self.components(places)
-        posed = [self.of_garment(garment, node_tree.BASE_POSITION, "FLOAT_VECTOR", corner) for corner in corners]
+        incoming = self.named(node_tree.BASE_POSITION, "FLOAT_VECTOR")
+        posed = [self.at(garment, incoming, corner) for corner in corners]
         width, height, joined = self.components(shape)
         points = geometry
         for name, data_type, value in ((_POINT_ID, "INT", self.components(weights)[2]), (PATH_WIDTH, "FLOAT", width),
@@ -117,9 +106,6 @@ class _Curves(node_tree._Builder):
         self.link(self.is_joined(garment, corners, joined), to_curve, "Selection")
         curves = self.store(to_curve.outputs[0], PATH_ID, "INT", self.named(_POINT_ID, "INT"), "CURVE")
         curves = self.without(curves, _POINT_ID)
-        thick = self.node("FunctionNodeCompare", data_type="FLOAT", operation="GREATER_THAN")
-        self.link(inputs[RADIUS], thick, "A")
-        versions.socket(thick.inputs, "B").default_value = 0.0
-        shown = self.switch(thick.outputs[0], curves, self.tubes(curves, inputs[RADIUS]))
+        shown = self.switch(self.above(inputs[RADIUS], 0.0), curves, self.tubes(curves, inputs[RADIUS]))
         output = self.node("NodeGroupOutput")
         self.group.links.new(shown, output.inputs[0])

@@ -78,12 +78,67 @@ class GeometryNodes:
             self.put(value, target)
         return node.outputs[0]
 
+    def sample(self, geometry: Socket, index: Socket) -> Socket:
+        """Position of the point `index` of a geometry."""
+        return self.at(geometry, self.position(), index)
+
+    def added(self, *terms: Socket) -> Socket:
+        result = terms[0]
+        for term in terms[1:]:
+            result = self.vector("ADD", result, term)
+        return result
+
+    def both(self, a: Socket, b: Socket) -> Socket:
+        node = self.node("FunctionNodeBooleanMath", operation="AND")
+        self.group.links.new(a, node.inputs[0])
+        self.group.links.new(b, node.inputs[1])
+        return node.outputs[0]
+
+    def above(self, value: Socket, limit: float) -> Socket:
+        node = self.node("FunctionNodeCompare", data_type="FLOAT", operation="GREATER_THAN")
+        self.link(value, node, "A")
+        versions.socket(node.inputs, "B").default_value = limit
+        return node.outputs[0]
+
+    def embedded(self, points: list[Socket], weights: Socket, offset: Socket) -> Socket:
+        """The formula at the top of node_tree.py. points: the positions p0 p1 p2."""
+        p0, p1, p2 = points
+        edge_1, edge_2 = self.vector("SUBTRACT", p1, p0), self.vector("SUBTRACT", p2, p0)
+        tangent = self.vector("NORMALIZE", edge_1)
+        normal = self.vector("NORMALIZE", self.vector("CROSS_PRODUCT", edge_1, edge_2))
+        bitangent = self.vector("CROSS_PRODUCT", normal, tangent)
+        u, v, _ = self.components(weights)
+        x, y, z = self.components(offset)
+        return self.added(p0, self.vector("SCALE", edge_1, u), self.vector("SCALE", edge_2, v),
+                          self.vector("SCALE", tangent, x), self.vector("SCALE", bitangent, y),
+                          self.vector("SCALE", normal, z))
+
     # --- geometries
     def store(self, geometry: Socket, name: str, data_type: str, value: Socket, domain: str = "POINT") -> Socket:
         node = self.node("GeometryNodeStoreNamedAttribute", data_type=data_type, domain=domain)
         self.link(geometry, node, "Geometry")
         node.inputs["Name"].default_value = name
         self.link(value, node, "Value")
+        return node.outputs[0]
+
+    def moved(self, fine: Socket, position: Socket) -> Socket:
+        node = self.node("GeometryNodeSetPosition")
+        self.link(fine, node, "Geometry")
+        self.link(position, node, "Position")
+        return node.outputs[0]
+
+    def switch(self, condition: Socket, no: Socket, yes: Socket) -> Socket:
+        node = self.node("GeometryNodeSwitch", input_type="GEOMETRY")
+        self.link(condition, node, "Switch")
+        self.link(no, node, "False")
+        self.link(yes, node, "True")
+        return versions.socket(node.outputs, "Output")
+
+    def without(self, fine: Socket, name: str) -> Socket:
+        """Later modifiers need not carry what only this tree reads."""
+        node = self.node("GeometryNodeRemoveAttribute")
+        self.link(fine, node, "Geometry")
+        node.inputs["Name"].default_value = name
         return node.outputs[0]
 
     def element_count(self, geometry: Socket, domain: str) -> Socket:

@@ -101,41 +101,9 @@ class _Builder(GeometryNodes):
         super().__init__(group)
         self.attributes = attributes
 
-    def sample(self, geometry: bpy.types.NodeSocket, index: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Position of the point `index` of a geometry."""
-        return self.at(geometry, self.position(), index)
-
-    def total(self, *terms: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        result = terms[0]
-        for term in terms[1:]:
-            result = self.vector("ADD", result, term)
-        return result
-
-    def switch(self, condition: bpy.types.NodeSocket, no: bpy.types.NodeSocket,
-               yes: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        node = self.node("GeometryNodeSwitch", input_type="GEOMETRY")
-        self.link(condition, node, "Switch")
-        self.link(no, node, "False")
-        self.link(yes, node, "True")
-        return versions.socket(node.outputs, "Output")
-
     def embedded_position(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         return self.embedded([self.sample(geometry, self.named(name, "INT")) for name in CORNERS],
                              self.named(BARYCENTRIC, "FLOAT_VECTOR"), self.named(LOCAL_OFFSET, "FLOAT_VECTOR"))
-
-    def embedded(self, points: list[bpy.types.NodeSocket], weights: bpy.types.NodeSocket,
-                 offset: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """The formula at the top of this file."""
-        p0, p1, p2 = points
-        edge_1, edge_2 = self.vector("SUBTRACT", p1, p0), self.vector("SUBTRACT", p2, p0)
-        tangent = self.vector("NORMALIZE", edge_1)
-        normal = self.vector("NORMALIZE", self.vector("CROSS_PRODUCT", edge_1, edge_2))
-        bitangent = self.vector("CROSS_PRODUCT", normal, tangent)
-        u, v, _ = self.components(weights)
-        x, y, z = self.components(offset)
-        return self.total(p0, self.vector("SCALE", edge_1, u), self.vector("SCALE", edge_2, v),
-                          self.vector("SCALE", tangent, x), self.vector("SCALE", bitangent, y),
-                          self.vector("SCALE", normal, z))
 
     def played(self, fine: bpy.types.NodeSocket, clip: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """The shown mesh as the points of a clip have it: see bake_files.points_of()."""
@@ -161,33 +129,14 @@ class _Builder(GeometryNodes):
         points = self.math("MULTIPLY", self.element_count(carried, "POINT"), 1.0 + domains.count("POINT"))
         return self.math("MULTIPLY_ADD", self.element_count(carried, "CORNER"), float(domains.count("CORNER")), points)
 
-    def moved(self, fine: bpy.types.NodeSocket, position: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        node = self.node("GeometryNodeSetPosition")
-        self.link(fine, node, "Geometry")
-        self.link(position, node, "Position")
-        return node.outputs[0]
-
     def store_base_position(self, geometry: bpy.types.NodeSocket, fine: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         return self.store(fine, BASE_POSITION, "FLOAT_VECTOR", self.sample(geometry, self.index()))
-
-    def without(self, fine: bpy.types.NodeSocket, name: str) -> bpy.types.NodeSocket:
-        """Later modifiers need not carry what only this tree reads."""
-        node = self.node("GeometryNodeRemoveAttribute")
-        self.link(fine, node, "Geometry")
-        node.inputs["Name"].default_value = name
-        return node.outputs[0]
 
     def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
         self.link(self.element_count(geometry, "POINT"), compare, "A")
         self.link(expected, compare, "B")
         return compare.outputs[0]
-
-    def both(self, a: bpy.types.NodeSocket, b: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        node = self.node("FunctionNodeBooleanMath", operation="AND")
-        self.group.links.new(a, node.inputs[0])
-        self.group.links.new(b, node.inputs[1])
-        return node.outputs[0]
 
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
