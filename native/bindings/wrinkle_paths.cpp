@@ -62,7 +62,8 @@ void bind_settings(py::module_& module) {
         .def_readwrite("fade", &Settings::fade, "seconds in which a fold rises and sinks, >= 0")
         .def_readwrite("persistent", &Settings::persistent, "False: every frame is traced anew")
         .def_readwrite("seed", &Settings::seed, "of the places where folds may start")
-        .def_readwrite("height", &Settings::height, "factor on the height that keeps the arc length, >= 0");
+        .def_readwrite("height", &Settings::height, "factor on the height that keeps the arc length, >= 0")
+        .def_readwrite("threads", &Settings::threads, "0: chosen by size; never changes the result");
     bind_reference_settings(settings, [](Settings& s) -> ReferenceSettings& { return s; });
     bind_choice(settings, "direction", &Settings::direction, kDirections, "OUTWARD, INWARD or BOTH");
     bind_choice(settings, "profile", &Settings::profile, kProfiles, "SPLINE, QUARTIC, CIRCULAR_ARCS or SINE");

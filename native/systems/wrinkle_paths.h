@@ -36,6 +36,7 @@ struct Settings : ReferenceSettings {
     Profile profile = Profile::kSpline;
     Direction direction = Direction::kOutward;
     float height = 1.0f;  // factor on the height that keeps the arc length, >= 0
+    int threads = 0;      // of show(); 0: chosen by size; the result does not depend on it
 };
 
 // Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.

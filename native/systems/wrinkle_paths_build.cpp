@@ -91,6 +91,7 @@ void check(const Settings& s) {
     check_range("fade", s.fade, 0.0, kMost);
     check_range("hem_rings", s.hem_rings, 0.0, kMost);
     check_range("height", s.height, 0.0, kMost);
+    check_range("threads", s.threads, 0.0, 1024.0);
 }
 
 std::shared_ptr<const Model> build(Surface base, const FineSource& source, AttachmentKind attachment) {

@@ -3,18 +3,30 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <thread>
 
 #include "base/expect.h"
+#include "base/parallel.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_paths_fold.h"
 
 namespace rumple::wrinkle_paths {
 namespace {
 
+// Below this many fine vertices threads are not worth it: alone a frame takes a few milliseconds.
+constexpr size_t kVerticesForThreads = 50'000;
+constexpr int kMostThreads = 4;
+
 // A bound is so much wider than what it is computed from.
 constexpr float kRounding = 1.0f + 1e-5f;
 
 using formulas::FoldEnd;
+
+int choose_threads(const Settings& settings, size_t vertices) {
+    if (settings.threads > 0) return settings.threads;
+    if (vertices < kVerticesForThreads) return 1;
+    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
+}
 
 // The least distance between two segments in space.
 float segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -170,12 +182,12 @@ float height_at(const Packed& packed, const std::vector<Ball>& balls, const std:
     return best;
 }
 
-std::vector<float> fine_heights(const Ground& ground, const Settings& settings, const Packed& packed) {
+// Of the fine vertices that lie in some triangles.
+void fine_heights(const Ground& ground, const Settings& settings, const Packed& packed,
+                  const std::vector<Ball>& balls, Team::Range triangles, std::vector<float>& height) {
     const Model& model = ground.model;
-    const std::vector<Ball> balls = balls_around(packed.ends);
-    std::vector<float> height(model.attachments.places.size(), 0.0f);
     std::vector<Index> pieces;
-    for (Index t = 0; t < model.net.triangles(); ++t) {
+    for (Index t = Index(triangles.begin); t < Index(triangles.end); ++t) {
         if (packed.triangle_start[t] == packed.triangle_start[t + 1]) continue;
         pieces_at(ground, packed, balls, t, pieces);
         if (pieces.empty()) continue;
@@ -187,7 +199,39 @@ std::vector<float> fine_heights(const Ground& ground, const Settings& settings, 
             if (height[v] != 0.0f) height[v] *= hem_weight_at(model, settings, place);
         }
     }
-    return height;
+}
+
+// The fine vertices on the smooth surface, lifted along its normals.
+struct Lifted {
+    std::vector<float> height;
+    std::vector<Vec3> offset;
+    std::vector<Vec3> positions;
+};
+
+// Every fine vertex lies in one triangle, so that no two threads write to one.
+Lifted lift(const Ground& ground, const Settings& settings, const Packed& packed) {
+    const Model& model = ground.model;
+    const std::vector<Vec3>& base = ground.pose.positions;
+    const size_t vertices = model.attachments.places.size();
+    Lifted out{std::vector<float>(vertices, 0.0f), std::vector<Vec3>(vertices, Vec3(0.0f)),
+               std::vector<Vec3>(vertices)};
+    std::vector<Vec3> normals(base.size());
+    vertex_normals(model.base, base, normals);
+    const std::vector<Ball> balls = balls_around(packed.ends);
+    Team team(choose_threads(settings, vertices));
+    team.run([&](int thread) {
+        fine_heights(ground, settings, packed, balls, team.share(0, model.rest.size(), thread), out.height);
+        team.meet();
+        const Team::Range part = team.share(0, vertices, thread);
+        attach(model.base, model.attachments, base, normals, out.positions, part.begin, part.end);
+        for (size_t v = part.begin; v < part.end; ++v) {
+            if (out.height[v] == 0.0f) continue;
+            out.offset[v] =
+                out.height[v] * unit(interpolate(model.base, model.attachments.places[v], normals));
+            out.positions[v] += out.offset[v];
+        }
+    });
+    return out;
 }
 
 void check_shown(const Model& model, const Input& input, const State& state) {
@@ -205,19 +249,11 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
     check_shown(model, input, state);
     const Pose pose = make_pose(model, input.positions);
     const Ground ground{model, pose, {}, state.compression, {}};
-    const std::vector<float> height = fine_heights(ground, settings, pack(ground, settings, state.paths));
-    std::vector<Vec3> normals(pose.positions.size());
-    vertex_normals(model.base, pose.positions, normals);
-    std::vector<Vec3> lifted(height.size()), offset(height.size(), Vec3(0.0f));
-    attach(model.base, model.attachments, pose.positions, normals, lifted, 0, height.size());
-    for (size_t v = 0; v < height.size(); ++v) {
-        if (height[v] == 0.0f) continue;
-        offset[v] = height[v] * unit(interpolate(model.base, model.attachments.places[v], normals));
-        lifted[v] += offset[v];
-    }
-    show_frame(model.base, model.shown, model.stretch, pose.positions, pose.frames, lifted, offset, picture);
+    const Lifted lifted = lift(ground, settings, pack(ground, settings, state.paths));
+    show_frame(model.base, model.shown, model.stretch, pose.positions, pose.frames, lifted.positions,
+               lifted.offset, picture);
     picture.height.resize(model.shown.places.size());
-    apply<float>(model.shown.from_solved, height, picture.height);
+    apply<float>(model.shown.from_solved, lifted.height, picture.height);
 }
 
 Packed pack(const Model& model, const Settings& settings, const Input& input, const State& state) {

@@ -142,6 +142,21 @@ TEST(WrinklePaths, TheSameInputGivesTheSameBits) {
     EXPECT_TRUE(same_bits(a, b));
 }
 
+TEST(WrinklePaths, AnyNumberOfThreadsShowsTheSameBits) {
+    PathCloth cloth(shaken(triangulated(tube(16, 14, 0.06f, 0.5f)), 0.004f, 3), 2);
+    const Pose3 pose = bend(cloth, 0.5f)(9.0);
+    const State state = cloth.play(1.0, bend(cloth, 0.5f));
+    cloth.settings.threads = 1;
+    const Picture alone = cloth.show(pose, state);
+    EXPECT_GT(*std::max_element(alone.height.begin(), alone.height.end()), 0.2f * cloth.settings.width);
+    for (const int threads : {2, 3, 8}) {
+        cloth.settings.threads = threads;
+        const Picture many = cloth.show(pose, state);
+        EXPECT_EQ(many.height, alone.height) << threads;
+        EXPECT_EQ(many.positions, alone.positions) << threads;
+    }
+}
+
 TEST(WrinklePaths, TheNumberingOfVerticesDoesNotMatter) {
     const PathCloth cloth = sleeve();
     std::vector<Index> renamed(cloth.mesh.positions.size());
