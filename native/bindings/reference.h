@@ -2,6 +2,10 @@
 // Chapter 4's reference triangles, as every system hands them to Python.
 #pragma once
 
+#include <pybind11/stl.h>
+
+#include <optional>
+
 #include "bindings/arrays.h"
 #include "bindings/choices.h"
 #include "surface/adaptive_reference.h"
@@ -40,5 +44,40 @@ void bind_reference_settings(py::class_<Settings>& settings, Of of) {
         },
         "REST, FIRST_FRAME or STATIC_REST");
 }
+
+// The state of the reference triangles as plain arrays, and back.
+py::dict reference_arrays(const ReferenceState& state);
+ReferenceState reference_from(const py::dict& from);
+
+// ... of a system whose rest shape may stay: None and the empty state.
+py::object reference_or_none(const ReferenceState& state);
+ReferenceState reference_or_empty(const std::optional<py::dict>& from);
+
+// The array of that name in a stored state. Throws InvalidInput where there is none.
+py::array stored_array(const py::dict& from, const char* name);
+
+py::array clip_labels(const Surface& surface, const ReferenceModel& model, const ReferenceSettings& settings,
+                      const py::array& times, const py::array& positions, bool raw);
+
+// label_clip() of a system. model_of: const Model& -> const ReferenceModel&; of: Settings& ->
+// ReferenceSettings&.
+template <typename Model, typename Settings, typename ModelOf, typename Of>
+void bind_label_clip(py::module_& module, ModelOf model_of, Of of) {
+    module.def(
+        "label_clip",
+        [model_of, of](const Model& model, Settings& settings, const py::array& times,
+                       const py::array& positions, bool raw) {
+            return clip_labels(model.base, model_of(model), of(settings), times, positions, raw);
+        },
+        py::arg("model"), py::arg("settings"), py::arg("times"), py::arg("positions"), py::arg("raw") = false,
+        "Labels of a whole clip in one cut, (f, t) uint8: 0 compress, 1 rest, 2 stretch. times: (f,) "
+        "float64,\n"
+        "seconds, ascending. positions: (f n, 3) float32, frame after frame. raw: every triangle's cheapest\n"
+        "label for itself. Cost: about 1 ms and half a megabyte per frame and 1,000 triangles.");
+}
+
+// When a frame is and what is known ahead of it, as Python says it. The arrays must outlive the moment.
+Moment make_moment(double time, const std::optional<py::array>& labels,
+                   const std::optional<py::array>& next_positions, double next_time);
 
 }  // namespace rumple::bindings

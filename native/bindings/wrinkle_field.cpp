@@ -10,6 +10,7 @@
 #include "bindings/arrays.h"
 #include "bindings/choices.h"
 #include "bindings/module.h"
+#include "bindings/reference.h"
 
 namespace rumple::bindings {
 namespace {
@@ -76,8 +77,10 @@ auto numpy(std::vector<float> Class::*member) {
 }
 
 void bind_settings(py::module_& module) {
-    py::class_<Settings>(module, "WrinkleFieldSettings", "Settings of a solve; see docs/wrinkle_field.md.")
-        .def(py::init<>())
+    py::class_<Settings> settings(module, "WrinkleFieldSettings",
+                                  "Settings of a solve; see docs/wrinkle_field.md.");
+    bind_reference_settings(settings, [](Settings& s) -> ReferenceSettings& { return s.rest; });
+    settings.def(py::init<>())
         .def_readwrite("wavelength", &Settings::wavelength, "W in rest space, object units, > 0")
         .def_readwrite("strength", &Settings::strength, "factor on the amplitude of equation (2), >= 0")
         .def_readwrite("rate", &Settings::rate, "epsilon / (2 pi^2) of equation (6), 0..1; stable below 1")
@@ -202,12 +205,17 @@ void bind_wrinkle_field(py::module_& module) {
             return to_numpy<float>(std::vector<float>(p.slope.begin(), p.slope.end()), 0);
         });
     py::class_<State>(module, "WrinkleFieldState", "What lives from frame to frame.")
-        .def(py::init([](const py::array& phase, const py::array& direction, const py::array& offset) {
-                 return State{copied(scalars<float>(phase, "phase", 0)),
-                              copied(vectors2(direction, "direction")),
-                              copied(scalars<float>(offset, "solved_offset", 0))};
+        .def(py::init([](const py::array& phase, const py::array& direction, const py::array& offset,
+                         const std::optional<py::dict>& reference) {
+                 return State{
+                     copied(scalars<float>(phase, "phase", 0)), copied(vectors2(direction, "direction")),
+                     copied(scalars<float>(offset, "solved_offset", 0)), reference_or_empty(reference)};
              }),
-             py::arg("phase"), py::arg("direction"), py::arg("solved_offset"))
+             py::arg("phase"), py::arg("direction"), py::arg("solved_offset"),
+             py::arg("reference") = py::none())
+        .def_property_readonly(
+            "reference", [](const State& s) { return reference_or_none(s.reference); },
+            "Of an adaptive rest shape: a dict of plain arrays; else None.")
         .def_property_readonly("solved_offset", numpy(&State::solved_offset),
                                "(neighbours,) float32, radians: when it was last relaxed")
         .def("woken", &woken, "The same phases with no vertex held: for a solve with other settings.")
@@ -215,7 +223,7 @@ void bind_wrinkle_field(py::module_& module) {
         .def_property_readonly("direction", numpy(&State::direction), "(w, 2) float32, rest frame")
         .def_property_readonly("nbytes", [](const State& s) {
             return (s.phase.size() + s.solved_offset.size()) * sizeof(float) +
-                   s.direction.size() * sizeof(Vec2);
+                   s.direction.size() * sizeof(Vec2) + s.reference.bytes();
         });
     py::class_<Report>(module, "WrinkleFieldReport", "How a solve went.")
         .def_readonly("rounds", &Report::rounds)
@@ -267,11 +275,21 @@ void bind_wrinkle_field(py::module_& module) {
            const State* state) {
             const auto deformed = vectors(positions, "positions");
             const py::gil_scoped_release release;
-            return crush(model, settings, paint, deformed,
-                         state ? std::span(state->direction) : std::span<const Vec2>());
+            if (!state) return crush(model, settings, paint, deformed, {});
+            return crush(model, settings, paint, deformed, state->direction,
+                         reference_stretches(model, state->reference, deformed));
         },
         py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"),
         py::arg("state") = nullptr, "Section 4.2: the waves of a frame without their phases.");
+    module.def(
+        "reference_stretches",
+        [](const Model& model, const State& state, const py::array& positions) {
+            return to_numpy(reference_stretches(model, state.reference, vectors(positions, "positions")));
+        },
+        py::arg("model"), py::arg("state"), py::arg("positions"),
+        "(w, 3) float32: the stretch (xx, xy, yy) of every welded vertex from the reference triangles "
+        "around\n"
+        "it, rest frame; empty where the rest shape does not adapt.");
     module.def(
         "relax_wrinkle_field",
         [](const Model& model, const Settings& settings, const Waves& waves, int rounds,
@@ -326,20 +344,30 @@ void bind_wrinkle_field(py::module_& module) {
     module.def(
         "solve_wrinkle_field",
         [](const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,
-           const State* state) {
+           const State* state, double time, const std::optional<py::array>& labels,
+           const std::optional<py::array>& next_positions, double next_time) {
             const auto deformed = vectors(positions, "positions");
+            const Moment moment = make_moment(time, labels, next_positions, next_time);
             Report report;
             State after;
             {
                 const py::gil_scoped_release release;
-                after = solve(model, settings, paint, deformed, state, report);
+                after = solve(model, settings, paint, deformed, state, report, moment);
             }
             return py::make_tuple(std::move(after), report);
         },
         py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"),
-        py::arg("state") = nullptr,
+        py::arg("state") = nullptr, py::arg("time") = 0.0, py::arg("labels") = py::none(),
+        py::arg("next_positions") = py::none(), py::arg("next_time") = 0.0,
         "Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.\n"
-        "state: of the frame before, or None for the canonical start.");
+        "state: of the frame before, or None for the canonical start. The rest is for a rest shape that "
+        "adapts:\n"
+        "time: seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to come, to "
+        "look\n"
+        "ahead when labels are cut.");
+    bind_label_clip<Model, Settings>(
+        module, [](const Model& m) -> const ReferenceModel& { return m.triangles; },
+        [](Settings& s) -> ReferenceSettings& { return s.rest; });
     module.def(
         "show_wrinkle_field",
         [](const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,

@@ -6,6 +6,7 @@
 #include "bindings/arrays.h"
 #include "bindings/choices.h"
 #include "bindings/module.h"
+#include "bindings/reference.h"
 
 namespace rumple::bindings {
 namespace {
@@ -16,7 +17,7 @@ using ModelHandle = std::shared_ptr<const Model>;
 ModelHandle make_model(const Surface& base, const std::string& source, Index level, Index segments,
                        float longest_edge, Index most_vertices, const Surface* own,
                        const std::optional<py::array>& attached, float farthest,
-                       const std::string& attachment, Index display_steps) {
+                       const std::string& attachment, Index display_steps, bool adaptive) {
     Source from;
     if (source == "OBJECT") {
         if (!own) throw InvalidInput("own: expected a Surface, got None");
@@ -26,6 +27,7 @@ ModelHandle make_model(const Surface& base, const std::string& source, Index lev
         static_cast<FineSource&>(from) = fine_source(source, level, segments, longest_edge, most_vertices);
     }
     from.farthest = farthest;
+    from.adaptive = adaptive;
     if (attached) {
         from.attached = scalars<std::uint8_t>(*attached, "attached", 0);
         if (own && from.attached.size() != size_t(own->display.vertex_count)) {
@@ -69,6 +71,11 @@ glm::mat3 make_matrix(const std::optional<py::array>& rows) {
     return matrix;
 }
 
+Input make_input(const py::array& positions, const std::optional<py::array>& world_from_object,
+                 const Moment& moment = {}) {
+    return {vectors(positions, "positions"), make_matrix(world_from_object), moment};
+}
+
 struct Solved {
     State state;
     Report report;
@@ -76,8 +83,8 @@ struct Solved {
 
 Solved solve_frame(const Model& model, const Settings& settings, const Paint& paint,
                    const py::array& positions, const State* state,
-                   const std::optional<py::array>& world_from_object, bool reference) {
-    const Input input{vectors(positions, "positions"), make_matrix(world_from_object)};
+                   const std::optional<py::array>& world_from_object, bool reference, const Moment& moment) {
+    const Input input = make_input(positions, world_from_object, moment);
     const py::gil_scoped_release release;
     Solved out;
     out.state = (reference ? solve_reference : solve)(model, settings, paint, input, state, out.report);
@@ -86,7 +93,7 @@ Solved solve_frame(const Model& model, const Settings& settings, const Paint& pa
 
 Picture show_frame(const Model& model, const Settings& settings, const py::array& positions,
                    const State& state, const std::optional<py::array>& world_from_object) {
-    const Input input{vectors(positions, "positions"), make_matrix(world_from_object)};
+    const Input input = make_input(positions, world_from_object);
     const py::gil_scoped_release release;
     Picture picture;
     show(model, settings, input, state, picture);
@@ -96,16 +103,17 @@ Picture show_frame(const Model& model, const Settings& settings, const py::array
 Measures measure_frame(const Model& model, const Settings& settings, const Paint& paint,
                        const py::array& positions, const State& state,
                        const std::optional<py::array>& world_from_object) {
-    const Input input{vectors(positions, "positions"), make_matrix(world_from_object)};
+    const Input input = make_input(positions, world_from_object);
     const py::gil_scoped_release release;
     return measure(model, settings, paint, input, state);
 }
 
 void bind_settings(py::module_& module) {
-    py::class_<Settings>(
+    py::class_<Settings> settings(
         module, "WrinkleMeshSettings",
-        "Settings of a solve; see docs/wrinkle_mesh.md. Lengths are relative to the fine edges.")
-        .def(py::init<>())
+        "Settings of a solve; see docs/wrinkle_mesh.md. Lengths are relative to the fine edges.");
+    bind_reference_settings(settings, [](Settings& s) -> ReferenceSettings& { return s.rest; });
+    settings.def(py::init<>())
         .def_readwrite("radius", &Settings::radius,
                        "r in mean lengths of the fine edges around a vertex, >= 0")
         .def_readwrite("prestretch", &Settings::prestretch, "s: rest length over measured length, > 0")
@@ -169,20 +177,21 @@ void bind_model(py::module_& module) {
         "build_wrinkle_mesh",
         [](const Surface& base, const std::string& source, Index level, Index segments, float longest_edge,
            Index most_vertices, const Surface* own, const std::optional<py::array>& attached, float farthest,
-           const std::string& attachment, Index display_steps) {
+           const std::string& attachment, Index display_steps, bool adaptive) {
             return std::const_pointer_cast<Model>(make_model(base, source, level, segments, longest_edge,
                                                              most_vertices, own, attached, farthest,
-                                                             attachment, display_steps));
+                                                             attachment, display_steps, adaptive));
         },
         py::arg("base"), py::arg("source") = "SUBDIVISION", py::arg("level") = 2, py::arg("segments") = 4,
         py::arg("longest_edge") = 0.01f, py::arg("most_vertices") = 4'000'000, py::arg("own") = nullptr,
         py::arg("attached") = py::none(), py::arg("farthest") = 0.0f, py::arg("attachment") = "LIMIT",
-        py::arg("display_steps") = 1,
+        py::arg("display_steps") = 1, py::arg("adaptive") = false,
         "Make the fine mesh and its constraints (Mueller and Chentanez 2010, section 3).\n\n"
         "source: SUBDIVISION (level), REGULAR (segments), EDGE_LENGTH (longest_edge) or OBJECT (own: a "
         "Surface at\n"
         "rest in the base's space; attached: (n,) uint8; farthest: refuse a mesh farther away, 0 any).\n"
-        "attachment: LINEAR, PN or LIMIT. display_steps: unsolved subdivisions of the shown mesh.");
+        "attachment: LINEAR, PN or LIMIT. display_steps: unsolved subdivisions of the shown mesh.\n"
+        "adaptive: for settings whose reference is not STATIC_REST.");
 }
 
 }  // namespace
@@ -195,19 +204,24 @@ void bind_wrinkle_mesh(py::module_& module) {
              "painted: any of radius, prestretch, bending, inside -> (n,) float32 of the base's vertices, "
              "0..1.");
     py::class_<State>(module, "WrinkleMeshState", "What lives from frame to frame.")
-        .def(py::init([](const py::array& offset, const py::array& lengths) {
+        .def(py::init([](const py::array& offset, const py::array& lengths,
+                         const std::optional<py::dict>& reference) {
                  const auto o = vectors(offset, "offset");
                  const auto l = scalars<float>(lengths, "solved_length", 0);
-                 return State{{o.begin(), o.end()}, {l.begin(), l.end()}};
+                 return State{{o.begin(), o.end()}, {l.begin(), l.end()}, reference_or_empty(reference)};
              }),
-             py::arg("offset"), py::arg("solved_length"))
+             py::arg("offset"), py::arg("solved_length"), py::arg("reference") = py::none())
+        .def_property_readonly(
+            "reference", [](const State& s) { return reference_or_none(s.reference); },
+            "Of an adaptive rest shape: a dict of plain arrays; else None.")
         .def_property_readonly(
             "offset", [](const State& s) { return to_numpy(s.offset); }, "(v, 3) float32")
         .def_property_readonly("solved_length",
                                [](const State& s) { return to_numpy<float>(s.solved_length, 0); })
         .def("woken", &woken, "The same offsets with no vertex held: for a solve with other settings.")
         .def_property_readonly("nbytes", [](const State& s) {
-            return s.offset.size() * sizeof(Vec3) + s.solved_length.size() * sizeof(float);
+            return s.offset.size() * sizeof(Vec3) + s.solved_length.size() * sizeof(float) +
+                   s.reference.bytes();
         });
     py::class_<Report>(module, "WrinkleMeshReport", "How a solve went.")
         .def_readonly("iterations", &Report::iterations)
@@ -230,17 +244,32 @@ void bind_wrinkle_mesh(py::module_& module) {
     module.def(
         "solve_wrinkle_mesh",
         [](const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,
-           const State* state, const std::optional<py::array>& world_from_object, bool reference) {
-            Solved solved =
-                solve_frame(model, settings, paint, positions, state, world_from_object, reference);
+           const State* state, const std::optional<py::array>& world_from_object, bool reference, double time,
+           const std::optional<py::array>& labels, const std::optional<py::array>& next_positions,
+           double next_time) {
+            Solved solved = solve_frame(model, settings, paint, positions, state, world_from_object,
+                                        reference, make_moment(time, labels, next_positions, next_time));
             return py::make_tuple(std::move(solved.state), solved.report);
         },
         py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"),
         py::arg("state") = nullptr, py::arg("world_from_object") = py::none(), py::arg("reference") = false,
+        py::arg("time") = 0.0, py::arg("labels") = py::none(), py::arg("next_positions") = py::none(),
+        py::arg("next_time") = 0.0,
         "Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.\n"
         "state: of the frame before, or None for the canonical start. world_from_object: (3, 3) float32, "
         "used\n"
-        "when offsets ride in world space. reference: the printed sequential sweeps, for tests.");
+        "when offsets ride in world space. reference: the printed sequential sweeps, for tests. The rest is "
+        "for a rest\n"
+        "shape that adapts: time: seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the "
+        "frame\n"
+        "to come, to look ahead when labels are cut.");
+    bind_label_clip<Model, Settings>(
+        module,
+        [](const Model& m) -> const ReferenceModel& {
+            if (!m.adaptive) throw InvalidInput("model: expected one that was built with adaptive=True");
+            return m.adaptive->triangles;
+        },
+        [](Settings& s) -> ReferenceSettings& { return s.rest; });
     module.def("show_wrinkle_mesh", &show_frame, py::arg("model"), py::arg("settings"), py::arg("positions"),
                py::arg("state"), py::arg("world_from_object") = py::none(),
                "The shown mesh for a frame and its state.");

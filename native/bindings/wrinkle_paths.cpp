@@ -83,14 +83,9 @@ py::dict state_arrays(const State& state) {
         }
         start.push_back(static_cast<Index>(at.size() / 2));
     }
-    py::dict out;
-    out["time"] = state.time;
-    out["labels"] = to_numpy<std::uint8_t>(state.labels, 0);
-    out["reference"] = to_numpy<float>(state.reference, 3);
+    py::dict out = reference_arrays(state);
     out["shapes"] = to_numpy<float>(state.shapes, 3);
     out["compression"] = to_numpy<float>(state.compression, 0);
-    out["past_times"] = to_numpy<double>(state.past_times, 0);
-    out["past_positions"] = to_numpy(state.past_positions);
     out["next_id"] = state.next_id;
     out["path_id"] = to_numpy<Index>(id, 0);
     out["path_fade"] = to_numpy<float>(fade, 0);
@@ -98,12 +93,6 @@ py::dict state_arrays(const State& state) {
     out["point_triangle_edge"] = to_numpy<Index>(triangle_edge, 2);
     out["point_at"] = to_numpy<float>(at, 2);
     return out;
-}
-
-py::array item(const py::dict& from, const char* name) {
-    if (!from.contains(name))
-        throw InvalidInput(std::string("state: expected an array ") + name + ", got none");
-    return py::cast<py::array>(from[name]);
 }
 
 void expect_size(const char* name, size_t got, size_t expected) {
@@ -114,26 +103,18 @@ void expect_size(const char* name, size_t got, size_t expected) {
 
 State state_from(const py::dict& from) {
     State state;
-    state.time = py::cast<double>(from["time"]);
+    static_cast<ReferenceState&>(state) = reference_from(from);
     state.next_id = py::cast<Index>(from["next_id"]);
-    const auto labels = scalars<std::uint8_t>(item(from, "labels"), "labels", 0);
-    const auto reference = vectors(item(from, "reference"), "reference");
-    const auto shapes = vectors(item(from, "shapes"), "shapes");
-    const auto compression = scalars<float>(item(from, "compression"), "compression", 0);
-    const auto times = scalars<double>(item(from, "past_times"), "past_times", 0);
-    const auto past = vectors(item(from, "past_positions"), "past_positions");
-    state.labels.assign(labels.begin(), labels.end());
-    for (const Vec3& r : reference) state.reference.push_back({r.x, r.y, r.z});
+    const auto shapes = vectors(stored_array(from, "shapes"), "shapes");
+    const auto compression = scalars<float>(stored_array(from, "compression"), "compression", 0);
     for (const Vec3& s : shapes) state.shapes.push_back({s.x, s.y, s.z});
     state.compression.assign(compression.begin(), compression.end());
-    state.past_times.assign(times.begin(), times.end());
-    state.past_positions.assign(past.begin(), past.end());
 
-    const auto id = scalars<Index>(item(from, "path_id"), "path_id", 0);
-    const auto fade = scalars<float>(item(from, "path_fade"), "path_fade", 0);
-    const auto start = scalars<Index>(item(from, "path_start"), "path_start", 0);
-    const auto place = scalars<Index>(item(from, "point_triangle_edge"), "point_triangle_edge", 2);
-    const auto at = scalars<float>(item(from, "point_at"), "point_at", 2);
+    const auto id = scalars<Index>(stored_array(from, "path_id"), "path_id", 0);
+    const auto fade = scalars<float>(stored_array(from, "path_fade"), "path_fade", 0);
+    const auto start = scalars<Index>(stored_array(from, "path_start"), "path_start", 0);
+    const auto place = scalars<Index>(stored_array(from, "point_triangle_edge"), "point_triangle_edge", 2);
+    const auto at = scalars<float>(stored_array(from, "point_at"), "point_at", 2);
     expect_size("path_fade", fade.size(), id.size());
     expect_size("path_start", start.size(), id.size() + 1);
     expect_size("point_at", at.size(), place.size());
@@ -151,10 +132,9 @@ State state_from(const py::dict& from) {
 size_t state_bytes(const State& state) {
     size_t points = 0;
     for (const Path& path : state.paths) points += path.points.size();
-    return state.labels.size() + state.compression.size() * sizeof(float) +
-           (state.reference.size() + state.shapes.size()) * sizeof(FlatTriangle) +
-           state.past_times.size() * sizeof(double) + state.past_positions.size() * sizeof(Vec3) +
-           state.paths.size() * sizeof(Path) + points * sizeof(PathPoint);
+    return state.bytes() + state.compression.size() * sizeof(float) +
+           state.shapes.size() * sizeof(FlatTriangle) + state.paths.size() * sizeof(Path) +
+           points * sizeof(PathPoint);
 }
 
 void bind_values(py::module_& module) {
@@ -238,9 +218,7 @@ py::tuple solve_frame(const Model& model, const Settings& settings, const Paint&
                       const std::optional<py::array>& labels, const std::optional<py::array>& next_positions,
                       double next_time) {
     Input input = make_input(positions, time);
-    if (labels) input.labels = scalars<std::uint8_t>(*labels, "labels", 0);
-    if (next_positions) input.next_positions = vectors(*next_positions, "next_positions");
-    input.next_time = next_time;
+    static_cast<Moment&>(input) = make_moment(time, labels, next_positions, next_time);
     Report report;
     State next;
     {
@@ -278,23 +256,9 @@ void bind_wrinkle_paths(py::module_& module) {
         "Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.\n"
         "time: seconds. state: of the frame before, or None for the canonical start. labels: (t,) uint8 of\n"
         "label_clip. next_positions, next_time: the frame to come, to look ahead when labels are cut.");
-    module.def(
-        "label_clip",
-        [](const Model& model, const Settings& settings, const py::array& times, const py::array& positions,
-           bool raw) {
-            const auto seconds = scalars<double>(times, "times", 0);
-            const auto flat = vectors(positions, "positions");
-            Labels labels;
-            {
-                const py::gil_scoped_release release;
-                labels = label_clip(model.base, model, settings, seconds, flat, raw);
-            }
-            return to_numpy<std::uint8_t>(labels, py::ssize_t(model.net.triangles()));
-        },
-        py::arg("model"), py::arg("settings"), py::arg("times"), py::arg("positions"), py::arg("raw") = false,
-        "Labels of a whole clip in one cut, (f, t) uint8. times: (f,) float64, seconds, ascending. "
-        "positions:\n"
-        "(f n, 3) float32, frame after frame. raw: every triangle's cheapest label for itself.");
+    bind_label_clip<Model, Settings>(
+        module, [](const Model& m) -> const ReferenceModel& { return m; },
+        [](Settings& s) -> ReferenceSettings& { return s; });
     module.def(
         "show_wrinkle_paths",
         [](const Model& model, const Settings& settings, const py::array& positions, const State& state) {

@@ -237,6 +237,17 @@ ReferenceState adapt(const Surface& surface, const ReferenceModel& model, const 
     return next;
 }
 
+ReferenceState adapt(const Surface& surface, const ReferenceModel& model, const ReferenceSettings& settings,
+                     const Moment& moment, std::span<const Vec3> welded, const ReferenceState& before) {
+    check_reference(settings);
+    const ReferenceState* state = before.empty() ? nullptr : &before;
+    if (state) check_reference(surface, *state);
+    check_moment(surface, moment, state);
+    std::vector<Stretch> changes;
+    return adapt(surface, model, settings, moment, flat_pose(model.net, {welded.begin(), welded.end()}),
+                 state, changes);
+}
+
 Labels label_clip(const Surface& surface, const ReferenceModel& model, const ReferenceSettings& settings,
                   std::span<const double> times, std::span<const Vec3> positions, bool raw) {
     check_reference(settings);

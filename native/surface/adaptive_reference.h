@@ -59,6 +59,12 @@ struct ReferenceState {
     std::vector<FlatTriangle> reference;  // per triangle
     std::vector<double> past_times;       // of the poses that labels still need, oldest first, this one last
     std::vector<Vec3> past_positions;     // poses x welded vertices, object space
+
+    bool empty() const { return reference.empty(); }
+    size_t bytes() const {
+        return labels.size() + reference.size() * sizeof(FlatTriangle) + past_times.size() * sizeof(double) +
+               past_positions.size() * sizeof(Vec3);
+    }
 };
 
 // Throw InvalidInput naming the first bad value: a moment that does not fit the surface or the state, a state
@@ -73,6 +79,11 @@ void check_reference(const Surface& surface, const ReferenceState& state);
 ReferenceState adapt(const Surface& surface, const ReferenceModel& model, const ReferenceSettings& settings,
                      const Moment& moment, const FlatPose& pose, const ReferenceState* before,
                      std::vector<Stretch>& changes);
+
+// The same for a system that needs no more: welded positions of this frame, and a state that counts as none
+// when it is empty. Throws InvalidInput as the doors do.
+ReferenceState adapt(const Surface& surface, const ReferenceModel& model, const ReferenceSettings& settings,
+                     const Moment& moment, std::span<const Vec3> welded, const ReferenceState& before);
 
 // Labels of a whole clip in one cut (section 4.1.2), frames x triangles; for bakes. raw: without the cut.
 // positions: frames x vertices as the artist has them, object space. Throws InvalidInput when they are not

@@ -9,14 +9,6 @@
 namespace rumple {
 namespace {
 
-// R T R^T for the rotation R by the angle whose (cos, sin) is given.
-Tensor2 rotated(const Tensor2& t, const Vec2& turn) {
-    const float c = turn.x;
-    const float s = turn.y;
-    return {c * c * t.xx - 2.0f * c * s * t.xy + s * s * t.yy, c * s * (t.xx - t.yy) + (c * c - s * s) * t.xy,
-            s * s * t.xx + 2.0f * c * s * t.xy + c * c * t.yy};
-}
-
 void add_scaled(Tensor2& sum, const Tensor2& t, float weight) {
     sum.xx += weight * t.xx;
     sum.xy += weight * t.xy;
@@ -59,6 +51,13 @@ Vec2 turn_between(const TriangleFrame& triangle, const Vec3& vertex_normal, cons
 }
 
 }  // namespace
+
+Tensor2 rotated(const Tensor2& t, const Vec2& turn) {
+    const float c = turn.x;
+    const float s = turn.y;
+    return {c * c * t.xx - 2.0f * c * s * t.xy + s * s * t.yy, c * s * (t.xx - t.yy) + (c * c - s * s) * t.xy,
+            s * s * t.xx + 2.0f * c * s * t.xy + c * c * t.yy};
+}
 
 Principal principal(const Tensor2& t) {
     const float mean = 0.5f * (t.xx + t.yy);
@@ -117,6 +116,7 @@ StretchModel build_stretch(const Surface& surface) {
         const float length = glm::length(normals[v]);
         const Vec3 normal = length > 0.0f ? normals[v] / length : Vec3(0, 0, 1);
         const Vec3 tangent = formulas::any_tangent(normal);
+        model.vertex_tangent.push_back(tangent);
         for (const Index corner : incident[v]) {
             const Index t = corner / 3;
             if (area[t] <= 0.0f) continue;
@@ -127,6 +127,17 @@ StretchModel build_stretch(const Surface& surface) {
         model.corner_start.push_back(static_cast<Index>(model.corners.size()));
     }
     return model;
+}
+
+std::vector<Tensor2> at_vertices(const StretchModel& model, std::span<const Tensor2> of_triangles) {
+    std::vector<Tensor2> tensors(model.corner_start.size() - 1);
+    for (size_t v = 0; v < tensors.size(); ++v) {
+        for (Index k = model.corner_start[v]; k < model.corner_start[v + 1]; ++k) {
+            const StretchModel::Corner& corner = model.corners[k];
+            add_scaled(tensors[v], rotated(of_triangles[corner.triangle], corner.transport), corner.weight);
+        }
+    }
+    return tensors;
 }
 
 void measure_stretch(const Surface& surface, const StretchModel& model, std::span<const Vec3> positions,
@@ -140,14 +151,7 @@ void measure_stretch(const Surface& surface, const StretchModel& model, std::spa
         const glm::mat2 metric = glm::transpose(gradient[t]) * gradient[t];  // F^T F
         triangle_tensor[t] = {metric[0][0], metric[0][1], metric[1][1]};
     }
-    std::vector<Tensor2> vertex_tensor(surface.welded.vertex_count);
-    for (Index v = 0; v < surface.welded.vertex_count; ++v) {
-        for (Index k = model.corner_start[v]; k < model.corner_start[v + 1]; ++k) {
-            const StretchModel::Corner& corner = model.corners[k];
-            add_scaled(vertex_tensor[v], rotated(triangle_tensor[corner.triangle], corner.transport),
-                       corner.weight);
-        }
-    }
+    const std::vector<Tensor2> vertex_tensor = at_vertices(model, triangle_tensor);
     out.minimum.resize(places.size());
     out.maximum.resize(places.size());
     out.direction.resize(places.size());

@@ -17,6 +17,9 @@ struct Tensor2 {
     float yy = 0.0f;
 };
 
+// R T R^T for the rotation R by the angle whose (cos, sin) is given.
+Tensor2 rotated(const Tensor2& tensor, const Vec2& turn);
+
 // Eigenvalues small <= large and the unit eigenvector of the small one.
 // Equal eigenvalues give the x axis.
 struct Principal {
@@ -53,8 +56,13 @@ struct StretchModel {
     std::vector<Index> corner_start;      // per welded vertex, into corners
     std::vector<Corner> corners;
     std::vector<Vec2> triangle_transport;  // 3 per triangle: the turn to each corner's vertex frame
+    std::vector<Vec3> vertex_tangent;      // per welded vertex: the x axis of its frame, unit
 };
 StretchModel build_stretch(const Surface& surface);
+
+// Tensors of the triangles, each in its rest frame -> of the welded vertices, each in its frame: the mean by
+// area. Cost: O(triangles).
+std::vector<Tensor2> at_vertices(const StretchModel& model, std::span<const Tensor2> of_triangles);
 
 // Principal stretches (1 = as at rest) and the direction of strongest
 // compression (unit, object space, deformed) at places on the surface.

@@ -12,6 +12,16 @@ namespace {
 using glm::dmat2;
 using glm::dvec2;
 
+// F = [[xx, xy], [0, yy]] of two shapes with area.
+struct Gradient {
+    double xx, xy, yy;
+};
+
+Gradient gradient(const FlatTriangle& from, const FlatTriangle& to) {
+    const double xx = double(to.x1) / from.x1;
+    return {xx, (to.x2 - xx * from.x2) / from.y2, double(to.y2) / from.y2};
+}
+
 // F = A diag(small, large) B^T of two shapes with area, from F F^T = A diag(small^2, large^2) A^T.
 struct Svd {
     double small = 1.0;
@@ -20,15 +30,13 @@ struct Svd {
 };
 
 Svd decompose(const FlatTriangle& from, const FlatTriangle& to) {
-    const double f00 = double(to.x1) / from.x1;
-    const double f01 = (to.x2 - f00 * from.x2) / from.y2;
-    const double f11 = double(to.y2) / from.y2;
-    const double xx = f00 * f00 + f01 * f01, xy = f01 * f11, yy = f11 * f11;  // F F^T
+    const Gradient f = gradient(from, to);
+    const double xx = f.xx * f.xx + f.xy * f.xy, xy = f.xy * f.yy, yy = f.yy * f.yy;  // F F^T
     const double half = 0.5 * (xx - yy);
     const double radius = std::sqrt(half * half + xy * xy);
     Svd out;
     out.large = std::sqrt(0.5 * (xx + yy) + radius);
-    out.small = f00 * f11 / out.large;  // by the determinant: no cancellation where it is small
+    out.small = f.xx * f.yy / out.large;  // by the determinant: no cancellation where it is small
     if (radius <= kSameStretch * out.large * out.large) return out;
     // The longer column of F F^T - large^2 I is the eigenvector of the smaller one.
     const double square = out.large * out.large;
@@ -81,6 +89,18 @@ Stretch measure_stretch(const FlatTriangle& reference, const FlatTriangle& curre
     out.direction = Vec2(svd.a_small);
     out.defined = true;
     return out;
+}
+
+Tensor2 metric(const FlatTriangle& from, const FlatTriangle& to) {
+    if (!from.has_area() || !to.has_area()) return {1.0f, 0.0f, 1.0f};
+    const Gradient f = gradient(from, to);
+    return {float(f.xx * f.xx), float(f.xx * f.xy), float(f.xy * f.xy + f.yy * f.yy)};
+}
+
+Vec2 rotation(const FlatTriangle& from, const FlatTriangle& to) {
+    if (!from.has_area() || !to.has_area()) return {1.0f, 0.0f};
+    const Gradient f = gradient(from, to);
+    return Vec2(glm::normalize(dvec2(f.xx + f.yy, -f.xy)));
 }
 
 FlatTriangle relaxed(const FlatTriangle& reference, const FlatTriangle& current, float share) {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "base/array.h"
+#include "surface/deformation.h"
 
 namespace rumple {
 
@@ -37,6 +37,13 @@ struct Stretch {
 
 // F = [u1, u2] [u1', u2']^-1 (eq. 4.1) in in-plane frames.
 Stretch measure_stretch(const FlatTriangle& reference, const FlatTriangle& current);
+
+// F^T F of the map from one shape to another, in the plane of the first. Exactly the identity where they are
+// equal; the identity too where one has no area: nothing is known there.
+Tensor2 metric(const FlatTriangle& from, const FlatTriangle& to);
+
+// (cos, sin) of the rotation R in F = R U: both shapes have u1 along x, so a shear turns the rest of them.
+Vec2 rotation(const FlatTriangle& from, const FlatTriangle& to);
 
 // A compressed triangle's reference after its eigenvalues were relaxed towards 1 by `share` (section 4.2):
 // Sigma' = (1 - share) Sigma + share I, and [u1', u2'] = B Sigma'^-1 A^T [u1, u2].

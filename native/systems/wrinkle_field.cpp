@@ -221,6 +221,7 @@ void check(const Settings& settings) {
     expect_within("start_rounds", settings.start_rounds, 0, 1e6);
     expect_within("irregularity", settings.irregularity, 0.0, 1.0);
     expect_within("threads", settings.threads, 0, 1024);
+    check_reference(settings.rest);
 }
 
 void check_rest_wrinkle(const Model& model, std::span<const Vec3> painted) {
@@ -278,11 +279,13 @@ Pose weld_pose(const Model& model, std::span<const Vec3> positions) {
 }
 
 Waves crush(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
-            std::span<const Vec2> before) {
+            std::span<const Vec2> before, std::span<const Vec3> stretches) {
     const Wishes wished = wishes(model, settings, paint);
     Pose pose = weld_pose(model, positions);
     const size_t vertices = model.base.positions_rest.size();
     if (!before.empty()) expect_count("directions", before.size(), vertices, "welded vertices");
+    if (!stretches.empty()) expect_count("stretches", stretches.size(), vertices, "welded vertices");
+    expect_finite("stretches", stretches, "welded vertex");
     Waves waves;
     waves.positions = std::move(pose.positions);
     waves.normals = std::move(pose.normals);
@@ -296,8 +299,9 @@ Waves crush(const Model& model, const Settings& settings, const Paint& paint, st
     for_each_vertex(settings, vertices, [&](size_t v) {
         const std::optional<Neighbourhood> around = regress(model, waves.positions, waves.normals[v], v);
         if (!around) return;
+        const glm::mat2 m = stretches.empty() ? around->m : formulas::restretched(around->m, stretches[v]);
         const formulas::Crushed crushed =
-            formulas::crush(around->m, wished.rest_wrinkle[v], before[v], wished.turn[v]);
+            formulas::crush(m, wished.rest_wrinkle[v], before[v], wished.turn[v]);
         const float w = wished.wavelength[v];
         waves.compression[v] = crushed.r;
         waves.direction[v] = crushed.k;
@@ -326,20 +330,27 @@ float misfit(const Model& model, const Waves& waves, std::span<const float> phas
 State woken(const State& state) {
     // No wave has infinite phase: every link has changed.
     return {state.phase, state.direction,
-            std::vector<float>(state.solved_offset.size(), std::numeric_limits<float>::infinity())};
+            std::vector<float>(state.solved_offset.size(), std::numeric_limits<float>::infinity()),
+            state.reference};
 }
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
-            const State* state, Report& report) {
+            const State* state, Report& report, const Moment& moment) {
     if (state && (state->phase.size() != model.base.positions_rest.size() ||
                   state->direction.size() != state->phase.size() ||
                   state->solved_offset.size() != model.neighbours.size())) {
         state = nullptr;
     }
-    const Waves waves = crush(model, settings, paint, positions,
-                              state ? std::span(state->direction) : std::span<const Vec2>());
-    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
     State after;
+    if (settings.rest.reference != Reference::kStaticRest) {
+        after.reference =
+            adapt(model.base, model.triangles, settings.rest, moment, weld_pose(model, positions).positions,
+                  state ? state->reference : ReferenceState{});
+    }
+    const Waves waves = crush(model, settings, paint, positions,
+                              state ? std::span(state->direction) : std::span<const Vec2>(),
+                              reference_stretches(model, after.reference, positions));
+    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
     after.direction = waves.direction;
     report = {};
     report.rounds = state ? settings.rounds : settings.start_rounds;

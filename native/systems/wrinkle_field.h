@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/formulas.h"
+#include "surface/adaptive_reference.h"
 #include "surface/attachments.h"
 #include "surface/deformation.h"
 #include "surface/shown_mesh.h"
@@ -44,6 +45,8 @@ struct Settings {
     std::uint32_t seed = 0;     // of the first phases and of the irregularity
     bool aligned_start = true;  // align() the random first phases; false: as printed
     int threads = 0;            // 0: chosen by size; the result does not depend on it
+    // What compression is measured against: the rest pose, or reference triangles that adapt.
+    ReferenceSettings rest{.reference = Reference::kStaticRest};
 };
 
 // Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
@@ -78,6 +81,8 @@ struct Model {
     std::vector<Index> uv_fan;            // ... and the fan of corners that share its gradient of uv
     Attachments attachments;              // of the displaced vertices (kGeometry)
     StretchModel stretch;
+    ReferenceModel triangles;
+    std::vector<Vec2> vertex_turn;  // per welded vertex: from its frame in `stretch` to its rest frame
     ShownMesh shown;
 };
 
@@ -99,6 +104,7 @@ struct State {
     std::vector<float> phase;          // phi, radians, -pi..pi
     std::vector<Vec2> direction;       // k in the rest frame: the sign that phi belongs to
     std::vector<float> solved_offset;  // radians, per neighbour: Link::offset when it was last relaxed
+    ReferenceState reference{};        // of an adaptive rest shape; else empty
 };
 
 // The same phases with no vertex held: for a solve with other settings than the state was solved with.
@@ -150,11 +156,18 @@ struct Pose {
 };
 Pose weld_pose(const Model& model, std::span<const Vec3> positions);
 
+// For an adaptive rest shape: the stretch of every welded vertex from the reference triangles around it, (xx,
+// xy, yy) of the symmetric U in its rest frame; crush() measures compression by it. Empty for an empty
+// reference. Throws InvalidInput when reference or positions do not match the model. Cost: O(triangles).
+std::vector<Vec3> reference_stretches(const Model& model, const ReferenceState& reference,
+                                      std::span<const Vec3> positions);
+
 // Section 4.2 ("Crush"). positions: of the base's vertices as the artist has them, deformed, object space.
-// before: directions of the frame before, or empty. Throws InvalidInput when positions, paint or directions
-// do not match the model, or are not finite, or a painted vector is not shorter than 1. Cost: O(edges).
+// before: directions of the frame before, or empty. stretches: reference_stretches(), or empty: the rest pose
+// counts. Throws InvalidInput when positions, paint, directions or stretches do not match the model, or are
+// not finite, or a painted vector is not shorter than 1. Cost: O(edges).
 Waves crush(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
-            std::span<const Vec2> before);
+            std::span<const Vec2> before, std::span<const Vec3> stretches = {});
 
 // The phases that a clip starts from: a hash of the seed and of the vertex's rest position.
 std::vector<float> random_phases(const Model& model, std::uint32_t seed);
@@ -175,10 +188,11 @@ float misfit(const Model& model, const Waves& waves, std::span<const float> phas
 
 // Crush and relax, from `state` (the frame before) or from the canonical start when there is none. A vertex
 // whose links have not changed since it was last relaxed is held: rigid motion and a standing pose change no
-// phase. A state of another model counts as none. Throws InvalidInput as crush() and check() do. Cost:
-// O(rounds x edges).
+// phase. A state of another model counts as none; one without a reference starts one. moment: read by an
+// adaptive rest shape only. Throws InvalidInput as crush() and check() do, and when moment or reference do
+// not match the model. Cost: O(rounds x edges).
 State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
-            const State* state, Report& report);
+            const State* state, Report& report, const Moment& moment = {});
 
 // The shown mesh of a frame, and the waves for shaders. Values of corners: of every triangle in turn.
 struct Picture : ShownFrame {

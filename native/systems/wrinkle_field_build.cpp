@@ -74,6 +74,16 @@ void regress_at_rest(Model& model) {
     }
 }
 
+// The frames of `stretch` and the rest frames have one normal, but for rounding.
+void turn_frames(Model& model) {
+    for (size_t v = 0; v < model.tangent_rest.size(); ++v) {
+        const Vec3& x = model.stretch.vertex_tangent[v];
+        const Vec2 turn(glm::dot(x, model.tangent_rest[v]), glm::dot(x, model.bitangent_rest[v]));
+        const float length = glm::length(turn);
+        model.vertex_turn.push_back(length > 0.0f ? turn / length : Vec2(1.0f, 0.0f));
+    }
+}
+
 // So that neither the order of the vertices nor their number changes a phase.
 void identify(Model& model) {
     for (const Vec3& p : model.base.positions_rest) {
@@ -146,6 +156,8 @@ std::shared_ptr<const Model> build(Surface base, const Plan& plan) {
     regress_at_rest(*model);
     identify(*model);
     model->stretch = build_stretch(model->base);
+    model->triangles = build_reference(model->base);
+    turn_frames(*model);
     if (plan.output == Output::kGeometry) {
         displace_fine_mesh(*model, plan);
         return model;

@@ -174,7 +174,8 @@ Picture show(const Model& model, const Settings& settings, const Profile& profil
              std::span<const Vec3> positions, const State& state) {
     const size_t vertices = model.base.positions_rest.size();
     expect_count("state", state.phase.size(), vertices, "welded vertices");
-    const Waves waves = crush(model, settings, paint, positions, state.direction);
+    const Waves waves = crush(model, settings, paint, positions, state.direction,
+                              reference_stretches(model, state.reference, positions));
     Picture picture;
     if (model.output == Output::kGeometry) {
         displace(model, waves, profile, state.phase, picture);

@@ -35,7 +35,7 @@ float smooth_step(float low, float high, float x) {
 
 // How much of a new solution every vertex takes: 0 where the base has kept its
 // shape since it was last solved, so that a held pose stays to the bit and a
-// standing leg does not creep because the arm moves.
+// standing leg does not creep because the arm moves. lengths: as State::solved_length has them.
 std::vector<float> activity(const Model& model, std::span<const float> lengths, const State& state) {
     std::vector<float> active(model.attached.size(), 0.0f);
     const auto visit = [&](const Pairs& pairs, size_t first, auto&& act) {
@@ -191,8 +191,12 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
     const Pose pose = make_pose(model, input);
     const OffsetFrames frames(model, settings, input, pose);
     if (!fits(model, before)) before = nullptr;
-    State state{std::vector<Vec3>(pose.attachment.size(), Vec3(0.0f)), attachment_lengths(model, pose)};
-    const Targets targets = make_targets(model, settings, paint, state.solved_length);
+    const std::vector<float> lengths = attachment_lengths(model, pose);
+    State state{std::vector<Vec3>(pose.attachment.size(), Vec3(0.0f)), lengths,
+                adapt_rest(model, settings, input, pose, before)};
+    const std::vector<float> scales = rest_scales(model, state.reference);
+    for (size_t i = 0; i < scales.size(); ++i) state.solved_length[i] /= scales[i];
+    const Targets targets = make_targets(model, settings, paint, lengths, scales);
     const std::vector<float> active = before ? activity(model, state.solved_length, *before)
                                              : std::vector<float>(pose.attachment.size(), 1.0f);
 
@@ -207,7 +211,7 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
     report.error_before = length_error(model.distance, targets.distance, pose.attachment).rms;
     const Bounds bounds(model, settings, paint, pose);
     if (report.active > 0.0f) {
-        nudge(model, settings, pose, state.solved_length, targets, positions);
+        nudge(model, settings, pose, lengths, targets, positions);
         report.iterations = before ? settings.iterations : settings.start_iterations;
         relax(model, targets, bounds, report.iterations, choose_threads(model, settings), positions);
         if (before) blend(settings, start, active, bounds, positions);
@@ -243,12 +247,14 @@ void check(const Settings& settings) {
     expect_within("damping", settings.damping, 0.0, 1.0);
     expect_within("nudge", settings.nudge, 0.0, 1e3);
     expect_within("threads", settings.threads, 0, 1024);
+    check_reference(settings.rest);
 }
 
 State woken(const State& state) {
     // No attachment has infinite length: every pair has changed.
     return {state.offset,
-            std::vector<float>(state.solved_length.size(), std::numeric_limits<float>::infinity())};
+            std::vector<float>(state.solved_length.size(), std::numeric_limits<float>::infinity()),
+            state.reference};
 }
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "surface/adaptive_reference.h"
 #include "surface/attachments.h"
 #include "surface/deformation.h"
 #include "surface/shown_mesh.h"
@@ -36,6 +37,8 @@ struct Settings {
     float nudge = 0.02f;     // size of the random push of unbuckled vertices, in fine edges, >= 0
     std::uint32_t seed = 0;  // of that push
     int threads = 0;         // 0: chosen by size; the result does not depend on it
+    // What counts as unwrinkled: the rest pose, or reference triangles that adapt (Source::adaptive).
+    ReferenceSettings rest{.reference = Reference::kStaticRest};
 };
 
 // Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
@@ -60,6 +63,16 @@ struct Pairs {
     size_t size() const { return a.size(); }
 };
 
+// What an adaptive rest shape needs: the base's triangles, and where every pair lies in them.
+struct Adaptive {
+    struct Place {
+        std::array<Index, 2> triangle;  // of the base: the one it lies in, or the two it lies between
+        std::array<Vec2, 2> along;      // the pair at rest in the plane of each, object units
+    };
+    ReferenceModel triangles;
+    std::vector<Place> pairs;  // distance, then bending
+};
+
 // Built once at rest, then immutable; may be shared between objects.
 struct Model {
     Surface base;
@@ -77,6 +90,7 @@ struct Model {
     StretchModel stretch;
     std::vector<Index> near_start;     // per base triangle, into near_triangle:
     std::vector<Index> near_triangle;  //   the triangles that share a vertex with it, itself included
+    std::optional<Adaptive> adaptive;  // where Source::adaptive asked for it
     ShownMesh shown;
     std::vector<float> unattached_distance;  // own mesh: distance to the base at rest, per vertex; else empty
 };
@@ -84,6 +98,7 @@ struct Model {
 struct Source : FineSource {
     const Surface* own = nullptr;  // the artist's mesh, at rest, in the base's object space; or none
     std::span<const std::uint8_t> attached;  // per display vertex of own; empty: all attached
+    bool adaptive = false;                   // for Settings::rest other than kStaticRest
     float farthest = 0.0f;                   // refuse an own mesh farther than this from the base; 0: any
 };
 
@@ -97,19 +112,21 @@ std::vector<float> carry_paint(const Model& model, std::span<const float> base_v
 
 // What lives from frame to frame (section 4: "we store o_i instead of p_i").
 struct State {
-    std::vector<Vec3> offset;  // o_i: in the frame of the base triangle, or in object space (kWorld)
-    std::vector<float>
-        solved_length;  // attachment length of every pair when it was last solved: distance, then bending
+    std::vector<Vec3> offset;          // o_i: in the frame of the base triangle, or in object space (kWorld)
+    std::vector<float> solved_length;  // attachment length of every pair when it was last solved, over
+                                       // that by which its rest length was scaled: distance, then bending
+    ReferenceState reference{};        // of an adaptive rest shape; else empty
 };
 
 // The same offsets with no vertex held: for a solve with other settings than the state was solved with.
 State woken(const State& state);
 
 // One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
-// world_from_object is used by OffsetSpace::kWorld only.
+// world_from_object is used by OffsetSpace::kWorld only, moment by an adaptive rest shape only.
 struct Input {
     std::span<const Vec3> positions;
     glm::mat3 world_from_object{1.0f};
+    Moment moment{};
 };
 
 struct Report {
@@ -123,9 +140,10 @@ struct Report {
 
 // Section 4.1. Solves one frame from `state` (the frame before), or from the
 // canonical start when there is none, and returns the new state. Deterministic
-// on any number of threads. A state of another model counts as none. Throws
-// InvalidInput when positions or paint do not match the model, positions are not
-// finite or a setting is out of its range. Cost: O(iterations x pairs).
+// on any number of threads. A state of another model counts as none; one without a reference starts one.
+// Throws InvalidInput when positions, paint or reference do not match the model, positions are not
+// finite, a setting is out of its range, or the rest shape is to adapt and the model was not built for it.
+// Cost: O(iterations x pairs).
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report);
 

@@ -222,6 +222,7 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
     model->local_edge = mean_edge_around(model->distance, vertices);
     model->boundary_ring = rings_from_border(sets, vertices);
     model->stretch = build_stretch(model->base);
+    if (source.adaptive) model->adaptive = place_pairs(*model);
     collect_near_triangles(*model);
     model->shown = show_fine(model->base, own ? *source.own : model->base, fine, display_steps, rest);
     return model;

@@ -122,19 +122,20 @@ std::vector<float> attachment_lengths(const Model& model, const Pose& pose) {
 }
 
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
-                     std::span<const float> lengths) {
+                     std::span<const float> lengths, const std::vector<float>& rest_scales) {
     Targets targets;
     const auto both = [](const std::vector<float>& values, Index a, Index b) {
         return 0.5f * (painted(values, a) + painted(values, b));
     };
-    const auto fill = [&](const Pairs& pairs, std::span<const float> at, std::vector<float>& out) {
+    const auto fill = [&](const Pairs& pairs, size_t first, std::vector<float>& out) {
         for (size_t i = 0; i < pairs.size(); ++i) {
             out.push_back(target_length(settings, both(paint.prestretch, pairs.a[i], pairs.b[i]),
-                                        pairs.rest[i], at[i]));
+                                        scale_of(rest_scales, first + i) * pairs.rest[i],
+                                        lengths[first + i]));
         }
     };
-    fill(model.distance, lengths.first(model.distance.size()), targets.distance);
-    fill(model.bending, lengths.subspan(model.distance.size()), targets.bending);
+    fill(model.distance, 0, targets.distance);
+    fill(model.bending, model.distance.size(), targets.bending);
     for (size_t i = 0; i < model.bending.size(); ++i) {
         targets.stiffness.push_back(settings.bending *
                                     both(paint.bending, model.bending.a[i], model.bending.b[i]));

@@ -59,6 +59,20 @@ std::vector<float> attachment_radii(const Model& model, const Settings& settings
 // Length at the attachments of every pair: distance, then bending.
 std::vector<float> attachment_lengths(const Model& model, const Pose& pose);
 
+// Where the pairs lie on the base. Cost: O(pairs).
+Adaptive place_pairs(const Model& model);
+
+// The rest shape's state of this frame: empty for a static one. Throws InvalidInput as solve() does.
+ReferenceState adapt_rest(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
+                          const State* before);
+
+// |F e| / |e| of every pair e: how much longer the reference triangles have it than the rest pose. Empty,
+// which means 1, for an empty reference.
+std::vector<float> rest_scales(const Model& model, const ReferenceState& reference);
+inline float scale_of(const std::vector<float>& scales, size_t pair) {
+    return scales.empty() ? 1.0f : scales[pair];
+}
+
 // What every pair is asked for in this pose.
 struct Targets {
     std::vector<float> distance;
@@ -67,7 +81,7 @@ struct Targets {
 };
 
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
-                     std::span<const float> lengths);
+                     std::span<const float> lengths, const std::vector<float>& rest_scales);
 
 // Relative errors of the lengths of pairs.
 struct LengthError {

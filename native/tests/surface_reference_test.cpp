@@ -51,6 +51,26 @@ TEST(AdaptiveReference, RelaxesTheSameInTheSameTimeAtEveryFrameRate) {
     }
 }
 
+// F = [[2, 0.5], [0, 3]]: F^T F = [[4, 1], [1, 9.25]]; its rotation has F10 - F01 = -0.5 over F00 + F11 = 5.
+TEST(FlatTriangles, MetricAndRotationOfAMap) {
+    const FlatTriangle to{2.0f, 0.5f, 3.0f};
+    const Tensor2 c = metric(kRight, to);
+    EXPECT_NEAR(c.xx, 4.0f, 1e-6f);
+    EXPECT_NEAR(c.xy, 1.0f, 1e-6f);
+    EXPECT_NEAR(c.yy, 9.25f, 1e-6f);
+    const Vec2 turn = rotation(kRight, to);
+    EXPECT_NEAR(turn.y / turn.x, -0.1f, 1e-6f);
+    for (const FlatTriangle& t : {to, FlatTriangle{0.0313f, -0.0117f, 0.0271f}, FlatTriangle{}}) {
+        const Tensor2 same = metric(t, t);
+        EXPECT_EQ(same.xx, 1.0f);
+        EXPECT_EQ(same.xy, 0.0f);
+        EXPECT_EQ(same.yy, 1.0f);
+        EXPECT_EQ(rotation(t, t), Vec2(1.0f, 0.0f));
+    }
+    EXPECT_EQ(metric(FlatTriangle{}, to).xx, 1.0f);
+    EXPECT_EQ(metric(to, FlatTriangle{}).yy, 1.0f);
+}
+
 struct OneTriangle {
     Surface surface;
     ReferenceModel model;

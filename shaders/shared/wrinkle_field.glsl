@@ -61,6 +61,16 @@ struct Crushed {
     vec2 k_deformed;  // k' = (L^-1)^T k of section 5.1, in the deformed frame
 };
 
+// M of equation (1) with another stretch: the rotation of m times `stretch` (xx, xy, yy), which is symmetric
+// and in the rest frame.
+FORMULA mat2 restretched(mat2 m, vec3 stretch) {
+    vec2 turn = vec2(m[0][0] + m[1][1], m[0][1] - m[1][0]);
+    float size = length(turn);
+    turn = size > 0.0f ? turn / size : vec2(1.0f, 0.0f);
+    return mat2(vec2(turn.x, turn.y), vec2(-turn.y, turn.x)) *
+           mat2(vec2(stretch.x, stretch.y), vec2(stretch.y, stretch.z));
+}
+
 // m: M of equation (1). q: painted rest-pose wrinkle in the rest frame, shorter than 1
 // (section 7). before: k of the frame before, or zero. turn: (cos, sin) of the angle by
 // which irregularity turns the wave away from k.
