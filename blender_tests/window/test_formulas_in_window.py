@@ -100,6 +100,14 @@ class Formulas(WindowCase):
                       packed(n, t, np.cross(n, t), [[true_length]]),  # straight up
                       packed(np.zeros((1, 3)), t, np.cross(n, t), [[true_length]]))
 
+    def test_restretched(self) -> None:
+        turn = np.array([[0.6, 0.8, -0.8, 0.6]])  # a rotation stays
+        found = self.same(11, packed(turn, [[0.7, 0.1, 0.9]]), packed(np.zeros((1, 4)), [[0.7, 0.1, 0.9]]),
+                          packed(self.numbers(4), self.numbers(3)))
+        np.testing.assert_allclose(found[0, :4], [0.6 * 0.7 - 0.8 * 0.1, 0.8 * 0.7 + 0.6 * 0.1,
+                                                  0.6 * 0.1 - 0.8 * 0.9, 0.8 * 0.1 + 0.6 * 0.9], atol=1e-6)
+        np.testing.assert_allclose(found[1, :4], [0.7, 0.1, 0.1, 0.9], atol=1e-6)  # no rotation to be known
+
     def test_regression(self) -> None:
         v, w = self.numbers(2), self.numbers(2)
         moments = (v[:, :, None] * v[:, None, :] + w[:, :, None] * w[:, None, :]).reshape(-1, 4)

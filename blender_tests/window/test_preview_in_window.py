@@ -148,6 +148,26 @@ class Drawn(PreviewCase):
         yield from self.until(lambda: self.held().inputs.frame == 5)
         self.assertEqual(begun, [1])
 
+    def test_it_follows_a_rest_shape_that_adapts(self) -> Iterator[float]:
+        """The GPU crushes by itself: it must measure against the reference of the frame, not the rest pose."""
+        yield from self.make()
+        field = self.obj.rumple.field
+        field.rest_shape, field.reference = "ADAPTIVE", "FIRST_FRAME"
+        bpy.context.scene.frame_start = 10  # bent already
+        yield from self.until(lambda: registry.runtime(self.obj).inputs is not None
+                              and registry.runtime(self.obj).inputs.settings.adapts)
+        for frame in (10, 11, 12, 18):
+            sleeve.at(frame)
+            self.area.tag_redraw()
+            yield from self.until(lambda: self.held().inputs.frame == frame)
+            entry = registry.runtime(self.obj)
+            expected = native.crush_wrinkle_field(
+                entry.fine.model, entry.fine._native_settings(entry.inputs.settings), entry.fine._paint,
+                entry.inputs.positions, entry.fine.state_of(float(frame)))
+            fullness = self.held().waves.read_waves()[1][:, 2]
+            np.testing.assert_allclose(fullness**2, expected.fullness**2, atol=1e-5, err_msg=str(frame))
+            self.assertLess(fullness.max() if frame == 10 else 0.0, 1e-2)  # the first frame is unwrinkled
+
     def test_a_standing_frame_costs_no_pass(self) -> Iterator[float]:
         yield from self.make()
         yield from self.shot()

@@ -4,6 +4,7 @@
 //   wishes     q, turn of the irregularity
 //   neighbours neighbour, gradient, the vertex itself
 //   before     k of the frame before, in xy
+//   stretches  xx, xy, yy of U from the reference triangles, where the rest shape adapts; else anything
 // out_waves: 2 pi / W k' and h; out_crushed: k, fullness, r.
 
 void main() {
@@ -23,6 +24,7 @@ void main() {
         vec3 way = TEXEL(positions, int(neighbour.x)).xyz - x;
         m += outerProduct(tangent_space(way, t, b, true_lengths), neighbour.yz);
     }
+    if (adaptive) m = restretched(m, TEXEL(stretches, v).xyz);
     vec4 wish = TEXEL(wishes, v);
     Crushed crushed = crush(m, wish.xy, TEXEL(before, v).xy, wish.zw);
     float fullness = crushed.fullness * vertex.w;

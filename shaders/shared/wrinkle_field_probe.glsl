@@ -41,6 +41,9 @@ FORMULA mat4 probe_formula(int formula, mat4 x) {
         y[2] = vec4(slopes.area, 0.0f, 0.0f, 0.0f);
     } else if (formula == 10) {
         y[0] = probe_out(parallax(probe_3(x[0]), probe_3(x[1])));
+    } else if (formula == 11) {
+        mat2 m = restretched(probe_mat(x[0]), probe_3(x[1]));
+        y[0] = vec4(m[0][0], m[0][1], m[1][0], m[1][1]);
     }
     return y;
 }

@@ -103,8 +103,10 @@ class Passes:
         def source(name: str) -> str:
             return shaders.source(*shaders.FORMULAS, "preview/texels", f"preview/{name}")
 
-        self.crush = Pass(source("crush"), ("vertices", "wishes", "neighbours", "positions", "normals", "before"),
-                          ("out_waves", "out_crushed"), (("FLOAT", "strength"), ("BOOL", "true_lengths")))
+        self.crush = Pass(source("crush"),
+                          ("vertices", "wishes", "neighbours", "positions", "normals", "before", "stretches"),
+                          ("out_waves", "out_crushed"),
+                          (("FLOAT", "strength"), ("BOOL", "true_lengths"), ("BOOL", "adaptive")))
         self.link = Pass(source("link"), ("neighbours", "waves", "crushed", "positions", "solved"),
                          ("out_link", "out_solved"))
         self.wake = Pass(source("wake"), ("vertices", "solved"), ("out_share",))
@@ -143,7 +145,7 @@ class GpuField:
         self._fan_arrays: tuple | None = None
         if len(model.uv_fan):
             self._collect_fans(model)
-        self._positions = self._normals = None
+        self._positions = self._normals = self._stretches = None
         self._start_phase = self._start_direction = self._start_solved = None
 
     def _collect_fans(self, model: Any) -> None:
@@ -178,9 +180,13 @@ class GpuField:
         """Let no vertex be held in the next frame."""
         self._start_solved = upload(np.full((self._links[0].count, 1), _NEVER, np.float32))
 
-    def pose(self, positions: np.ndarray, normals: np.ndarray) -> None:
-        """Welded vertices of this frame, (w, 3) both. All that a frame uploads."""
+    def pose(self, positions: np.ndarray, normals: np.ndarray, stretches: np.ndarray | None = None) -> None:
+        """Welded vertices of this frame, (w, 3) both. All that a frame uploads, unless the rest shape adapts.
+
+        stretches: (w, 3) of reference_stretches of the native side; empty or None where it does not.
+        """
         self._positions, self._normals = upload(positions), upload(normals)
+        self._stretches = upload(stretches) if stretches is not None and len(stretches) else None
 
     def crush(self) -> None:
         """Section 4.2, then what relax() needs of it. Cost: O(edges)."""
@@ -189,8 +195,9 @@ class GpuField:
         self._waves.reverse()
         self._passes.crush.run(self._waves[0], {
             "vertices": self._vertices, "wishes": self._wishes, "neighbours": self._neighbours, "before": before,
-            "positions": self._positions, "normals": self._normals},
-            strength=self._strength, true_lengths=self._true_lengths)
+            "positions": self._positions, "normals": self._normals,
+            "stretches": self._stretches or self._positions},
+            strength=self._strength, true_lengths=self._true_lengths, adaptive=self._stretches is not None)
         waves, crushed = self._waves[0].textures
         solved = self._start_solved or self._links[0].textures[1]
         self._start_solved = None

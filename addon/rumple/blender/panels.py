@@ -6,7 +6,7 @@ import bpy
 
 from ..core.systems import SYSTEMS
 from . import (bake_state, brush_panel, field_curve, maps_tree, mesh_io, modifier, operators, paths_panel, properties,
-               registry, structure, versions)
+               registry, rest_panel, structure, versions)
 from .panel_parts import Panel, named_paint, property_column
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
@@ -124,26 +124,6 @@ class DATA_PT_rumple_relaxation(Panel, bpy.types.Panel):
         column = property_column(self.layout)
         for name in ("rate", "rounds", "start", "start_rounds", "stateless", "weld"):
             column.prop(context.object.rumple.field, name)
-
-
-class DATA_PT_rumple_rest(Panel, bpy.types.Panel):
-    bl_label = "Rest Shape"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: bpy.types.Context) -> None:
-        column, obj = property_column(self.layout), context.object
-        settings = properties.group_of(obj)
-        column.prop(settings, "rest_shape")
-        if settings.rest_shape == "FRAME":
-            row = column.row(align=True)
-            row.prop(obj.rumple, "rest_frame")
-            row.operator("object.rumple_capture_rest", text="Capture")
-        elif settings.rest_shape == "SHAPE_KEY":
-            keys = obj.data.shape_keys
-            if keys is None:
-                column.label(text="This mesh has no shape keys", icon="INFO")
-            else:
-                column.prop_search(obj.rumple, "rest_key", keys, "key_blocks")
 
 
 class DATA_PT_rumple_constraints(Panel, bpy.types.Panel):
@@ -281,7 +261,7 @@ def _add_maps_button(layout: bpy.types.UILayout) -> None:
 
 
 CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
-           *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, DATA_PT_rumple_rest,
+           *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, rest_panel.DATA_PT_rumple_rest,
            DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames, DATA_PT_rumple_bake,
            DATA_PT_rumple_status)
 

@@ -127,7 +127,9 @@ def _update(obj: bpy.types.Object, entry: registry.Runtime, held: _OnGpu) -> boo
         held.waves.begin(state.phase, state.direction, state.solved_offset)
     elif before.settings != inputs.settings:
         held.waves.wake()
-    held.waves.pose(*held.model.weld_pose(inputs.positions))
+    state = fine.state_of(inputs.frame) if inputs.settings.adapts else None
+    held.waves.pose(*held.model.weld_pose(inputs.positions),
+                    fine.reference_stretches(state, inputs.positions) if state is not None else None)
     held.waves.crush()
     held.waves.relax(inputs.settings.rounds if goes_on else 0)
     held.waves.unfold()

@@ -130,7 +130,6 @@ class Wrinkles:
 
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
     FITTING = "wavelength"  # the setting that suits the mesh when wrinkles are added: see fitting_length()
-    READS_TIME = False  # whether the solve depends on the frame rate
     HAS_CURVES = False  # whether curves() has something to say
 
     def __init__(self, base: BaseMesh, source: BaseMesh, model: Any, warnings: list[str], unit_scale: float) -> None:
@@ -142,7 +141,7 @@ class Wrinkles:
         self.unit_scale = unit_scale  # metres per object unit
         self.history = History()
         self._painted = self._chosen = b""  # digests of the paint and the settings of the last solve ...
-        self._frame = math.nan  # ... and its frame
+        self._frame = self._frame_rate = math.nan  # ... and its frame, and the rate where that counts
         self._source_vertices, self._source_corners = len(source.positions), len(source.corner_vertex)
         self._paint: Any = None
 
@@ -209,7 +208,7 @@ class Wrinkles:
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None, frame_rate: float) -> Picture:
-        chosen = self._take_inputs(frame, settings, paint, start, frame_rate if self.READS_TIME else 0.0)
+        chosen = self._take_inputs(frame, settings, paint, start, frame_rate if self._reads_time(settings) else 0.0)
         world = self._reads_world(settings) and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
         moment = Moment(frame, frame / frame_rate, matrix)
@@ -254,9 +253,10 @@ class Wrinkles:
         repainted = self._paint is None or painted.digest() != self._painted
         if repainted:
             self._paint = self._take_paint(paint)
-        if repainted or (chosen != self._chosen and frame == self._frame):
+        # Another rate tells stored frames to be of other times.
+        if repainted or (chosen != self._chosen and frame == self._frame) or frame_rate != self._frame_rate:
             self.history.clear()
-        self._painted, self._chosen, self._frame = painted.digest(), chosen, frame
+        self._painted, self._chosen, self._frame, self._frame_rate = painted.digest(), chosen, frame, frame_rate
         return chosen
 
     # --- what a system says
@@ -288,6 +288,10 @@ class Wrinkles:
 
     def _reads_world(self, settings: Any) -> bool:
         """Whether the solve depends on where the object stands in the world."""
+        return False
+
+    def _reads_time(self, settings: Any) -> bool:
+        """Whether the solve depends on the frame rate."""
         return False
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:

@@ -41,6 +41,13 @@ REST_SHAPES = (
     ("FRAME", "Frame", "The shape captured at a chosen frame is the unwrinkled cloth"),
     ("SHAPE_KEY", "Shape Key", "A shape key is the unwrinkled cloth"),
 )
+ADAPTING_REST_SHAPES = REST_SHAPES + (
+    ("ADAPTIVE", "Adaptive", "What lasts becomes the unwrinkled cloth: for animation without a good rest pose"),
+)
+STARTS_FROM = (
+    ("REST", "Rest Pose", "The mesh without its modifiers"),
+    ("FIRST_FRAME", "First Frame", "The clip's first frame: no rest pose is needed"),
+)
 OFFSET_SPACES = (
     ("TRIANGLE", "Surface", "Folds turn with the surface: a spinning dancer keeps hers"),
     ("WORLD", "World", "Folds keep their direction in the world, as the paper has it"),
@@ -53,7 +60,31 @@ COLLISIONS = (
 
 
 @dataclass
-class MeshSettings:
+class AdaptiveRest:
+    """Reference triangles (chapter 4 of the Wrinkle Paths' thesis): the same words in every system."""
+
+    reference: str = setting("REST", "Starts From", "What counts as unwrinkled before anything has lasted",
+                             choices=STARTS_FROM)
+    window: float = setting(0.1, "Window", "Time back to the pose that tells compressing from stretching", low=0.0,
+                            high=2.0, unit="SECONDS")
+    relaxation: float = setting(0.01, "Giving In", "Share by which the reference takes over a compressed shape in a "
+                                "thirtieth of a second", low=0.0, high=1.0)
+    growth: float = setting(1.05, "Growth", "Most length of the reference over the rest shape", low=1.0, high=10.0)
+
+    @property
+    def adapts(self) -> bool:
+        """Whether what is measured against changes with time. Frames on their own have no time: rest pose."""
+        return self.rest_shape == "ADAPTIVE" and not self.stateless
+
+    def fill_reference(self, options: Any) -> None:
+        """Set what native settings have of it."""
+        for name in ("window", "relaxation", "growth"):
+            setattr(options, name, getattr(self, name))
+        options.reference = self.reference if self.adapts else "STATIC_REST"
+
+
+@dataclass
+class MeshSettings(AdaptiveRest):
     """Settings of one Wrinkle Mesh. Lengths are metres in world scale unless the unit says otherwise."""
 
     # The fine mesh (section 3 of the paper)
@@ -71,7 +102,7 @@ class MeshSettings:
     weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that no seam of "
                          "a game mesh tears", affects="MESH")
     # The rest shape
-    rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=REST_SHAPES,
+    rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=ADAPTING_REST_SHAPES,
                               affects="MESH")
     # Attachment (section 4)
     attachment: str = setting("LIMIT", "Attach To", "The surface that folds ride on", choices=ATTACHMENTS,
@@ -133,7 +164,7 @@ STARTS = (
 
 
 @dataclass
-class FieldSettings:
+class FieldSettings(AdaptiveRest):
     """Settings of one Wrinkle Field. Lengths are metres in world scale unless the unit says otherwise."""
 
     output: str = setting("SHADING", "Output", "What shows the waves", choices=OUTPUTS, affects="MESH")
@@ -170,7 +201,7 @@ class FieldSettings:
                               affects="MESH")
     weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that waves run "
                          "on over the seams of a game mesh", affects="MESH")
-    rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=REST_SHAPES,
+    rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=ADAPTING_REST_SHAPES,
                               affects="MESH")
 
     def structural(self) -> dict[str, Any]:
@@ -200,7 +231,7 @@ PATH_PROFILES = (
 
 
 @dataclass
-class PathsSettings:
+class PathsSettings(AdaptiveRest):
     """Settings of the Wrinkle Paths. Lengths are metres in world scale unless the unit says otherwise."""
 
     # Where folds are (chapters 4 and 5 of the thesis)
@@ -224,11 +255,6 @@ class PathsSettings:
                               "and in any order, but folds jump")
     # What compression is measured against (section 4.2)
     reference: str = setting("REST", "Measured Against", "What counts as uncompressed", choices=REFERENCES)
-    window: float = setting(0.1, "Window", "Time back to the pose that tells compressing from stretching", low=0.0,
-                            high=2.0, unit="SECONDS")
-    relaxation: float = setting(0.01, "Giving In", "Share by which the reference takes over a compressed shape in a "
-                                "thirtieth of a second", low=0.0, high=1.0)
-    growth: float = setting(1.05, "Growth", "Most length of the reference over the rest shape", low=1.0, high=10.0)
     smoothing: float = setting(0.1, "Smoothing", "Time over which compression is smoothed: noise bears no folds",
                                low=0.0, high=2.0, unit="SECONDS")
     # What they look like (chapter 6)
@@ -250,6 +276,10 @@ class PathsSettings:
                          "on over the seams of a game mesh", affects="MESH")
     rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=REST_SHAPES,
                               affects="MESH")
+
+    @property
+    def adapts(self) -> bool:
+        return self.reference != "STATIC_REST" and not self.stateless
 
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from."""

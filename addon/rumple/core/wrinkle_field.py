@@ -77,6 +77,13 @@ class WrinkleField(Wrinkles):
         wishes = native.load().wishes_wrinkle_field(self.model, options, self._paint)
         return options, wishes, native_profile(settings.profile, self._drawn)
 
+    def reference_stretches(self, state: Any, positions: np.ndarray) -> np.ndarray:
+        """(w, 3) of every welded vertex in the pose of a WrinkleFieldState; empty unless the rest shape adapts."""
+        return native.load().reference_stretches(self.model, state, positions)
+
+    def _reads_time(self, settings: FieldSettings) -> bool:
+        return settings.adapts
+
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         self._drawn = paint.get("profile")
         return native.load().WrinkleFieldPaint(
@@ -87,7 +94,7 @@ class WrinkleField(Wrinkles):
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
         return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
-                                                 before)
+                                                 before, time=moment.seconds)
 
     def _show(self, settings: FieldSettings, positions: np.ndarray, state: Any,
               moment: Moment) -> Picture:
@@ -109,4 +116,5 @@ class WrinkleField(Wrinkles):
             setattr(options, name, getattr(settings, name))
         options.aligned_start = settings.start == "ALIGNED"
         options.wavelength = settings.wavelength / self.unit_scale
+        settings.fill_reference(options)
         return options

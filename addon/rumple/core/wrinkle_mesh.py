@@ -69,7 +69,7 @@ class WrinkleMesh(Wrinkles):
                 longest_edge=settings.edge_length / unit_scale, most_vertices=MOST_VERTICES, own=own_surface,
                 attached=None if attached is None else np.ascontiguousarray(attached, np.uint8),
                 farthest=FARTHEST_OWN * base.diagonal(), attachment=settings.attachment,
-                display_steps=settings.display_steps)
+                display_steps=settings.display_steps, adaptive=settings.rest_shape == "ADAPTIVE")
         except ValueError as error:
             raise Refused(f"{base.name}: {error}") from error
         if own_surface is not None:
@@ -104,6 +104,9 @@ class WrinkleMesh(Wrinkles):
     def _reads_world(self, settings: MeshSettings) -> bool:
         return settings.offset_space == "WORLD"
 
+    def _reads_time(self, settings: MeshSettings) -> bool:
+        return settings.adapts
+
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         return native.load().WrinkleMeshPaint(self.model, paint)
 
@@ -112,7 +115,7 @@ class WrinkleMesh(Wrinkles):
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
         return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions, before,
-                                                moment.world_from_object)
+                                                moment.world_from_object, time=moment.seconds)
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any,
               moment: Moment) -> Picture:
@@ -126,4 +129,5 @@ def native_settings(settings: MeshSettings) -> Any:
     for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "compression_limit",
                  "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge", "seed"):
         setattr(options, name, getattr(settings, name))
+    settings.fill_reference(options)
     return options

@@ -34,7 +34,6 @@ class WrinklePaths(Wrinkles):
 
     ATTRIBUTES = (*COMMON_ATTRIBUTES, Attribute("rumple_height"))
     FITTING = "width"
-    READS_TIME = True
     HAS_CURVES = True
 
     fitting_length = staticmethod(fitting_width)
@@ -82,6 +81,9 @@ class WrinklePaths(Wrinkles):
         apart = max(settings.spacing, 1.0) * settings.width
         return area / apart * max(4.0 / edge, 2.0 / settings.width)
 
+    def _reads_time(self, settings: PathsSettings) -> bool:
+        return True
+
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         return native.load().WrinklePathsPaint(self.model, paint)
 
@@ -97,8 +99,9 @@ class WrinklePaths(Wrinkles):
 
     def _native_settings(self, settings: PathsSettings) -> Any:
         options = native.load().WrinklePathsSettings()
-        for name in ("reference", "window", "relaxation", "growth", "smoothing", "threshold", "reach", "spacing",
-                     "alignment", "hem_rings", "growth_limit", "fade", "seed", "height", "direction", "profile"):
+        for name in ("smoothing", "threshold", "reach", "spacing", "alignment", "hem_rings", "growth_limit", "fade",
+                     "seed", "height", "direction", "profile"):
             setattr(options, name, getattr(settings, name))
+        settings.fill_reference(options)
         options.width = settings.width / self.unit_scale
         return options

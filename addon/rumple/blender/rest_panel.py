@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel "Rest Shape": what counts as unwrinkled. panels.py registers it among the others."""
+from __future__ import annotations
+
+import bpy
+
+from . import properties
+from .panel_parts import Panel, property_column
+
+
+class DATA_PT_rumple_rest(Panel, bpy.types.Panel):
+    bl_label = "Rest Shape"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = property_column(self.layout), context.object
+        settings = properties.group_of(obj)
+        column.prop(settings, "rest_shape")
+        if settings.rest_shape == "FRAME":
+            row = column.row(align=True)
+            row.prop(obj.rumple, "rest_frame")
+            row.operator("object.rumple_capture_rest", text="Capture")
+        elif settings.rest_shape == "SHAPE_KEY":
+            keys = obj.data.shape_keys
+            if keys is None:
+                column.label(text="This mesh has no shape keys", icon="INFO")
+            else:
+                column.prop_search(obj.rumple, "rest_key", keys, "key_blocks")
+        elif settings.rest_shape == "ADAPTIVE":
+            _draw_adaptive(column, settings)
+
+
+def _draw_adaptive(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    if settings.stateless:
+        column.label(text="Independent Frames: the rest pose counts", icon="INFO")
+        return
+    column.prop(settings, "reference")
+    column.prop(settings, "relaxation")
+    if settings.reference == "REST":
+        column.prop(settings, "growth")
+    column.prop(settings, "window")

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rest shapes that adapt: their frames are stored, replayed and jumped to as any others. Every system alike."""
+from __future__ import annotations
+
+import unittest
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import rumple_native as native
+from meshes import compressed, tube
+from rumple.core.engine import Picture, Wrinkles
+from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.wrinkle_field import WrinkleField
+from rumple.core.wrinkle_mesh import WrinkleMesh
+from rumple.core.wrinkle_paths import WrinklePaths
+
+FRAMES = range(1, 13)
+SYSTEMS = (
+    (WrinkleMesh, MeshSettings(density="LEVEL", level=1, display_steps=0, rest_shape="ADAPTIVE")),
+    (WrinkleField, FieldSettings(wavelength=0.03, rest_shape="ADAPTIVE")),
+    (WrinklePaths, PathsSettings(width=0.01)),
+)
+
+
+class Adapting(unittest.TestCase):
+    def setUp(self) -> None:
+        self.base = tube(12, 12)
+        self.clip = {f: compressed(self.base.positions, 1.0 - 0.04 * (f - 1)) for f in FRAMES}
+
+    def solve(self, fine: Wrinkles, frame: float, settings: Any, rate: float = 30.0, start: int = 1) -> Picture:
+        whole, part = int(frame), np.float32(frame % 1.0)
+        pose = self.clip[whole] if part == 0 else (1 - part) * self.clip[whole] + part * self.clip[whole + 1]
+        return fine.solve_frame(float(frame), pose, settings, {}, start=start, frame_rate=rate)
+
+    def reference(self, fine: Wrinkles, frame: float) -> np.ndarray:
+        state = fine.history.get(float(frame)).state
+        return (state.arrays if isinstance(fine, WrinklePaths) else state.reference)["reference"]
+
+    def each(self):
+        for system, settings in SYSTEMS:
+            with self.subTest(system.__name__):
+                yield system, settings
+
+    def test_played_frames_replay_to_the_bit_in_any_order(self) -> None:
+        for system, settings in self.each():
+            fine = system.build(self.base, settings)
+            played = {f: self.solve(fine, f, settings).positions for f in FRAMES}
+            self.assertFalse(np.array_equal(self.reference(fine, 12), self.reference(fine, 1)))  # it has given in
+            for frame in (5, 2, 12, 1, 7):
+                picture = self.solve(fine, frame, settings)
+                self.assertTrue(picture.replayed)
+                np.testing.assert_array_equal(picture.positions, played[frame])
+            half = self.solve(fine, 6.5, settings).positions
+            np.testing.assert_array_equal(self.solve(fine, 7, settings).positions, played[7])  # and no frame after it
+            np.testing.assert_array_equal(self.solve(fine, 6.5, settings).positions, half)
+
+    def test_playing_through_does_not_know_what_was_jumped_to(self) -> None:
+        for system, settings in self.each():
+            fresh, other = system.build(self.base, settings), system.build(self.base, settings)
+            for frame in (9, 4, 10, 5):
+                self.solve(other, frame, settings)
+            for f in FRAMES:
+                np.testing.assert_array_equal(self.solve(fresh, f, settings).positions,
+                                              self.solve(other, f, settings).positions)
+                np.testing.assert_array_equal(self.reference(fresh, f), self.reference(other, f))
+
+    def test_the_frame_rate_counts_where_the_rest_shape_adapts_and_nowhere_else(self) -> None:
+        for system, settings in self.each():
+            fine = system.build(self.base, settings)
+            for f in FRAMES:
+                self.solve(fine, f, settings)
+            slow = self.reference(fine, 12)
+            self.solve(fine, 5, settings, rate=60.0)  # elsewhere: what is stored is of other times now
+            self.assertEqual(len(fine.history.frames()), 1)
+            for f in FRAMES:
+                self.solve(fine, f, settings, rate=60.0)
+            self.assertGreater(np.abs(self.reference(fine, 12) - slow).max(), 1e-6)
+        for system, settings in SYSTEMS[:2]:
+            still = replace(settings, rest_shape="REST_POSE")
+            fine = system.build(self.base, still)
+            for f in FRAMES:
+                self.solve(fine, f, still)
+            self.assertTrue(self.solve(fine, 5, still, rate=60.0).replayed)
+
+    def test_without_a_rest_pose_the_first_frame_is_unwrinkled(self) -> None:
+        for system, settings in self.each():
+            free = replace(settings, reference="FIRST_FRAME")
+            fine = system.build(self.base, free)
+            begun, folded = self.solve(fine, 8, free, start=8), self.solve(fine, 8, settings, start=8)
+            self.assertLess(np.abs(begun.offset).max(), 0.1 * np.abs(folded.offset).max() + 1e-9)
+            for f in (9, 10, 11, 12):
+                later = self.solve(fine, f, free, start=8)
+            self.assertTrue(np.isfinite(later.positions).all())
+
+    def test_independent_frames_are_measured_against_the_rest_pose(self) -> None:
+        for system, settings in self.each():
+            alone = replace(settings, stateless=True, reference="FIRST_FRAME")
+            fine = system.build(self.base, alone)
+            backwards = {f: self.solve(fine, f, alone).positions for f in reversed(FRAMES)}
+            still = replace(alone, reference="STATIC_REST") if system is WrinklePaths else replace(
+                alone, rest_shape="REST_POSE")
+            other = system.build(self.base, still)
+            for f in FRAMES:
+                np.testing.assert_array_equal(self.solve(other, f, still).positions, backwards[f])
+
+    def test_a_stored_state_continues_as_the_one_that_was_stored(self) -> None:
+        for system, settings in self.each():
+            fine = system.build(self.base, settings)
+            for f in range(1, 8):
+                self.solve(fine, f, settings)
+            entry = fine.history.get(6.0)
+            expected = self.solve(fine, 7, settings).positions
+            other = system.build(self.base, settings)
+            self.solve(other, 6, settings)
+            other.history.get(6.0).state, other.history.get(6.0).final = self.stored(entry.state), True
+            np.testing.assert_array_equal(self.solve(other, 7, settings).positions, expected)
+            self.assertGreater(entry.state.nbytes, self.clip[1].nbytes)
+
+    def stored(self, state: Any) -> Any:
+        if isinstance(state, native.WrinkleMeshState):
+            return native.WrinkleMeshState(state.offset, state.solved_length, state.reference)
+        if isinstance(state, native.WrinkleFieldState):
+            return native.WrinkleFieldState(state.phase, state.direction, state.solved_offset, state.reference)
+        return native.WrinklePathsState(state.arrays)
+
+    def test_a_spoiled_reference_is_named(self) -> None:
+        settings = SYSTEMS[0][1]
+        fine = WrinkleMesh.build(self.base, settings)
+        self.solve(fine, 1, settings)
+        state = fine.history.get(1.0).state
+        good = state.reference
+        for name, value in (("labels", good["labels"].astype(np.int32)), ("reference", good["reference"][:, :2]),
+                            ("past_times", good["past_times"][None])):
+            with self.assertRaisesRegex(ValueError, name):
+                native.WrinkleMeshState(state.offset, state.solved_length, {**good, name: value})
+        with self.assertRaisesRegex(ValueError, "past_positions"):
+            native.WrinkleMeshState(state.offset, state.solved_length,
+                                    {k: v for k, v in good.items() if k != "past_positions"})
