@@ -9,6 +9,7 @@ from typing import Iterator
 import bpy
 import gpu
 import numpy as np
+import rumple_native as native
 import shots
 import sleeve
 from case import WindowCase

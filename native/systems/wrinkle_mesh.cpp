@@ -194,8 +194,8 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
     const std::vector<float> lengths = attachment_lengths(model, pose);
     State state{std::vector<Vec3>(pose.attachment.size(), Vec3(0.0f)), lengths,
                 adapt_rest(model, settings, input, pose, before)};
-    const std::vector<float> scales = rest_scales(model, state.reference);
-    for (size_t i = 0; i < scales.size(); ++i) state.solved_length[i] /= scales[i];
+    const std::vector<float> scales = rest_scales(model, settings, state.reference, pose, lengths);
+    for (size_t i = 0; i < scales.size(); ++i) state.solved_length[i] /= std::max(scales[i], kShortestEdge);
     const Targets targets = make_targets(model, settings, paint, lengths, scales);
     const std::vector<float> active = before ? activity(model, state.solved_length, *before)
                                              : std::vector<float>(pose.attachment.size(), 1.0f);

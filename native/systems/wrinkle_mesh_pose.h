@@ -66,9 +66,12 @@ Adaptive place_pairs(const Model& model);
 ReferenceState adapt_rest(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
                           const State* before);
 
-// |F e| / |e| of every pair e: how much longer the reference triangles have it than the rest pose. Empty,
-// which means 1, for an empty reference.
-std::vector<float> rest_scales(const Model& model, const ReferenceState& reference);
+// By how much the reference triangles scale the rest length of every pair e; empty, which means 1, for an
+// empty reference. From the rest pose: |F e| / |e|, F from rest to reference. Without one (kFirstFrame) the
+// rest pose's lengths mean nothing: the length in this pose times |F e| / |F' e|, F' from rest to this pose.
+// lengths: attachment_lengths().
+std::vector<float> rest_scales(const Model& model, const Settings& settings, const ReferenceState& reference,
+                               const Pose& pose, std::span<const float> lengths);
 inline float scale_of(const std::vector<float>& scales, size_t pair) {
     return scales.empty() ? 1.0f : scales[pair];
 }

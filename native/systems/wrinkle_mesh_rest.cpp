@@ -61,11 +61,34 @@ std::array<Index, 2> triangles_of_pair(const TriangleNet& net, const std::vector
     return bound;
 }
 
-// |F e| / |e| from F^T F.
-float stretched(const Tensor2& metric, const Vec2& e) {
-    const float square = e.x * e.x + e.y * e.y;
-    if (square <= 0.0f) return 1.0f;  // across the triangle, or no triangle at all
-    return std::sqrt((metric.xx * e.x * e.x + 2.0f * metric.xy * e.x * e.y + metric.yy * e.y * e.y) / square);
+// |F e|^2 from F^T F.
+float square_of(const Tensor2& metric, const Vec2& e) {
+    return metric.xx * e.x * e.x + 2.0f * metric.xy * e.x * e.y + metric.yy * e.y * e.y;
+}
+
+// F^T F of all triangles from their shape at rest.
+std::vector<Tensor2> metrics_of(const Model& model, const std::vector<FlatTriangle>& shapes) {
+    std::vector<Tensor2> metrics;
+    for (size_t t = 0; t < shapes.size(); ++t)
+        metrics.push_back(metric(model.adaptive->triangles.rest[t], shapes[t]));
+    return metrics;
+}
+
+// How much longer every pair is in some shapes of the triangles than in others.
+std::vector<float> longer(const Model& model, const std::vector<Tensor2>& some,
+                          const std::vector<Tensor2>& others) {
+    std::vector<float> out;
+    for (const Adaptive::Place& place : model.adaptive->pairs) {
+        const auto in = [&](int k) {
+            const Index t = place.triangle[k];
+            const float length = square_of(some[t], place.along[k]);
+            const float other = square_of(others[t], place.along[k]);
+            return length > 0.0f && other > 0.0f ? std::sqrt(length / other)
+                                                 : 1.0f;  // 0: across the triangle
+        };
+        out.push_back(0.5f * (in(0) + in(1)));
+    }
+    return out;
 }
 
 }  // namespace
@@ -100,16 +123,25 @@ ReferenceState adapt_rest(const Model& model, const Settings& settings, const In
                  before ? before->reference : ReferenceState{});
 }
 
-std::vector<float> rest_scales(const Model& model, const ReferenceState& reference) {
-    std::vector<float> scales;
-    if (reference.empty() || !model.adaptive) return scales;
-    std::vector<Tensor2> metrics;
-    for (size_t t = 0; t < reference.reference.size(); ++t)
-        metrics.push_back(metric(model.adaptive->triangles.rest[t], reference.reference[t]));
-    for (const Adaptive::Place& place : model.adaptive->pairs) {
-        const auto in = [&](int k) { return stretched(metrics[place.triangle[k]], place.along[k]); };
-        scales.push_back(0.5f * (in(0) + in(1)));
+std::vector<float> rest_scales(const Model& model, const Settings& settings, const ReferenceState& reference,
+                               const Pose& pose, std::span<const float> lengths) {
+    if (reference.empty() || !model.adaptive) return {};
+    const std::vector<FlatTriangle>& rest = model.adaptive->triangles.rest;
+    if (settings.rest.reference != Reference::kFirstFrame)
+        return longer(model, metrics_of(model, reference.reference), metrics_of(model, rest));
+    // Nothing is known of a triangle that has no area in either.
+    std::vector<FlatTriangle> then = reference.reference,
+                              now = flat_pose(model.adaptive->triangles.net, pose.base).shapes;
+    for (size_t t = 0; t < now.size(); ++t) {
+        if (!then[t].has_area() || !now[t].has_area()) then[t] = now[t] = rest[t];
     }
+    std::vector<float> scales = longer(model, metrics_of(model, then), metrics_of(model, now));
+    const auto to_rest = [&](const Pairs& pairs, size_t first) {
+        for (size_t i = 0; i < pairs.size(); ++i)
+            scales[first + i] *= lengths[first + i] / std::max(pairs.rest[i], kShortestEdge);
+    };
+    to_rest(model.distance, 0);
+    to_rest(model.bending, model.distance.size());
     return scales;
 }
 

@@ -65,7 +65,8 @@ Measures measure(const Model& model, const Settings& settings, const Paint& pain
         }
     }
     std::vector<float> wanted(model.distance.rest);
-    const std::vector<float> scales = rest_scales(model, state.reference);
+    const std::vector<float> scales =
+        rest_scales(model, settings, state.reference, pose, attachment_lengths(model, pose));
     for (size_t i = 0; i < wanted.size(); ++i) wanted[i] *= settings.prestretch * scale_of(scales, i);
     const LengthError before = length_error(model.distance, wanted, pose.attachment);
     const LengthError after = length_error(model.distance, wanted, positions);
