@@ -261,6 +261,7 @@ def ensure_fine(obj: bpy.types.Object, entry: Runtime) -> None:
         registry.refuse(entry, str(error))
         raise
     entry.shape, entry.refused, entry.paint = now.shape, "", None
+    entry.inputs = None  # solved by the former one: who draws by them must wait
     entry.notes = list(entry.fine.warnings)
     if versions.has_custom_normals(obj.data):
         entry.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
