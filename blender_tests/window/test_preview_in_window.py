@@ -160,7 +160,9 @@ class Drawn(PreviewCase):
         for frame in (10, 11, 12, 18):
             sleeve.at(frame)
             self.area.tag_redraw()
-            yield from self.until(lambda: self.held().inputs.frame == frame)
+            yield from self.until(lambda: preview._on_gpu and self.held().inputs is not None
+                                  and self.held().inputs.frame == frame)
+            self.assertFalse(self.held().refused)  # drawn while it was made anew
             entry = registry.runtime(self.obj)
             expected = native.crush_wrinkle_field(
                 entry.fine.model, entry.fine._native_settings(entry.inputs.settings), entry.fine._paint,

@@ -179,7 +179,10 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     entry.bake_note = ""
     if method == "FIELD":
         _settle_profile(obj, entry)
+    former = entry.fine
     ensure_fine(obj, entry)
+    if entry.fine is not former:
+        obj.update_tag()  # the carrier may fit as it is, but nothing is solved by this one
     source = source_of(obj)
     held = modifier.carrier(ours)
     count = len(obj.data.vertices)
