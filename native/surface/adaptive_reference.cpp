@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <string>
 
 #include "base/expect.h"
@@ -257,9 +258,9 @@ Labels label_clip(const Surface& surface, const ReferenceModel& model, const Ref
                            std::to_string(vertices) + " vertices, got " + std::to_string(positions.size()) +
                            " vertices");
     }
-    std::vector<FlatPose> poses;
+    std::deque<std::vector<Vec3>> poses;  // welded, from frame `first` on: those that the window may reach
     std::vector<LabelCosts> costs;
-    size_t first = 0;  // pose that the window may still reach
+    size_t first = 0;
     for (size_t f = 0; f < times.size(); ++f) {
         if (f > 0 && !(times[f] > times[f - 1])) {
             throw InvalidInput("times: expected ascending seconds, but frame " + std::to_string(f) +
@@ -270,17 +271,18 @@ Labels label_clip(const Surface& surface, const ReferenceModel& model, const Ref
         expect_finite("positions", frame, "vertex");
         std::vector<Vec3> welded(size_t(surface.welded.vertex_count));
         weld_positions(surface, frame, welded);
-        poses.push_back(flat_pose(model.net, std::move(welded)));
         if (f == 0) {
             costs.assign(model.rest.size(), label_costs({}));
-            continue;
+        } else {
+            for (; first + 1 < f && times[first + 1] <= times[f] - settings.window; ++first)
+                poses.pop_front();
+            PastPoses past(model.net, settings.window);
+            for (size_t i = 0; i < poses.size(); ++i) past.add(times[first + i], poses[i]);
+            add_costs(past.before(times[f]), flat_triangles(model.net, welded), costs);
         }
-        PastPoses past(model.net, settings.window);
-        while (first + 1 < f && times[first + 1] <= times[f] - settings.window) ++first;
-        for (size_t i = first; i < f; ++i) past.add(times[i], poses[i].positions);
-        add_costs(past.before(times[f]), poses[f].shapes, costs);
+        poses.push_back(std::move(welded));
     }
-    return raw ? cheapest_labels(costs) : cut_labels(model.net, costs, {});
+    return raw ? cheapest_labels(costs) : cut_clip(model.net, costs);
 }
 
 }  // namespace rumple

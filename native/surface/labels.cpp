@@ -125,6 +125,23 @@ Labels cut_labels(const TriangleNet& net, std::span<const LabelCosts> costs,
     return graph.solve(costs.size());
 }
 
+Labels cut_clip(const TriangleNet& net, std::span<const LabelCosts> costs, size_t most_in_cut) {
+    const size_t triangles = size_t(net.triangles());
+    const size_t most = std::max(most_in_cut / triangles, 2 * kFramesAhead) * triangles;
+    Labels labels;
+    while (labels.size() < costs.size()) {
+        const size_t done = labels.size();
+        const std::span<const std::uint8_t> before =
+            done ? std::span(labels).last(triangles) : std::span<std::uint8_t>();
+        const Labels piece =
+            cut_labels(net, costs.subspan(done, std::min(most, costs.size() - done)), before);
+        const bool last = done + piece.size() == costs.size();
+        const size_t kept = last ? piece.size() : piece.size() - kFramesAhead * triangles;
+        labels.insert(labels.end(), piece.begin(), piece.begin() + std::ptrdiff_t(kept));
+    }
+    return labels;
+}
+
 Labels cheapest_labels(std::span<const LabelCosts> costs) {
     Labels labels;
     for (const LabelCosts& cost : costs)

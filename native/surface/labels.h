@@ -34,6 +34,13 @@ LabelCosts label_costs_printed(const Stretch& change);
 Labels cut_labels(const TriangleNet& net, std::span<const LabelCosts> costs,
                   std::span<const std::uint8_t> before);
 
+// The labels of a clip of any length: in one cut up to kMostInCut triangles x frames, which take about 250
+// MB. A longer clip in pieces that go on from one another's labels; each sees kFramesAhead frames of the
+// next.
+inline constexpr size_t kMostInCut = 500'000;
+inline constexpr size_t kFramesAhead = 30;
+Labels cut_clip(const TriangleNet& net, std::span<const LabelCosts> costs, size_t most_in_cut = kMostInCut);
+
 // The cheapest label of every node for itself (figure 4.1, middle): to see what the cut does.
 Labels cheapest_labels(std::span<const LabelCosts> costs);
 

@@ -2,6 +2,7 @@
 // Labels of triangles (Gillette 2015, section 4.1): stretches, costs and the cut.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -250,6 +251,25 @@ TEST(LabelCut, DoesNotDependOnTheOrderOfTriangles) {
     for (size_t i = 0; i < costs.size(); ++i) turned_costs[counterpart(i)] = costs[i];
     const Labels turned_labels = cut_labels(build_net(build(turned)), turned_costs, {});
     for (size_t i = 0; i < labels.size(); ++i) EXPECT_EQ(turned_labels[counterpart(i)], labels[i]) << i;
+}
+
+// Costs that change slowly, as those of a clip do. Pieces see far enough ahead to give the labels of one cut.
+TEST(LabelCut, OfALongClipInPiecesIsThatOfOneCut) {
+    const Surface surface = build(grid(2, 2, 1.0f));
+    const TriangleNet net = build_net(surface);
+    const size_t triangles = size_t(net.triangles()), frames = 400;
+    std::vector<LabelCosts> costs;
+    for (size_t f = 0; f < frames; ++f) {
+        for (size_t t = 0; t < triangles; ++t) {
+            const double x = 0.5 + 0.5 * std::sin(0.11 * double(f) + 0.7 * double(t));
+            costs.push_back({x, 0.3 + 0.2 * std::cos(0.05 * double(f)), 1.0 - x});
+        }
+    }
+    const Labels whole = cut_labels(net, costs, {});
+    for (const std::uint8_t label : {kCompress, kRest, kStretch})
+        EXPECT_GT(std::count(whole.begin(), whole.end(), label), 100);
+    for (const size_t most : {0, 70, 170})  // frames; never less than twice the look ahead
+        EXPECT_EQ(cut_clip(net, costs, most * triangles), whole) << most;
 }
 
 // ---- the net
