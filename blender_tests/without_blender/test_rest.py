@@ -23,7 +23,9 @@ SYSTEMS = (
 )
 
 
-class Adapting(unittest.TestCase):
+class OnATube(unittest.TestCase):
+    """A tube that is squeezed, and what reads of any system."""
+
     def setUp(self) -> None:
         self.base = tube(12, 12)
         self.clip = {f: compressed(self.base.positions, 1.0 - 0.04 * (f - 1)) for f in FRAMES}
@@ -42,6 +44,8 @@ class Adapting(unittest.TestCase):
             with self.subTest(system.__name__):
                 yield system, settings
 
+
+class Adapting(OnATube):
     def test_played_frames_replay_to_the_bit_in_any_order(self) -> None:
         for system, settings in self.each():
             fine = system.build(self.base, settings)
@@ -137,3 +141,119 @@ class Adapting(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "past_positions"):
             native.WrinkleMeshState(state.offset, state.solved_length,
                                     {k: v for k, v in good.items() if k != "past_positions"})
+
+
+class SeeingAhead(OnATube):
+    """A whole clip, or one frame ahead."""
+
+    def by_hand(self, fine: Wrinkles, settings: Any, labels: np.ndarray | None, ahead: bool = False) -> list[Any]:
+        """The states of all frames, solved with the native module alone."""
+        solve = {WrinkleMesh: native.solve_wrinkle_mesh, WrinkleField: native.solve_wrinkle_field,
+                 WrinklePaths: native.solve_wrinkle_paths}[type(fine)]
+        state, states = None, []
+        for f in FRAMES:
+            more = dict(next_positions=self.clip[f + 1], next_time=(f + 1) / 30.0) if ahead and f + 1 in self.clip else {}
+            state, _ = solve(fine.model, fine._native_settings(settings), fine._take_paint({}), self.clip[f],
+                             state=state, time=f / 30.0, labels=None if labels is None else labels[f - 1], **more)
+            states.append(state)
+        return states
+
+    def labels(self, fine: Wrinkles, settings: Any) -> np.ndarray:
+        return native.label_clip(fine.model, fine._native_settings(settings), np.array(FRAMES) / 30.0,
+                                 np.concatenate([self.clip[f] for f in FRAMES]))
+
+    def look(self, fine: Wrinkles, settings: Any) -> None:
+        fine.look_at_clip({float(f): self.clip[f] for f in FRAMES}, settings, frame_rate=30.0)
+
+    def state_arrays(self, fine: Wrinkles, state: Any) -> dict[str, np.ndarray]:
+        if isinstance(fine, WrinklePaths):
+            return state.arrays
+        return {**state.reference, **({"offset": state.offset} if isinstance(fine, WrinkleMesh) else
+                                      {"phase": state.phase})}
+
+    def assert_same(self, fine: Wrinkles, one: Any, two: Any) -> None:
+        two = self.state_arrays(fine, two)
+        for name, values in self.state_arrays(fine, one).items():
+            np.testing.assert_array_equal(values, two[name], err_msg=name)
+
+    def setUp(self) -> None:
+        super().setUp()
+        # Squeezed faster and faster from one end to the other: live labels are late.
+        z = self.base.positions[:, 2] / self.base.positions[:, 2].max()
+        for f in FRAMES:
+            share = np.clip(0.12 * (f - 1) - 0.6 * z, 0.0, 1.0)[:, None].astype(np.float32)
+            self.clip[f] = ((1 - share) * self.base.positions + share * compressed(self.base.positions, 0.7)).astype(
+                np.float32)
+
+    def test_a_clip_that_was_looked_at_is_solved_with_its_labels(self) -> None:
+        for system, settings in self.each():
+            fine = system.build(self.base, settings)
+            live = self.by_hand(fine, settings, None)
+            expected = self.by_hand(fine, settings, self.labels(fine, settings))
+            self.look(fine, settings)
+            for f in FRAMES:
+                self.solve(fine, f, settings)
+                self.assert_same(fine, fine.history.get(float(f)).state, expected[f - 1])
+            self.assertEqual(fine.strayed, [])
+            self.assertFalse(np.array_equal(self.reference(fine, 12), self.state_arrays(fine, live[-1])["reference"]))
+            fine.look_at_clip({}, settings)
+            self.assertEqual(fine.history.frames(), [])
+            for f in FRAMES:
+                self.solve(fine, f, settings)
+                self.assert_same(fine, fine.history.get(float(f)).state, live[f - 1])
+
+    def test_a_changed_frame_is_solved_as_live(self) -> None:
+        for system, settings in self.each():
+            fine = system.build(self.base, settings)
+            self.look(fine, settings)
+            self.clip[5] = np.float32(1.001) * self.clip[5]
+            for f in FRAMES:
+                self.solve(fine, f, settings)
+            self.assertEqual(fine.strayed, [5.0])
+            labels = self.labels(fine, settings)
+            state = fine.history.get(5.0).state
+            found = (state.arrays if system is WrinklePaths else state.reference)["labels"]
+            before = fine.history.get(4.0).state
+            alone = system.build(self.base, settings)
+            self.solve(alone, 4, settings)
+            alone.history.get(4.0).state, alone.history.get(4.0).final = before, True
+            self.solve(alone, 5, settings)
+            live = alone.history.get(5.0).state
+            np.testing.assert_array_equal(found, (live.arrays if system is WrinklePaths else live.reference)["labels"])
+            self.assertEqual(found.shape, labels[0].shape)
+
+    def test_a_subframe_goes_by_the_frame_it_leads_to_and_changes_none(self) -> None:
+        for system, settings in self.each():
+            fine, other = system.build(self.base, settings), system.build(self.base, settings)
+            labels = self.labels(fine, settings)
+            for one in (fine, other):
+                self.look(one, settings)
+            for f in FRAMES[:-1]:
+                self.solve(fine, f, settings)
+                self.solve(fine, f + 0.5, settings)
+                state = fine.history.get(f + 0.5).state
+                found = (state.arrays if system is WrinklePaths else state.reference)["labels"]
+                np.testing.assert_array_equal(found, labels[f])
+                self.solve(other, f, settings)
+                self.assert_same(fine, fine.history.get(float(f)).state, other.history.get(float(f)).state)
+
+    def test_one_frame_of_look_ahead(self) -> None:
+        for system, settings in self.each():
+            fine = system.build(self.base, settings)
+            expected = self.by_hand(fine, settings, None, ahead=True)
+            for f in FRAMES:
+                following = (f + 1.0, self.clip[f + 1]) if f + 1 in self.clip else None
+                fine.solve_frame(float(f), self.clip[f], settings, {}, start=1, frame_rate=30.0, following=following)
+                self.assert_same(fine, fine.history.get(float(f)).state, expected[f - 1])
+            live = self.by_hand(fine, settings, None)
+            self.assertTrue(any(not np.array_equal(self.state_arrays(fine, a)["labels"], self.state_arrays(
+                fine, b)["labels"]) for a, b in zip(live, expected)))
+
+    def test_a_rest_shape_that_stays_sees_nothing(self) -> None:
+        for system, settings in SYSTEMS[:2]:
+            still = replace(settings, rest_shape="REST_POSE")
+            fine = system.build(self.base, still)
+            self.look(fine, still)
+            seen = self.solve(fine, 3, still, start=3).positions
+            fine.look_at_clip({}, still)
+            np.testing.assert_array_equal(self.solve(fine, 3, still, start=3).positions, seen)

@@ -169,6 +169,10 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
     inputs = _inputs(obj, ours, entry, evaluated, scene, depsgraph)
     if inputs is None:
         return False
+    if entry.looking:
+        entry.looked = inputs
+        registry.say(entry, "")
+        return False
     if inputs.same_as(entry.inputs) and entry.carrier_key == versions.session_key(held.data):
         registry.say(entry, "")  # what was wrong in between is as it was before
         return False

@@ -117,6 +117,11 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     bake_samples: bpy.props.IntProperty(name="Samples", default=1, min=1, max=16, options=set(), override=_OVERRIDE,
                                         description="Solves for each frame. 1 is right for most; more make motion blur "
                                                     "follow fast turns")
+    bake_whole_clip: bpy.props.BoolProperty(name="Whole Clip", default=True, options=set(), override=_OVERRIDE,
+                                            update=_changed("BAKE"),
+                                            description="Play the clip through once before it is solved: where cloth "
+                                                        "gives in or recovers is then decided for all of it at once, "
+                                                        "not frame by frame as in playback")
     bake_folder: bpy.props.StringProperty(name="Folder", options=set(), override=_OVERRIDE, subtype="DIR_PATH",
                                           description="Where baked clips go. Empty: the folder rumple beside the file")
     message: bpy.props.StringProperty(name="Message", get=_message,

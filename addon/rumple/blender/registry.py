@@ -63,6 +63,8 @@ class Runtime(Messages):
     inputs: Inputs | None = None
     picture: engine.Picture | None = None  # what the carrier holds
     carrier_key: int = 0  # ... which carrier
+    looking: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
+    looked: Inputs | None = None  # ... and this is what was read
     bake_note: str = ""  # what is wrong with the baked clip, whatever the frame
     curve_points: int = 0  # the most points that its curves had no room for
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it

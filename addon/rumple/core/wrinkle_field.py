@@ -94,7 +94,7 @@ class WrinkleField(Wrinkles):
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
         return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
-                                                 before, time=moment.seconds)
+                                                 before, **moment.in_time())
 
     def _show(self, settings: FieldSettings, positions: np.ndarray, state: Any,
               moment: Moment) -> Picture:

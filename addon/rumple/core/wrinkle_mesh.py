@@ -107,6 +107,9 @@ class WrinkleMesh(Wrinkles):
     def _reads_time(self, settings: MeshSettings) -> bool:
         return settings.adapts
 
+    def _native_settings(self, settings: MeshSettings) -> Any:
+        return native_settings(settings)
+
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         return native.load().WrinkleMeshPaint(self.model, paint)
 
@@ -115,7 +118,7 @@ class WrinkleMesh(Wrinkles):
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
         return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions, before,
-                                                moment.world_from_object, time=moment.seconds)
+                                                moment.world_from_object, **moment.in_time())
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any,
               moment: Moment) -> Picture:

@@ -90,7 +90,7 @@ class WrinklePaths(Wrinkles):
     def _solve(self, settings: PathsSettings, positions: np.ndarray, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
         return native.load().solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, positions,
-                                                 moment.seconds, before)
+                                                 state=before, **moment.in_time())
 
     def _show(self, settings: PathsSettings, positions: np.ndarray, state: Any,
               moment: Moment) -> Picture:
