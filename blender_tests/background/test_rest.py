@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import properties, structure
+from rumple.blender import bake, bake_state, modifier, properties, registry, structure
 
 METHODS = ("MESH", "FIELD")
 
@@ -85,11 +85,11 @@ class Adaptive(unittest.TestCase):
                 sleeve.at(20)
                 np.testing.assert_array_equal(sleeve.shown(obj), alone)
 
-    def test_a_bake_shows_the_played_through_clip(self) -> None:
+    def test_a_bake_as_in_playback_shows_the_played_through_clip(self) -> None:
         for method in METHODS:
             with self.subTest(method), tempfile.TemporaryDirectory() as folder:
                 obj = adapting(method, reference="FIRST_FRAME")
-                obj.rumple.bake_end, obj.rumple.bake_samples = sleeve.LAST, 2
+                obj.rumple.bake_end, obj.rumple.bake_samples, obj.rumple.bake_whole_clip = sleeve.LAST, 2, False
                 sleeve.play()
                 sleeve.at(13, 0.5)
                 live = sleeve.shown(obj)
@@ -119,3 +119,125 @@ class Adaptive(unittest.TestCase):
         bpy.ops.object.rumple_preset(preset="SILK")
         self.assertEqual((obj.rumple.mesh.rest_shape, obj.rumple.mesh.reference), ("ADAPTIVE", "FIRST_FRAME"))
         self.assertAlmostEqual(obj.rumple.mesh.relaxation, 0.03)
+
+
+class WholeClip(unittest.TestCase):
+    """A bake looks at the clip before it solves it."""
+
+    METHODS = (*METHODS, "PATHS")
+
+    def setUp(self) -> None:
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def made(self, method: str) -> bpy.types.Object:
+        if method == "PATHS":
+            obj = sleeve.scene(wrinkles=False)
+            obj.rumple.paths.threshold = 1.1
+            bpy.ops.object.rumple_add(method="PATHS")
+        else:
+            obj = adapting(method, relaxation=0.1)
+        sleeve.bend_until(8)  # and then it stands: live labels are late
+        obj.rumple.bake_end = sleeve.LAST
+        bpy.ops.wm.save_as_mainfile(filepath=str(Path(self.folder.name) / f"{method}.blend"))
+        return obj
+
+    def played(self, obj: bpy.types.Object) -> dict[int, np.ndarray]:
+        shapes = {}
+        for frame in range(1, sleeve.LAST + 1):
+            sleeve.at(frame)
+            shapes[frame] = sleeve.shown(obj)
+        return shapes
+
+    def by_hand(self, obj: bpy.types.Object) -> dict[int, np.ndarray]:
+        """All frames with the labels of the whole clip, by the engine alone."""
+        scene, entry = bpy.context.scene, registry.runtime(obj)
+        now = structure.sources(obj)
+        fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale)
+        poses = {}
+        for frame in range(1, sleeve.LAST + 1):
+            sleeve.at(frame)
+            poses[float(frame)] = entry.inputs.positions
+        rate = scene.render.fps / scene.render.fps_base
+        fine.look_at_clip(poses, now.settings, frame_rate=rate)
+        return {int(frame): fine.solve_frame(frame, pose, now.settings, {}, start=1, frame_rate=rate).positions
+                for frame, pose in poses.items()}
+
+    def test_baked_frames_are_those_solved_with_the_labels_of_the_whole_clip(self) -> None:
+        for method in self.METHODS:
+            with self.subTest(method):
+                obj = self.made(method)
+                live, expected = self.played(obj), self.by_hand(obj)
+                for samples in (1, 2):
+                    obj.rumple.bake_samples = samples
+                    self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+                    for frame, shape in self.played(obj).items():
+                        np.testing.assert_allclose(shape, expected[frame], atol=1e-6, err_msg=f"frame {frame}")
+                    bpy.ops.object.rumple_bake_free()
+                self.assertGreater(max(np.abs(expected[f] - live[f]).max() for f in live), 1e-5)
+                again = self.played(obj)  # and live is as it was
+                for frame in live:
+                    np.testing.assert_array_equal(again[frame], live[frame])
+                obj.rumple.bake_whole_clip = False
+                bpy.ops.object.rumple_bake()
+                for frame, shape in self.played(obj).items():
+                    np.testing.assert_allclose(shape, live[frame], atol=1e-6)
+
+    def test_shape_keys_are_baked_so_too(self) -> None:
+        for method in self.METHODS:
+            with self.subTest(method):
+                obj = self.made(method)
+                expected = self.by_hand(obj)
+                self.assertEqual(bpy.ops.object.rumple_bake_shape_keys(), {"FINISHED"})
+                keys = bpy.data.objects[f"{obj.name} shape keys"].data.shape_keys.key_blocks
+                for frame in (3, 9, sleeve.LAST):
+                    flat = np.empty(3 * len(keys[0].data), np.float32)
+                    keys[f"Frame {frame}"].data.foreach_get("co", flat)
+                    np.testing.assert_allclose(flat.reshape(-1, 3), expected[frame], atol=1e-6)
+
+    def test_a_bake_that_starts_late_looks_at_its_run_up(self) -> None:
+        obj = self.made("MESH")
+        expected = self.by_hand(obj)
+        obj.rumple.bake_start = 12
+        bpy.ops.object.rumple_bake()
+        sleeve.at(15)
+        np.testing.assert_allclose(sleeve.shown(obj), expected[15], atol=1e-6)
+
+    def test_a_cancelled_look_leaves_nothing(self) -> None:
+        obj = self.made("MESH")
+        live = self.played(obj)
+        for steps in (0, 3, sleeve.LAST, sleeve.LAST + 3):
+            running = bake._Bake(bpy.context, obj)
+            self.assertEqual(running.playback.count, 2 * sleeve.LAST)
+            for _ in range(steps):
+                self.assertTrue(running.step())
+            running.cancel()
+            entry = registry.runtime(obj)
+            self.assertFalse(entry.looking)
+            self.assertIsNone(bake_state.clip_path(obj))
+            sleeve.at(14)
+            sleeve.at(sleeve.LAST)
+        again = self.played(obj)
+        for frame in live:
+            np.testing.assert_array_equal(again[frame], live[frame])
+
+    def test_how_it_was_baked_is_part_of_the_clip(self) -> None:
+        obj = self.made("MESH")
+        bpy.ops.object.rumple_bake()
+        self.assertEqual(obj.rumple.message, "")
+        obj.rumple.bake_whole_clip = False
+        structure.settle_all()
+        self.assertIn("changed since the bake", obj.rumple.message)
+
+    def test_a_clip_of_one_frame(self) -> None:
+        obj = self.made("PATHS")
+        obj.rumple.bake_end = 1
+        sleeve.at(1)
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+
+    def test_a_modifier_that_is_off_is_said_before_anything_is_solved(self) -> None:
+        obj = self.made("MESH")
+        modifier.find(obj).show_viewport = False
+        with self.assertRaisesRegex(RuntimeError, "nothing is seen at frame 1"):
+            bpy.ops.object.rumple_bake()
+        self.assertFalse(registry.runtime(obj).looking)

@@ -152,7 +152,8 @@ class SeeingAhead(OnATube):
                  WrinklePaths: native.solve_wrinkle_paths}[type(fine)]
         state, states = None, []
         for f in FRAMES:
-            more = dict(next_positions=self.clip[f + 1], next_time=(f + 1) / 30.0) if ahead and f + 1 in self.clip else {}
+            following = self.clip.get(f + 1) if ahead else None
+            more = {} if following is None else dict(next_positions=following, next_time=(f + 1) / 30.0)
             state, _ = solve(fine.model, fine._native_settings(settings), fine._take_paint({}), self.clip[f],
                              state=state, time=f / 30.0, labels=None if labels is None else labels[f - 1], **more)
             states.append(state)

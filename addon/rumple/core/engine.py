@@ -295,12 +295,12 @@ class Wrinkles:
                                               np.concatenate(list(clip.values())))
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
-        self._clip = {frame: (_digest(b"", positions, None), row) for (frame, positions), row in zip(clip.items(), labels)}
+        self._clip = {frame: (_digest(b"", positions), row) for (frame, positions), row in zip(clip.items(), labels)}
 
     def _seen(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
         """The labels of a frame from the clip that was looked at."""
         digest, labels = self._clip.get(float(math.ceil(frame)), (b"", None))
-        if labels is not None and frame == math.ceil(frame) and digest != _digest(b"", positions, None):
+        if labels is not None and frame == math.ceil(frame) and digest != _digest(b"", positions):
             self.strayed.append(frame)
             del self._clip[frame]
             return None
