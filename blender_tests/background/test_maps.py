@@ -3,6 +3,7 @@
 import os
 import tempfile
 import unittest
+import unittest.mock
 
 import bpy
 import face
@@ -89,6 +90,24 @@ class Masks(unittest.TestCase):
         np.testing.assert_allclose(face.mask(self.obj, "Surprise"), 4 * full / (1 + 3 * full), atol=1e-5)
         bpy.context.scene.frame_set(1)
         np.testing.assert_allclose(face.mask(self.obj, "Surprise"), full, atol=1e-6)
+
+    def test_playback_writes_nothing_but_animated_settings(self):
+        """What a handler writes costs Blender a second evaluation of the frame."""
+        face.animate(self.rig)
+        bpy.context.scene.frame_set(1)
+        with unittest.mock.patch.object(maps_carriers, "write_weights", wraps=maps_carriers.write_weights) as written:
+            for frame in range(1, 12):
+                bpy.context.scene.frame_set(frame)
+            self.assertEqual(written.call_count, 0)
+            for frame, strength in ((1, 1.0), (11, 0.5)):
+                self.settings.poses["Surprise"].strength = strength
+                self.settings.poses["Surprise"].keyframe_insert("strength", frame=frame)
+            bpy.context.scene.frame_set(1)
+            before = written.call_count
+            for frame in range(2, 12):
+                bpy.context.scene.frame_set(frame)
+            self.assertEqual(written.call_count - before, 10)
+        np.testing.assert_allclose(face.mask(self.obj, "Surprise"), 0.5 * face.weights(self.obj, "brow.L"), atol=ROUNDING)
 
     def test_mute_and_solo(self):
         face.pose(self.rig, brow_L=0.01, jaw=0.005)

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture of the Wrinkle Maps: s4_face.jpg beside this file, from a scene of ../shared/data.
+"""The pictures of the Wrinkle Maps: s4_face.jpg and s4_face_close.jpg, from a scene of ../shared/data.
 
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup ../shared/data/S4_face_expressions.blend \
         --python-exit-code 1 --python docs/pictures/make_face.py
 """
 from __future__ import annotations
 
+import math
 import os
 import sys
 import tempfile
@@ -21,16 +22,30 @@ import rumple  # noqa: E402
 from contact_sheet import compose  # noqa: E402
 from rumple.core.presets import MESH_PRESETS  # noqa: E402
 
-REFERENCE = {"Surprise": 21, "Anger": 51}  # frames that hold these expressions
-SHOWN = {"Neutral": 1, "Surprise": 21, "Anger": 51, "One brow of Anger": 51, "Laughing": 81, "Crying": 111}
-BROW = ("oculi01.L", "oculi02.L")  # all that is posed in "One brow of Anger"
+SHOWN = {"Neutral": 1, "Surprise": 21, "One brow up": 1, "Anger": 51, "Laughing": 81, "Crying": 111}
+CLOSE = {"Surprise": (0.02, -0.15, 0.858), "Laughing": (0.028, -0.15, 0.778)}  # what close-ups look at
+BROWS = ("oculi01.L", "oculi01.R")
+RAISED = 0.009  # metres: the clip's own brows hardly rise
 PRONOUNCED = 1.25  # "these expressions should be strongly pronounced" (section 4)
 VIEW = Vector((0.35, -1.0, 0.05)).normalized()
+
+# How deep folds may be, painted as an artist would: forehead, crow's feet, beside nose and mouth. Cheeks stay smooth.
+# Centre, radius (metres) and weight of each spot; mirrored.
+PAINTED = (((0.022, -0.15, 0.868), 0.034, 1.0), ((0.0, -0.16, 0.845), 0.018, 0.9), ((0.056, -0.11, 0.822), 0.016, 0.7),
+           ((0.024, -0.145, 0.775), 0.014, 0.55), ((0.034, -0.135, 0.755), 0.014, 0.5), ((0.0, -0.16, 0.80), 0.02, 0.5))
+ELSEWHERE = 0.06
+
+
+def go_to(rig: bpy.types.Object, frame: int) -> None:
+    """The clip keys no brow's location: what was raised stays so unless it is put back."""
+    for bone in rig.pose.bones:
+        bone.matrix_basis.identity()
+    bpy.context.scene.frame_set(frame)
 
 
 def exaggerate(rig: bpy.types.Object, frame: int) -> None:
     """Every bone goes farther than in that frame."""
-    bpy.context.scene.frame_set(frame)
+    go_to(rig, frame)
     for bone in rig.pose.bones:
         axis, angle = bone.matrix_basis.to_quaternion().to_axis_angle()
         place = PRONOUNCED * bone.matrix_basis.to_translation()
@@ -38,17 +53,39 @@ def exaggerate(rig: bpy.types.Object, frame: int) -> None:
     bpy.context.view_layer.update()
 
 
+def raise_brows(rig: bpy.types.Object, names: tuple[str, ...] = BROWS) -> None:
+    """From where they are at rest."""
+    for name in names:
+        bone = rig.pose.bones[name]
+        bone.matrix = Matrix.Translation((0.0, 0.0, RAISED)) @ bone.bone.matrix_local
+    bpy.context.view_layer.update()
+
+
+def paint(head: bpy.types.Object) -> None:
+    """The vertex group that scales the height of folds."""
+    group = head.vertex_groups.new(name="Rumple Radius")
+    for vertex in head.data.vertices:
+        place = Vector((abs(vertex.co.x), vertex.co.y, vertex.co.z))
+        weight = max(strength * math.exp(-((place - Vector(centre)).length / radius) ** 4)
+                     for centre, radius, strength in PAINTED)
+        group.add([vertex.index], max(weight, ELSEWHERE), "REPLACE")
+
+
 def wrinkle(head: bpy.types.Object, rig: bpy.types.Object) -> None:
     """Two reference poses, their maps baked from a Wrinkle Mesh, shown in the material."""
     bpy.context.view_layer.objects.active = head
     bpy.ops.object.rumple_add(method="MAPS")
-    for name, frame in REFERENCE.items():
-        exaggerate(rig, frame)
-        bpy.ops.rumple.pose_add(name=name)
-    skin = dict(MESH_PRESETS["SKIN"].values, wavelength=0.005, radius=0.5, hem_rings=3)
+    exaggerate(rig, SHOWN["Surprise"])
+    raise_brows(rig)
+    bpy.ops.rumple.pose_add(name="Surprise")
+    exaggerate(rig, SHOWN["Anger"])
+    bpy.ops.rumple.pose_add(name="Anger")
+    paint(head)
+    skin = dict(MESH_PRESETS["SKIN"].values, wavelength=0.0075, radius=0.5, hem_rings=3)
     for name, value in skin.items():
         setattr(head.rumple.mesh, name, value)
-    head.rumple_maps.bake_size = 2048
+    settings = head.rumple_maps
+    settings.bake_size, settings.bake_deep, settings.gain = 2048, True, 3.0
     assert bpy.ops.rumple.maps_bake(every=True) == {"FINISHED"}
     assert bpy.ops.rumple.maps_show() == {"FINISHED"}
 
@@ -78,12 +115,12 @@ def stage(head: bpy.types.Object) -> None:
     render.resolution_x, render.resolution_y, render.resolution_percentage = 330, 400, 100
 
 
-def only(rig: bpy.types.Object, names: tuple[str, ...]) -> None:
-    """All other bones go to rest, and stay there when a render plays the frame."""
-    rig.animation_data.action = None
-    for bone in rig.pose.bones:
-        if bone.name not in names:
-            bone.matrix_basis.identity()
+def show(rig: bpy.types.Object, clip: bpy.types.Action, name: str) -> None:
+    """An expression of the clip, the brows raised in some: so that it stays when a render plays the frame."""
+    rig.animation_data.action = clip if name != "One brow up" else None
+    go_to(rig, SHOWN[name])
+    if name in ("Surprise", "One brow up"):
+        raise_brows(rig, BROWS if name == "Surprise" else BROWS[:1])
 
 
 def influences(head: bpy.types.Object) -> bpy.types.Material:
@@ -110,27 +147,47 @@ def picture(head: bpy.types.Object, muted: bool, material: bpy.types.Material, p
     return path
 
 
+def look_closely(head: bpy.types.Object, place: tuple[float, float, float]) -> None:
+    scene = bpy.context.scene
+    scene.camera.location = head.matrix_world @ Vector(place) + 2.0 * VIEW
+    scene.camera.data.ortho_scale = 0.085
+    scene.render.resolution_x, scene.render.resolution_y = 560, 440
+
+
+def save(tiles: list[tuple[str, Path]], rows: int, path: Path) -> None:
+    """As JPEG."""
+    from PIL import Image
+    sheet = tiles[0][1].with_name("sheet.png")
+    compose(tiles, rows, sheet)
+    Image.open(sheet).save(path, quality=88, optimize=True)
+
+
 def main() -> None:
     rumple.register()
     head, rig = bpy.data.objects["Head"], bpy.data.objects["HeadRig"]
     wrinkle(head, rig)
     stage(head)
-    skin = head.data.materials[0]
+    skin, clip = head.data.materials[0], rig.animation_data.action
     coloured = influences(head)
     with tempfile.TemporaryDirectory() as folder:
-        tiles = []
-        clip = rig.animation_data.action
-        for name, frame in SHOWN.items():
-            rig.animation_data.action = clip
-            bpy.context.scene.frame_set(frame)
-            if name == "One brow of Anger":
-                only(rig, BROW)
-            for label, muted, material in ((name, True, skin), ("Influences", False, coloured),
-                                           ("Wrinkle Maps", False, skin)):
-                tiles.append((label, picture(head, muted, material, Path(folder) / f"{len(tiles)}.png")))
-        compose(tiles, 3, Path(folder) / "sheet.png")
-        from PIL import Image
-        Image.open(Path(folder) / "sheet.png").save(HERE / "s4_face.jpg", quality=88, optimize=True)
+        tiles: list[tuple[str, Path]] = []
+
+        def add(label: str, muted: bool, material: bpy.types.Material) -> None:
+            tiles.append((label, picture(head, muted, material, Path(folder) / f"{len(tiles)}.png")))
+
+        for name in SHOWN:
+            show(rig, clip, name)
+            add(name, True, skin)
+            add("Influences", False, coloured)
+            add("Wrinkle Maps", False, skin)
+        save(tiles, 3, HERE / "s4_face.jpg")
+        tiles.clear()
+        for name, place in CLOSE.items():
+            show(rig, clip, name)
+            look_closely(head, place)
+            add(name, True, skin)
+            add("Wrinkle Maps", False, skin)
+        save(tiles, 2, HERE / "s4_face_close.jpg")
 
 
 main()
