@@ -59,7 +59,7 @@ class Face(unittest.TestCase):
                     self.assertLess(mask.max(), 1e-3, (frame, name))    # the clip ends in rest, but for roundings
             if frame <= HELD["Surprise"] and former is not None:     # on the way there from rest, nothing fades
                 self.assertGreater((masks["Surprise"] - former["Surprise"]).min(), -1e-4, frame)
-            if former is not None:    # a lip that passed by a pose, 2 mm of its 40, took a mask from 0 to 0.74 in a frame
+            if former is not None:    # a lip that passed by a pose, 2 mm of its 40, took a mask to 0.74 in a frame
                 self.assertLess(max(np.abs(masks[name] - former[name]).max() for name in HELD), 0.4, frame)
             former = masks
         self.assertEqual(self.settings.message, "")
