@@ -83,7 +83,7 @@ class Face(unittest.TestCase):
         other_brow = (right > 0.1) & (across < -0.005)  # the skin of the middle belongs to both
         self.assertGreater(right[other_brow].max(), 0.5)
         self.assertLess(mask[other_brow].max(), 0.01)
-        # Beyond the middle one vertex has 1.09 %, behind the other temple: its painted weight, mirrored on this side.
+        # Beyond the middle one vertex has 1.09 %, on the other eyelid: its painted weight, mirrored on this side.
         beyond = np.flatnonzero(across < -1e-4)
         spots = beyond[mask[beyond] > 0.01]
         self.assertEqual(len(spots), 1)
