@@ -146,7 +146,7 @@ def _is_behind_others(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> b
 
 
 def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
-    """Make comparison, tree and carrier what they should be. What is wrong becomes the object's message."""
+    """Make comparison, tree, skin and skeleton what they should be. What is wrong becomes the object's message."""
     entry = runtime(obj)
     entry.stale = False
     try:
@@ -154,7 +154,7 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
         registry.refuse(entry, "")
     except Refused as error:
         registry.refuse(entry, str(error))
-        maps_tree.connect(obj, ours, None, None, None)  # no masks rather than wrong ones
+        maps_tree.connect(obj, ours, None, None, _wrinkles_in_front(obj, ours))  # no masks rather than wrong ones
     except native.NativeMissing as error:  # the nodes go on without
         registry.refuse(entry, str(error))
     except Exception as error:  # a message on the panel, never a traceback
