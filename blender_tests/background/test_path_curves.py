@@ -14,7 +14,7 @@ import shots
 import sleeve
 import stranger
 import wires
-from rumple.blender import curves_tree, handlers, modifier, path_curves, registry, structure, versions
+from rumple.blender import bake_files, curves_tree, handlers, modifier, path_curves, registry, structure, versions
 from rumple.core import curve_rows
 
 
@@ -269,6 +269,25 @@ class ElseWhere(unittest.TestCase):
         self.assertEqual(list((self.folder / "rumple").iterdir()), [])
         sleeve.play()
         self.assertGreater(wires.same(self, obj, child), 3)
+
+    def test_a_bake_that_breaks_off_leaves_the_former_clip(self) -> None:
+        obj, child = curved()
+        self.save()
+        bpy.ops.object.rumple_bake()
+        sleeve.at(18)
+        before = wires.seen(child)[1]
+        with mock.patch.object(bake_files.ClipWriter, "add", side_effect=OSError("disk full")):
+            with self.assertRaisesRegex(RuntimeError, "disk full"):
+                bpy.ops.object.rumple_bake()
+        sleeve.at(1)
+        sleeve.at(18)
+        np.testing.assert_array_equal(wires.seen(child)[1], before)
+        self.assertIsNotNone(modifier.cache(child))
+        obj.rumple.paths.seed = 5
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+        sleeve.at(18)
+        self.assertFalse(np.array_equal(wires.seen(child)[1], before), "baked again")
+        self.assertEqual([m.type for m in child.modifiers].count("MESH_CACHE"), 1)
 
     def test_rendered_stills_and_animations_show_the_same_curves(self) -> None:
         obj = shots.stage("CYCLES")

@@ -204,8 +204,8 @@ class _Bake:
 
     def finish(self) -> Path:
         self.writer.finish()
-        attach(self.obj, self.writer.manifest, self.writer.clip)
         self.curves.finish(self.writer.manifest, self.writer.clip, stored_path)
+        attach(self.obj, self.writer.manifest, self.writer.clip)
         self.note = self.playback.note()
         self.playback.end_playback(restore_bake=False)
         structure.settle_all()

@@ -176,8 +176,6 @@ class Recorder:
         self.garment = garment
         self.curves: list[Any] = []
         self.wanted = bool(of(garment))
-        for child in of(garment):
-            free(child)
 
     def add(self) -> None:
         """The sample that was solved last."""
@@ -194,6 +192,7 @@ class Recorder:
         bake_files.write_points(path, manifest, ROWS * points, (rows_of(curves, points)[0] for curves in self.curves))
         for child in of(self.garment):
             if versions.is_editable(child):
+                free(child)  # of a former clip, which it played up to now
                 _make_room(child.data, points)
                 cache = modifier.add_cache(child, manifest, stored_path(path))
                 cache.interpolation = "NONE"  # between two samples there may be other curves: they ride on the pose

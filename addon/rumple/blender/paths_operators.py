@@ -86,10 +86,14 @@ class OBJECT_OT_rumple_curves_add(OnPaths, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if not super().poll(context):
             return False
-        baked = modifier.is_baked(modifier.find(context.object))
-        if baked:
-            cls.poll_message_set("The folds are baked: free the bake, add the curves, bake again")
-        return not baked
+        why = ""
+        if path_curves.of(context.object):
+            why = "There are curves already"
+        elif modifier.is_baked(modifier.find(context.object)):
+            why = "The folds are baked: free the bake, add the curves, bake again"
+        if why:
+            cls.poll_message_set(why)
+        return not why
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         child = path_curves.add(context.object)

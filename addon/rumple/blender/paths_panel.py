@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import path_curves
+from . import modifier, path_curves
 from .panel_parts import Panel, named_paint, property_column
 
 
@@ -46,10 +46,12 @@ class DATA_PT_rumple_show_paths(Panel, bpy.types.Panel):
     method = "PATHS"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column = property_column(self.layout)
-        shown = bool(path_curves.of(context.object))
+        column, obj = property_column(self.layout), context.object
+        shown = bool(path_curves.of(obj))
         column.operator(f"object.rumple_curves_{'remove' if shown else 'add'}", icon="CURVE_DATA")
-        column.prop(context.object.rumple.paths, "show_overlay")
+        row = column.row()
+        row.active = not modifier.is_baked(modifier.find(obj))  # a clip knows neither
+        row.prop(obj.rumple.paths, "show_overlay")
 
 
 CLASSES = (DATA_PT_rumple_folds, DATA_PT_rumple_persistence, DATA_PT_rumple_show_paths)
