@@ -23,7 +23,8 @@ VERSION_KEY = "rumple_path_curves_version"
 
 GARMENT, RADIUS = "Garment", "Radius"
 PATH_ID, PATH_HEIGHT, PATH_WIDTH = "rumple_path_id", "rumple_path_height", "rumple_path_width"
-_POINT_ID = "rumple_point_path"  # of the points, until the curves have it
+# Of the points, until the curves have them.
+_POINT_ID, _POINT_INDEX = "rumple_point_path", "rumple_point_index"
 _INPUTS = (("Geometry", "NodeSocketGeometry"), (GARMENT, "NodeSocketObject"), (RADIUS, "NodeSocketFloat"))
 
 
@@ -60,10 +61,10 @@ def upgrade(group: bpy.types.NodeTree) -> None:
 
 class _Curves(GeometryNodes):
 
-    def row(self, geometry: Socket, number: int) -> Socket:
-        """One of the rows of every point."""
+    def row(self, geometry: Socket, number: int, index: Socket) -> Socket:
+        """One of the rows of the point `index`."""
         room = self.math("DIVIDE", self.element_count(geometry, "POINT"), float(ROWS))
-        return self.sample(geometry, self.math("MULTIPLY_ADD", room, float(number), self.index()))
+        return self.sample(geometry, self.math("MULTIPLY_ADD", room, float(number), index))
 
     def is_number(self, garment: Socket, index: Socket) -> Socket:
         """Whether a coarse point still is where it was on the result of the wrinkles."""
@@ -72,11 +73,13 @@ class _Curves(GeometryNodes):
         self.link(index, compare, "B")
         return compare.outputs[0]
 
-    def is_joined(self, garment: Socket, corners: list[Socket], next_is_its_own: Socket) -> Socket:
+    def is_joined(self, geometry: Socket, garment: Socket) -> Socket:
         """For the edge from point i to point i + 1, which is edge i. Where the garment does not show its wrinkles no
         coarse point says its number, so there are no curves; two are asked, for zero is also what nothing says."""
-        there = self.both(self.is_number(garment, corners[0]), self.is_number(garment, corners[1]))
-        return self.both(there, self.above(next_is_its_own, 0.5))
+        edge = self.index()
+        first, second, _ = self.components(self.row(geometry, 0, edge))
+        there = self.both(self.is_number(garment, first), self.is_number(garment, second))
+        return self.both(there, self.above(self.components(self.row(geometry, 3, edge))[2], 0.5))
 
     def tubes(self, curves: Socket, radius: Socket) -> Socket:
         circle = self.node("GeometryNodeCurvePrimitiveCircle")
@@ -91,21 +94,21 @@ class _Curves(GeometryNodes):
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
         geometry, garment = inputs["Geometry"], self.mesh_of(inputs[GARMENT])
-        places, weights, offset, shape = (self.row(geometry, number) for number in range(ROWS))
-        corners = self.components(places)
+        to_curve = self.node("GeometryNodeMeshToCurve")  # first: what follows is asked of points that are shown
+        self.link(self.store(geometry, _POINT_INDEX, "INT", self.index()), to_curve, "Mesh")
+        self.link(self.is_joined(geometry, garment), to_curve, "Selection")
+        index = self.named(_POINT_INDEX, "INT")
+        places, weights, offset, shape = (self.row(geometry, number, index) for number in range(ROWS))
         incoming = self.named(node_tree.BASE_POSITION, "FLOAT_VECTOR")
-        posed = [self.at(garment, incoming, corner) for corner in corners]
-        width, height, joined = self.components(shape)
-        points = geometry
+        posed = [self.at(garment, incoming, corner) for corner in self.components(places)]
+        curves = self.moved(to_curve.outputs[0], self.embedded(posed, weights, offset))
+        width, height, _ = self.components(shape)
         for name, data_type, value in ((_POINT_ID, "INT", self.components(weights)[2]), (PATH_WIDTH, "FLOAT", width),
                                        (PATH_HEIGHT, "FLOAT", height)):
-            points = self.store(points, name, data_type, value)
-        points = self.moved(points, self.embedded(posed, weights, offset))
-        to_curve = self.node("GeometryNodeMeshToCurve")
-        self.link(points, to_curve, "Mesh")
-        self.link(self.is_joined(garment, corners, joined), to_curve, "Selection")
-        curves = self.store(to_curve.outputs[0], PATH_ID, "INT", self.named(_POINT_ID, "INT"), "CURVE")
-        curves = self.without(curves, _POINT_ID)
+            curves = self.store(curves, name, data_type, value)
+        curves = self.store(curves, PATH_ID, "INT", self.named(_POINT_ID, "INT"), "CURVE")
+        for name in (_POINT_ID, _POINT_INDEX):
+            curves = self.without(curves, name)
         shown = self.switch(self.above(inputs[RADIUS], 0.0), curves, self.tubes(curves, inputs[RADIUS]))
         output = self.node("NodeGroupOutput")
         self.group.links.new(shown, output.inputs[0])
