@@ -203,6 +203,18 @@ class WholeClip(unittest.TestCase):
         sleeve.at(15)
         np.testing.assert_allclose(sleeve.shown(obj), expected[15], atol=1e-6)
 
+    def test_an_object_that_follows_another_wrinkled_one(self) -> None:
+        other = self.made("MESH")
+        cuff = sleeve.cuff(other, "SHRINKWRAP", "Cuff")
+        cuff.rumple.mesh.rest_shape, cuff.rumple.bake_end = "ADAPTIVE", sleeve.LAST
+        structure.settle_all()
+        running = bake._Bake(bpy.context, cuff)
+        while running.step():
+            pass
+        running.finish()
+        self.assertTrue(running.playback.looks)
+        self.assertEqual(running.note, "")  # it came as it was looked at, in the second pass of every frame
+
     def test_a_cancelled_look_leaves_nothing(self) -> None:
         obj = self.made("MESH")
         live = self.played(obj)

@@ -92,7 +92,7 @@ class Playback:
     def note(self) -> str:
         """What is odd about what was solved, for the report; empty when nothing is."""
         fine = registry.runtime(self.obj).fine
-        strayed = fine.strayed if fine is not None else []
+        strayed = sorted(fine.strayed) if fine is not None else []
         return (f". {len(strayed)} frames were not as they had been looked at (first: {strayed[0]:g}): they were "
                 "solved as in playback") if strayed else ""
 

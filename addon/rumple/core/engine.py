@@ -151,7 +151,7 @@ class Wrinkles:
         self._painted = self._chosen = b""  # digests of the paint and the settings of the last solve ...
         self._frame = self._frame_rate = math.nan  # ... and its frame, and the rate where that counts
         self._clip: dict[float, tuple[bytes, np.ndarray]] = {}  # by frame: digest of the pose, labels
-        self.strayed: list[float] = []  # frames that came with another pose than the clip that was looked at
+        self.strayed: set[float] = set()  # frames that came with another pose than the clip that was looked at
         self._source_vertices, self._source_corners = len(source.positions), len(source.corner_vertex)
         self._paint: Any = None
 
@@ -286,7 +286,7 @@ class Wrinkles:
         frame and 1,000 triangles about 1 ms; half a megabyte while it is cut, at most 250; a kilobyte afterwards.
         """
         self.history.clear()
-        self._clip, self.strayed = {}, []
+        self._clip, self.strayed = {}, set()
         if not clip or not settings.adapts:
             return
         times = np.array([frame / frame_rate for frame in clip], np.float64)
@@ -300,10 +300,12 @@ class Wrinkles:
     def _seen(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
         """The labels of a frame from the clip that was looked at."""
         digest, labels = self._clip.get(float(math.ceil(frame)), (b"", None))
-        if labels is not None and frame == math.ceil(frame) and digest != _digest(b"", positions):
-            self.strayed.append(frame)
-            del self._clip[frame]
+        if labels is None or frame != math.ceil(frame):
+            return labels
+        if digest != _digest(b"", positions):
+            self.strayed.add(frame)
             return None
+        self.strayed.discard(frame)  # an object that follows another comes as it was looked at in a second pass
         return labels
 
     # --- what a system says
