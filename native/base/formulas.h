@@ -13,6 +13,7 @@ namespace rumple::formulas {
 
 using namespace glm;
 
+#include "shared/pn_triangle.glsl"
 #include "shared/tangents.glsl"
 #include "shared/wrinkle_field.glsl"
 #include "shared/wrinkle_field_probe.glsl"

@@ -15,4 +15,5 @@ PYBIND11_MODULE(rumple_native, module) {
     rumple::bindings::bind_wrinkle_field_brush(module);
     rumple::bindings::bind_wrinkle_paths(module);
     rumple::bindings::bind_wrinkle_paths_curves(module);
+    rumple::bindings::bind_wrinkle_paths_preview(module);
 }

@@ -12,5 +12,6 @@ void bind_wrinkle_field(pybind11::module_& module);
 void bind_wrinkle_field_brush(pybind11::module_& module);
 void bind_wrinkle_paths(pybind11::module_& module);
 void bind_wrinkle_paths_curves(pybind11::module_& module);
+void bind_wrinkle_paths_preview(pybind11::module_& module);
 
 }  // namespace rumple::bindings

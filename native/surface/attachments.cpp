@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/attachments.h"
 
+#include "base/formulas.h"
 #include "base/tolerances.h"
 
 namespace rumple {
@@ -30,23 +31,7 @@ void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
 }
 
 Vec3 pn_triangle(const Vec3 p[3], const Vec3 n[3], float b0, float b1) {
-    const float w = 1.0f - b0 - b1;  // weight of corner 0
-    const float u = b0;
-    const float v = b1;
-    // b_ij: a third of the way from corner i to corner j, dropped onto the tangent plane at i.
-    const auto control = [&](int i, int j) {
-        return (2.0f * p[i] + p[j] - glm::dot(p[j] - p[i], n[i]) * n[i]) / 3.0f;
-    };
-    const Vec3 b01 = control(0, 1), b10 = control(1, 0);
-    const Vec3 b12 = control(1, 2), b21 = control(2, 1);
-    const Vec3 b20 = control(2, 0), b02 = control(0, 2);
-    const Vec3 edge_mean = (b01 + b10 + b12 + b21 + b20 + b02) / 6.0f;
-    const Vec3 corner_mean = (p[0] + p[1] + p[2]) / 3.0f;
-    const Vec3 centre = edge_mean + (edge_mean - corner_mean) / 2.0f;
-    return w * w * w * p[0] + u * u * u * p[1] + v * v * v * p[2] +
-           3.0f * (w * w * u * b01 + w * u * u * b10 + u * u * v * b12 + u * v * v * b21 + v * v * w * b20 +
-                   v * w * w * b02) +
-           6.0f * w * u * v * centre;
+    return formulas::pn_point(p[0], p[1], p[2], n[0], n[1], n[2], b0, b1);
 }
 
 void attach(const Surface& surface, const Attachments& attachments, std::span<const Vec3> positions,

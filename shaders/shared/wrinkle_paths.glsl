@@ -93,3 +93,34 @@ FORMULA FoldHeight fold_height(int kind, FoldEnd start, FoldEnd end, vec3 p) {
     if (abs(second.height) > abs(first.height)) return second;
     return first;
 }
+
+// ---- Several folds at one point (section 7.5)
+
+struct FoldBlend {
+    float height;  // of the highest
+    vec3 normal;   // sum of the normals of all, weighted by their heights
+};
+
+FORMULA FoldBlend no_folds() {
+    FoldBlend blend;
+    blend.height = 0.0f;
+    blend.normal = vec3(0.0f, 0.0f, 0.0f);
+    return blend;
+}
+
+// n: unit normal of the surface without folds; share: factor on the fold. Gradients are measured on flat triangles:
+// what points out of the smooth surface is left out.
+FORMULA FoldBlend with_fold(FoldBlend blend, FoldHeight fold, vec3 n, float share) {
+    if (fold.height == 0.0f) return blend;
+    float height = share * fold.height;
+    if (abs(height) > abs(blend.height)) blend.height = height;
+    vec3 gradient = share * (fold.gradient - dot(fold.gradient, n) * n);
+    blend.normal += abs(height) * normalize(n - gradient);
+    return blend;
+}
+
+// Unit normal of the folded surface.
+FORMULA vec3 blended_normal(FoldBlend blend, vec3 n) {
+    float size = length(blend.normal);
+    return size > 0.0f ? blend.normal / size : n;
+}
