@@ -23,7 +23,7 @@ from mathutils import Matrix
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "addon"), os.environ["RUMPLE_NATIVE"]]
 import rumple_native as native  # noqa: E402
-from rumple.blender import gpu_field, preview  # noqa: E402
+from rumple.blender import gpu_arrays, gpu_field, preview  # noqa: E402
 
 ROWS = (("shirt", 35, 13, 330_000), ("B", 139, 43, 55_000))  # name, vertices along and across, pixels
 SIDE = 1024
@@ -56,7 +56,7 @@ def milliseconds(step: Callable[[], None], finish: Callable[[], None] = lambda: 
     return 1e3 * min(times)
 
 
-def finished(target: gpu_field.Target) -> Callable[[], None]:
+def finished(target: gpu_arrays.Target) -> Callable[[], None]:
     """Waits until a target is written."""
     return lambda: target.frame_buffer.read_color(0, 0, 1, 1, 4, 0, "FLOAT")
 
@@ -64,9 +64,7 @@ def finished(target: gpu_field.Target) -> Callable[[], None]:
 def render(held: preview._OnGpu, pixels: int) -> tuple[Callable[[], None], Callable[[], None]]:
     """The render stage over so many pixels, with parallax and light: (draw, finish)."""
     target = gpu.types.GPUOffScreen(SIDE, SIDE, format="RGBA32F")
-    obj = SimpleNamespace(matrix_world=Matrix(), dimensions=(1.0, 1.0, 1.0), material_slots=(),
-                          data=SimpleNamespace(loop_triangles=(), calc_loop_triangles=lambda: None))
-    preview._collect_batches(obj, held)
+    obj = SimpleNamespace(matrix_world=Matrix(), dimensions=(1.0, 1.0, 1.0), material_slots=())
     lights = bpy.context.preferences.system
     shading = SimpleNamespace(light="STUDIO", color_type="SINGLE", single_color=(0.8, 0.8, 0.8),
                               show_specular_highlight=True, show_backface_culling=False,
@@ -99,13 +97,14 @@ def measure(along: int, across: int, pixels: int) -> dict[str, float]:
     posed[:, 2] = 0.05 * np.sin(6.0 * posed[:, 1])
     waves = native.crush_wrinkle_field(model, settings, paint, posed)
     phase = native.random_phases(model, 0)
-    field = gpu_field.GpuField(gpu_field.Passes(), model)
+    drawing = gpu_field.Drawing(model)
+    field = drawing.waves
     field.set_wishes(settings, native.wishes_wrinkle_field(model, settings, paint), profile)
     field.begin(phase, model.first_directions)
     pose = model.weld_pose(posed)
     field.pose(*pose)
     field.crush()
-    gpu_field.plain_state()
+    gpu_arrays.plain_state()
     found = {
         "weld, normals (C++)": milliseconds(lambda: model.weld_pose(posed)),
         "upload": milliseconds(lambda: field.pose(*pose)),
@@ -113,7 +112,8 @@ def measure(along: int, across: int, pixels: int) -> dict[str, float]:
         "relax, a round": milliseconds(lambda: field.relax(1), lambda: finished(field._phases[0])()),
         "unfold": milliseconds(field.unfold, finished(field._fans)),
     }
-    draw, finish = render(preview._OnGpu(model, waves=field), pixels)
+    drawing._collect_batches(np.zeros(len(surface[3]), np.int32))
+    draw, finish = render(preview._OnGpu(model, drawing), pixels)
     found["render"] = milliseconds(draw, finish)
     found["C++: crush"] = milliseconds(lambda: native.crush_wrinkle_field(model, settings, paint, posed))
     hundred = milliseconds(lambda: native.relax_wrinkle_field(model, settings, waves, 100, phase))

@@ -6,7 +6,7 @@ import unittest
 
 import bpy
 import sleeve
-from rumple.blender import preview, registry
+from rumple.blender import gpu_arrays, preview, registry
 
 
 class Background(unittest.TestCase):
@@ -19,7 +19,7 @@ class Background(unittest.TestCase):
         self.assertEqual(obj.rumple.message, "")
         self.assertIsNone(preview._handle)
         self.assertNotIn(preview._on_load, bpy.app.handlers.load_pre)
-        self.assertEqual((preview._passes, preview._render_shader, len(preview._on_gpu)), (None, None, 0))
+        self.assertEqual((gpu_arrays._kept, len(preview._on_gpu)), ({}, 0))
 
     def test_unregister_and_register(self) -> None:
         preview.unregister()

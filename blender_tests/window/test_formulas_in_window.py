@@ -11,7 +11,7 @@ import gpu
 import numpy as np
 import rumple_native as native
 from case import WindowCase
-from rumple.blender import gpu_field, shaders
+from rumple.blender import gpu_arrays, gpu_field, shaders
 
 CLOSE = 1e-5  # of the largest number in a result: some roundings of float32
 RANDOM = 4000
@@ -33,11 +33,11 @@ def on_gpu(formula: int, cases: np.ndarray) -> np.ndarray:
     """(n, 16) arguments -> (n, 16) results."""
     source = shaders.source(*shaders.FORMULAS, "shared/wrinkle_field_probe", "preview/texels") + PROBE
     names = [f"cases_{i}" for i in range(4)]
-    probe = gpu_field.Pass(source, tuple(names), tuple(f"out_{i}" for i in range(4)), (("INT", "formula"),))
-    target = gpu_field.Target(len(cases), 4)
-    gpu_field.plain_state()
+    probe = gpu_arrays.Pass(source, tuple(names), tuple(f"out_{i}" for i in range(4)), (("INT", "formula"),))
+    target = gpu_arrays.Target(len(cases), 4)
+    gpu_arrays.plain_state()
     columns = cases.reshape(-1, 4, 4)
-    probe.run(target, {name: gpu_field.upload(columns[:, i]) for i, name in enumerate(names)}, formula=formula)
+    probe.run(target, {name: gpu_arrays.upload(columns[:, i]) for i, name in enumerate(names)}, formula=formula)
     return np.stack([target.read(i) for i in range(4)], 1).reshape(-1, 16)
 
 
@@ -236,7 +236,7 @@ class Stages(WindowCase):
         self.field = gpu_field.GpuField(gpu_field.Passes(), self.model)
         self.field.set_wishes(self.settings, native.wishes_wrinkle_field(self.model, self.settings, self.paint),
                               native.WrinkleFieldProfile("PENCIL_PLEATS"))
-        gpu_field.plain_state()
+        gpu_arrays.plain_state()
         self.field.begin(native.random_phases(self.model, 5), self.model.first_directions)
         self.field.pose(*self.model.weld_pose(self.posed))
         self.field.crush()
@@ -300,7 +300,7 @@ class Stages(WindowCase):
         field = gpu_field.GpuField(gpu_field.Passes(), model)
         field.set_wishes(settings, native.wishes_wrinkle_field(model, settings, paint),
                          native.WrinkleFieldProfile("SINE"))
-        gpu_field.plain_state()
+        gpu_arrays.plain_state()
         field.begin(state.phase, state.direction, state.solved_offset)
         for frame, positions in enumerate(frames[1:], 1):
             state, _ = native.solve_wrinkle_field(model, settings, paint, positions, state)

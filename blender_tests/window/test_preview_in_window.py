@@ -12,67 +12,12 @@ import numpy as np
 import rumple_native as native
 import shots
 import sleeve
-from case import WindowCase
 from mathutils import Matrix
-from rumple.blender import gpu_field, modifier, preview, registry
+from preview_case import PreviewCase, smooth
+from rumple.blender import gpu_arrays, gpu_field, modifier, preview, registry
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, V_GRADIENT, VECTORS, WEIGHT
 
 SIDE = 400  # pixels of the drawings into a buffer
-
-
-class PreviewCase(WindowCase):
-
-    def setUp(self) -> None:
-        """One sample a pixel: the same picture at every redraw."""
-        system = bpy.context.preferences.system
-        self.addCleanup(setattr, system, "viewport_aa", system.viewport_aa)
-        system.viewport_aa = "OFF"
-
-    def view(self) -> Iterator[float]:
-        """The biggest area as a clean Solid viewport: self.area."""
-        self.area = max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height)
-        self.area.type = "VIEW_3D"
-        yield 0.2
-        space = self.area.spaces.active
-        space.show_gizmo = False
-        for name in ("show_floor", "show_axis_x", "show_axis_y", "show_cursor", "show_text", "show_object_origins",
-                     "show_outline_selected", "show_bones", "show_relationship_lines"):
-            setattr(space.overlay, name, False)
-        yield 0.1
-
-    def make(self, **settings: object) -> Iterator[float]:
-        """The sleeve, bent, with a Wrinkle Field and its preview on; self.obj and self.area."""
-        self.obj = sleeve.scene(wrinkles=False)
-        field = self.obj.rumple.field
-        for name, value in {"gpu_preview": True, **settings}.items():
-            setattr(field, name, value)
-        with sleeve.context():
-            bpy.ops.object.rumple_add(method="FIELD")
-        sleeve.at(sleeve.LAST)
-        yield from self.view()
-        region = self.area.spaces.active.region_3d
-        region.view_rotation, region.view_location, region.view_distance = (1, 0, 0, 0), (0.25, 0.12, 0.0), 0.8
-        region.view_perspective = "PERSP"
-        yield 0.3
-
-    def shot(self) -> Iterator[float]:
-        """Leaves what the viewport shows in self.seen, (height, width) float, its inside without the header."""
-        bpy.context.window_manager.windows[0].cursor_warp(2, 2)  # the pointer would be in the picture
-        self.area.tag_redraw()
-        yield 0.3
-        region = next(region for region in self.area.regions if region.type == "WINDOW")
-        screen = self.pixels().astype(float).mean(2)
-        bottom = screen.shape[0] - region.y
-        self.seen = screen[bottom - region.height + 100:bottom - 10, region.x + 60:region.x + region.width - 60]
-
-    def held(self) -> preview._OnGpu:
-        (held,) = preview._on_gpu.values()
-        return held
-
-
-def smooth(picture: np.ndarray) -> np.ndarray:
-    """The picture without what changes within a few pixels."""
-    return sum(np.roll(picture, (i, j), (0, 1)) for i in range(-8, 9) for j in range(-8, 9)) / 17**2
 
 
 class Drawn(PreviewCase):
@@ -138,9 +83,9 @@ class Drawn(PreviewCase):
             self.area.tag_redraw()
             yield from self.until(lambda: self.held().inputs.frame == frame)
             expected = registry.runtime(self.obj).fine.state_of(float(frame)).phase
-            off = (self.held().waves.read_phase() - expected + math.pi) % (2.0 * math.pi) - math.pi
+            off = (self.held().drawing.waves.read_phase() - expected + math.pi) % (2.0 * math.pi) - math.pi
             # Where nothing is compressed k is of no direction, and rounding chooses it.
-            wrinkles = self.held().waves.read_waves()[1][:, 2] > 0.05
+            wrinkles = self.held().drawing.waves.read_waves()[1][:, 2] > 0.05
             np.testing.assert_allclose(off[wrinkles], 0.0, atol=1e-3, err_msg=str(frame))
         self.assertGreater(wrinkles.sum(), 20)
         self.assertEqual(begun, [])
@@ -174,9 +119,9 @@ class Drawn(PreviewCase):
     def test_a_standing_frame_costs_no_pass(self) -> Iterator[float]:
         yield from self.make()
         yield from self.shot()
-        passes, run = [], gpu_field.Pass.run
-        self.addCleanup(setattr, gpu_field.Pass, "run", run)
-        gpu_field.Pass.run = lambda *arguments, **named: passes.append(1) or run(*arguments, **named)
+        passes, run = [], gpu_arrays.Pass.run
+        self.addCleanup(setattr, gpu_arrays.Pass, "run", run)
+        gpu_arrays.Pass.run = lambda *arguments, **named: passes.append(1) or run(*arguments, **named)
         yield from self.shot()
         self.assertEqual(passes, [])
         self.obj.rumple.field.strength = 0.5
@@ -230,7 +175,7 @@ class Exact(PreviewCase):
                 gpu.matrix.load_projection_matrix(projection)
                 preview._draw_object(self.obj, self.held(), shading)
             pixels = here.read_color(0, 0, SIDE, SIDE, 4, 0, "FLOAT")
-        gpu_field.plain_state()
+        gpu_arrays.plain_state()
         pixels.dimensions = SIDE * SIDE * 4
         found = np.array(pixels, np.float32).reshape(SIDE, SIDE, 4)
         buffer.free()
@@ -350,15 +295,15 @@ class Manners(PreviewCase):
         yield from self.make(gpu_preview=False)
         yield from self.shot()
         plain = self.seen
-        compile_, tried = preview._compile, []
+        compile_, tried = gpu_field._compile, []
 
         def refuse() -> None:
             tried.append(1)
             raise RuntimeError("a driver that does not like it")
 
-        self.addCleanup(setattr, preview, "_compile", compile_)
+        self.addCleanup(setattr, gpu_field, "_compile", compile_)
         preview._clear()
-        preview._compile = refuse
+        gpu_field._compile = refuse
         self.obj.rumple.field.gpu_preview = True
         yield from self.shot()
         yield from self.shot()
@@ -400,12 +345,6 @@ class Manners(PreviewCase):
         with self.area_of_view():
             bpy.ops.object.mode_set(mode="OBJECT")
 
-    def area_of_view(self) -> object:
-        return self.area_context(self.area)
-
-    def area_context(self, area: bpy.types.Area) -> object:
-        return sleeve.context(area=area, region=next(r for r in area.regions if r.type == "WINDOW"))
-
     def test_undo_deletion_and_another_file_leave_nothing(self) -> Iterator[float]:
         yield from self.make()
         with self.area_of_view():
@@ -427,14 +366,14 @@ class Manners(PreviewCase):
         self.assertEqual(len(preview._on_gpu), 1)
         sleeve.empty_file()
         self.assertEqual(len(preview._on_gpu), 0)
-        self.assertIsNone(preview._passes)
+        self.assertEqual(gpu_arrays._kept, {})
 
     def test_unregister_and_register(self) -> Iterator[float]:
         yield from self.make()
         yield from self.shot()
         waving = self.seen
         preview.unregister()
-        self.assertIsNone(preview._passes)
+        self.assertEqual(gpu_arrays._kept, {})
         yield from self.shot()
         self.assertGreater(np.abs(self.seen - waving).max(), 30.0)
         preview.register()

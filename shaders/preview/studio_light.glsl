@@ -41,3 +41,12 @@ vec3 lit(vec3 base, vec3 n, vec3 v) {
     vec3 diffuse_color = mix(base, vec3(0.0), preview.metallic);
     return diffuse_light * diffuse_color * (1.0 - dot(specular_color, vec3(0.33333))) + specular_light * specular_color;
 }
+
+// normal, place: object space; the normal need not be a unit vector.
+vec4 drawn_color(vec3 base, vec3 normal, vec3 place) {
+    vec3 shaded = mat3(preview.normal_to_view) * normal;
+    shaded = normalize(gl_FrontFacing ? shaded : -shaded);
+    vec3 to_viewer = preview.viewer.w > 0.0
+                         ? -normalize((preview.model_view * vec4(place, 1.0)).xyz) : vec3(0.0, 0.0, 1.0);
+    return vec4(lit(base, shaded, to_viewer), 1.0);
+}

@@ -13,7 +13,8 @@ import bpy
 import numpy as np
 
 from ..core import engine
-from . import bake_files, bake_state, modifier, operators, path_curves, properties, registry, structure, versions
+from . import bake_files, bake_state, modifier, operators, path_curves, preview, properties, registry, structure, \
+    versions
 
 FOLDER = "//rumple"
 SUFFIX = ".clip"
@@ -76,8 +77,9 @@ class Playback:
         entry.forget_written()  # what is shown was solved as live
 
     def _visit(self, frame: int, subframe: float) -> registry.Runtime:
-        for _ in range(self.passes):
-            self.scene.frame_set(frame, subframe=subframe)
+        with preview.paused():
+            for _ in range(self.passes):
+                self.scene.frame_set(frame, subframe=subframe)
         entry = registry.runtime(self.obj)
         if entry.refusal or entry.message:
             raise BakeError(f"frame {frame + subframe:g}: {entry.refusal or entry.message}")

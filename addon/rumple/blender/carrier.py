@@ -79,6 +79,22 @@ def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tup
     mesh.update()
 
 
+def write_stand_in(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
+    """What viewports show in place of the fine mesh: the coarse vertices moved by (n, 3) ways. None: the fine mesh."""
+    stands_in = ways is not None
+    known = mesh.attributes.get(node_tree.STANDS_IN)
+    if known is None and not stands_in:
+        return
+    if known is None or bool(known.data[0].value) != stands_in:
+        versions.write_attribute(mesh, node_tree.STANDS_IN, "INT", "POINT",
+                                 np.full(len(mesh.vertices), stands_in, np.int32))
+    if stands_in:
+        padded = np.zeros((len(mesh.vertices), 3), np.float32)  # the fine mesh has at least as many vertices
+        padded[:len(ways)] = ways
+        versions.write_attribute(mesh, node_tree.STAND_IN, "FLOAT_VECTOR", "POINT", padded)
+    mesh.update()
+
+
 def _write_attributes(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tuple[engine.Attribute, ...]) -> None:
     for a in attributes:
         versions.write_attribute(mesh, a.name, a.data_type, a.domain, picture.attributes[a.name])

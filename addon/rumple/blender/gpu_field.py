@@ -1,99 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Wrinkle Field on the GPU: the passes of Loviscach 2006, figure 2, over RGBA32F textures.
 
-One texel per welded vertex, arrays wrapped by rows (shaders/preview/texels.glsl). Only the deformed positions and
-normals cross the bus for a frame. Everything here needs a drawing context: never call it in background mode, nor
-outside the main thread.
+One texel per welded vertex. Only the deformed positions and normals cross the bus for a frame.
 """
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Callable
 
+import bpy
 import gpu
 import numpy as np
 
-from . import shaders
+from . import gpu_arrays, registry, shaders
+from .gpu_arrays import Pass, Target, read, upload
 
-_WIDTH = 1024  # texels in a row of an array; any number does
-_FORMAT = "RGBA32F"
 _NEVER = 1e30  # an offset that no link has: as if it had never been relaxed
-
-
-# ---------------------------------------------------------------- arrays as textures
-def _shape(count: int) -> tuple[int, int]:
-    width = min(max(count, 1), _WIDTH)
-    return width, -(-max(count, 1) // width)
-
-
-def upload(values: np.ndarray) -> gpu.types.GPUTexture:
-    """(n, k) numbers, k up to 4, as a texture; what is left of a texel is zero."""
-    values = np.asarray(values, np.float32)
-    width, height = _shape(len(values))
-    texels = np.zeros((width * height, 4), np.float32)
-    texels[:len(values), :values.shape[1]] = values
-    data = gpu.types.Buffer("FLOAT", texels.size, texels.ravel())
-    return gpu.types.GPUTexture((width, height), format=_FORMAT, data=data)
-
-
-class Target:
-    """An array that passes write: one or more textures of `count` texels."""
-
-    def __init__(self, count: int, textures: int = 1) -> None:
-        self.count = count
-        self.size = _shape(count)
-        self.textures = [gpu.types.GPUTexture(self.size, format=_FORMAT) for _ in range(textures)]
-        self.frame_buffer = gpu.types.GPUFrameBuffer(color_slots=tuple(self.textures))
-
-    def read(self, texture: int = 0) -> np.ndarray:
-        """Its (count, 4) float32. Waits for the GPU: for tests."""
-        return read(self.textures[texture], self.count)
-
-
-def read(texture: gpu.types.GPUTexture, count: int) -> np.ndarray:
-    """The first (count, 4) float32 of a texture."""
-    buffer = texture.read()
-    buffer.dimensions = texture.width * texture.height * 4  # 4.3 has wrong strides with more dimensions than one
-    return np.array(buffer, np.float32).reshape(-1, 4)[:count]
-
-
-# ---------------------------------------------------------------- passes
-class Pass:
-    """A fragment shader that runs once for every texel of a target."""
-
-    def __init__(self, source: str, inputs: tuple[str, ...], outputs: tuple[str, ...],
-                 constants: tuple[tuple[str, str], ...] = ()) -> None:
-        """source: GLSL with main(). inputs: names of its arrays. outputs: of its vec4s. constants: (type, name)."""
-        info = gpu.types.GPUShaderCreateInfo()
-        for slot, name in enumerate(inputs):
-            info.sampler(slot, "FLOAT_2D", name)
-        for kind, name in constants:
-            info.push_constant(kind, name)
-        info.vertex_in(0, "VEC2", "corner")
-        for slot, name in enumerate(outputs):
-            info.fragment_out(slot, "VEC4", name)
-        info.vertex_source(shaders.source("preview/pass_vertex"))
-        info.fragment_source(source)
-        self._shader = gpu.shader.create_from_info(info)
-        layout = gpu.types.GPUVertFormat()
-        layout.attr_add(id="corner", comp_type="F32", len=2, fetch_mode="FLOAT")
-        corners = gpu.types.GPUVertBuf(layout, 3)
-        corners.attr_fill("corner", np.array([(-1, -1), (3, -1), (-1, 3)], np.float32))  # covers all of the target
-        self._batch = gpu.types.GPUBatch(type="TRIS", buf=corners)
-
-    def run(self, target: Target, inputs: dict[str, gpu.types.GPUTexture], **constants: Any) -> None:
-        """Write every texel of the target. The caller has switched depth test and blending off."""
-        with target.frame_buffer.bind():
-            self._shader.bind()
-            for name, texture in inputs.items():
-                self._shader.uniform_sampler(name, texture)
-            for name, value in constants.items():
-                if isinstance(value, bool):
-                    self._shader.uniform_bool(name, value)
-                elif isinstance(value, int):
-                    self._shader.uniform_int(name, value)
-                else:
-                    self._shader.uniform_float(name, value)
-            self._batch.draw(self._shader)
 
 
 class Passes:
@@ -113,14 +34,6 @@ class Passes:
         self.relax = Pass(source("relax"), ("vertices", "links", "shares", "phases"), ("out_phase",),
                           (("FLOAT", "rate"),))
         self.unfold = Pass(source("unfold"), ("fans", "fan_corners", "positions"), ("out_u", "out_v"))
-
-
-def plain_state() -> None:
-    """Drawing state in which passes run."""
-    gpu.state.blend_set("NONE")
-    gpu.state.depth_test_set("NONE")
-    gpu.state.depth_mask_set(False)
-    gpu.state.face_culling_set("NONE")
 
 
 # ---------------------------------------------------------------- the field of one object
@@ -243,3 +156,87 @@ class GpuField:
     def read_uv_slopes(self) -> tuple[np.ndarray, np.ndarray]:
         """(fans, 4) du/dx' and dv/dx'. As read_phase()."""
         return self._fans.read(0), self._fans.read(1)
+
+
+# ---------------------------------------------------------------- what is drawn
+def _compile() -> gpu.types.GPUShader:
+    between = gpu.types.GPUStageInterfaceInfo("rumple_field")
+    for name in ("phase", "weight", "normal", "place", "u_slope", "v_slope"):
+        between.smooth("VEC3", name)
+    between.smooth("VEC2", "image_uv")
+    for name in ("vector_a", "vector_b", "vector_c"):
+        between.flat("VEC3", name)
+    return gpu_arrays.drawing_shader(
+        between, (("IVEC3", "triangle"), ("INT", "corner"), ("INT", "fan"), ("VEC2", "uv")),
+        ("positions", "normals", "waves", "phases", "u_slopes", "v_slopes", "profile", "image"),
+        ("preview/field_vertex",), (*shaders.FORMULAS, "preview/field_fragment"))
+
+
+class Drawing:
+    """The waves of one object; see preview.Drawing."""
+
+    def __init__(self, model: Any) -> None:
+        self._model = model
+        self.waves = GpuField(gpu_arrays.kept("field passes", Passes), model)
+        self.has_uv = len(model.uv) > 0
+        self._slots: np.ndarray | None = None  # material slot of every triangle
+        self._batches: dict[int, gpu.types.GPUBatch] = {}
+
+    def update(self, obj: bpy.types.Object, entry: registry.Runtime, before: registry.Inputs | None,
+               slots: np.ndarray) -> bool:
+        """All stages but the last.
+
+        Where the engine solves a frame from the one before, the GPU does so by itself; after a jump, after a change at
+        the same frame and up to the clip's first frame it takes over the engine's state.
+        """
+        inputs, fine = entry.inputs, entry.fine
+        if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
+            self.waves.set_wishes(*fine.wishes(inputs.settings))
+        goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
+                   and inputs.frame == before.frame + 1.0 > bpy.context.scene.frame_start)
+        if not goes_on:
+            state = fine.state_of(inputs.frame)
+            if state is None:
+                return False
+            self.waves.begin(state.phase, state.direction, state.solved_offset)
+        elif before.settings != inputs.settings:
+            self.waves.wake()
+        state = fine.state_of(inputs.frame) if inputs.settings.adapts else None
+        self.waves.pose(*self._model.weld_pose(inputs.positions),
+                        fine.reference_stretches(state, inputs.positions) if state is not None else None)
+        self.waves.crush()
+        self.waves.relax(inputs.settings.rounds if goes_on else 0)
+        self.waves.unfold()
+        self._collect_batches(slots)
+        return True
+
+    def _collect_batches(self, slots: np.ndarray) -> None:
+        """A batch of separate triangles for every material slot that is used, when these changed."""
+        if self._slots is not None and np.array_equal(slots, self._slots):
+            return
+        self._slots = slots
+        model = self._model
+        corners = np.arange(3 * len(slots), dtype=np.int32).reshape(-1, 3)
+        uv = model.uv if self.has_uv else np.zeros((corners.size, 2), np.float32)
+        fan = model.uv_fan if len(model.uv_fan) else np.zeros(corners.size, np.int32)
+        self._batches = {}
+        for slot in np.unique(slots):
+            chosen = corners[slots == slot].ravel()
+            buffer = gpu_arrays.vertex_buffer(triangle=model.triangles[chosen // 3], corner=chosen % 3,
+                                              fan=fan[chosen], uv=uv[chosen])
+            self._batches[int(slot)] = gpu.types.GPUBatch(type="TRIS", buf=buffer)
+
+    def shader(self) -> gpu.types.GPUShader:
+        return gpu_arrays.kept("field", _compile)
+
+    def arrays(self) -> dict[str, gpu.types.GPUTexture]:
+        return self.waves.arrays()
+
+    def slots(self) -> list[int]:
+        return list(self._batches)
+
+    def present(self, paint: Callable[[], None], _block: gpu.types.GPUUniformBuf) -> None:
+        paint()
+
+    def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:
+        self._batches[slot].draw(shader)

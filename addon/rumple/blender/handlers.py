@@ -36,6 +36,11 @@ def _on_load(*_arguments: object) -> None:
 
 
 @persistent
+def _on_save(*_arguments: object) -> None:
+    live.show_fine_meshes()
+
+
+@persistent
 def _on_undo(*_arguments: object) -> None:
     registry.doubt_all()
     maps_live.doubt_all()
@@ -72,9 +77,9 @@ def _tag_all() -> None:
 def _pairs() -> tuple:
     handlers = bpy.app.handlers
     return ((handlers.frame_change_post, _on_frame), (handlers.depsgraph_update_post, _on_update),
-            (handlers.load_post, _on_load), (handlers.undo_post, _on_undo), (handlers.redo_post, _on_undo),
-            (handlers.render_init, _on_render_start), (handlers.render_complete, _on_render_end),
-            (handlers.render_cancel, _on_render_end))
+            (handlers.load_post, _on_load), (handlers.save_pre, _on_save), (handlers.undo_post, _on_undo),
+            (handlers.redo_post, _on_undo), (handlers.render_init, _on_render_start),
+            (handlers.render_complete, _on_render_end), (handlers.render_cancel, _on_render_end))
 
 
 def register() -> None:

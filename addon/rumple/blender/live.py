@@ -13,8 +13,8 @@ import numpy as np
 
 from .. import native
 from ..core import engine
-from . import bake_state, carrier as carriers, mesh_io, modifier, path_curves, properties, registry, structure, \
-    versions
+from . import bake_state, carrier as carriers, mesh_io, modifier, path_curves, preview, properties, registry, \
+    structure, versions
 from .registry import LOCK, Inputs, Runtime
 
 _BUSY_MODES = frozenset(("EDIT", "SCULPT"))
@@ -176,14 +176,33 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
     if inputs.same_as(entry.inputs) and entry.carrier_key == versions.session_key(held.data):
         registry.say(entry, "")  # what was wrong in between is as it was before
         return False
-    picture = entry.fine.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
-                                     start=scene.frame_start, world_from_object=inputs.world_from_object,
-                                     frame_rate=inputs.frame_rate)
+    picture = _solve(entry, inputs, scene, inputs.stands_in)
     entry.inputs = inputs
     registry.say(entry, "")
     if entry.fine.HAS_CURVES:
         path_curves.write(obj, entry)
-    return _show(held, entry, picture)
+    return _show(held, entry, picture, depsgraph.mode == "VIEWPORT")
+
+
+def _solve(entry: Runtime, inputs: Inputs, scene: bpy.types.Scene, sketched: bool) -> engine.Picture | engine.Sketch:
+    return entry.fine.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
+                                  start=scene.frame_start, world_from_object=inputs.world_from_object,
+                                  frame_rate=inputs.frame_rate, sketched=sketched)
+
+
+def show_fine_meshes() -> None:
+    """Before a file is saved: without the add-on it shows what its carriers hold. Viewports get theirs back at once."""
+    with LOCK:
+        for obj, ours in modifier.wrinkled_objects():
+            entry, held = registry.known(obj), modifier.carrier(ours)
+            if held is None or entry is None or entry.inputs is None or not entry.inputs.stands_in:
+                continue
+            try:
+                _show(held, entry, _solve(entry, entry.inputs, structure.scene_of(obj), sketched=False), True)
+            except Exception as error:  # the file is saved all the same
+                print(f"Rumple: {structure.unexpected(obj, error)}")
+            entry.forget_written()
+            structure.tag_soon({obj.name})
 
 
 def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, evaluated: bpy.types.Object,
@@ -197,8 +216,9 @@ def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime
     # The evaluated copy: animated settings are right there, in renders too.
     settings = properties.settings_of(evaluated, scene)
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
+    stands_in = depsgraph.mode == "VIEWPORT" and preview.takes_over(obj, ours)
     return Inputs(float(scene.frame_current_final), settings, positions, world, entry.paint,
-                  scene.render.fps / scene.render.fps_base)
+                  scene.render.fps / scene.render.fps_base, stands_in)
 
 
 def _fits(held: bpy.types.Object, entry: Runtime) -> bool:
@@ -229,13 +249,18 @@ def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runti
     return None
 
 
-def _show(held: bpy.types.Object, entry: Runtime, picture: engine.Picture) -> bool:
+def _show(held: bpy.types.Object, entry: Runtime, picture: engine.Picture | engine.Sketch, in_viewport: bool) -> bool:
     """Write the picture, unless the carrier has it already: a write tags the mesh and costs another evaluation."""
     key = versions.session_key(held.data)
     last = entry.picture
     entry.picture = picture
     if last is not None and entry.carrier_key == key and last.shows_the_same(picture):
         return False
-    carriers.write_picture(held.data, picture, entry.fine.ATTRIBUTES)
+    if isinstance(picture, engine.Sketch):
+        carriers.write_stand_in(held.data, picture.stand_in)
+    else:
+        carriers.write_picture(held.data, picture, entry.fine.ATTRIBUTES)
+        if in_viewport:
+            carriers.write_stand_in(held.data, None)
     entry.carrier_key = key
     return True

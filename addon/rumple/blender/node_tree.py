@@ -18,6 +18,8 @@ Attributes, all starting with "rumple_":
     rumple_corner_0, _1, _2   INT     incoming points the vertex is embedded in
     rumple_barycentric        VECTOR  (u, v, 0)
     rumple_local_offset       VECTOR  (o.x, o.y, o.z), rewritten for every frame
+    rumple_stands_in          INT     on the first point: 1 where viewports show the coarse mesh, moved by
+    rumple_stand_in           VECTOR  the way of point i; see preview.py
   on the result, for Rumple itself
     rumple_base_position      VECTOR  incoming position of point i, on the first N points
     rumple_base_index         INT     i: tells where later modifiers moved the points to
@@ -38,7 +40,7 @@ from ..core.systems import SYSTEMS, System
 from . import bake_files, versions
 from .geometry_nodes import GeometryNodes
 
-VERSION = 3  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 4  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 METHOD_KEY = "rumple_method"
 
@@ -48,7 +50,9 @@ LOCAL_OFFSET = "rumple_local_offset"
 BASE_POSITION = "rumple_base_position"
 BASE_INDEX = "rumple_base_index"
 REST_POSITION = "rumple_rest_position"
-CARRIER_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET)
+STANDS_IN = "rumple_stands_in"
+STAND_IN = "rumple_stand_in"
+CARRIER_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET, STANDS_IN, STAND_IN)
 
 CARRIER, COUNT, BAKED, PLAYER = "Carrier", "Coarse Vertices", "Baked", "Player"
 _INPUTS = (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
@@ -132,6 +136,17 @@ class _Builder(GeometryNodes):
     def store_base_position(self, geometry: bpy.types.NodeSocket, fine: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         return self.store(fine, BASE_POSITION, "FLOAT_VECTOR", self.sample(geometry, self.index()))
 
+    def stand_in(self, geometry: bpy.types.NodeSocket, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """The coarse mesh, moved by what the carrier holds for its points."""
+        index = self.index()
+        way = self.at(carried, self.named(STAND_IN, "FLOAT_VECTOR"), index)
+        return self.moved(self.store(geometry, BASE_INDEX, "INT", index), self.added(self.position(), way))
+
+    def stands_in(self, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Whether this is a viewport that shows the coarse mesh."""
+        return self.both(self.node("GeometryNodeIsViewport").outputs[0],
+                         self.at(carried, self.named(STANDS_IN, "INT"), 0, "INT"))
+
     def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
         self.link(self.element_count(geometry, "POINT"), compare, "A")
@@ -145,7 +160,9 @@ class _Builder(GeometryNodes):
         # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
         baked = self.both(inputs[BAKED], self.counts_match(clip, self.clip_points(carried)))
         # Switches evaluate only the branch they take: a baked clip costs no embedding.
-        fine = self.switch(baked, self.moved(carried, self.embedded_position(geometry)), self.played(carried, clip))
+        live = self.switch(self.stands_in(carried), self.moved(carried, self.embedded_position(geometry)),
+                           self.stand_in(geometry, carried))
+        fine = self.switch(baked, live, self.played(carried, clip))
         fine = self.store_base_position(geometry, fine)
         for name in CARRIER_ONLY:
             fine = self.without(fine, name)

@@ -11,7 +11,8 @@ import bpy
 from .. import native
 from ..core.presets import touched
 from ..core.systems import SYSTEMS
-from . import field_nodes, mesh_io, modifier, node_tree, path_curves, properties, registry, structure, versions
+from . import field_nodes, mesh_io, modifier, node_tree, path_curves, preview, properties, registry, structure, \
+    versions
 
 # No method of its own: it may stand beside the wrinkles that its maps are baked from.
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
@@ -189,7 +190,10 @@ class OBJECT_OT_rumple_apply(OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
-        mesh = evaluated_mesh(context, obj)
+        with preview.paused():
+            obj.update_tag()
+            context.view_layer.update()
+            mesh = evaluated_mesh(context, obj)
         if node_tree.BASE_POSITION not in mesh.attributes:
             bpy.data.meshes.remove(mesh)
             self.report({"ERROR"}, registry.message(obj) or _NOT_SHOWN)

@@ -234,7 +234,10 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     if entry is None or entry.fine is None:
         return [("Nothing solved yet", "INFO")]
     fine, picture, lines = entry.fine, entry.picture, []
-    lines.append((f"{fine.vertex_count} vertices are shown", "MESH_DATA"))
+    if entry.inputs is not None and entry.inputs.stands_in:
+        lines.append((f"Drawn on the graphics card; {fine.vertex_count} vertices in renders", "SHADING_SOLID"))
+    else:
+        lines.append((f"{fine.vertex_count} vertices are shown", "MESH_DATA"))
     if picture is not None:
         times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in picture.milliseconds.items())
         lines.append((f"Milliseconds: {times}" + (" (stored frame)" if picture.replayed else ""), "TIME"))

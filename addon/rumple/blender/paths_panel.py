@@ -24,7 +24,7 @@ class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
         column.separator()
         named_paint(column, obj, "mask", "mask")
         column.separator()
-        for name in ("source", "detail", "attachment", "weld"):
+        for name in ("source", "detail", "attachment", "weld", "gpu_preview"):
             column.prop(settings, name)
 
 

@@ -70,14 +70,21 @@ def preset_items(system: System) -> tuple[tuple[str, str, str], ...]:
     return tuple((key, preset.label, preset.tip) for key, preset in system.presets.items())
 
 
+def _gpu_preview(description: str) -> Any:
+    return bpy.props.BoolProperty(name="GPU Preview", options=set(), override=_OVERRIDE, update=_redraw,
+                                  description=description)
+
+
 RUMPLE_MeshSettings = _settings_group("MESH")
-RUMPLE_FieldSettings = _settings_group("FIELD", gpu_preview=bpy.props.BoolProperty(
-    name="GPU Preview", options=set(), override=_OVERRIDE, update=_redraw,
-    description="Draw the waves in Solid viewports, on the graphics card"))
-RUMPLE_PathsSettings = _settings_group("PATHS", show_overlay=bpy.props.BoolProperty(
-    name="Labels & Ellipses", options=set(), override=_OVERRIDE, update=_redraw,
-    description="Draw over the coarse triangles what folds go by: blue is being compressed, red stretched, green at "
-                "rest. The ellipses were circles before the cloth was stretched"))
+RUMPLE_FieldSettings = _settings_group("FIELD", gpu_preview=_gpu_preview(
+    "Draw the waves in Solid viewports, on the graphics card"))
+RUMPLE_PathsSettings = _settings_group("PATHS", gpu_preview=_gpu_preview(
+    "Draw the folds in Solid viewports, on the graphics card, in place of the fine mesh, which plays faster. Renders "
+    "and other viewports show the fine mesh. Turn it off before viewport exports and Blender's own Apply"),
+    show_overlay=bpy.props.BoolProperty(
+        name="Labels & Ellipses", options=set(), override=_OVERRIDE, update=_redraw,
+        description="Draw over the coarse triangles what folds go by: blue is being compressed, red stretched, green "
+                    "at rest. The ellipses were circles before the cloth was stretched"))
 
 
 def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:

@@ -31,10 +31,11 @@ class Inputs:
     world_from_object: np.ndarray
     paint: dict[str, np.ndarray]
     frame_rate: float  # frames a second
+    stands_in: bool = False  # solved for a mesh that only stands in for what the viewport draws (preview.py)
 
     def same_as(self, other: "Inputs | None") -> bool:
         return (other is not None and self.frame == other.frame and self.settings == other.settings
-                and self.frame_rate == other.frame_rate
+                and (self.frame_rate, self.stands_in) == (other.frame_rate, other.stands_in)
                 and self.paint.keys() == other.paint.keys()
                 and all(np.array_equal(self.paint[key], other.paint[key]) for key in self.paint)
                 and np.array_equal(self.positions, other.positions)
@@ -61,10 +62,11 @@ class Runtime(Messages):
     paint: dict[str, np.ndarray] | None = None  # None: read again
     groups: list[str] | None = None  # names of the vertex groups when the carrier was last checked
     inputs: Inputs | None = None
-    picture: engine.Picture | None = None  # what the carrier holds
+    picture: engine.Picture | engine.Sketch | None = None  # what the carrier holds
     carrier_key: int = 0  # ... which carrier
     looking: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
     looked: Inputs | None = None  # ... and this is what was read
+    asked_to_stand_in: bool = False  # by the preview, last
     bake_note: str = ""  # what is wrong with the baked clip, whatever the frame
     curve_points: int = 0  # the most points that its curves had no room for
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it

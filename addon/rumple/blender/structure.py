@@ -104,11 +104,14 @@ def tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Obj
     """
     if bpy.app.background or _render_running:
         return
-    leaning = {obj.name for obj in wrinkled if obj.library is None and modifier.leans_on(obj, written)}
-    if leaning:
-        _due.update(leaning)
-        if not bpy.app.timers.is_registered(_tag_due):
-            bpy.app.timers.register(_tag_due, first_interval=0.0)
+    tag_soon({obj.name for obj in wrinkled if obj.library is None and modifier.leans_on(obj, written)})
+
+
+def tag_soon(names: set[str]) -> None:
+    """Let objects be evaluated once more: from where nothing may be tagged."""
+    _due.update(names)
+    if _due and not bpy.app.timers.is_registered(_tag_due):
+        bpy.app.timers.register(_tag_due, first_interval=0.0)
 
 
 def _tag_due() -> None:

@@ -106,11 +106,26 @@ class Picture:
         """(d, 3) from the unwrinkled surface."""
         return self.attributes["rumple_offset"]
 
-    def shows_the_same(self, other: "Picture") -> bool:
+    def shows_the_same(self, other: "Picture | Sketch") -> bool:
         """Whether a carrier would hold the same bits."""
-        return (np.array_equal(self.local_offset, other.local_offset)
+        return (isinstance(other, Picture) and np.array_equal(self.local_offset, other.local_offset)
                 and self.attributes.keys() == other.attributes.keys()
                 and all(np.array_equal(values, other.attributes[name]) for name, values in self.attributes.items()))
+
+
+@dataclass
+class Sketch:
+    """A frame for a viewport that draws the wrinkles itself: the shown mesh is not made."""
+
+    drawing: Any  # native: what is drawn
+    stand_in: np.ndarray  # (n, 3) from the coarse vertices to the surface that is drawn, object space
+    report: Any = None
+    milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
+    replayed: bool = False
+
+    def shows_the_same(self, other: "Picture | Sketch") -> bool:
+        """Whether a carrier would hold the same bits."""
+        return isinstance(other, Sketch) and np.array_equal(self.stand_in, other.stand_in)
 
 
 @dataclass(frozen=True)
@@ -206,22 +221,23 @@ class Wrinkles:
     # --- frames
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
                     start: int, world_from_object: np.ndarray | None = None, frame_rate: float = 24.0,
-                    following: tuple[float, np.ndarray] | None = None) -> Picture:
+                    following: tuple[float, np.ndarray] | None = None, sketched: bool = False) -> Picture | Sketch:
         """The picture of a frame: replayed when it is stored for the same input, else solved and stored.
 
         positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
         start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. following: frame
-        and positions of the next one, where they are known: a rest shape that adapts looks ahead. Raises Refused.
+        and positions of the next one, where they are known: a rest shape that adapts looks ahead. sketched: a Sketch is
+        enough. Raises Refused.
         """
         try:
             return self._solve_frame(frame, positions, settings, paint, start, world_from_object, frame_rate,
-                                     following if settings.adapts else None)
+                                     following if settings.adapts else None, sketched)
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None, frame_rate: float,
-                     following: tuple[float, np.ndarray] | None) -> Picture:
+                     following: tuple[float, np.ndarray] | None, sketched: bool) -> Picture | Sketch:
         chosen = self._take_inputs(frame, settings, paint, start, frame_rate if self._reads_time(settings) else 0.0)
         world = self._reads_world(settings) and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
@@ -242,7 +258,7 @@ class Wrinkles:
             entry = Entry(state, digest, chosen, final, report)
             self.history.put(frame, entry)
         solved = time.perf_counter()
-        picture = self._show(settings, positions, entry.state, moment)
+        picture = (self._sketch if sketched else self._show)(settings, positions, entry.state, moment)
         picture.report, picture.replayed = entry.report, replayed
         picture.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
         return picture
@@ -357,6 +373,10 @@ class Wrinkles:
         raise NotImplementedError
 
     def _show(self, settings: Any, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
+        raise NotImplementedError
+
+    def _sketch(self, settings: Any, positions: np.ndarray, state: Any, moment: Moment) -> Sketch:
+        """Where the viewport can draw frames by itself."""
         raise NotImplementedError
 
 

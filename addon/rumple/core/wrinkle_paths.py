@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from .. import native
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Moment, Picture, Refused, Wrinkles, \
-    checked_surface
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Moment, Picture, Refused, Sketch, \
+    Wrinkles, checked_surface
 from .settings import PathsSettings
 
 MOST_LEVEL = 5
@@ -96,6 +96,10 @@ class WrinklePaths(Wrinkles):
               moment: Moment) -> Picture:
         shown = native.load().show_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
         return Picture.of(shown, rumple_height=shown.height)
+
+    def _sketch(self, settings: PathsSettings, positions: np.ndarray, state: Any, moment: Moment) -> Sketch:
+        drawing = native.load().draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+        return Sketch(drawing, drawing.stand_in)
 
     def _native_settings(self, settings: PathsSettings) -> Any:
         options = native.load().WrinklePathsSettings()

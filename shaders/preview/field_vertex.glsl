@@ -22,10 +22,5 @@ void main() {
     image_uv = uv;
     u_slope = TEXEL(u_slopes, fan).xyz;
     v_slope = TEXEL(v_slopes, fan).xyz;
-    vec4 view = preview.model_view * vec4(x, 1.0);
-    gl_Position = preview.projection * view;
-    // A little nearer than what Blender draws at the same place. Towards the viewer: no pixel changes its place.
-    vec4 nearer = preview.projection * (preview.viewer.w > 0.0 ? vec4(view.xyz * (1.0 - preview.nearer), 1.0)
-                                                               : view + vec4(0.0, 0.0, preview.nearer, 0.0));
-    gl_Position.z = nearer.z / nearer.w * gl_Position.w;
+    gl_Position = on_screen(x);
 }

@@ -24,15 +24,11 @@ void main() {
     add_wave(wrinkle, phase.z, weight.z, vector_c);
     float length_squared = dot(normal, normal);
     vec3 n = length_squared > 0.0 ? normal * inversesqrt(length_squared) : vec3(0.0, 0.0, 1.0);
-    vec3 shaded = mat3(preview.normal_to_view) * (n - wrinkle.gradient);  // equation (7)
-    shaded = normalize(gl_FrontFacing ? shaded : -shaded);
     vec3 base = preview.color.rgb;
     vec3 viewer = preview.viewer.w > 0.0 ? preview.viewer.xyz - place : preview.viewer.xyz;
     if (preview.has_image > 0.0) {
         vec3 shift = wrinkle.height * parallax(viewer, n);  // equation (10)
         base = texture(image, image_uv + vec2(dot(u_slope, shift), dot(v_slope, shift))).rgb;  // equation (11)
     }
-    vec3 to_viewer = preview.viewer.w > 0.0
-                         ? -normalize((preview.model_view * vec4(place, 1.0)).xyz) : vec3(0.0, 0.0, 1.0);
-    out_color = vec4(lit(base, shaded, to_viewer), 1.0);
+    out_color = drawn_color(base, n - wrinkle.gradient, place);  // equation (7)
 }

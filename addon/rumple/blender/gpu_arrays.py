@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the previews share on the GPU: arrays as RGBA32F textures, passes over them, shaders that draw, and layers.
+
+Arrays are wrapped by rows (shaders/preview/texels.glsl). Everything here needs a drawing context: never call it in
+background mode, nor outside the main thread.
+"""
+from __future__ import annotations
+
+from typing import Any, Callable
+
+import gpu
+import numpy as np
+
+from . import shaders
+
+_WIDTH = 1024  # texels in a row of an array; any number does
+_FORMAT = "RGBA32F"
+_MOST_SIZES = 4  # of viewports whose layers are kept
+
+# ---------------------------------------------------------------- arrays as textures
+def _shape(count: int) -> tuple[int, int]:
+    width = min(max(count, 1), _WIDTH)
+    return width, -(-max(count, 1) // width)
+
+
+def upload(values: np.ndarray) -> gpu.types.GPUTexture:
+    """(n, k) numbers, k up to 4, as a texture; what is left of a texel is zero."""
+    values = np.asarray(values, np.float32)
+    width, height = _shape(len(values))
+    texels = np.zeros((width * height, 4), np.float32)
+    texels[:len(values), :values.shape[1]] = values
+    data = gpu.types.Buffer("FLOAT", texels.size, texels.ravel())
+    return gpu.types.GPUTexture((width, height), format=_FORMAT, data=data)
+
+
+class Target:
+    """An array that passes write: one or more textures of `count` texels."""
+
+    def __init__(self, count: int, textures: int = 1) -> None:
+        self.count = count
+        self.size = _shape(count)
+        self.textures = [gpu.types.GPUTexture(self.size, format=_FORMAT) for _ in range(textures)]
+        self.frame_buffer = gpu.types.GPUFrameBuffer(color_slots=tuple(self.textures))
+
+    def read(self, texture: int = 0) -> np.ndarray:
+        """Its (count, 4) float32. Waits for the GPU: for tests."""
+        return read(self.textures[texture], self.count)
+
+
+def read(texture: gpu.types.GPUTexture, count: int) -> np.ndarray:
+    """The first (count, 4) float32 of a texture."""
+    buffer = texture.read()
+    buffer.dimensions = texture.width * texture.height * 4  # 4.3 has wrong strides with more dimensions than one
+    return np.array(buffer, np.float32).reshape(-1, 4)[:count]
+
+
+def vertex_buffer(**columns: np.ndarray) -> gpu.types.GPUVertBuf:
+    """Of columns by name, (n,) or (n, k), int32 or float32."""
+    layout = gpu.types.GPUVertFormat()
+    for name, values in columns.items():
+        whole = values.dtype == np.int32
+        layout.attr_add(id=name, comp_type="I32" if whole else "F32", len=values.shape[1] if values.ndim > 1 else 1,
+                        fetch_mode="INT" if whole else "FLOAT")
+    buffer = gpu.types.GPUVertBuf(layout, len(next(iter(columns.values()))))
+    for name, values in columns.items():
+        buffer.attr_fill(name, np.ascontiguousarray(values))
+    return buffer
+
+
+def whole() -> gpu.types.GPUBatch:
+    """A triangle that covers all of a target."""
+    return gpu.types.GPUBatch(type="TRIS", buf=vertex_buffer(corner=np.array([(-1, -1), (3, -1), (-1, 3)], np.float32)))
+
+
+# ---------------------------------------------------------------- passes
+class Pass:
+    """A fragment shader that runs once for every texel of a target."""
+
+    def __init__(self, source: str, inputs: tuple[str, ...], outputs: tuple[str, ...],
+                 constants: tuple[tuple[str, str], ...] = ()) -> None:
+        """source: GLSL with main(). inputs: names of its arrays. outputs: of its vec4s. constants: (type, name)."""
+        info = gpu.types.GPUShaderCreateInfo()
+        for slot, name in enumerate(inputs):
+            info.sampler(slot, "FLOAT_2D", name)
+        for kind, name in constants:
+            info.push_constant(kind, name)
+        info.vertex_in(0, "VEC2", "corner")
+        for slot, name in enumerate(outputs):
+            info.fragment_out(slot, "VEC4", name)
+        info.vertex_source(shaders.source("preview/pass_vertex"))
+        info.fragment_source(source)
+        self._shader = gpu.shader.create_from_info(info)
+        self._batch = whole()
+
+    def run(self, target: Target, inputs: dict[str, gpu.types.GPUTexture], **constants: Any) -> None:
+        """Write every texel of the target. The caller has switched depth test and blending off."""
+        with target.frame_buffer.bind():
+            self._shader.bind()
+            for name, texture in inputs.items():
+                self._shader.uniform_sampler(name, texture)
+            for name, value in constants.items():
+                if isinstance(value, bool):
+                    self._shader.uniform_bool(name, value)
+                elif isinstance(value, int):
+                    self._shader.uniform_int(name, value)
+                else:
+                    self._shader.uniform_float(name, value)
+            self._batch.draw(self._shader)
+
+
+def plain_state() -> None:
+    """Drawing state in which passes run."""
+    gpu.state.blend_set("NONE")
+    gpu.state.depth_test_set("NONE")
+    gpu.state.depth_mask_set(False)
+    gpu.state.face_culling_set("NONE")
+
+
+# ---------------------------------------------------------------- what all objects share
+_kept: dict[str, Any] = {}
+
+
+def kept(name: str, make: Callable[[], Any]) -> Any:
+    """What make() gives, made when it is first asked for."""
+    if name not in _kept:
+        _kept[name] = make()
+    return _kept[name]
+
+
+def forget() -> None:
+    """Free all that is kept. In the main thread."""
+    _kept.clear()
+
+
+def blank() -> gpu.types.GPUTexture:
+    """A white texel, for samplers that have nothing to read."""
+    return kept("blank", lambda: upload(np.ones((1, 4), np.float32)))
+
+
+# ---------------------------------------------------------------- shaders that draw
+def drawing_shader(between: gpu.types.GPUStageInterfaceInfo | None, vertex_in: tuple[tuple[str, str], ...],
+                   arrays: tuple[str, ...], vertex: tuple[str, ...], fragment: tuple[str, ...],
+                   constants: tuple[tuple[str, str], ...] = (),
+                   outputs: tuple[tuple[str, str], ...] = (("VEC4", "out_color"),)) -> gpu.types.GPUShader:
+    """A shader with the block of shaders/preview/preview_block.glsl.
+
+    vertex_in, constants, outputs: (type, name). vertex, fragment: files of the folder shaders/, behind those of texels,
+    of places on the screen and of light.
+    """
+    info = gpu.types.GPUShaderCreateInfo()
+    info.typedef_source(shaders.text("preview/preview_block"))
+    info.uniform_buf(0, "Preview", "preview")
+    for slot, name in enumerate(arrays):
+        info.sampler(slot, "FLOAT_2D", name)
+    for kind, name in constants:
+        info.push_constant(kind, name)
+    for slot, (kind, name) in enumerate(vertex_in):
+        info.vertex_in(slot, kind, name)
+    if between is not None:
+        info.vertex_out(between)
+    for slot, (kind, name) in enumerate(outputs):
+        info.fragment_out(slot, kind, name)
+    info.vertex_source(shaders.source("preview/texels", "preview/on_screen", *vertex))
+    info.fragment_source(shaders.source("preview/texels", "preview/studio_light", *fragment))
+    return gpu.shader.create_from_info(info)
+
+
+# ---------------------------------------------------------------- layers
+class Layer:
+    """A picture with a depth of its own, which is its last texture: 0 where nothing is."""
+
+    def __init__(self, size: tuple[int, int], colors: tuple[str, ...]) -> None:
+        """colors: formats of what is drawn, the last one R32F for the depth."""
+        self.textures = [gpu.types.GPUTexture(size, format=form) for form in colors]
+        self._depth = gpu.types.GPUTexture(size, format="DEPTH_COMPONENT32F")
+        self.frame_buffer = gpu.types.GPUFrameBuffer(depth_slot=self._depth, color_slots=tuple(self.textures))
+
+    def drawn(self, paint: Callable[[], None]) -> None:
+        """What paint() draws, and nothing else."""
+        with self.frame_buffer.bind():
+            self.frame_buffer.clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
+            paint()
+
+
+def layers(size: tuple[int, int]) -> tuple[Layer, Layer]:
+    """For a drawing with its light, and for what Blender draws in its place."""
+    found = kept("layers", dict)
+    if size not in found:
+        if len(found) >= _MOST_SIZES:
+            found.clear()
+        found[size] = Layer(size, ("RGBA16F", "R32F")), Layer(size, ("R32F",))
+    return found[size]
+
+
+def lay_over(layer: Layer, stand_in: Layer, origin: tuple[int, int]) -> None:
+    """Into the bound frame buffer, whose viewport begins at origin."""
+    shader, batch = kept("lay over", _lay_over_shader), kept("whole", whole)
+    shader.bind()
+    for name, texture in zip(("layer", "layer_depth", "stand_in_depth"), (*layer.textures, *stand_in.textures)):
+        shader.uniform_sampler(name, texture)
+    shader.uniform_int("origin", origin)
+    batch.draw(shader)
+
+
+def _lay_over_shader() -> gpu.types.GPUShader:
+    info = gpu.types.GPUShaderCreateInfo()
+    for slot, name in enumerate(("layer", "layer_depth", "stand_in_depth")):
+        info.sampler(slot, "FLOAT_2D", name)
+    info.push_constant("IVEC2", "origin")
+    info.vertex_in(0, "VEC2", "corner")
+    info.fragment_out(0, "VEC4", "out_color")
+    if hasattr(info, "depth_write"):
+        info.depth_write("ANY")
+    info.vertex_source(shaders.source("preview/pass_vertex"))
+    info.fragment_source(shaders.source("preview/lay_over"))
+    return gpu.shader.create_from_info(info)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Wrinkle Paths on the GPU: chapter 7 of Gillette 2015 without a tessellation stage, which Blender does not offer.
+
+Triangles are cut by patterns that are made once, indexed grids of 1, 2, 4 .. 32 parts along an edge. A frame uploads
+the coarse vertices, the lists of section 7.2, and which triangle gets which pattern.
+"""
+from __future__ import annotations
+
+from typing import Any, Callable
+
+import bpy
+import gpu
+import numpy as np
+
+from ..core import engine
+from . import gpu_arrays, mesh_io, registry, shaders
+from .gpu_arrays import upload
+
+PROFILES = ("SPLINE", "QUARTIC", "CIRCULAR_ARCS", "SINE")  # as shaders/shared/wrinkle_paths.glsl numbers them
+_MOST_SPOTS = 1 << 16  # vertices of a pattern laid out for several triangles
+
+
+def spots(parts: int) -> np.ndarray:
+    """(n, 2) int32: the points of a triangle cut into so many parts, in steps towards corners 1 and 2."""
+    return np.array([(i, j) for j in range(parts + 1) for i in range(parts + 1 - j)], np.int32)
+
+
+def cells(parts: int) -> np.ndarray:
+    """(parts^2, 3) int32: its triangles, of spots()."""
+    row = np.cumsum([0, *range(parts + 1, 0, -1)])  # where the points with j steps begin
+    found = []
+    for j in range(parts):
+        for i in range(parts - j):
+            a, above = row[j] + i, row[j + 1] + i
+            found.append((a, a + 1, above))
+            if i < parts - j - 1:
+                found.append((a + 1, above + 1, above))
+    return np.array(found, np.int32)
+
+
+def _pattern(parts: int, count: int) -> gpu.types.GPUBatch:
+    """The pattern for so many triangles."""
+    points, triangles = spots(parts), cells(parts)
+    which = np.repeat(np.arange(count, dtype=np.int32), len(points))
+    buffer = gpu_arrays.vertex_buffer(spot=np.column_stack((which, np.tile(points, (count, 1)))))
+    steps = len(points) * np.arange(count, dtype=np.int32)[:, None, None]
+    indices = np.ascontiguousarray((triangles + steps).reshape(-1, 3), np.uint32)
+    return gpu.types.GPUBatch(type="TRIS", buf=buffer, elem=gpu.types.GPUIndexBuf(type="TRIS", seq=indices))
+
+
+def runs(first: int, count: int, parts: int) -> list[tuple[int, int]]:
+    """(first, count) of draws with few different counts: powers of two, so that patterns serve again."""
+    found, most = [], 1 << max(_MOST_SPOTS // len(spots(parts)), 1).bit_length() - 1
+    while count:
+        size = min(1 << count.bit_length() - 1, most)
+        found.append((first, size))
+        first, count = first + size, count - size
+    return found
+
+
+def _compile() -> gpu.types.GPUShader:
+    between = gpu.types.GPUStageInterfaceInfo("rumple_paths")
+    for name in ("normal", "place", "flat_place"):
+        between.smooth("VEC3", name)
+    between.smooth("VEC2", "image_uv")
+    between.smooth("FLOAT", "hem")
+    between.flat("IVEC2", "list")
+    formulas = (*shaders.FOLDS, "preview/folds")
+    return gpu_arrays.drawing_shader(
+        between, (("IVEC3", "spot"),),
+        ("triangles", "flats", "smooths", "normals", "uvs", "patches", "ranges", "ends", "image"),
+        (*formulas, "preview/paths_vertex"), (*formulas, "preview/paths_fragment"),
+        (("INT", "first"), ("INT", "parts"), ("INT", "profile"), ("FLOAT", "curved")),
+        (("VEC4", "out_color"), ("FLOAT", "out_depth")))
+
+
+def _compile_stand_in() -> gpu.types.GPUShader:
+    return gpu_arrays.drawing_shader(None, (("IVEC2", "spot"),), ("triangles", "smooths"), ("preview/stand_in_vertex",),
+                                     ("preview/stand_in_fragment",), outputs=(("FLOAT", "out_depth"),))
+
+
+class Drawing:
+    """The folds of one object, and the smooth surface between them; see preview.Drawing."""
+
+    def __init__(self, model: Any) -> None:
+        self._arrays = {"triangles": upload(model.triangle_vertex)}
+        corners = np.indices((len(model.triangle_vertex), 3), np.int32).reshape(2, -1).T
+        self._stand_in = gpu.types.GPUBatch(type="TRIS", buf=gpu_arrays.vertex_buffer(spot=corners))
+        self._groups: dict[int, list[tuple[int, int, int]]] = {}  # by material slot: parts, first patch, patches
+        self.has_uv = False
+
+    def update(self, obj: bpy.types.Object, entry: registry.Runtime, _before: registry.Inputs | None,
+               slots: np.ndarray) -> bool:
+        """Upload what was solved last."""
+        if not isinstance(entry.picture, engine.Sketch):
+            return False
+        drawing = entry.picture.drawing
+        uv = mesh_io.render_uv(obj.data)
+        self.has_uv = uv is not None
+        corners = entry.fine.base.triangle_corner.ravel()
+        self._profile, self._curved = PROFILES.index(entry.inputs.settings.profile), float(drawing.curved)
+        self._arrays.update(
+            uvs=upload(uv[corners]) if self.has_uv else gpu_arrays.blank(),
+            flats=upload(np.column_stack((drawing.flat, drawing.hem))), smooths=upload(drawing.smooth),
+            normals=upload(drawing.normal), ranges=upload(drawing.lists.ranges),
+            ends=upload(drawing.lists.ends.reshape(-1, 4)), patches=self._collect_patches(drawing, slots))
+        return True
+
+    def _collect_patches(self, drawing: Any, slots: np.ndarray) -> gpu.types.GPUTexture:
+        """The triangles by material slot and by parts, as shaders/preview/paths_vertex.glsl reads them."""
+        parts, start = drawing.parts, drawing.lists.triangle_start
+        order = np.lexsort((parts[:, 0], slots))
+        patches = np.zeros((len(order), 2, 4), np.float32)
+        patches[:, 0, 0], patches[:, 0, 1], patches[:, 0, 2] = order, start[:-1][order], start[1:][order]
+        patches[:, 1, :3] = parts[order, 1:]
+        keys = np.column_stack((slots, parts[:, 0]))[order]
+        changes = np.flatnonzero(np.diff(keys, axis=0).any(1)) + 1
+        self._groups = {}
+        for first, end in zip((0, *changes), (*changes, len(order))):
+            slot, cut = keys[first].tolist()
+            self._groups.setdefault(slot, []).append((cut, int(first), int(end - first)))
+        return upload(patches.reshape(-1, 4))
+
+    def shader(self) -> gpu.types.GPUShader:
+        return gpu_arrays.kept("paths", _compile)
+
+    def arrays(self) -> dict[str, gpu.types.GPUTexture]:
+        return self._arrays
+
+    def slots(self) -> list[int]:
+        return list(self._groups)
+
+    def present(self, paint: Callable[[], None], block: gpu.types.GPUUniformBuf) -> None:
+        """In itself it is hidden by its own depth; against all else it is no farther than what Blender has there."""
+        left, bottom, width, height = gpu.state.viewport_get()
+        layer, stand_in = gpu_arrays.layers((width, height))
+        stand_in.drawn(lambda: self._draw_stand_in(block))
+        layer.drawn(paint)
+        gpu_arrays.lay_over(layer, stand_in, (left, bottom))
+
+    def _draw_stand_in(self, block: gpu.types.GPUUniformBuf) -> None:
+        shader = gpu_arrays.kept("stand-in", _compile_stand_in)
+        shader.bind()
+        for name in ("triangles", "smooths"):
+            shader.uniform_sampler(name, self._arrays[name])
+        shader.uniform_block("preview", block)
+        self._stand_in.draw(shader)
+
+    def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:
+        shader.uniform_int("profile", self._profile)
+        shader.uniform_float("curved", self._curved)
+        for parts, first, count in self._groups[slot]:
+            shader.uniform_int("parts", parts)
+            for start, size in runs(first, count, parts):
+                shader.uniform_int("first", start)
+                gpu_arrays.kept(f"pattern {parts} {size}", lambda: _pattern(parts, size)).draw(shader)

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The base class of tests that look at a GPU preview in a Solid viewport."""
+from __future__ import annotations
+
+from typing import Iterator
+
+import bpy
+import numpy as np
+import sleeve
+from case import WindowCase
+from rumple.blender import preview
+
+
+class PreviewCase(WindowCase):
+    method = "FIELD"
+
+    def setUp(self) -> None:
+        """One sample a pixel: the same picture at every redraw."""
+        system = bpy.context.preferences.system
+        self.addCleanup(setattr, system, "viewport_aa", system.viewport_aa)
+        system.viewport_aa = "OFF"
+
+    def view(self) -> Iterator[float]:
+        """The biggest area as a clean Solid viewport: self.area."""
+        self.area = max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height)
+        self.area.type = "VIEW_3D"
+        yield 0.2
+        space = self.area.spaces.active
+        space.show_gizmo = False
+        for name in ("show_floor", "show_axis_x", "show_axis_y", "show_cursor", "show_text", "show_object_origins",
+                     "show_outline_selected", "show_bones", "show_relationship_lines"):
+            setattr(space.overlay, name, False)
+        yield 0.1
+
+    def make(self, **settings: object) -> Iterator[float]:
+        """The sleeve, bent, with wrinkles and their preview on; self.obj and self.area."""
+        self.obj = sleeve.scene(wrinkles=False)
+        group = getattr(self.obj.rumple, self.method.lower())
+        for name, value in {"gpu_preview": True, **settings}.items():
+            setattr(group, name, value)
+        with sleeve.context():
+            bpy.ops.object.rumple_add(method=self.method)
+        sleeve.at(sleeve.LAST)
+        yield from self.view()
+        self.look()
+        yield 0.3
+
+    def look(self) -> None:
+        """At the sleeve's bend, from below."""
+        region = self.area.spaces.active.region_3d
+        region.view_rotation, region.view_location, region.view_distance = (1, 0, 0, 0), (0.25, 0.12, 0.0), 0.8
+        region.view_perspective = "PERSP"
+
+    def shot(self) -> Iterator[float]:
+        """Leaves what the viewport shows in self.seen, (height, width) float, its inside without the header."""
+        bpy.context.window_manager.windows[0].cursor_warp(2, 2)  # the pointer would be in the picture
+        self.area.tag_redraw()
+        yield 0.3
+        region = next(region for region in self.area.regions if region.type == "WINDOW")
+        screen = self.pixels().astype(float).mean(2)
+        bottom = screen.shape[0] - region.y
+        self.seen = screen[bottom - region.height + 100:bottom - 10, region.x + 60:region.x + region.width - 60]
+
+    def held(self) -> preview._OnGpu:
+        (held,) = preview._on_gpu.values()
+        return held
+
+    def area_of_view(self) -> object:
+        """A context override with self.area."""
+        return sleeve.context(area=self.area, region=next(r for r in self.area.regions if r.type == "WINDOW"))
+
+
+def smooth(picture: np.ndarray) -> np.ndarray:
+    """The picture without what changes within a few pixels."""
+    return sum(np.roll(picture, (i, j), (0, 1)) for i in range(-8, 9) for j in range(-8, 9)) / 17**2
