@@ -341,7 +341,9 @@ class Meshes(FoldsCase):
             with self.area_of_view():
                 bpy.ops.object.mode_set(mode="WEIGHT_PAINT" if on else "OBJECT")
 
-        switches = (lambda on: setattr(space.shading, "type", "MATERIAL" if on else "SOLID"),
+        bpy.context.scene.render.engine = "BLENDER_WORKBENCH"  # EEVEE's first picture takes minutes without a GPU
+        switches = (lambda on: setattr(space.shading, "type", "RENDERED" if on else "SOLID"),
+                    lambda on: setattr(space.shading, "type", "WIREFRAME" if on else "SOLID"),
                     lambda on: setattr(space.shading, "show_xray", on), paint,
                     lambda on: setattr(self.obj.rumple.paths, "gpu_preview", not on))
         for number, switch in enumerate(switches):
