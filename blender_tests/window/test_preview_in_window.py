@@ -112,7 +112,7 @@ class Drawn(PreviewCase):
             expected = native.crush_wrinkle_field(
                 entry.fine.model, entry.fine._native_settings(entry.inputs.settings), entry.fine._paint,
                 entry.inputs.positions, entry.fine.state_of(float(frame)))
-            fullness = self.held().waves.read_waves()[1][:, 2]
+            fullness = self.held().drawing.waves.read_waves()[1][:, 2]
             np.testing.assert_allclose(fullness**2, expected.fullness**2, atol=1e-5, err_msg=str(frame))
             self.assertLess(fullness.max() if frame == 10 else 0.0, 1e-2)  # the first frame is unwrinkled
 
