@@ -386,16 +386,24 @@ class Meshes(FoldsCase):
         yield from self.make(gpu_preview=False)
         sleeve.play()
         fine = sleeve.shown(self.obj)
-        self.obj.rumple.paths.gpu_preview = True
-        yield from self.settled()
         self.obj.rumple.bake_end = sleeve.LAST
-        with tempfile.TemporaryDirectory() as folder, sleeve.context():
-            bpy.ops.wm.save_as_mainfile(filepath=str(Path(folder) / "bake.blend"))
-            sleeve.make_active(self.obj)
-            bpy.ops.object.rumple_bake()
-            sleeve.at(sleeve.LAST)
-            np.testing.assert_allclose(sleeve.shown(self.obj), fine, atol=1e-6)
-            bpy.ops.object.rumple_bake_free()
+        baked = []
+        with tempfile.TemporaryDirectory() as folder:
+            with sleeve.context():
+                bpy.ops.wm.save_as_mainfile(filepath=str(Path(folder) / "bake.blend"))
+            for on in (False, True):
+                self.obj.rumple.paths.gpu_preview = on
+                yield from self.settled(on)
+                with sleeve.context():
+                    sleeve.make_active(self.obj)
+                    bpy.ops.object.rumple_bake()
+                sleeve.at(sleeve.LAST)
+                baked.append(sleeve.shown(self.obj))
+                with sleeve.context():
+                    bpy.ops.object.rumple_bake_free()
+        self.assertEqual(len(baked[0]), len(fine))
+        np.testing.assert_array_equal(*baked)
+        sleeve.play()
         yield from self.settled()
         with sleeve.context():
             sleeve.make_active(self.obj)
