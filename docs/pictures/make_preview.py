@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """s1_preview.jpg beside this file: the walking shirt and trousers in a Solid viewport, without and with the preview.
+With `-- PATHS` at the end: s1_folds_preview.jpg, folds as a fine mesh and drawn by the preview.
 
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
         xvfb-run -a -s "-screen 0 1400x1300x24 -fbdir $d" blender --factory-startup \
@@ -23,6 +24,8 @@ import case  # noqa: E402
 import rumple  # noqa: E402
 
 FRAME = 60
+METHOD = "PATHS" if sys.argv[-1] == "PATHS" else "FIELD"
+PICTURE = {"FIELD": "s1_preview.jpg", "PATHS": "s1_folds_preview.jpg"}[METHOD]
 GARMENTS = [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.name.lower() in ("shirt", "trousers")]
 
 
@@ -54,10 +57,10 @@ def steps():
     area.type = "VIEW_3D"
     yield 0.5
     for obj in GARMENTS:
-        obj.rumple.field.gpu_preview = True
+        getattr(obj.rumple, METHOD.lower()).gpu_preview = True
         with bpy.context.temp_override(window=window, area=area, object=obj, active_object=obj, selected_objects=[obj]):
             bpy.context.view_layer.objects.active = obj
-            bpy.ops.object.rumple_add(method="FIELD")
+            bpy.ops.object.rumple_add(method=METHOD)
     for frame in range(1, FRAME + 1):
         bpy.context.scene.frame_set(frame)
     look(area)
@@ -65,14 +68,14 @@ def steps():
     pictures = []
     for on in (False, True):
         for obj in GARMENTS:
-            obj.rumple.field.gpu_preview = on
+            getattr(obj.rumple, METHOD.lower()).gpu_preview = on
         area.tag_redraw()
         yield 3.0
         pictures.append(picture_of(area))
     both = np.concatenate(pictures, 1)
     image = bpy.data.images.new("Picture", both.shape[1], both.shape[0])
     image.pixels.foreach_set(np.dstack([both[::-1], np.full(both.shape[:2], 255)]).astype(np.float32).ravel() / 255)
-    image.filepath_raw, image.file_format = str(HERE / "s1_preview.jpg"), "JPEG"
+    image.filepath_raw, image.file_format = str(HERE / PICTURE), "JPEG"
     image.save()
 
 
