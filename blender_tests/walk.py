@@ -118,7 +118,7 @@ class Walk(RandomWalk):
         obj = self.pick(ours=False)
         if obj and len(obj.data.vertices) < 1500 and path_curves.find(obj) is None:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
-            obj.rumple.field.gpu_preview = True
+            obj.rumple.field.gpu_preview = obj.rumple.paths.gpu_preview = True
             bpy.ops.object.rumple_add(method=self.random.choice(("MESH", "FIELD", "PATHS")))
 
     def do_materials(self):

@@ -3,13 +3,14 @@
 import os
 import tempfile
 import unittest
+from unittest import mock
 
 import bmesh
 import bpy
 import numpy as np
 import sleeve
 from rumple.blender import carrier as carriers
-from rumple.blender import modifier, node_tree, registry, structure
+from rumple.blender import handlers, live, maps_live, modifier, node_tree, registry, structure
 
 
 class Frames(unittest.TestCase):
@@ -64,6 +65,18 @@ class Frames(unittest.TestCase):
         finally:
             carriers.write_picture = original
         self.assertEqual(written, [])
+
+    def test_updates_are_read_before_anything_is_made_anew(self):
+        """The list of updates still names a mesh that a rebuild removed: in 3.4 to ask for its original then wrote into
+        freed memory, and crashed at the next file."""
+        sleeve.scene()
+        calls = mock.Mock()
+        with mock.patch.multiple(live, note_updates=calls.note, process=calls.work), \
+                mock.patch.multiple(maps_live, note_updates=calls.note, process=calls.work):
+            for handler in (handlers._on_frame, handlers._on_update):
+                calls.reset_mock()
+                handler(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+                self.assertEqual([call[0] for call in calls.mock_calls], ["note", "note", "work", "work"])
 
     def test_stretch_attributes_are_sane(self):
         obj = sleeve.scene()

@@ -138,6 +138,26 @@ class Beside(unittest.TestCase):
         self.check(6)
         self.assertEqual(face.notes(self.obj), "")
 
+    def test_what_is_refused_beside_wrinkles_is_refused_once(self):
+        """A refused modifier that forgot the wrinkles in front of it was prepared anew at every frame.
+
+        And a mesh that the Wrinkle Mesh had removed was looked for in the list of updates after that: in 3.4 a write
+        into freed memory, and a crash at the next file or never.
+        """
+        add_wrinkles(self.obj, "MESH")
+        self.check(6)
+        self.obj.rumple_maps.root = "nobody"
+        for frame in (7, 8, 9):
+            bpy.context.scene.frame_set(frame)
+        self.assertIn("no bone \"nobody\" to be the root", self.obj.rumple_maps.message)
+        self.assertFalse(face.mask(self.obj, "Surprise").any())
+        self.assertEqual(maps_tree.wrinkles(maps_tree.find(self.obj)), sleeve.carrier(self.obj))
+        bpy.context.scene.frame_set(10)
+        self.assertFalse(maps_live.runtime(self.obj).stale)
+        self.obj.rumple_maps.root = "head"
+        bpy.context.scene.frame_set(2)
+        self.check(6)
+
     def test_subdivision_in_front_shows_no_mask_and_is_named(self):
         subdivision = self.obj.modifiers.new("Smooth", "SUBSURF")
         versions.move_modifier(self.obj, len(self.obj.modifiers) - 1, 1)

@@ -12,17 +12,20 @@ from . import bake_state, live, maps_live, maps_tree, modifier, registry, struct
 
 @persistent
 def _on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    live.note_updates(depsgraph)
-    live.process(scene, depsgraph)
-    maps_live.note_updates(depsgraph)
-    maps_live.process(depsgraph)
+    _follow(scene, depsgraph)
 
 
 @persistent
 def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    _follow(scene, depsgraph)
+
+
+def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    # All updates are read before anything is made anew: the depsgraph goes on listing the copy of a mesh that was
+    # removed since, and what it is the copy of is freed memory then.
     live.note_updates(depsgraph)
-    live.process(scene, depsgraph)
     maps_live.note_updates(depsgraph)
+    live.process(scene, depsgraph)
     maps_live.process(depsgraph)
 
 
