@@ -12,12 +12,13 @@ PAINT = "Rumple Radius"
 SETTINGS = dict(
     MESH=(("radius", 0.5), ("bending", 0.2), ("level", 0), ("level", 1), ("hem_rings", 0), ("attachment", "PN"),
           ("attachment", "LIMIT"), ("source", "REGULAR"), ("source", "SUBDIVISION"), ("display_steps", 1),
-          ("collision", "NONE")),
+          ("collision", "NONE"), ("rest_shape", "ADAPTIVE"), ("rest_shape", "REST_POSE")),
     FIELD=(("output", "GEOMETRY"), ("output", "SHADING"), ("detail", 2), ("source", "EDGE_LENGTH"),
            ("profile", "CURVE"), ("profile", "ACCORDION"), ("irregularity", 0.5), ("rounds", 3), ("seed", 2),
-           ("start", "RANDOM"), ("gpu_preview", False), ("gpu_preview", True)),
+           ("start", "RANDOM"), ("rest_shape", "ADAPTIVE"), ("gpu_preview", False), ("gpu_preview", True)),
     PATHS=(("width", 0.03), ("threshold", 1.1), ("reference", "FIRST_FRAME"), ("direction", "BOTH"), ("seed", 2),
-           ("profile", "SINE"), ("source", "EDGE_LENGTH"), ("stateless", True)))
+           ("profile", "SINE"), ("source", "EDGE_LENGTH"), ("stateless", True), ("gpu_preview", False),
+           ("gpu_preview", True)))
 
 
 class Walk(RandomWalk):

@@ -4,13 +4,14 @@ import os
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import bpy
 import face
 import numpy as np
 import sleeve
 import stranger
-from rumple.blender import handlers, maps_live, maps_tree, modifier, structure, versions
+from rumple.blender import handlers, maps_carriers, maps_live, maps_tree, modifier, structure, versions
 from test_maps_render import Renders
 
 ROUNDING = 1e-4  # of a mask
@@ -156,6 +157,23 @@ class Beside(unittest.TestCase):
         self.assertFalse(maps_live.runtime(self.obj).stale)
         self.obj.rumple_maps.root = "head"
         bpy.context.scene.frame_set(2)
+        self.check(6)
+
+    def test_a_new_skin_at_the_address_of_the_former_one_gets_its_weights(self):
+        """In 3.4 keys are addresses: the weights of a new skin were taken to be written, and every mask was 0."""
+        self.check(6)
+        entry, make = maps_live.runtime(self.obj), maps_carriers.new_skin
+
+        def at_the_same_address(*arguments):
+            skin = make(*arguments)
+            entry.carrier_key = versions.session_key(skin.data)
+            return skin
+
+        self.obj.rumple_maps.root = "nobody"
+        bpy.context.scene.frame_set(7)
+        self.obj.rumple_maps.root = "head"
+        with mock.patch.object(maps_carriers, "new_skin", at_the_same_address):
+            bpy.context.scene.frame_set(2)
         self.check(6)
 
     def test_subdivision_in_front_shows_no_mask_and_is_named(self):

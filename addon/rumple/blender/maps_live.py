@@ -176,6 +176,7 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     skin, skeleton = maps_tree.skin(ours), maps_tree.skeleton(ours)
     if not maps_carriers.made_from(skin, entry.shape):
         skin = maps_carriers.new_skin(obj.name, comparison, entry.shape)
+        entry.lifted = None  # whatever its key: in 3.4 that is an address, which the former skin may have had
     if not maps_carriers.made_from(skeleton, entry.shape) or \
             maps_carriers.armature_of(skeleton) != armature:
         skeleton = maps_carriers.new_skeleton(obj.name, comparison, armature, entry.shape)
