@@ -8,7 +8,6 @@
 """
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from mathutils import Vector
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE)]
-from make_panels import picture_of, rumple, save_jpeg  # noqa: E402
+from windowed import picture_of, play, save_jpeg  # noqa: E402
 
 # Of the 3D viewport, from its lower left corner, in shares of its size.
 STROKES = (((0.36, 0.30), (0.46, 0.66)), ((0.42, 0.28), (0.50, 0.64)), ((0.58, 0.30), (0.55, 0.66)),
@@ -68,17 +67,4 @@ def steps():
     print("message:", shirt.rumple.message or "none", flush=True)
 
 
-def main() -> None:
-    rumple.register()
-    running = steps()
-
-    def advance() -> float | None:
-        try:
-            return next(running)
-        except StopIteration:
-            os._exit(0)
-
-    bpy.app.timers.register(advance, first_interval=2.0)
-
-
-main()
+play(steps())

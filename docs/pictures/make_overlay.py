@@ -7,7 +7,6 @@
 """
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from mathutils import Vector
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE)]
-from make_panels import picture_of, rumple, save_jpeg  # noqa: E402
+from windowed import picture_of, play, save_jpeg  # noqa: E402
 
 FIRST, FRAMES = 9, (48, 59)  # going down, and the deepest crouch
 
@@ -68,17 +67,4 @@ def steps():
     print("messages:", [garment.rumple.message for garment in garments], flush=True)
 
 
-def main() -> None:
-    rumple.register()
-    running = steps()
-
-    def advance() -> float | None:
-        try:
-            return next(running)
-        except StopIteration:
-            os._exit(0)
-
-    bpy.app.timers.register(advance, first_interval=2.0)
-
-
-main()
+play(steps())

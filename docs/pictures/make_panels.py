@@ -8,7 +8,6 @@
 """
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
@@ -16,30 +15,12 @@ import bpy
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
-sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "blender_tests"), str(ROOT / "blender_tests/window"),
-                os.environ["RUMPLE_NATIVE"]]
-import case  # noqa: E402
-import rumple  # noqa: E402
+sys.path[:0] = [str(HERE)]
+from windowed import case, picture_of, play, save_jpeg  # noqa: E402
 from rumple.blender import panels  # noqa: E402
 
 FRAME = 52
 VERSION = "{}.{}".format(*bpy.app.version)
-
-
-def picture_of(area: bpy.types.Area) -> np.ndarray:
-    """What the screen shows of an area, (height, width, 3) uint8, the top row first."""
-    pixels = case.WindowCase().pixels()
-    top = len(pixels) - area.y - area.height
-    return pixels[top:top + area.height, area.x:area.x + area.width]
-
-
-def save_jpeg(pixels: np.ndarray, path: Path) -> None:
-    height, width, _ = pixels.shape
-    image = bpy.data.images.new("Picture", width, height)
-    image.pixels.foreach_set(np.dstack([pixels[::-1], np.full((height, width), 255)]).astype(np.float32).ravel() / 255)
-    image.filepath_raw, image.file_format = str(path), "JPEG"
-    image.save()
 
 
 def viewport(area: bpy.types.Area) -> None:
@@ -95,23 +76,12 @@ def main() -> None:
     for cls in panels.CLASSES:
         if "DEFAULT_CLOSED" in getattr(cls, "bl_options", ()):
             cls.bl_options = cls.bl_options - {"DEFAULT_CLOSED"}
-    rumple.register()
-    bpy.context.preferences.view.show_splash = False
     garment = bpy.data.objects["Shirt"]
     bpy.context.view_layer.objects.active = garment
     garment.select_set(True)
     for modifier in garment.modifiers:
         modifier.show_expanded = False
-    running = steps()
-
-    def advance() -> float | None:
-        try:
-            return next(running)
-        except StopIteration:
-            os._exit(0)
-
-    bpy.app.timers.register(advance, first_interval=2.0)
+    play(steps())
 
 
-if __name__ == "__main__":
-    main()
+main()

@@ -8,7 +8,6 @@ With `-- PATHS` at the end: s1_folds_preview.jpg, folds as a fine mesh and drawn
 """
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
@@ -17,11 +16,8 @@ import numpy as np
 from mathutils import Quaternion, Vector
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
-sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "blender_tests"), str(ROOT / "blender_tests/window"),
-                os.environ["RUMPLE_NATIVE"]]
-import case  # noqa: E402
-import rumple  # noqa: E402
+sys.path[:0] = [str(HERE)]
+from windowed import picture_of, play, save_jpeg  # noqa: E402
 
 FRAME = 60
 METHOD = "PATHS" if sys.argv[-1] == "PATHS" else "FIELD"
@@ -29,11 +25,9 @@ PICTURE = {"FIELD": "s1_preview.jpg", "PATHS": "s1_folds_preview.jpg"}[METHOD]
 GARMENTS = [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.name.lower() in ("shirt", "trousers")]
 
 
-def picture_of(area: bpy.types.Area) -> np.ndarray:
-    """The middle of an area, (height, width, 3) uint8, the top row first."""
-    pixels = case.WindowCase().pixels()
-    top = len(pixels) - area.y - area.height
-    return pixels[top + 60:top + area.height - 10, area.x + area.width // 4:area.x + 3 * area.width // 4]
+def middle_of(area: bpy.types.Area) -> np.ndarray:
+    pixels = picture_of(area)
+    return pixels[60:-10, area.width // 4:3 * area.width // 4]
 
 
 def look(area: bpy.types.Area) -> None:
@@ -71,26 +65,8 @@ def steps():
             getattr(obj.rumple, METHOD.lower()).gpu_preview = on
         area.tag_redraw()
         yield 3.0
-        pictures.append(picture_of(area))
-    both = np.concatenate(pictures, 1)
-    image = bpy.data.images.new("Picture", both.shape[1], both.shape[0])
-    image.pixels.foreach_set(np.dstack([both[::-1], np.full(both.shape[:2], 255)]).astype(np.float32).ravel() / 255)
-    image.filepath_raw, image.file_format = str(HERE / PICTURE), "JPEG"
-    image.save()
+        pictures.append(middle_of(area))
+    save_jpeg(np.concatenate(pictures, 1), HERE / PICTURE)
 
 
-def main() -> None:
-    rumple.register()
-    bpy.context.preferences.view.show_splash = False
-    running = steps()
-
-    def advance() -> float | None:
-        try:
-            return next(running)
-        except StopIteration:
-            os._exit(0)
-
-    bpy.app.timers.register(advance, first_interval=2.0)
-
-
-main()
+play(steps())
