@@ -9,8 +9,10 @@ PYBIND11_MODULE(rumple_native, module) {
         "Bad input raises ValueError that names the argument and the first bad element.";
     module.attr("__version__") = RUMPLE_VERSION;
     rumple::bindings::bind_surface(module);
+    rumple::bindings::bind_base_cloth(module);
     rumple::bindings::bind_wrinkle_maps(module);
     rumple::bindings::bind_wrinkle_mesh(module);
+    rumple::bindings::bind_wrinkle_mesh_layers(module);
     rumple::bindings::bind_wrinkle_field(module);
     rumple::bindings::bind_wrinkle_field_brush(module);
     rumple::bindings::bind_wrinkle_paths(module);

@@ -185,10 +185,9 @@ void remember_lengths(const Model& model, std::span<const float> active, const S
 using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, int, std::span<Vec3>);
 
 State solve_with(Relax relax, const Model& model, const Settings& settings, const Paint& paint,
-                 const Input& input, const State* before, Report& report) {
+                 const Input& input, const Pose& pose, const State* before, Report& report) {
     check(settings);
     check(model, paint);
-    const Pose pose = make_pose(model, input);
     const OffsetFrames frames(model, settings, input, pose);
     if (!fits(model, before)) before = nullptr;
     const std::vector<float> lengths = attachment_lengths(model, pose);
@@ -259,7 +258,12 @@ State woken(const State& state) {
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report) {
-    return solve_with(relax_coloured, model, settings, paint, input, state, report);
+    return solve_pose(model, settings, paint, input, make_pose(model, input), state, report);
+}
+
+State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                 const Pose& pose, const State* state, Report& report) {
+    return solve_with(relax_coloured, model, settings, paint, input, pose, state, report);
 }
 
 State solve_reference(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
@@ -268,7 +272,7 @@ State solve_reference(const Model& model, const Settings& settings, const Paint&
                              int, std::span<Vec3> positions) {
         relax_sequential(m, targets, bounds, iterations, positions);
     };
-    return solve_with(printed, model, settings, paint, input, state, report);
+    return solve_with(printed, model, settings, paint, input, make_pose(model, input), state, report);
 }
 
 }  // namespace rumple::wrinkle_mesh

@@ -12,6 +12,7 @@
 
 #include "surface/adaptive_reference.h"
 #include "surface/attachments.h"
+#include "surface/contact/collider.h"
 #include "surface/deformation.h"
 #include "surface/shown_mesh.h"
 
@@ -123,10 +124,16 @@ State woken(const State& state);
 
 // One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
 // world_from_object is used by OffsetSpace::kWorld only, moment by an adaptive rest shape only.
+// gap: per vertex of the base, how far the cloth may go inwards before it meets what is worn under it, object
+// units; empty: no limit but Settings::inside. bodies: looked at once more, vertex by vertex; or none. Both are for
+// Collision::kPlane; thickness: how far the cloth stays off bodies, object units.
 struct Input {
     std::span<const Vec3> positions;
     glm::mat3 world_from_object{1.0f};
     Moment moment{};
+    std::span<const float> gap{};
+    const PosedCollider* bodies = nullptr;
+    float thickness = 0.0f;
 };
 
 struct Report {

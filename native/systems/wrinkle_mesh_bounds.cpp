@@ -4,29 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "surface/contact/closest_point.h"
+
 namespace rumple::wrinkle_mesh {
 namespace {
 
 Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-    // Ericson 2005, Real-Time Collision Detection, 5.1.5: by the Voronoi regions of the triangle.
-    const Vec3 ab = b - a, ac = c - a, ap = p - a;
-    const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-    if (d1 <= 0.0f && d2 <= 0.0f) return a;
-    const Vec3 bp = p - b;
-    const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-    if (d3 >= 0.0f && d4 <= d3) return b;
-    const float vc = d1 * d4 - d3 * d2;
-    if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) return a + ab * (d1 / (d1 - d3));
-    const Vec3 cp = p - c;
-    const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-    if (d6 >= 0.0f && d5 <= d6) return c;
-    const float vb = d5 * d2 - d1 * d6;
-    if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) return a + ac * (d2 / (d2 - d6));
-    const float va = d3 * d6 - d5 * d4;
-    if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f)
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    const float scale = 1.0f / (va + vb + vc);
-    return a + ab * (vb * scale) + ac * (vc * scale);
+    const Vec3 w = closest_weights(p, a, b, c);
+    return w.x * a + w.y * b + w.z * c;
 }
 
 }  // namespace
@@ -39,6 +24,7 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
     depth_.resize(radii_.size());
     for (size_t v = 0; v < radii_.size(); ++v)
         depth_[v] = settings.inside * painted(paint.inside, v) * radii_[v];
+    for (size_t v = 0; v < pose.gap.size(); ++v) depth_[v] = std::min(depth_[v], pose.gap[v]);
     if (collision_ != Collision::kNeighbourhood) return;
     // The attachments of curved patches may lie below the flat triangles already.
     for (size_t v = 0; v < radii_.size(); ++v) {

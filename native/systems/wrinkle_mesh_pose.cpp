@@ -18,6 +18,32 @@ float target_length(const Settings& settings, float prestretch_paint, float rest
     return std::min(target, settings.compression_limit * at_attachments);
 }
 
+// A body is looked for within so many fine edges around a vertex.
+constexpr float kBodyReach = 2.0f;
+
+float painted_at(const Surface& surface, const SurfacePoint& place, std::span<const float> values) {
+    const Triangle& triangle = surface.triangles[place.triangle];
+    const auto value = [&](int k) { return values[surface.display.corner_vertex[triangle.corner[k]]]; };
+    return (1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2);
+}
+
+// How far every vertex may go inwards. Attachments inside a body are put out of it first.
+void keep_outside(const Model& model, const Input& input, Pose& pose) {
+    if (input.gap.empty()) return;
+    expect_count("gap", input.gap.size(), model.base.display.vertex_count, "values");
+    for (size_t v = 0; v < pose.attachment.size(); ++v) {
+        const SurfacePoint& place = model.attachments.places[v];
+        float gap = place.triangle == kNone ? 0.0f : painted_at(model.base, place, input.gap);
+        const float reach = kBodyReach * model.local_edge[v] + input.thickness;
+        if (input.bodies && reach > 0.0f) {
+            const BodyContact body = input.bodies->closest(pose.attachment[v], pose.normal[v], reach, kNone);
+            if (body.triangle != kNone) gap = glm::mix(gap, body.distance - input.thickness, body.weight);
+        }
+        if (gap < 0.0f) pose.attachment[v] -= gap * pose.normal[v];
+        pose.gap.push_back(std::max(gap, 0.0f));
+    }
+}
+
 }  // namespace
 
 TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal) {
@@ -77,6 +103,7 @@ Pose make_pose(const Model& model, const Input& input) {
                 smooth_frame(pose.frames[place.triangle], normal).to_object(model.rest_offset[v]);
         }
     }
+    keep_outside(model, input, pose);
     return pose;
 }
 

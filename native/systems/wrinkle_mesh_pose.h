@@ -18,11 +18,20 @@ struct Pose {
     std::vector<TriangleFrame> frames;  // per base triangle
     std::vector<Vec3> attachment;       // a_i
     std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
+    std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
     Index collapsed = 0;
 };
 
 // Throws InvalidInput when positions do not match the model or are not finite.
 Pose make_pose(const Model& model, const Input& input);
+
+// solve() for a pose that is made.
+State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                 const Pose& pose, const State* state, Report& report);
+
+// p_i = a_i + o_i (2), object space.
+std::vector<Vec3> solved_positions(const Model& model, const Settings& settings, const Input& input,
+                                   const Pose& pose, const State& state);
 
 // Throw InvalidInput when they are of another model.
 void check(const Model& model, const Paint& paint);

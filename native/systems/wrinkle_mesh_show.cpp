@@ -31,6 +31,14 @@ float compressed_area(const Model& model, std::span<const Vec3> base, std::span<
 
 }  // namespace
 
+std::vector<Vec3> solved_positions(const Model& model, const Settings& settings, const Input& input,
+                                   const Pose& pose, const State& state) {
+    const OffsetFrames frames(model, settings, input, pose);
+    std::vector<Vec3> positions(pose.attachment);
+    for (size_t v = 0; v < positions.size(); ++v) positions[v] += frames.in_object(v, state.offset[v]);
+    return positions;
+}
+
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture) {
     check(model, state);

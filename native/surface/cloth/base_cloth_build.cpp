@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <map>
+
+#include "base/tolerances.h"
+#include "surface/cloth/base_cloth.h"
+#include "surface/refinement.h"
+
+namespace rumple::base_cloth {
+namespace {
+
+struct Spring {
+    float area = 0.0f;  // of the membrane that it stands for
+    bool diagonal = false;
+};
+using Springs = std::map<std::pair<Index, Index>, Spring>;
+
+float triangle_area(const Surface& surface, const Triangle& triangle) {
+    const auto at = [&](int k) { return surface.positions_rest[surface.welded.corner_vertex[triangle.corner[k]]]; };
+    return 0.5f * glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
+}
+
+// A polygon's area is shared by its sides so that the springs of a square grid, and of equilateral triangles, stretch
+// like the membrane: two opposite sides of a quad carry its area in their direction, a triangle's three all of it.
+Springs collect_springs(const Surface& surface) {
+    std::vector<float> area(surface.welded.polygons(), 0.0f);
+    for (const Triangle& triangle : surface.triangles) area[triangle.polygon] += triangle_area(surface, triangle);
+    Springs springs;
+    const auto add = [&](Index a, Index b, float share, bool diagonal) {
+        Spring& spring = springs[std::minmax(a, b)];
+        spring.area += share;
+        spring.diagonal = diagonal;
+    };
+    for (Index p = 0; p < surface.welded.polygons(); ++p) {
+        const Index size = surface.welded.polygon_size(p), begin = surface.welded.polygon_start[p];
+        const auto vertex = [&](Index k) { return surface.welded.corner_vertex[begin + k % size]; };
+        for (Index k = 0; k < size; ++k) add(vertex(k), vertex(k + 1), 2.0f * area[p] / float(size), false);
+        if (size != 4) continue;
+        add(vertex(0), vertex(2), 0.5f * area[p], true);
+        add(vertex(1), vertex(3), 0.5f * area[p], true);
+    }
+    for (const Triangle& triangle : surface.triangles) {  // polygons of more than four corners
+        if (surface.welded.polygon_size(triangle.polygon) <= 4) continue;
+        for (int k = 0; k < 3; ++k) {
+            const Index a = surface.welded.corner_vertex[triangle.corner[k]];
+            const Index b = surface.welded.corner_vertex[triangle.corner[(k + 1) % 3]];
+            if (!springs.contains(std::minmax(a, b)))
+                add(a, b, triangle_area(surface, triangle), true);
+        }
+    }
+    return springs;
+}
+
+void place_springs(Model& model) {
+    const std::vector<Vec3>& rest = model.surface.positions_rest;
+    model.frame_to.assign(rest.size(), kNone);
+    for (const auto& [pair, spring] : collect_springs(model.surface)) {
+        const auto [a, b] = pair;
+        const float length = glm::distance(rest[a], rest[b]);
+        if (length < kShortestEdge) continue;
+        model.springs.push_back({a, b, length, spring.area / (length * length), spring.diagonal});
+        if (model.frame_to[a] == kNone) model.frame_to[a] = b;
+        if (model.frame_to[b] == kNone) model.frame_to[b] = a;
+    }
+}
+
+void collect_triangles(Model& model) {
+    const Surface& surface = model.surface;
+    const Index triangles = static_cast<Index>(surface.triangles.size());
+    std::vector<std::vector<Index>> around(surface.welded.vertex_count);
+    const auto vertex = [&](Index t, int k) { return surface.welded.corner_vertex[surface.triangles[t].corner[k]]; };
+    model.triangle_of.assign(surface.welded.vertex_count, kNone);
+    model.area.assign(surface.welded.vertex_count, 0.0f);
+    for (Index t = 0; t < triangles; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            const Index v = vertex(t, k);
+            around[v].push_back(t);
+            model.area[v] += triangle_area(surface, surface.triangles[t]) / 3.0f;
+            if (model.triangle_of[v] == kNone) model.triangle_of[v] = t;
+        }
+    }
+    model.near_start = {0};
+    for (Index t = 0; t < triangles; ++t) {
+        std::vector<Index> near;
+        for (int k = 0; k < 3; ++k) near.insert(near.end(), around[vertex(t, k)].begin(), around[vertex(t, k)].end());
+        std::sort(near.begin(), near.end());
+        near.erase(std::unique(near.begin(), near.end()), near.end());
+        model.near_triangle.insert(model.near_triangle.end(), near.begin(), near.end());
+        model.near_start.push_back(static_cast<Index>(model.near_triangle.size()));
+    }
+}
+
+SparseRows limit_of_vertices(const Model& model) {
+    std::vector<SurfacePoint> places(model.triangle_of.size());
+    for (size_t v = 0; v < places.size(); ++v) {
+        const Index t = model.triangle_of[v];
+        if (t == kNone) continue;
+        const Index* corner = model.surface.triangles[t].corner;
+        const auto is = [&](int k) { return model.surface.welded.corner_vertex[corner[k]] == Index(v); };
+        places[v] = {t, is(1) ? 1.0f : 0.0f, is(2) ? 1.0f : 0.0f};
+    }
+    return limit_stencils(model.surface, places);
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> build(Surface surface) {
+    auto model = std::make_shared<Model>();
+    model->surface = std::move(surface);
+    place_springs(*model);
+    collect_triangles(*model);
+    model->limit = limit_of_vertices(*model);
+    model->clearance = build_clearance(model->surface);
+    return model;
+}
+
+}  // namespace rumple::base_cloth

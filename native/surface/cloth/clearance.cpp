@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/cloth/clearance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/tolerances.h"
+
+namespace rumple {
+namespace {
+
+constexpr int kFillSweeps = 24;  // Gauss-Seidel; the fill is local (spread), so they are many
+
+// What one vertex knows by itself.
+struct Known {
+    float value = 0.0f;
+    float weight = 0.0f;  // 0: nothing
+};
+
+float smooth_step(float low, float high, float x) {
+    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+    return t * t * (3.0f - 2.0f * t);
+}
+
+// A bare garment inside the body comes out to the thickness, but for what is so deep that it is hidden there.
+float room_inwards(const ClearanceSettings& settings, float distance) {
+    const float out = smooth_step(-settings.depth, -0.25f * settings.depth, distance);
+    return out * (distance - settings.thickness);
+}
+
+}  // namespace
+
+ClearanceModel build_clearance(const Surface& surface) {
+    std::vector<std::vector<std::pair<Index, float>>> around(surface.welded.vertex_count);
+    for (const Edge& edge : surface.edges) {
+        const float length =
+            std::max(glm::distance(surface.positions_rest[edge.a], surface.positions_rest[edge.b]), kShortestEdge);
+        around[edge.a].push_back({edge.b, 1.0f / (length * length)});
+        around[edge.b].push_back({edge.a, 1.0f / (length * length)});
+    }
+    ClearanceModel model;
+    for (const auto& sides : around) {
+        for (const auto& [neighbour, inverse_square] : sides) {
+            model.neighbour.push_back(neighbour);
+            model.inverse_square.push_back(inverse_square);
+        }
+        model.start.push_back(static_cast<Index>(model.neighbour.size()));
+    }
+    return model;
+}
+
+std::vector<float> clearance(const ClearanceModel& model, const ClearanceSettings& settings,
+                             std::span<const Vec3> surface_points, std::span<const Vec3> normals,
+                             const PosedCollider* bodies, std::vector<Index>& hints) {
+    const size_t vertices = surface_points.size();
+    std::vector<float> out(vertices, settings.unknown);
+    if (!bodies) {
+        hints.clear();
+        return out;
+    }
+    hints.resize(vertices, kNone);
+    std::vector<Known> known(vertices);
+    for (size_t v = 0; v < vertices; ++v) {
+        const BodyContact contact = bodies->closest(surface_points[v], normals[v], settings.reach, hints[v]);
+        hints[v] = contact.triangle;
+        if (contact.triangle == kNone) continue;
+        // What is about to leave the reach counts less and less.
+        const float near = 1.0f - smooth_step(0.7f, 1.0f, std::abs(contact.distance) / settings.reach);
+        known[v] = {room_inwards(settings, contact.distance), contact.weight * near};
+        out[v] = glm::mix(settings.unknown, known[v].value, known[v].weight);
+    }
+    // The smallest of sum_sides (c_i - c_j)^2 / l^2 + sum_i (c_i - unknown)^2 / spread^2 + what is known, much
+    // more strongly.
+    const float pull = 1.0f / (settings.spread * settings.spread);
+    for (int sweep = 0; sweep < kFillSweeps; ++sweep) {
+        for (size_t step = 0; step < vertices; ++step) {
+            const size_t v = sweep % 2 ? vertices - 1 - step : step;
+            if (known[v].weight >= 1.0f) continue;
+            float sum = pull * settings.unknown, total = pull, sides = 0.0f;
+            for (Index k = model.start[v]; k < model.start[v + 1]; ++k) {
+                sum += model.inverse_square[k] * out[model.neighbour[k]];
+                sides += model.inverse_square[k];
+            }
+            total += sides;
+            const float weight = known[v].weight / std::max(1.0f - known[v].weight, kZeroWeight) * total;
+            out[v] = (sum + weight * known[v].value) / (total + weight);
+        }
+    }
+    return out;
+}
+
+}  // namespace rumple

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Surfaces that cloth stays outside of: characters, props, other garments.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/array.h"
+
+namespace rumple {
+
+// The triangles of all bodies and a bounding volume hierarchy over them. Built once, then immutable.
+class Collider {
+  public:
+    // positions: (any pose), object units. triangles: counter-clockwise seen from outside.
+    // Throws InvalidInput: no triangle, an index out of range, a position that is not finite.
+    // Cost: O(n log^2 n).
+    Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles);
+
+    Index vertex_count() const { return vertex_count_; }
+    Index triangle_count() const { return static_cast<Index>(triangles_.size()); }
+
+  private:
+    friend class PosedCollider;
+
+    struct Node {
+        Index first;  // leaf: first of order_; else: the left child, the right one follows it
+        Index count;  // triangles of a leaf; 0 for an inner node
+    };
+
+    void split(Index node, Index begin, Index end, std::span<const Vec3> centre);
+    void mark_borders();
+
+    Index vertex_count_ = 0;
+    std::vector<std::array<Index, 3>> triangles_;
+    std::vector<std::uint8_t> border_edges_;  // per triangle: bit k, the edge from corner k is a border
+    std::vector<std::uint8_t> border_vertex_;
+    std::vector<Node> nodes_;   // children after their parents
+    std::vector<Index> order_;  // triangles, leaf by leaf
+};
+
+// The nearest place of a body.
+struct BodyContact {
+    Index triangle = kNone;  // kNone: none within reach
+    Vec3 point{0.0f};
+    Vec3 normal{0.0f};      // interpolated, unit
+    float distance = 0.0f;  // along the normal; negative inside
+    float weight = 0.0f;    // 0..1: how far the body lies below the point, and not beside it
+};
+
+// A collider in the pose of one frame.
+class PosedCollider {
+  public:
+    // The collider must outlive it. Throws InvalidInput: another number of positions, one that is not
+    // finite. Cost: O(triangles), a few nanoseconds each.
+    PosedCollider(const Collider& collider, std::span<const Vec3> positions);
+
+    // The nearest point of the body that faces the same way as the cloth (normal: unit, of the cloth). Bodies
+    // are mostly deleted under clothes: the border of such a hole says nothing of what lay there, so it does not
+    // count. hint: a triangle that is likely near, or kNone; it does not change the result but for ties.
+    BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const;
+
+  private:
+    struct Box {
+        Vec3 low;
+        Vec3 high;
+    };
+    struct Best {
+        float squared;
+        Index triangle = kNone;
+        Vec3 weights{0.0f};
+    };
+
+    void refit();
+    void look_at(Index triangle, const Vec3& p, const Vec3& normal, Best& best) const;
+    bool on_border(Index triangle, const Vec3& weights) const;
+    static float squared_distance(const Box& box, const Vec3& p);
+
+    const Collider& collider_;
+    std::vector<Vec3> positions_;
+    std::vector<Vec3> normals_;       // per vertex, unit or zero
+    std::vector<Vec3> face_normals_;  // per triangle, unit or zero
+    std::vector<Box> boxes_;          // per node
+};
+
+}  // namespace rumple

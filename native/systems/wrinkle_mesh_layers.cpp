@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_mesh_layers.h"
+
+#include <algorithm>
+#include <string>
+
+#include "base/errors.h"
+#include "base/expect.h"
+#include "systems/wrinkle_mesh_pose.h"
+
+namespace rumple::wrinkle_mesh {
+namespace {
+
+// The solved mesh of a layer at rest, as the base of the next one.
+Surface surface_of(const Model& layer) {
+    const PolygonMesh& mesh = layer.solved;
+    std::vector<Index> triangle_corner;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        for (Index k = 1; k + 1 < mesh.polygon_size(p); ++k) {
+            for (const Index c : {Index(0), k, Index(k + 1)}) triangle_corner.push_back(mesh.polygon_start[p] + c);
+        }
+    }
+    return build_surface({layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false});
+}
+
+// How far the next layer may go inwards: what the vertices of this one have left.
+std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
+    std::vector<float> gap;
+    for (size_t v = 0; v < pose.gap.size(); ++v) {
+        const float outwards = glm::dot(solved[v] - pose.attachment[v], pose.normal[v]);
+        gap.push_back(std::max(pose.gap[v] + outwards, 0.0f));
+    }
+    return gap;
+}
+
+// The input of every layer, one after the other.
+class Chain {
+  public:
+    explicit Chain(const Input& input) : input_(input) {
+        input_.bodies = nullptr;  // the base mesh is a cage around its smooth surface: `gap` knows that surface
+        bodies_ = input.bodies;
+    }
+
+    const Input& input() const { return input_; }
+
+    // Goes on from a layer's solved positions.
+    void ride_on(const Pose& pose, std::vector<Vec3> solved) {
+        gap_ = gap_left(pose, solved);
+        positions_ = std::move(solved);
+        input_.positions = positions_;
+        input_.gap = gap_;
+        input_.bodies = bodies_;
+    }
+
+  private:
+    Input input_;
+    const PosedCollider* bodies_;
+    std::vector<Vec3> positions_;
+    std::vector<float> gap_;
+};
+
+void check_counts(const Layers& layers, size_t settings, size_t paint) {
+    expect_count("settings", settings, layers.layers.size(), "layers");
+    expect_count("paint", paint, layers.layers.size(), "layers");
+}
+
+bool fits(const Layers& layers, const LayersState* state) {
+    return state && state->layers.size() == layers.layers.size();
+}
+
+}  // namespace
+
+std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps, Index most_vertices) {
+    expect_within("levels", levels, 0, kMostLevels);
+    auto out = std::make_shared<Layers>();
+    out->base = std::move(base);
+    FineSource whole;
+    whole.level = levels;
+    whole.most_vertices = most_vertices;
+    refuse_too_many(out->base.welded.corners(), whole, display_steps);
+    FineMesh fine = refine_subdivision(out->base.welded, 0);
+    for (Index level = 0; level <= levels; ++level) {
+        Source source;
+        source.level = level > 0 ? 1 : 0;
+        source.most_vertices = most_vertices;
+        Surface on = level > 0 ? surface_of(*out->layers.back()) : out->base;
+        if (level > 0) fine = compose(refine_subdivision(on.welded, 1), fine);
+        // The base mesh is what its surface is subdivided from: it stays where it is.
+        const AttachmentKind kind = level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear;
+        out->layers.push_back(build(std::move(on), source, kind, 0));
+    }
+    const Model& finest = *out->layers.back();
+    out->shown = show_fine(out->base, out->base, fine, display_steps, finest.positions_rest);
+    out->stretch = build_stretch(out->base);
+    return out;
+}
+
+std::vector<std::vector<float>> carry_paint(const Layers& layers, std::span<const float> base_values) {
+    std::vector<std::vector<float>> out;
+    for (const auto& layer : layers.layers)
+        out.push_back(carry_paint(*layer, out.empty() ? base_values : std::span<const float>(out.back())));
+    return out;
+}
+
+LayersState woken(const LayersState& state) {
+    LayersState out;
+    for (const State& layer : state.layers) out.layers.push_back(woken(layer));
+    return out;
+}
+
+LayersState solve(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
+                  const Input& input, const LayersState* state, std::vector<Report>& reports) {
+    check_counts(layers, settings.size(), paint.size());
+    if (!fits(layers, state)) state = nullptr;
+    reports.assign(layers.layers.size(), {});
+    LayersState out;
+    Chain chain(input);
+    for (size_t k = 0; k < layers.layers.size(); ++k) {
+        const Model& layer = *layers.layers[k];
+        const Pose pose = make_pose(layer, chain.input());
+        out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,
+                                        state ? &state->layers[k] : nullptr, reports[k]));
+        chain.ride_on(pose, solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]));
+    }
+    return out;
+}
+
+void show(const Layers& layers, std::span<const Settings> settings, const Input& input, const LayersState& state,
+          Picture& picture) {
+    check_counts(layers, settings.size(), layers.layers.size());
+    expect_count("state", state.layers.size(), layers.layers.size(), "layers");
+    Chain chain(input);
+    std::vector<Vec3> bare(input.positions.begin(), input.positions.end());
+    for (size_t k = 0; k < layers.layers.size(); ++k) {
+        const Model& layer = *layers.layers[k];
+        check(layer, state.layers[k]);
+        const Pose pose = make_pose(layer, chain.input());
+        chain.ride_on(pose, solved_positions(layer, settings[k], chain.input(), pose, state.layers[k]));
+        std::vector<Vec3> bare_here = make_pose(layer, {bare}).attachment;
+        bare.swap(bare_here);
+    }
+    const std::span<const Vec3> solved = chain.input().positions;
+    std::vector<Vec3> offset(solved.begin(), solved.end());
+    for (size_t v = 0; v < offset.size(); ++v) offset[v] -= bare[v];
+    std::vector<Vec3> base(layers.base.welded.vertex_count);
+    weld_positions(layers.base, input.positions, base);
+    std::vector<TriangleFrame> frames(layers.base.triangles.size());
+    triangle_frames(layers.base, base, frames);
+    show_frame(layers.base, layers.shown, layers.stretch, base, frames, solved, offset, picture);
+}
+
+}  // namespace rumple::wrinkle_mesh
