@@ -49,8 +49,8 @@ py::tuple solve_frame(const Model& model, const Settings& settings, const Paint&
         if (collider) bodies.emplace(*collider, body);
         result = solve(model, settings, paint, points, bodies ? &*bodies : nullptr, state);
     }
-    return py::make_tuple(to_numpy(result.positions), to_numpy<float>(result.gap, 0), std::move(result.state),
-                          result.report);
+    return py::make_tuple(to_numpy(result.positions), to_numpy<float>(result.gap, 0),
+                          to_numpy<Index>(result.body_hint, 0), std::move(result.state), result.report);
 }
 
 void bind_settings(py::module_& module) {
@@ -131,8 +131,9 @@ void bind_base_cloth(py::module_& module) {
     module.def("solve_base_cloth", &solve_frame, py::arg("model"), py::arg("settings"), py::arg("paint"),
                py::arg("positions"), py::arg("collider") = nullptr, py::arg("body_positions") = py::none(),
                py::arg("state") = nullptr,
-               "Solve one frame; returns (positions, gap, state, report): positions: (n, 3) float32 of the cloth,\n"
-               "object space; gap: (n,) float32, its height above what is worn under it, object units.\n"
+               "Solve one frame; returns (positions, gap, body_hint, state, report): positions: (n, 3) float32 of the\n"
+               "cloth, object space; gap: (n,) float32, its height above what is worn under it, object units;\n"
+               "body_hint: (n,) int32, a triangle of the collider near it or -1; (0,) without one.\n"
                "positions: (n, 3) float32, animated. body_positions: (b, 3) float32 of the collider in this pose.\n"
                "state: of the frame before, or None.");
 }

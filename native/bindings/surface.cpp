@@ -50,6 +50,15 @@ py::array_t<float> barycentrics(const ShownMesh& shown) {
 }
 
 void bind_shown_frame(py::module_& module) {
+    module.def(
+        "embed_frame",
+        [](const Surface& base, const ShownMesh& shown, const py::array& positions, ShownFrame& frame) {
+            const auto points = vectors(positions, "positions");
+            const py::gil_scoped_release release;
+            embed_frame(base, shown, points, frame);
+        },
+        py::arg("base"), py::arg("shown"), py::arg("positions"), py::arg("frame"),
+        "Embeds a frame in other positions, (n, 3) float32, of the base: its local_offset anew.");
     py::class_<ShownFrame>(module, "ShownFrame",
                            "What every system shows of a frame; d vertices of the shown mesh.")
         .def_property_readonly(

@@ -150,6 +150,9 @@ void bind_settings(py::module_& module) {
                     {{"TRIANGLE", OffsetSpace::kTriangle}, {"WORLD", OffsetSpace::kWorld}});
             },
             "TRIANGLE or WORLD")
+        .def_readwrite("tangential_pull", &Settings::tangential_pull,
+                       "share of its way along the surface that a pass pulls a vertex back, 0..1")
+        .def_readwrite("normal_pull", &Settings::normal_pull, "the same off the surface, 0..1")
         .def_readwrite("nudge", &Settings::nudge,
                        "size of the random push of unbuckled vertices, in fine edges")
         .def_readwrite("seed", &Settings::seed, "of that push")

@@ -47,18 +47,21 @@ LayersPaint make_paint(const Layers& model, const py::dict& painted, const std::
     return paint;
 }
 
-// What a solve and its picture are made from. The arrays must outlive it.
+// What a solve is made from. The arrays must outlive it.
 struct Frame {
     Input input;
     std::optional<PosedCollider> bodies;
 
     Frame(const py::array& positions, const std::optional<py::array>& gap, const Collider* collider,
-          const std::optional<py::array>& body_positions, float thickness) {
+          const std::optional<py::array>& body_positions, const std::optional<py::array>& body_hint,
+          float thickness) {
         input.positions = vectors(positions, "positions");
         if (gap) input.gap = scalars<float>(*gap, "gap", 0);
         input.thickness = thickness;
         if (!collider) return;
         if (!body_positions) throw InvalidInput("body_positions: expected an array, got None");
+        if (!body_hint) throw InvalidInput("body_hint: expected an array, got None");
+        input.body_hint = scalars<Index>(*body_hint, "body_hint", 0);
         bodies.emplace(*collider, vectors(*body_positions, "body_positions"));
         input.bodies = &*bodies;
     }
@@ -105,16 +108,17 @@ void bind_wrinkle_mesh_layers(py::module_& module) {
             size_t bytes = 0;
             for (const State& layer : s.layers)
                 bytes += layer.offset.size() * sizeof(Vec3) + layer.solved_length.size() * sizeof(float);
-            return bytes;
+            return bytes + s.solved.size() * sizeof(Vec3);
         });
     module.def(
         "solve_wrinkle_layers",
         [](const Layers& model, const std::vector<Settings>& settings, const LayersPaint& paint,
            const py::array& positions, const std::optional<py::array>& gap, const Collider* collider,
-           const std::optional<py::array>& body_positions, float thickness, const LayersState* state) {
+           const std::optional<py::array>& body_positions, const std::optional<py::array>& body_hint,
+           float thickness, const LayersState* state) {
             LayersState out;
             std::vector<Report> reports;
-            const Frame frame(positions, gap, collider, body_positions, thickness);
+            const Frame frame(positions, gap, collider, body_positions, body_hint, thickness);
             {
                 const py::gil_scoped_release release;
                 out = solve(model, settings, paint.layers, frame.input, state, reports);
@@ -122,26 +126,25 @@ void bind_wrinkle_mesh_layers(py::module_& module) {
             return py::make_tuple(std::move(out), reports);
         },
         py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"), py::arg("gap") = py::none(),
-        py::arg("collider") = nullptr, py::arg("body_positions") = py::none(), py::arg("thickness") = 0.0f,
-        py::arg("state") = nullptr,
+        py::arg("collider") = nullptr, py::arg("body_positions") = py::none(), py::arg("body_hint") = py::none(),
+        py::arg("thickness") = 0.0f, py::arg("state") = nullptr,
         "Solve one frame; returns (state, [report of each layer]). settings: one for each layer, coarse first.\n"
         "positions: (n, 3) float32, deformed base or base cloth, object space. gap: (n,) float32: how far each\n"
-        "vertex may go inwards, object units. collider, body_positions, thickness: bodies in this pose.\n"
+        "vertex may go inwards, object units. collider, body_positions: bodies in this pose; body_hint: of\n"
+        "solve_base_cloth; thickness: how far cloth stays off them, object units.\n"
         "state: of the frame before, or None.");
     module.def(
         "show_wrinkle_layers",
-        [](const Layers& model, const std::vector<Settings>& settings, const py::array& positions,
-           const LayersState& state, const std::optional<py::array>& gap, const Collider* collider,
-           const std::optional<py::array>& body_positions, float thickness) {
-            const Frame frame(positions, gap, collider, body_positions, thickness);
+        [](const Layers& model, const py::array& animated, const py::array& positions, const LayersState& state) {
+            const auto from = vectors(animated, "animated"), at = vectors(positions, "positions");
             const py::gil_scoped_release release;
             Picture picture;
-            show(model, settings, frame.input, state, picture);
+            show(model, from, at, state, picture);
             return picture;
         },
-        py::arg("model"), py::arg("settings"), py::arg("positions"), py::arg("state"), py::arg("gap") = py::none(),
-        py::arg("collider") = nullptr, py::arg("body_positions") = py::none(), py::arg("thickness") = 0.0f,
-        "The ShownFrame of a solved frame: the same arguments as its solve had.");
+        py::arg("model"), py::arg("animated"), py::arg("positions"), py::arg("state"),
+        "The ShownFrame of a solved frame. animated: (n, 3) float32 of the base before it became cloth, which the\n"
+        "shown mesh is embedded in. positions: (n, 3) float32, as they were solved.");
 }
 
 }  // namespace rumple::bindings

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/errors.h"
+#include "base/expect.h"
 #include "base/tolerances.h"
 
 namespace rumple {
@@ -52,6 +53,14 @@ SparseRows identity(Index rows) {
         out.end_row();
     }
     return out;
+}
+
+void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> welded,
+           std::span<const TriangleFrame> frames, ShownFrame& out) {
+    for (size_t v = 0; v < mesh.places.size(); ++v) {
+        const SurfacePoint& place = mesh.places[v];
+        out.local_offset[v] = frames[place.triangle].to_local(out.positions[v] - interpolate(base, place, welded));
+    }
 }
 
 }  // namespace
@@ -163,6 +172,15 @@ ShownMesh show_triangles(const Surface& base) {
     return shown;
 }
 
+void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> positions, ShownFrame& frame) {
+    expect_count("positions", positions.size(), base.display.vertex_count, "vertices");
+    std::vector<Vec3> welded(base.welded.vertex_count);
+    weld_positions(base, positions, welded);
+    std::vector<TriangleFrame> frames(base.triangles.size());
+    triangle_frames(base, welded, frames);
+    embed(base, mesh, welded, frames, frame);
+}
+
 void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& stretch,
                 std::span<const Vec3> base_positions, std::span<const TriangleFrame> frames,
                 std::span<const Vec3> solved, std::span<const Vec3> offset, ShownFrame& out) {
@@ -172,11 +190,7 @@ void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& 
     out.local_offset.resize(shown);
     apply<Vec3>(mesh.from_solved, solved, out.positions);
     apply<Vec3>(mesh.from_solved, offset, out.offset);
-    for (size_t v = 0; v < shown; ++v) {
-        const SurfacePoint& place = mesh.places[v];
-        const Vec3 embedded = interpolate(base, place, base_positions);
-        out.local_offset[v] = frames[place.triangle].to_local(out.positions[v] - embedded);
-    }
+    embed(base, mesh, base_positions, frames, out);
     measure_stretch(base, stretch, base_positions, mesh.places, out.stretch);
 }
 

@@ -101,6 +101,7 @@ void sweep_pairs(const Pairs& pairs, std::span<const float> target, std::span<co
 // vertex, so their order, and the number of threads, cannot change a bit.
 void relax_coloured(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
                     int threads, std::span<Vec3> positions) {
+    const bool pulled = bounds.pulls();
     Team team(threads);
     team.run([&](int thread) {
         const auto sweep = [&](const Pairs& pairs, std::span<const float> target,
@@ -115,7 +116,10 @@ void relax_coloured(const Model& model, const Targets& targets, const Bounds& bo
             sweep(model.distance, targets.distance, {});
             sweep(model.bending, targets.bending, targets.stiffness);
             const Team::Range part = team.share(0, positions.size(), thread);
-            for (size_t v = part.begin; v < part.end; ++v) bounds.project(v, positions[v]);
+            for (size_t v = part.begin; v < part.end; ++v) {
+                if (pulled) bounds.pull(v, positions[v]);
+                bounds.project(v, positions[v]);
+            }
             team.meet();
         }
     });
@@ -143,7 +147,10 @@ void relax_sequential(const Model& model, const Targets& targets, const Bounds& 
             project_pair(positions[model.bending.a[c]], positions[model.bending.b[c]], targets.bending[c],
                          targets.stiffness[c]);
         }
-        for (size_t v = 0; v < positions.size(); ++v) bounds.project(v, positions[v]);
+        for (size_t v = 0; v < positions.size(); ++v) {
+            bounds.pull(v, positions[v]);
+            bounds.project(v, positions[v]);
+        }
     }
 }
 
@@ -244,6 +251,8 @@ void check(const Settings& settings) {
     expect_within("iterations", settings.iterations, 0, 1e6);
     expect_within("start_iterations", settings.start_iterations, 0, 1e6);
     expect_within("damping", settings.damping, 0.0, 1.0);
+    expect_within("tangential_pull", settings.tangential_pull, 0.0, 1.0);
+    expect_within("normal_pull", settings.normal_pull, 0.0, 1.0);
     expect_within("nudge", settings.nudge, 0.0, 1e3);
     expect_within("threads", settings.threads, 0, 1024);
     check_reference(settings.rest);

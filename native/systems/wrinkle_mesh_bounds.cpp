@@ -20,6 +20,8 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
     : model_(model),
       pose_(pose),
       collision_(settings.collision),
+      tangential_pull_(settings.tangential_pull),
+      normal_pull_(settings.normal_pull),
       radii_(attachment_radii(model, settings, paint)) {
     depth_.resize(radii_.size());
     for (size_t v = 0; v < radii_.size(); ++v)

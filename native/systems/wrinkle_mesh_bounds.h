@@ -17,7 +17,16 @@ class Bounds {
     // the attachment never crosses a plane that lies below it, so both hold.
     void project(size_t v, Vec3& p) const;
 
-    // The same for a vertex that should rather stay: only when it is outside by more than a rounding. Says
+    bool pulls() const { return tangential_pull_ > 0.0f || normal_pull_ > 0.0f; }
+
+    // Towards the attachment by Settings::tangential_pull and normal_pull.
+    void pull(size_t v, Vec3& p) const {
+        const Vec3 away = p - pose_.attachment[v];
+        const Vec3 off = glm::dot(away, pose_.normal[v]) * pose_.normal[v];
+        p -= tangential_pull_ * (away - off) + normal_pull_ * off;
+    }
+
+    // project() for a vertex that should rather stay: only when it is outside by more than a rounding. Says
     // whether it was.
     bool push_back(size_t v, Vec3& p) const;
 
@@ -32,6 +41,8 @@ class Bounds {
     const Model& model_;
     const Pose& pose_;
     Collision collision_;
+    float tangential_pull_;
+    float normal_pull_;
     std::vector<float> radii_;
     std::vector<float> depth_;  // how far below the surface a vertex may be
     std::vector<float> floor_;  // kNeighbourhood: the lowest signed distance

@@ -36,10 +36,8 @@ std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
 // The input of every layer, one after the other.
 class Chain {
   public:
-    explicit Chain(const Input& input) : input_(input) {
-        input_.bodies = nullptr;  // the base mesh is a cage around its smooth surface: `gap` knows that surface
-        bodies_ = input.bodies;
-    }
+    // The base mesh is a cage around its smooth surface, which only the gap knows: bodies are for the layers on it.
+    explicit Chain(const Input& input) : input_(input), bodies_(input.bodies) { input_.bodies = nullptr; }
 
     const Input& input() const { return input_; }
 
@@ -47,16 +45,23 @@ class Chain {
     void ride_on(const Pose& pose, std::vector<Vec3> solved) {
         gap_ = gap_left(pose, solved);
         positions_ = std::move(solved);
+        if (input_.bodies) {
+            body_hint_ = pose.body;
+            input_.body_hint = body_hint_;
+        }
         input_.positions = positions_;
         input_.gap = gap_;
         input_.bodies = bodies_;
     }
+
+    std::vector<Vec3> take_positions() { return std::move(positions_); }
 
   private:
     Input input_;
     const PosedCollider* bodies_;
     std::vector<Vec3> positions_;
     std::vector<float> gap_;
+    std::vector<Index> body_hint_;
 };
 
 void check_counts(const Layers& layers, size_t settings, size_t paint) {
@@ -105,6 +110,7 @@ std::vector<std::vector<float>> carry_paint(const Layers& layers, std::span<cons
 LayersState woken(const LayersState& state) {
     LayersState out;
     for (const State& layer : state.layers) out.layers.push_back(woken(layer));
+    out.solved = state.solved;
     return out;
 }
 
@@ -122,31 +128,23 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
                                         state ? &state->layers[k] : nullptr, reports[k]));
         chain.ride_on(pose, solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]));
     }
+    out.solved = chain.take_positions();
     return out;
 }
 
-void show(const Layers& layers, std::span<const Settings> settings, const Input& input, const LayersState& state,
-          Picture& picture) {
-    check_counts(layers, settings.size(), layers.layers.size());
-    expect_count("state", state.layers.size(), layers.layers.size(), "layers");
-    Chain chain(input);
-    std::vector<Vec3> bare(input.positions.begin(), input.positions.end());
-    for (size_t k = 0; k < layers.layers.size(); ++k) {
-        const Model& layer = *layers.layers[k];
-        check(layer, state.layers[k]);
-        const Pose pose = make_pose(layer, chain.input());
-        chain.ride_on(pose, solved_positions(layer, settings[k], chain.input(), pose, state.layers[k]));
-        std::vector<Vec3> bare_here = make_pose(layer, {bare}).attachment;
-        bare.swap(bare_here);
-    }
-    const std::span<const Vec3> solved = chain.input().positions;
-    std::vector<Vec3> offset(solved.begin(), solved.end());
+void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
+          const LayersState& state, Picture& picture) {
+    expect_count("state", state.solved.size(), layers.layers.back()->attached.size(), "positions");
+    std::vector<Vec3> bare(animated.begin(), animated.end());
+    for (const auto& layer : layers.layers) bare = make_pose(*layer, {bare}).attachment;
+    std::vector<Vec3> offset(state.solved);
     for (size_t v = 0; v < offset.size(); ++v) offset[v] -= bare[v];
     std::vector<Vec3> base(layers.base.welded.vertex_count);
-    weld_positions(layers.base, input.positions, base);
+    weld_positions(layers.base, positions, base);
     std::vector<TriangleFrame> frames(layers.base.triangles.size());
     triangle_frames(layers.base, base, frames);
-    show_frame(layers.base, layers.shown, layers.stretch, base, frames, solved, offset, picture);
+    show_frame(layers.base, layers.shown, layers.stretch, base, frames, state.solved, offset, picture);
+    embed_frame(layers.base, layers.shown, animated, picture);
 }
 
 }  // namespace rumple::wrinkle_mesh

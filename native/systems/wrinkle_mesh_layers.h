@@ -28,6 +28,7 @@ std::vector<std::vector<float>> carry_paint(const Layers& layers, std::span<cons
 
 struct LayersState {
     std::vector<State> layers;
+    std::vector<Vec3> solved;  // of the finest layer, object space
 };
 LayersState woken(const LayersState& state);
 
@@ -35,7 +36,9 @@ LayersState woken(const LayersState& state);
 LayersState solve(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
                   const Input& input, const LayersState* state, std::vector<Report>& reports);
 
-void show(const Layers& layers, std::span<const Settings> settings, const Input& input, const LayersState& state,
-          Picture& picture);
+// animated: of the base's vertices before they became cloth (or the positions that were solved, where they did not):
+// what the shown mesh is embedded in and what its offsets start from. positions: as they were solved.
+void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
+          const LayersState& state, Picture& picture);
 
 }  // namespace rumple::wrinkle_mesh

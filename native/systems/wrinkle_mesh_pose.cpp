@@ -21,26 +21,35 @@ float target_length(const Settings& settings, float prestretch_paint, float rest
 // A body is looked for within so many fine edges around a vertex.
 constexpr float kBodyReach = 2.0f;
 
-float painted_at(const Surface& surface, const SurfacePoint& place, std::span<const float> values) {
-    const Triangle& triangle = surface.triangles[place.triangle];
-    const auto value = [&](int k) { return values[surface.display.corner_vertex[triangle.corner[k]]]; };
-    return (1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2);
+// The three vertices of the base around a place, as the artist has them.
+std::array<Index, 3> around(const Surface& surface, const SurfacePoint& place) {
+    const Index* corner = surface.triangles[place.triangle].corner;
+    const std::vector<Index>& vertex = surface.display.corner_vertex;
+    return {vertex[corner[0]], vertex[corner[1]], vertex[corner[2]]};
 }
 
 // How far every vertex may go inwards. Attachments inside a body are put out of it first.
 void keep_outside(const Model& model, const Input& input, Pose& pose) {
     if (input.gap.empty()) return;
     expect_count("gap", input.gap.size(), model.base.display.vertex_count, "values");
+    if (input.bodies) expect_count("body_hint", input.body_hint.size(), model.base.display.vertex_count, "values");
+    pose.gap.assign(pose.attachment.size(), 0.0f);
+    if (input.bodies) pose.body.assign(pose.attachment.size(), kNone);
     for (size_t v = 0; v < pose.attachment.size(); ++v) {
         const SurfacePoint& place = model.attachments.places[v];
-        float gap = place.triangle == kNone ? 0.0f : painted_at(model.base, place, input.gap);
-        const float reach = kBodyReach * model.local_edge[v] + input.thickness;
-        if (input.bodies && reach > 0.0f) {
-            const BodyContact body = input.bodies->closest(pose.attachment[v], pose.normal[v], reach, kNone);
+        if (place.triangle == kNone) continue;
+        const auto [a, b, c] = around(model.base, place);
+        float gap = (1.0f - place.b0 - place.b1) * input.gap[a] + place.b0 * input.gap[b] + place.b1 * input.gap[c];
+        Index hint = kNone;
+        if (input.bodies) hint = std::max(input.body_hint[a], std::max(input.body_hint[b], input.body_hint[c]));
+        if (hint != kNone) {
+            const float reach = kBodyReach * model.local_edge[v] + input.thickness;
+            const BodyContact body = input.bodies->closest(pose.attachment[v], pose.normal[v], reach, hint);
             if (body.triangle != kNone) gap = glm::mix(gap, body.distance - input.thickness, body.weight);
+            pose.body[v] = body.triangle;
         }
         if (gap < 0.0f) pose.attachment[v] -= gap * pose.normal[v];
-        pose.gap.push_back(std::max(gap, 0.0f));
+        pose.gap[v] = std::max(gap, 0.0f);
     }
 }
 

@@ -19,6 +19,7 @@ struct Pose {
     std::vector<Vec3> attachment;       // a_i
     std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
     std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
+    std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
     Index collapsed = 0;
 };
 

@@ -394,6 +394,7 @@ Result solve(const Model& model, const Settings& settings, const Paint& paint, s
         const Index welded = model.surface.welded_of[v];
         out.positions.push_back(x[welded]);
         out.gap.push_back(std::max(height_above(planes[welded], x[welded]), 0.0f));
+        if (bodies) out.body_hint.push_back(out.state.body_hint[welded]);
     }
     return out;
 }

@@ -91,6 +91,7 @@ struct Report {
 struct Result {
     std::vector<Vec3> positions;  // per display vertex, object space
     std::vector<float> gap;       // per display vertex: height above the inner surface, object units, >= 0
+    std::vector<Index> body_hint;  // per display vertex: a triangle of a body near it, or kNone; empty without bodies
     State state;
     Report report;
 };
