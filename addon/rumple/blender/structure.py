@@ -148,7 +148,7 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
 
     Never raises: what is wrong becomes the object's message and the last good mesh stays.
     """
-    if obj.mode in _BUSY_MODES:
+    if obj.mode in _BUSY_MODES or obj.data.is_editmode:  # by another object that shares it
         return False
     entry = registry.runtime(obj)
     entry.stale = False
