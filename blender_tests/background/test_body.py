@@ -149,6 +149,19 @@ class Places(Worn):
         self.check_place(12)
         self.assertEqual(self.obj.rumple.message, "")
 
+    def test_a_garment_whose_mesh_is_edited_elsewhere_waits(self) -> None:
+        twin = self.obj.copy()  # a linked duplicate
+        bpy.context.scene.collection.objects.link(twin)
+        sleeve.at(5)
+        sleeve.make_active(twin)
+        bpy.ops.object.mode_set(mode="EDIT")
+        registry.runtime(self.obj).stale = True
+        structure.settle_all()
+        self.assertEqual(self.obj.rumple.message, "")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        sleeve.at(6)
+        self.assertEqual(self.obj.rumple.message, "")
+
 
 class Hidden(Worn):
     """Posed all the same, for the modifier names it."""

@@ -154,10 +154,10 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
     mesh, positions = _mesh(body, worn)
     if not len(mesh.polygons):
         raise engine.Refused(f"{obj.name}: its body {body.name} has no faces: choose another one")
-    finite = np.isfinite(positions).all(axis=1)
-    if not finite.all():
-        raise engine.Refused(f"{obj.name}: vertex {int(finite.argmin())} of its body {body.name} is not finite: repair "
-                             "it, or choose another one")
+    if not np.isfinite(positions).all():
+        first = int(np.isfinite(positions).all(axis=1).argmin())
+        raise engine.Refused(f"{obj.name}: vertex {first} of its body {body.name} is not finite: repair it, or choose "
+                             "another one")
     into = evaluated.matrix_world.inverted_safe() @ worn.matrix_world
     triangles = _triangles(body, mesh, depsgraph.mode)
     if into.determinant() < 0.0:  # mirrored: the other way round is counter-clockwise now

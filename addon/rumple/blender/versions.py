@@ -147,7 +147,7 @@ def corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
     if attribute is not None and len(attribute.data) == len(corners):
         attribute.data.foreach_get("value", corners)
     else:
-        mesh.loops.foreach_get("vertex_index", corners)
+        mesh.loops.foreach_get("vertex_index", corners.view(np.uint32))  # signed it takes 40 times as long
     return corners
 
 
