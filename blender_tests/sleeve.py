@@ -137,6 +137,17 @@ def cuff(sleeve_object, follow, name):
     return obj
 
 
+def under(obj, name="Human", radius=0.8):
+    """A tube that follows the arm of the sleeve, of that many of its radii: what it is worn over. obj stays active."""
+    mesh = tube(name)
+    for vertex in mesh.vertices:
+        vertex.co.yz *= radius
+    mesh.flip_normals()  # the sleeve is inside out
+    body = skinned(mesh, bpy.data.objects["Arm"], name)
+    make_active(obj)
+    return body
+
+
 # ---------------------------------------------------------------- what is seen
 def evaluated(obj):
     return obj.evaluated_get(bpy.context.evaluated_depsgraph_get())

@@ -6,7 +6,7 @@ import numpy as np
 import sleeve
 import wires
 from random_walk import MOST_OBJECTS, RandomWalk
-from rumple.blender import mesh_io, modifier, path_curves, properties, structure
+from rumple.blender import bodies, mesh_io, modifier, path_curves, properties, registry, structure
 
 PAINT = "Rumple Radius"
 SETTINGS = dict(
@@ -50,7 +50,11 @@ class Walk(RandomWalk):
             held = modifier.carrier(ours)
             assert held is not None and held.name not in carriers, f"{trail}: carrier {held}"
             carriers.add(held.name)
-            assert obj.rumple.message == "" or modifier.is_baked(ours), f"{trail}: {obj.rumple.message}"
+            refused = bodies.refusal(obj)
+            assert obj.rumple.message == refused or modifier.is_baked(ours), f"{trail}: {obj.rumple.message}"
+            if refused:
+                continue  # the last picture stays
+            self.check_body(obj, trail)
             last = obj.modifiers[len(obj.modifiers) - 1] == ours  # a Subdivision behind it moves the points
             if last and obj.name in bpy.context.view_layer.objects and not modifier.is_baked(ours):
                 off = np.abs(sleeve.shown(obj) - sleeve.picture(obj).positions).max()
@@ -59,6 +63,15 @@ class Walk(RandomWalk):
             if PAINT in obj.vertex_groups:
                 weights = mesh_io.group_weights(obj, obj.data, [PAINT])
                 assert np.isclose(weights, 0.25).sum() >= 20, f"{trail}: paint is lost"
+
+    def check_body(self, obj, trail):
+        """What it was solved for is what is shown of its body."""
+        if obj.name in bpy.context.view_layer.objects and not modifier.is_baked(modifier.find(obj)):
+            found, seen = registry.runtime(obj).inputs.body, bodies.of(obj)
+            assert (found is None) == (not seen), f"{trail}: {found} is not of {seen}"
+            for body in seen:
+                if modifier.find(body) is None and body.name in bpy.context.view_layer.objects:
+                    np.testing.assert_allclose(found.positions, sleeve.shown(body), atol=1e-5, err_msg=trail)
 
     def check_curves(self, obj, trail):
         """Those that are shown are those that were solved; their meshes are their own."""
@@ -86,6 +99,13 @@ class Walk(RandomWalk):
             for child in path_curves.of(obj):
                 child.select_set(True)
             bpy.ops.object.duplicate(linked=self.random.random() < 0.5)
+
+    def do_body(self):
+        """Set or unset one: it may be wrinkled itself, or worn over this one."""
+        obj = self.pick()
+        if obj:
+            others = [o for o in bpy.context.scene.objects if o != obj and bodies.can_be_body(o)]
+            obj.rumple.body = self.random.choice([None, *others])
 
     def do_frame(self):
         sleeve.at(self.random.randint(1, sleeve.LAST), self.random.choice((0.0, 0.0, 0.5)))
@@ -179,7 +199,7 @@ class Walk(RandomWalk):
 
     def do_bake(self):
         obj = self.pick()
-        if obj:
+        if obj and not bodies.refusal(obj):
             obj.rumple.bake_start, obj.rumple.bake_end = 3, 6
             bpy.ops.object.rumple_bake()
 

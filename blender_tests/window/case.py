@@ -31,6 +31,13 @@ class WindowCase(unittest.TestCase):
         area = next(area for area in areas if area.type == kind)
         return sleeve.context(area=area, region=next(region for region in area.regions if region.type == "WINDOW"))
 
+    def clear_view(self, space):
+        """A 3D viewport with nothing but the objects."""
+        space.show_gizmo = False
+        for name in ("show_floor", "show_axis_x", "show_axis_y", "show_cursor", "show_text", "show_object_origins",
+                     "show_outline_selected", "show_bones", "show_relationship_lines"):
+            setattr(space.overlay, name, False)
+
     def until(self, condition, seconds=30.0):
         """Yields until it holds: a busy machine takes its time. `yield from self.until(lambda: ...)`."""
         ends = time.monotonic() + seconds

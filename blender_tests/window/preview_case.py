@@ -2,6 +2,7 @@
 """The base class of tests that look at a GPU preview in a Solid viewport."""
 from __future__ import annotations
 
+from types import ModuleType
 from typing import Iterator
 
 import bpy
@@ -25,11 +26,7 @@ class PreviewCase(WindowCase):
         self.area = max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height)
         self.area.type = "VIEW_3D"
         yield 0.2
-        space = self.area.spaces.active
-        space.show_gizmo = False
-        for name in ("show_floor", "show_axis_x", "show_axis_y", "show_cursor", "show_text", "show_object_origins",
-                     "show_outline_selected", "show_bones", "show_relationship_lines"):
-            setattr(space.overlay, name, False)
+        self.clear_view(self.area.spaces.active)
         yield 0.1
 
     def make(self, **settings: object) -> Iterator[float]:
@@ -64,6 +61,19 @@ class PreviewCase(WindowCase):
     def held(self) -> preview._OnGpu:
         (held,) = preview._on_gpu.values()
         return held
+
+    def refuse(self, drawer: ModuleType) -> list[int]:
+        """Until the test ends a driver that compiles nothing of a gpu module. Counts how often it was asked."""
+        tried: list[int] = []
+
+        def refuse() -> None:
+            tried.append(1)
+            raise RuntimeError("a driver that does not like it")
+
+        self.addCleanup(setattr, drawer, "_compile", drawer._compile)
+        preview._clear()
+        drawer._compile = refuse
+        return tried
 
     def area_of_view(self) -> object:
         """A context override with self.area."""

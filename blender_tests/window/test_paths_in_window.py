@@ -29,10 +29,7 @@ class PathsCase(WindowCase):
         self.view.type = "VIEW_3D"
         yield 0.2
         space = self.view.spaces.active
-        space.show_gizmo = False
-        for name in ("show_floor", "show_axis_x", "show_axis_y", "show_cursor", "show_text", "show_object_origins",
-                     "show_outline_selected", "show_bones", "show_relationship_lines"):
-            setattr(space.overlay, name, False)
+        self.clear_view(space)
         space.overlay.show_overlays = True
         region = space.region_3d
         region.view_rotation, region.view_location, region.view_distance = (1, 0, 0, 0), (0.25, 0.12, 0.0), 0.8

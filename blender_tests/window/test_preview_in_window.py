@@ -295,15 +295,7 @@ class Manners(PreviewCase):
         yield from self.make(gpu_preview=False)
         yield from self.shot()
         plain = self.seen
-        compile_, tried = gpu_field._compile, []
-
-        def refuse() -> None:
-            tried.append(1)
-            raise RuntimeError("a driver that does not like it")
-
-        self.addCleanup(setattr, gpu_field, "_compile", compile_)
-        preview._clear()
-        gpu_field._compile = refuse
+        tried = self.refuse(gpu_field)
         self.obj.rumple.field.gpu_preview = True
         yield from self.shot()
         yield from self.shot()

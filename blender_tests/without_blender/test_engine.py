@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from meshes import compressed, quad_mesh, rotated, sheet, tube
+from rumple.core.body import Body
 from rumple.core.engine import Refused
 from rumple.core.presets import MESH_PRESETS
 from rumple.core.settings import MeshSettings
@@ -71,6 +72,18 @@ class FrameLaws(unittest.TestCase):
         self.clip[3] = kept
         for one, two in zip(first, self.play()):
             np.testing.assert_array_equal(one, two)
+
+    def test_a_stored_frame_is_replayed_for_the_same_body_only(self) -> None:
+        triangle = np.array([[0, 1, 2]], np.int32)
+        here, there, turned = (Body(np.eye(3, dtype=np.float32) + place, order) for place, order in (
+            (np.float32(0.0), triangle), (np.float32(1.0), triangle), (np.float32(0.0), triangle[:, ::-1])))
+        replayed = []
+        for body in (None, None, here, Body(here.positions.copy(), triangle.copy()), there, turned, None):
+            picture = self.mesh.solve_frame(1.0, self.clip[1], SETTINGS, {}, start=1, body=body)
+            replayed.append(picture.replayed)
+        self.assertEqual(replayed, [False, True, False, True, False, False, False])
+        self.assertTrue(here.same_as(Body(here.positions.copy(), triangle.copy())))
+        self.assertFalse(any(here.same_as(other) for other in (None, there, turned)))
 
     def test_changed_settings_and_paint_forget_the_stored_frames(self) -> None:
         self.play()

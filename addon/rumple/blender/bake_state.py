@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_files, mesh_io, modifier, properties, structure
+from . import bake_files, bodies, mesh_io, modifier, properties, structure
 from .registry import Runtime
 
 
@@ -22,7 +22,7 @@ def clip_path(obj: bpy.types.Object) -> Path | None:
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """Hash of everything that makes a clip but the animation: meshes, settings, paint, first frame."""
+    """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame."""
     digest = hashlib.sha1(structure.sources(obj).shape.encode())
     settings = properties.settings_of(obj, scene)
     digest.update(repr((settings, scene.frame_start)).encode())
@@ -30,6 +30,8 @@ def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
     for key, weights in sorted(mesh_io.paint(obj, settings).items()):
         digest.update(key.encode() + weights.tobytes())
+    for body in bodies.of(obj):
+        digest.update(body.name_full.encode())
     return digest.hexdigest()
 
 
@@ -58,7 +60,7 @@ def check(obj: bpy.types.Object, carrier: bpy.types.Object) -> str:
     if not bake_files.is_whole(clip, about) or about.vertices != len(carrier.data.vertices):
         return f"{obj.name}: the baked clip {clip.name} does not fit the fine mesh: bake again"
     if about.inputs != inputs_fingerprint(obj, structure.scene_of(obj)):
-        return f"{obj.name}: meshes, settings or paint changed since the bake: bake again to see it"
+        return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
     return ""
 
 

@@ -7,7 +7,7 @@ import threading
 import bpy
 from bpy.app.handlers import persistent
 
-from . import bake_state, live, maps_live, maps_tree, modifier, registry, structure
+from . import bake_state, bodies, live, maps_live, maps_tree, modifier, registry, structure
 
 
 @persistent
@@ -35,6 +35,7 @@ def _on_load(*_arguments: object) -> None:
     structure.set_rendering(False)
     registry.forget_all()
     maps_live.forget_all()
+    bodies.forget_all()
     structure.settle_all()
 
 
@@ -99,4 +100,5 @@ def unregister() -> None:
         bpy.app.timers.unregister(_tag_all)
     structure.stop()
     maps_live.forget_all()
+    bodies.forget_all()
     registry.forget_all()

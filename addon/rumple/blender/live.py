@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import native
 from ..core import engine
-from . import bake_state, carrier as carriers, mesh_io, modifier, path_curves, preview, properties, registry, \
+from . import bake_state, bodies, carrier as carriers, mesh_io, modifier, path_curves, preview, properties, registry, \
     structure, versions
 from .registry import LOCK, Inputs, Runtime
 
@@ -32,6 +32,8 @@ def settings_changed(obj: bpy.types.Object, affects: str, name: str = "") -> Non
         entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
     if affects == "PAINT":
         entry.paint = None
+    if affects == "BODY":
+        bodies.connect_all()  # of all: what was refused for this object's sake may be right now
     structural = affects == "MESH" or name in properties.settings_of(obj, structure.scene_of(obj)).structural()
     if structural or modifier.is_baked(modifier.find(obj)):
         entry.stale = True
@@ -84,17 +86,28 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     if structure.is_half_done():
         return
     with LOCK:
-        objects = list(modifier.wrinkled_objects())
+        objects = bodies.in_order(list(modifier.wrinkled_objects()))
+        late = _not_connected(objects)
         for obj, _ours in objects:
             _note_groups(obj)
         if structure.allowed_now() and any(_needs_structure(obj, ours) for obj, ours in objects):
             _rebuild_here(objects, depsgraph)
         carriers_seen: set[int] = set()
-        written = [obj for obj, ours in objects if _process_guarded(obj, ours, scene, depsgraph, carriers_seen)]
+        written = [obj for obj, ours in objects
+                   if obj not in late and _process_guarded(obj, ours, scene, depsgraph, carriers_seen)]
         for obj, _ours in objects:
             registry.runtime(obj).pose = None  # it belongs to this call only
         if written and len(objects) > 1:
             structure.tag_dependents(written, [obj for obj, _ in objects])
+
+
+def _not_connected(objects: list) -> set[bpy.types.Object]:
+    """Those whose bodies this depsgraph may not have evaluated: their modifiers do not name them yet."""
+    late = {obj for obj, ours in objects if not bodies.is_connected(obj, ours)}
+    for obj in late:
+        registry.runtime(obj).stale = True
+        structure.request()
+    return late
 
 
 def _note_groups(obj: bpy.types.Object) -> None:
@@ -187,7 +200,7 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
 def _solve(entry: Runtime, inputs: Inputs, scene: bpy.types.Scene, sketched: bool) -> engine.Picture | engine.Sketch:
     return entry.fine.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
                                   start=scene.frame_start, world_from_object=inputs.world_from_object,
-                                  frame_rate=inputs.frame_rate, sketched=sketched)
+                                  frame_rate=inputs.frame_rate, sketched=sketched, body=inputs.body)
 
 
 def show_fine_meshes() -> None:
@@ -209,8 +222,9 @@ def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime
             scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Inputs | None:
     """Everything the picture depends on; None where there is nothing to solve."""
     positions = _incoming(obj, ours, entry, evaluated, depsgraph)
-    if positions is None:
+    if positions is None or bodies.are_busy(obj):
         return None
+    body = bodies.read(obj, evaluated, depsgraph)
     if entry.paint is None:
         entry.paint = mesh_io.paint(obj, properties.settings_of(obj, scene))
     # The evaluated copy: animated settings are right there, in renders too.
@@ -218,7 +232,7 @@ def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
     stands_in = depsgraph.mode == "VIEWPORT" and preview.takes_over(obj, ours)
     return Inputs(float(scene.frame_current_final), settings, positions, world, entry.paint,
-                  scene.render.fps / scene.render.fps_base, stands_in)
+                  scene.render.fps / scene.render.fps_base, stands_in, body)
 
 
 def _fits(held: bpy.types.Object, entry: Runtime) -> bool:

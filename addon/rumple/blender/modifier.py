@@ -151,6 +151,25 @@ def is_baked(modifier: bpy.types.NodesModifier) -> bool:
     return bool(_get(modifier, node_tree.BAKED))
 
 
+def bodies(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
+    """What Blender evaluates before the garment."""
+    return _get(modifier, node_tree.BODY) or None, _get(modifier, node_tree.BODIES) or None
+
+
+def can_name_bodies(modifier: bpy.types.NodesModifier) -> bool:
+    """Not with a node group of an older version that is linked from another file."""
+    return node_tree.BODIES in versions.group_sockets(modifier.node_group, "INPUT")
+
+
+def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,
+               collection: bpy.types.Collection | None) -> None:
+    """Let Blender evaluate these before the garment."""
+    _set(modifier, node_tree.BODY, body)
+    _set(modifier, node_tree.BODIES, collection)
+    modifier.node_group = modifier.node_group  # as in set_carrier()
+    modifier.id_data.update_tag()
+
+
 def add_cache(player_object: bpy.types.Object, manifest: bake_files.Manifest,
               path: str) -> bpy.types.MeshCacheModifier:
     """Let the points of a player be those of a clip. path: as a blend file names it."""
@@ -184,7 +203,7 @@ def remove(obj: bpy.types.Object) -> None:
     if modifier is None:
         return
     group = modifier.node_group
-    for name in (node_tree.CARRIER, node_tree.PLAYER):
+    for name in (node_tree.CARRIER, node_tree.PLAYER, node_tree.BODY, node_tree.BODIES):
         if _get(modifier, name) is not None:
             _set(modifier, name, None)
     obj.modifiers.remove(modifier)

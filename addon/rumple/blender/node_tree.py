@@ -40,7 +40,7 @@ from ..core.systems import SYSTEMS, System
 from . import bake_files, versions
 from .geometry_nodes import GeometryNodes
 
-VERSION = 4  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 5  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 METHOD_KEY = "rumple_method"
 
@@ -55,8 +55,10 @@ STAND_IN = "rumple_stand_in"
 CARRIER_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET, STANDS_IN, STAND_IN)
 
 CARRIER, COUNT, BAKED, PLAYER = "Carrier", "Coarse Vertices", "Baked", "Player"
+BODY, BODIES = "Body", "Bodies"  # no node reads them: what an input names is evaluated first, also where it is hidden
 _INPUTS = (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
-           (BAKED, "NodeSocketBool"), (PLAYER, "NodeSocketObject"))
+           (BAKED, "NodeSocketBool"), (PLAYER, "NodeSocketObject"), (BODY, "NodeSocketObject"),
+           (BODIES, "NodeSocketCollection"))
 
 
 def is_ours(group: bpy.types.NodeTree | None) -> bool:

@@ -11,8 +11,8 @@ import bpy
 from .. import native
 from ..core.presets import touched
 from ..core.systems import SYSTEMS
-from . import field_nodes, mesh_io, modifier, node_tree, path_curves, preview, properties, registry, structure, \
-    versions
+from . import bodies, body_search, field_nodes, mesh_io, modifier, node_tree, path_curves, preview, properties, \
+    registry, structure, versions
 
 # No method of its own: it may stand beside the wrinkles that its maps are baked from.
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
@@ -81,6 +81,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             return {"CANCELLED"}
         registry.forget(obj)
         self._set_defaults(context, obj)
+        self._find_body(context, obj)
         with structure.half_done():
             ours = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
@@ -88,6 +89,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         if self.method == "FIELD" and self.shade:
             field_nodes.shade_object(obj)
         structure.prepare(obj, ours)
+        bodies.connect_all()
         if modifier.carrier(ours) is None:
             self.report({"ERROR"}, registry.message(obj) or f"{obj.name}: nothing to wrinkle")
             remove_all(obj)
@@ -109,6 +111,14 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         properties.apply_values(obj, context.scene, values)
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
 
+    def _find_body(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        """Where none was ever set: what was set before a removal stays, and nothing too."""
+        about = obj.rumple
+        if not about.is_property_set("body") and not about.is_property_set("body_collection"):
+            found = body_search.find(obj, context.scene)
+            if found is not None:
+                about.body = found
+
     def _report(self, obj: bpy.types.Object, ours: bpy.types.Modifier) -> None:
         changer = modifier.topology_changer_before(obj)
         if changer is not None:
@@ -116,7 +126,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                                      "vertices: apply it, or move it behind")
             return
         fine = registry.runtime(obj).fine
-        self.report({"INFO"}, f"{fine.vertex_count} vertices over {len(obj.data.vertices)}")
+        worn_over = ", ".join(body.name for body in bodies.of(obj))
+        self.report({"INFO"}, f"{fine.vertex_count} vertices over {len(obj.data.vertices)}"
+                              + (f", body: {worn_over}" if worn_over else ""))
 
 
 class _OnWaves(OnWrinkled):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ..core.systems import SYSTEMS
-from . import (bake_state, brush_panel, field_curve, maps_tree, mesh_io, modifier, operators, paths_panel, properties,
-               registry, rest_panel, structure, versions)
+from . import (bake_state, body_panel, brush_panel, field_curve, maps_tree, mesh_io, modifier, operators, paths_panel,
+               properties, registry, rest_panel, structure, versions)
 from .panel_parts import Panel, named_paint, property_column
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
@@ -267,8 +267,8 @@ def _add_maps_button(layout: bpy.types.UILayout) -> None:
 
 CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
            *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, rest_panel.DATA_PT_rumple_rest,
-           DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames, DATA_PT_rumple_bake,
-           DATA_PT_rumple_status)
+           body_panel.DATA_PT_rumple_body, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
+           DATA_PT_rumple_bake, DATA_PT_rumple_status)
 
 
 def register() -> None:

@@ -91,6 +91,11 @@ def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) ->
     return candidate.type == "MESH" and candidate != group.id_data
 
 
+def _is_body(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
+    from . import bodies  # as above
+    return candidate != group.id_data and bodies.can_be_body(candidate)
+
+
 def _message(group: bpy.types.PropertyGroup) -> str:
     from . import registry
     return registry.message(group.id_data)
@@ -107,6 +112,13 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Own Mesh", override=_OVERRIDE,
                                         poll=_is_own_mesh, update=_changed("MESH"),
                                         description="Your own fine mesh, in place over the undeformed coarse mesh")
+    body: bpy.props.PointerProperty(type=bpy.types.Object, name="Body", override=_OVERRIDE, poll=_is_body,
+                                    update=_changed("BODY"),
+                                    description="What this garment is worn over: cloth stays outside of it")
+    body_collection: bpy.props.PointerProperty(type=bpy.types.Collection, name="Bodies", override=_OVERRIDE,
+                                               update=_changed("BODY"),
+                                               description="What this garment is worn over, where it is more than one "
+                                                           "object: cloth stays outside of all of them")
     profile_curve: bpy.props.PointerProperty(type=bpy.types.NodeTree, name="Profile Curve", override=_OVERRIDE,
                                              description="The node group with the curve that was drawn as profile")
     rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), override=_OVERRIDE, update=_changed("MESH"),

@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from ..core import engine
+from ..core.body import Body
 from . import versions
 
 # Handlers run in the render job's thread while the window's thread draws: one at a time. Never "skip if busy",
@@ -32,10 +33,12 @@ class Inputs:
     paint: dict[str, np.ndarray]
     frame_rate: float  # frames a second
     stands_in: bool = False  # solved for a mesh that only stands in for what the viewport draws (preview.py)
+    body: Body | None = None
 
     def same_as(self, other: "Inputs | None") -> bool:
         return (other is not None and self.frame == other.frame and self.settings == other.settings
                 and (self.frame_rate, self.stands_in) == (other.frame_rate, other.stands_in)
+                and (other.body is None if self.body is None else self.body.same_as(other.body))
                 and self.paint.keys() == other.paint.keys()
                 and all(np.array_equal(self.paint[key], other.paint[key]) for key in self.paint)
                 and np.array_equal(self.positions, other.positions)

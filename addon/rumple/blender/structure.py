@@ -20,7 +20,7 @@ from .. import native
 from ..core import engine
 from ..core.settings import FieldSettings
 from . import carrier as carriers
-from . import field_curve, field_nodes, mesh_io, modifier, node_tree, properties, registry, versions
+from . import bodies, field_curve, field_nodes, mesh_io, modifier, node_tree, properties, registry, versions
 from .registry import LOCK, Runtime
 
 CARRIER_KEY = "rumple_carrier"  # custom property on carriers and players: tells leftovers from the artist's objects
@@ -134,6 +134,7 @@ def settle_all() -> None:
         objects = list(modifier.wrinkled_objects())
         registry.forget_all_but(obj for obj, _ in objects)
         _split_shared_carriers(objects)
+        bodies.connect_all()
         for obj, ours in objects:
             if registry.runtime(obj).stale:
                 prepare(obj, ours)
@@ -148,7 +149,7 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
 
     Never raises: what is wrong becomes the object's message and the last good mesh stays.
     """
-    if obj.mode in _BUSY_MODES:
+    if obj.mode in _BUSY_MODES or obj.data.is_editmode:  # by another object that shares it
         return False
     entry = registry.runtime(obj)
     entry.stale = False

@@ -140,6 +140,17 @@ def positions(mesh: bpy.types.Mesh) -> np.ndarray:
     return flat.reshape(-1, 3)
 
 
+def corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    """The vertex of every corner, (c,) int32."""
+    corners = np.empty(len(mesh.loops), np.int32)
+    attribute = mesh.attributes.get(".corner_vert")  # 3.6 on, and much faster there
+    if attribute is not None and len(attribute.data) == len(corners):
+        attribute.data.foreach_get("value", corners)
+    else:
+        mesh.loops.foreach_get("vertex_index", corners.view(np.uint32))  # signed it takes 40 times as long
+    return corners
+
+
 def set_positions(mesh: bpy.types.Mesh, values: np.ndarray) -> None:
     """Write vertex positions, (n, 3). The caller calls mesh.update()."""
     flat = np.ascontiguousarray(values, np.float32).ravel()

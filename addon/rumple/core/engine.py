@@ -8,12 +8,13 @@ from __future__ import annotations
 import hashlib
 import math
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from .. import native
+from .body import Body
 from .history import Entry, History
 
 MOST_VERTICES = 4_000_000
@@ -138,6 +139,7 @@ class Moment:
     labels: np.ndarray | None = None  # (t,) uint8, cut for the whole clip: see Wrinkles.look_at_clip()
     next_seconds: float = 0.0  # of the frame to come ...
     next_positions: np.ndarray | None = None  # ... where it is known
+    body: Body | None = None  # what cloth stays outside of
 
     def in_time(self) -> dict[str, Any]:
         """As native solves take it."""
@@ -221,31 +223,31 @@ class Wrinkles:
     # --- frames
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
                     start: int, world_from_object: np.ndarray | None = None, frame_rate: float = 24.0,
-                    following: tuple[float, np.ndarray] | None = None, sketched: bool = False) -> Picture | Sketch:
+                    following: tuple[float, np.ndarray] | None = None, sketched: bool = False,
+                    body: Body | None = None) -> Picture | Sketch:
         """The picture of a frame: replayed when it is stored for the same input, else solved and stored.
 
         positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
         start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. following: frame
         and positions of the next one, where they are known: a rest shape that adapts looks ahead. sketched: a Sketch is
-        enough. Raises Refused.
+        enough. body: what cloth stays outside of in this frame. Raises Refused.
         """
         try:
             return self._solve_frame(frame, positions, settings, paint, start, world_from_object, frame_rate,
-                                     following if settings.adapts else None, sketched)
+                                     following if settings.adapts else None, sketched, body)
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None, frame_rate: float,
-                     following: tuple[float, np.ndarray] | None, sketched: bool) -> Picture | Sketch:
+                     following: tuple[float, np.ndarray] | None, sketched: bool, body: Body | None) -> Picture | Sketch:
         chosen = self._take_inputs(frame, settings, paint, start, frame_rate if self._reads_time(settings) else 0.0)
         world = self._reads_world(settings) and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
         labels = self._seen(frame, positions)
-        moment = Moment(frame, frame / frame_rate, matrix, labels)
-        if following is not None and labels is None:
-            moment = replace(moment, next_seconds=following[0] / frame_rate, next_positions=following[1])
-        digest = _digest(chosen, positions, matrix, labels, moment.next_positions)
+        coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
+        moment = Moment(frame, frame / frame_rate, matrix, labels, *coming, body)
+        digest = _digest(chosen, positions, matrix, labels, moment.next_positions, *(body.arrays() if body else ()))
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
         entry = self.history.get(frame)

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What garments are worn over: which objects these are, and their surfaces in a frame.
+
+The modifier names them too, in inputs that no node reads: for the sake of those Blender evaluates a body before its
+garment, also where it is hidden. Without them a hidden body stands at rest, and nothing says so. Everything but
+connecting only reads: allowed in any handler.
+"""
+from __future__ import annotations
+
+import hashlib
+
+import bpy
+import numpy as np
+
+from ..core import engine
+from ..core.body import Body
+from . import curves_tree, mesh_io, modifier, versions
+
+_BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the object will be
+
+Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
+
+
+# ---------------------------------------------------------------- which
+def can_be_body(obj: bpy.types.Object) -> bool:
+    """A mesh that is neither paths as curves nor a carrier."""
+    return _is_surface(obj) and _is_somewhere(obj)
+
+
+def of(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects that a garment is worn over, as they are set: the garment itself may be among them."""
+    body, collection = obj.rumple.body, obj.rumple.body_collection
+    found = [body] if body is not None and can_be_body(body) else []
+    if collection is not None:
+        found += [member for member in collection.all_objects if member != body and _is_surface(member)]
+    return found
+
+
+def _is_surface(obj: bpy.types.Object) -> bool:
+    return obj.type == "MESH" and not any(curves_tree.is_ours(getattr(m, "node_group", None)) for m in obj.modifiers)
+
+
+def _is_somewhere(obj: bpy.types.Object) -> bool:
+    """In some collection. What was deleted while a garment names it is in none, and neither are carriers."""
+    key = versions.session_key(obj)
+    last = bpy.data.collections.get(_found_in.get(key, ""))
+    collections = (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections)
+    for collection in collections if last is None else (last, *collections):
+        if collection.objects.get(obj.name) == obj:
+            _found_in[key] = collection.name
+            return True
+    return False
+
+
+_found_in: dict[int, str] = {}  # the collection to look into first, by object: some files have hundreds
+
+
+def refusal(obj: bpy.types.Object) -> str:
+    """What is wrong with the bodies that are set, in a sentence; empty when nothing is.
+
+    Where garments are worn over one another in a circle, the last of them by name is refused.
+    """
+    for body in of(obj):
+        if body == obj:
+            return f"{obj.name}: it is worn over itself: take it out of its bodies"
+        if _leads_to(body, obj):
+            return (f"{obj.name}: its body {body.name} is worn over {obj.name} in turn: choose another body for one of "
+                    "the two")
+    return ""
+
+
+def _leads_to(body: bpy.types.Object, garment: bpy.types.Object) -> bool:
+    """Whether a body is worn over a garment, by way of others before it by name."""
+    todo, seen = [body], set()
+    while todo:
+        at = todo.pop()
+        if at == garment:
+            return True
+        if at not in seen and at.name_full < garment.name_full and modifier.find(at) is not None:
+            seen.add(at)
+            todo += of(at)
+    return False
+
+
+def in_order(wrinkled: list[Wrinkled]) -> list[Wrinkled]:
+    """The same objects, each behind those that it is worn over, else as they were."""
+    waiting, ordered = {obj: ours for obj, ours in wrinkled}, []
+
+    def take(obj: bpy.types.Object) -> None:
+        ours = waiting.pop(obj, None)
+        if ours is None:
+            return
+        if not refusal(obj):
+            for body in of(obj):
+                take(body)
+        ordered.append((obj, ours))
+
+    for obj, _ours in wrinkled:
+        take(obj)
+    return ordered
+
+
+# ---------------------------------------------------------------- the dependency graph
+def _wanted(obj: bpy.types.Object) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
+    """What the modifier has to name. Nothing of what is refused: it would be a circle."""
+    found = of(obj)
+    if not found or refusal(obj):
+        return None, None
+    return (obj.rumple.body if obj.rumple.body in found else None), obj.rumple.body_collection
+
+
+def is_connected(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+    """Whether the modifier names the bodies that are set, or cannot."""
+    return (not versions.is_editable(obj) or not modifier.can_name_bodies(ours)
+            or modifier.bodies(ours) == _wanted(obj))
+
+
+def connect_all() -> None:
+    """Let the modifiers name the bodies that are set. Not in handlers."""
+    for obj, ours in list(modifier.wrinkled_objects()):
+        body = obj.rumple.body
+        if body is not None and versions.is_editable(obj) and not _is_somewhere(body):
+            obj.rumple.body = None  # else what was deleted stays in the file, for it has a user
+        if not is_connected(obj, ours):
+            modifier.set_bodies(ours, *_wanted(obj))
+
+
+# ---------------------------------------------------------------- a frame
+def are_busy(obj: bpy.types.Object) -> bool:
+    """While a body is edited its garments stay as they are."""
+    return any(body.mode in _BUSY_MODES or body.data.is_editmode for body in of(obj))
+
+
+def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
+    """The bodies of a garment as a depsgraph has them; None where it has none. Raises engine.Refused."""
+    found, refused = of(obj), refusal(obj)
+    if refused:
+        raise engine.Refused(refused)
+    if not found:
+        return None
+    if not modifier.can_name_bodies(modifier.find(obj)):
+        raise engine.Refused(f"{obj.name}: its node group is linked from a file of an older Rumple: open that file and "
+                             "save it, or take the body away")
+    surfaces = [_surface(obj, evaluated, body, depsgraph) for body in found]
+    first = np.cumsum([0] + [len(surface.positions) for surface in surfaces[:-1]], dtype=np.int32)
+    return Body(np.concatenate([surface.positions for surface in surfaces]),
+                np.concatenate([surface.triangles + at for surface, at in zip(surfaces, first)]))
+
+
+def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types.Object,
+             depsgraph: bpy.types.Depsgraph) -> Body:
+    """One body in the object space of the garment. Raises engine.Refused."""
+    worn = body.evaluated_get(depsgraph)
+    mesh, positions = _mesh(body, worn)
+    if not len(mesh.polygons):
+        raise engine.Refused(f"{obj.name}: its body {body.name} has no faces: choose another one")
+    if not np.isfinite(positions).all():
+        first = int(np.isfinite(positions).all(axis=1).argmin())
+        raise engine.Refused(f"{obj.name}: vertex {first} of its body {body.name} is not finite: repair it, or choose "
+                             "another one")
+    into = evaluated.matrix_world.inverted_safe() @ worn.matrix_world
+    triangles = _triangles(body, mesh, depsgraph.mode)
+    if into.determinant() < 0.0:  # mirrored: the other way round is counter-clockwise now
+        triangles = triangles[:, ::-1]
+    matrix = np.array(into, np.float32)
+    return Body(np.ascontiguousarray(positions @ matrix[:3, :3].T + matrix[:3, 3]), np.ascontiguousarray(triangles))
+
+
+def _mesh(body: bpy.types.Object, worn: bpy.types.Object) -> tuple[bpy.types.Mesh, np.ndarray]:
+    """The mesh that says how a body is connected, and positions in the body's object space."""
+    if modifier.find(body) is not None:
+        # For now without its folds: those of this frame are not written yet.
+        try:
+            coarse = mesh_io.posed_positions(worn, len(body.data.vertices))
+        except mesh_io.Reordered as error:
+            raise engine.Refused(f"{body.name}: {error}") from error
+        if coarse is not None:
+            return body.data, coarse
+    return worn.data, versions.positions(worn.data)
+
+
+# ---------------------------------------------------------------- triangles
+_triangulated: dict[tuple[int, str], tuple[bytes, np.ndarray]] = {}  # by body and depsgraph: of what, and triangles
+
+
+def forget_all() -> None:
+    _triangulated.clear()
+    _found_in.clear()
+
+
+def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.ndarray:
+    """(t, 3) int32 vertices, kept as long as the connections stay: how a frame bends a polygon does not count.
+
+    Where modifiers leave the connections alone they are those of the mesh at rest, whichever frame comes first.
+    """
+    key, now = (versions.session_key(body), mode), _connections(mesh)
+    kept, triangles = _triangulated.get(key, (b"", None))
+    if kept != now:
+        rest = body.data if _connections(body.data) == now else mesh
+        rest.calc_loop_triangles()
+        triangles = np.empty(len(rest.loop_triangles) * 3, np.int32)
+        rest.loop_triangles.foreach_get("vertices", triangles)
+        triangles = triangles.reshape(-1, 3)
+        _triangulated[key] = now, triangles
+    return triangles
+
+
+def _connections(mesh: bpy.types.Mesh) -> bytes:
+    """A digest of what is connected to what."""
+    counts = (len(mesh.vertices), len(mesh.polygons), len(mesh.loops))
+    digest = hashlib.blake2b(repr(counts).encode(), digest_size=16)
+    digest.update(versions.corner_vertices(mesh))
+    return digest.digest()

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which object a garment is worn over, for the first click: the innermost skinned mesh that lies under it at rest."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
+
+from . import bodies, mesh_io, modifier
+
+SAMPLES = 500  # vertices at most that are asked what lies under them
+NEAR = 0.08  # of the diagonal of the bounding box: what is farther does not lie under the cloth
+LEAST_SHARE = 0.15  # of the vertices that must have something under them
+WORN_SHARE = 0.5  # from this share on a candidate is itself worn over another one: clothes, not a body
+
+
+@dataclass
+class _Cloth:
+    """Some vertices of a mesh at rest, world space."""
+
+    places: list[Vector]
+    normals: list[Vector]
+    reach: float  # how far what lies under it may be
+
+
+def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """The object that shares the armature of a garment and lies under most of it; None where there is none.
+
+    Cost: a tree of each candidate, about 2 ms per 1000 polygons.
+    """
+    rigs = _armatures(obj)
+    candidates = [other for other in scene.objects if other != obj and rigs & _armatures(other)
+                  and bodies.can_be_body(other) and modifier.find(other) is None]
+    trees = {other: _tree(other) for other in candidates
+             if len(other.data.polygons) and np.isfinite(_rest(other)).all()}
+    cloth = _cloth(obj)
+    shares = {other: _share_over(cloth, tree) for other, tree in trees.items()}
+    under = [other for other, share in shares.items() if share > LEAST_SHARE]
+    worn = {other for other in under if _is_worn(other, [trees[body] for body in under if body != other])}
+    return max((other for other in under if other not in worn), key=shares.get, default=None)
+
+
+def _armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
+    """That an object follows, as parent or by a modifier."""
+    if obj.type != "MESH":
+        return set()
+    found = {m.object for m in obj.modifiers if m.type == "ARMATURE"}
+    return {rig for rig in (*found, obj.parent) if rig is not None and rig.type == "ARMATURE"}
+
+
+def _is_worn(obj: bpy.types.Object, others: list[BVHTree]) -> bool:
+    cloth = _cloth(obj)
+    return any(_share_over(cloth, tree) > WORN_SHARE for tree in others)
+
+
+def _rest(obj: bpy.types.Object) -> np.ndarray:
+    """Vertices at rest in world space, (n, 3) float32."""
+    matrix = np.array(obj.matrix_world, np.float32)
+    return mesh_io.rest_positions(obj, "REST_POSE", "") @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def _cloth(obj: bpy.types.Object) -> _Cloth:
+    rest, vertices = _rest(obj), obj.data.vertices
+    finite = np.flatnonzero(np.isfinite(rest).all(axis=1))
+    chosen = finite[np.linspace(0, len(finite) - 1, min(SAMPLES, len(finite))).astype(int)].tolist()
+    turn = obj.matrix_world.to_3x3().inverted_safe().transposed()
+    reach = NEAR * Vector(np.ptp(rest[finite], axis=0)).length if chosen else 0.0
+    return _Cloth([Vector(rest[i]) for i in chosen], [turn @ vertices[i].normal for i in chosen], reach)
+
+
+def _tree(obj: bpy.types.Object) -> BVHTree:
+    mesh = obj.data
+    return BVHTree.FromPolygons(_rest(obj).tolist(), [tuple(polygon.vertices) for polygon in mesh.polygons])
+
+
+def _share_over(cloth: _Cloth, tree: BVHTree) -> float:
+    """The share of the vertices whose nearest point on a surface is near, and on the inner side of the cloth."""
+    over = 0
+    for place, normal in zip(cloth.places, cloth.normals):
+        nearest = tree.find_nearest(place, cloth.reach)[0]
+        over += nearest is not None and (nearest - place).dot(normal) < 0.0
+    return over / max(len(cloth.places), 1)

@@ -1,0 +1,474 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What garments are worn over: it arrives where it stands in the frame, hidden or not, and what is wrong is said."""
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+import unittest
+from typing import Callable
+from unittest import mock
+
+import bpy
+import numpy as np
+import shots
+import sleeve
+from rumple.blender import bake_state, bodies, modifier, node_tree, registry, structure, versions
+from rumple.core.body import Body
+
+
+def placed(obj: bpy.types.Object, place: tuple, turn: tuple, scale: tuple) -> None:
+    obj.location, obj.rotation_euler, obj.scale = place, turn, scale
+
+
+def solved_body(obj: bpy.types.Object) -> Body | None:
+    """What the garment was solved for last."""
+    return registry.runtime(obj).inputs.body
+
+
+def posed(body: bpy.types.Object) -> np.ndarray:
+    """World space, as the viewport shows it, (n, 3)."""
+    matrix = np.array(sleeve.evaluated(body).matrix_world)
+    return sleeve.shown(body) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def outward(body: Body) -> float:
+    """Volume inside the triangles, positive where they are counter-clockwise seen from outside."""
+    a, b, c = (body.positions[body.triangles[:, corner]].astype(float) for corner in range(3))
+    middle = body.positions.mean(axis=0)
+    return float(np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)).sum() / 6.0)
+
+
+class Worn(unittest.TestCase):
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene()
+        self.body = sleeve.under(self.obj)
+
+    def check_place(self, frame: int, message: str = "") -> None:
+        sleeve.at(frame)
+        world = np.array(sleeve.evaluated(self.obj).matrix_world)
+        found = solved_body(self.obj)
+        np.testing.assert_allclose(found.positions @ world[:3, :3].T + world[:3, 3], posed(self.body), atol=2e-6,
+                                   err_msg=message)
+
+
+class Places(Worn):
+
+    def test_without_a_body_there_is_none(self) -> None:
+        sleeve.at(5)
+        self.assertIsNone(solved_body(self.obj))
+
+    def test_it_arrives_posed(self) -> None:
+        self.obj.rumple.body = self.body
+        for frame in (1, 12, 20, 3):
+            self.check_place(frame)
+            self.assertEqual(solved_body(self.obj).positions.dtype, np.float32)
+            self.assertEqual(solved_body(self.obj).triangles.dtype, np.int32)
+            self.assertEqual(len(solved_body(self.obj).triangles), 2 * len(self.body.data.polygons))
+            self.assertEqual(self.obj.rumple.message, "")
+        self.assertEqual(registry.runtime(self.obj).inputs.frame, 3.0)
+
+    def test_in_the_space_of_a_garment_that_is_moved_turned_and_scaled(self) -> None:
+        self.obj.rumple.body = self.body
+        sleeve.at(1)
+        self.assertGreater(outward(solved_body(self.obj)), 1e-4)
+        for garment, body in ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
+            placed(self.obj, (1, 2, 3), (0.3, 0.5, -0.7), (0.5 * garment, 2.0, 1.5))
+            placed(self.body, (-1, 0.5, 0), (1.1, 0.2, 0.4), (1.5, body, 0.8))
+            for frame in (7, 18):
+                self.check_place(frame, f"{garment} {body}")
+            sleeve.at(1)
+            self.assertGreater(outward(solved_body(self.obj)), 1e-4)
+
+    def test_a_body_that_is_moved_is_seen_at_once(self) -> None:
+        self.obj.rumple.body = self.body
+        sleeve.at(9)
+        before = solved_body(self.obj)
+        self.body.location.z = 0.25
+        bpy.context.view_layer.update()
+        np.testing.assert_allclose(solved_body(self.obj).positions, before.positions + (0, 0, 0.25), atol=1e-6)
+
+    def test_its_modifiers_count_and_its_triangles_stay_while_it_bends(self) -> None:
+        self.body.modifiers.new("Subdivision", "SUBSURF").levels = 1
+        self.obj.rumple.body = self.body
+        sleeve.at(2)
+        triangles = solved_body(self.obj).triangles
+        self.assertEqual(len(triangles), 8 * len(self.body.data.polygons))
+        self.check_place(14)
+        np.testing.assert_array_equal(solved_body(self.obj).triangles, triangles)
+        self.body.modifiers["Subdivision"].show_viewport = False
+        self.check_place(15)
+        self.assertEqual(len(solved_body(self.obj).triangles), 2 * len(self.body.data.polygons))
+
+    def test_several_are_one(self) -> None:
+        other = sleeve.under(self.obj, "Other", 0.5)
+        group = bpy.data.collections.new("Bodies")
+        bpy.context.scene.collection.children.link(group)
+        group.objects.link(other)
+        group.objects.link(self.body)
+        group.objects.link(bpy.data.objects["Arm"])
+        self.obj.rumple.body, self.obj.rumple.body_collection = self.body, group
+        sleeve.at(13)
+        found, count = solved_body(self.obj), len(self.body.data.vertices)
+        np.testing.assert_allclose(found.positions[:count], posed(self.body), atol=1e-6)
+        np.testing.assert_allclose(found.positions[count:], posed(other), atol=1e-6)
+        np.testing.assert_array_equal(found.triangles[len(found.triangles) // 2:],
+                                      found.triangles[:len(found.triangles) // 2] + count)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_a_wrinkled_body_is_as_it_is_without_its_folds(self) -> None:
+        twin = sleeve.under(self.obj, "Twin")
+        sleeve.make_active(self.body)
+        self.body.rumple.mesh.density, self.body.rumple.mesh.level = "LEVEL", 1
+        bpy.ops.object.rumple_add(method="MESH")
+        self.obj.rumple.body = self.body
+        for frame in (6, 19):
+            sleeve.at(frame)
+            np.testing.assert_allclose(solved_body(self.obj).positions, posed(twin), atol=1e-6)
+
+    def test_a_stored_frame_is_of_its_body(self) -> None:
+        self.obj.rumple.body = self.body
+        seen = []
+        for place in (0.0, 0.1, 0.1, 0.0):
+            self.body.location.y = place
+            sleeve.at(8)
+            seen.append(registry.runtime(self.obj).fine.history.get(8.0).inputs)
+        self.assertEqual(seen[1], seen[2])
+        self.assertEqual(seen[0], seen[3])
+        self.assertNotEqual(seen[0], seen[1])
+
+    def test_while_the_body_is_edited_the_last_picture_stays(self) -> None:
+        self.obj.rumple.body = self.body
+        sleeve.at(5)
+        sleeve.make_active(self.body)
+        bpy.ops.object.mode_set(mode="EDIT")
+        sleeve.at(12)
+        self.assertEqual(registry.runtime(self.obj).inputs.frame, 5.0)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        self.check_place(12)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_a_garment_whose_mesh_is_edited_elsewhere_waits(self) -> None:
+        twin = self.obj.copy()  # a linked duplicate
+        bpy.context.scene.collection.objects.link(twin)
+        sleeve.at(5)
+        sleeve.make_active(twin)
+        bpy.ops.object.mode_set(mode="EDIT")
+        registry.runtime(self.obj).stale = True
+        structure.settle_all()
+        self.assertEqual(self.obj.rumple.message, "")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        sleeve.at(6)
+        self.assertEqual(self.obj.rumple.message, "")
+
+
+class Hidden(Worn):
+    """Posed all the same, for the modifier names it."""
+
+    def hide(self, how: str) -> None:
+        if how == "collection":
+            group = bpy.data.collections.new("Hidden")
+            bpy.context.scene.collection.children.link(group)
+            bpy.context.scene.collection.objects.unlink(self.body)
+            group.objects.link(self.body)
+            bpy.context.view_layer.layer_collection.children["Hidden"].exclude = True
+        elif how == "hide_set":
+            self.body.hide_set(True)
+        else:
+            self.body.hide_viewport = self.body.hide_render = True
+
+    def expected(self) -> dict[int, np.ndarray]:
+        """Positions at some frames, from a twin that is not hidden."""
+        twin, found = sleeve.under(self.obj, "Twin"), {}
+        for frame in (4, 11, 20):
+            sleeve.at(frame)
+            found[frame] = posed(twin)
+        bpy.data.objects.remove(twin)
+        return found
+
+    def check(self, how: str, by_collection: bool) -> None:
+        expected = self.expected()
+        if by_collection:
+            group = bpy.data.collections.new("Worn")
+            bpy.context.scene.collection.children.link(group)
+            group.objects.link(self.body)
+            if how != "hide_set":
+                group.hide_viewport = group.hide_render = True
+            self.obj.rumple.body_collection = group
+        else:
+            self.obj.rumple.body = self.body
+        self.hide(how)
+        for frame, positions in expected.items():
+            sleeve.at(frame)
+            np.testing.assert_allclose(solved_body(self.obj).positions, positions, atol=1e-6, err_msg=str(frame))
+        bpy.data.objects["Arm"].animation_data.action = None
+        bpy.data.objects["Arm"].pose.bones["lower"].rotation_euler.z = 0.0
+        bpy.context.view_layer.update()
+        rest = versions.positions(self.body.data)
+        np.testing.assert_allclose(solved_body(self.obj).positions, rest, atol=1e-6)
+
+    def test_in_viewport_and_render(self) -> None:
+        self.check("hide_viewport", by_collection=False)
+
+    def test_by_its_eye(self) -> None:
+        self.check("hide_set", by_collection=False)
+
+    def test_by_a_collection_that_is_off(self) -> None:
+        self.check("collection", by_collection=False)
+
+    def test_among_bodies(self) -> None:
+        for how in ("hide_viewport", "hide_set", "collection"):
+            with self.subTest(how):
+                self.setUp()
+                self.check(how, by_collection=True)
+
+    def test_saved_and_opened(self) -> None:
+        expected = self.expected()
+        self.obj.rumple.body = self.body
+        self.hide("hide_viewport")
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "scene.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            bpy.ops.wm.open_mainfile(filepath=path)
+        for frame, positions in expected.items():
+            sleeve.at(frame)
+            np.testing.assert_allclose(solved_body(bpy.data.objects["Sleeve"]).positions, positions, atol=1e-6)
+
+
+class Rendered(unittest.TestCase):
+
+    def seen_in(self, render: Callable[[], object]) -> dict[float, np.ndarray]:
+        """Positions of the body by frame, as they are read while something renders."""
+        found, read = {}, bodies.read
+
+        def spy(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body:
+            body = read(obj, evaluated, depsgraph)
+            if depsgraph.mode == "RENDER":
+                found[float(depsgraph.scene.frame_current)] = body.positions
+            return body
+
+        with mock.patch.object(bodies, "read", spy):
+            render()
+        return found
+
+    def test_a_body_that_no_render_shows(self) -> None:
+        obj = shots.stage("CYCLES")
+        bpy.context.scene.cycles.samples = 1
+        body = sleeve.under(obj)
+        expected = {}
+        for frame in (3.0, 4.0, 5.0, 16.0):
+            sleeve.at(int(frame))
+            expected[frame] = posed(body)
+        obj.rumple.body = body
+        body.hide_viewport = body.hide_render = True
+        bpy.context.scene.frame_start = 3
+        for render, frames in ((lambda: shots.clip(3, 5), (3.0, 4.0, 5.0)), (lambda: shots.still(16), (16.0,))):
+            found = self.seen_in(render)
+            for frame in frames:
+                np.testing.assert_allclose(found[frame], expected[frame], atol=1e-6, err_msg=str(frame))
+        np.testing.assert_allclose(solved_body(obj).positions, expected[16.0], atol=1e-6)
+        self.assertEqual(obj.rumple.message, "")
+
+
+class Wrong(Worn):
+    """Said with the name of the object, and the last good picture stays."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        sleeve.at(5)
+
+    def check_said(self, obj: bpy.types.Object, words: str, frame: int = 9) -> None:
+        before = registry.runtime(obj).picture
+        sleeve.at(frame)
+        self.assertRegex(obj.rumple.message, f"^{obj.name}: .*{words}")
+        self.assertIs(registry.runtime(obj).picture, before)
+
+    def check_right(self, obj: bpy.types.Object, frame: int = 10) -> None:
+        sleeve.at(frame)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertEqual(registry.runtime(obj).inputs.frame, float(frame))
+
+    def test_no_faces(self) -> None:
+        self.body.data.clear_geometry()
+        self.obj.rumple.body = self.body
+        self.check_said(self.obj, "body Human has no faces")
+        self.obj.rumple.body = None
+        self.check_right(self.obj)
+
+    def test_not_finite(self) -> None:
+        self.body.modifiers.clear()
+        self.body.data.vertices[7].co.y = self.body.data.vertices[9].co.z = math.nan
+        self.obj.rumple.body = self.body
+        self.check_said(self.obj, "vertex 7 of its body Human is not finite")
+        self.body.data.vertices[7].co.y = self.body.data.vertices[9].co.z = 0.0
+        self.check_right(self.obj)
+
+    def test_the_garment_itself(self) -> None:
+        self.assertFalse(bodies.can_be_body(sleeve.carrier(self.obj)))
+        self.obj.rumple.body = self.obj
+        self.check_said(self.obj, "worn over itself")
+        self.obj.rumple.body = None
+        self.check_right(self.obj)
+        self.obj.rumple.body_collection = group = bpy.data.collections.new("All")
+        bpy.context.scene.collection.children.link(group)
+        group.objects.link(self.obj)
+        self.check_said(self.obj, "worn over itself")
+
+    def wrinkled(self) -> bpy.types.Object:
+        other = sleeve.under(self.obj, "Other")
+        sleeve.make_active(other)
+        other.rumple.mesh.density, other.rumple.mesh.level = "LEVEL", 1
+        bpy.ops.object.rumple_add(method="MESH")
+        other.rumple.body = None
+        sleeve.at(6)
+        return other
+
+    def test_two_garments_over_one_another(self) -> None:
+        other = self.wrinkled()
+        self.obj.rumple.body = other
+        self.check_right(self.obj, 7)
+        other.rumple.body = self.obj
+        self.check_said(self.obj, "Other is worn over Sleeve in turn")
+        self.check_right(other)
+        self.assertEqual(modifier.bodies(modifier.find(self.obj)), (None, None))
+        other.rumple.body = None
+        self.check_right(self.obj, 11)
+        self.assertEqual(modifier.bodies(modifier.find(self.obj)), (other, None))
+
+    def test_a_garment_comes_after_what_it_is_worn_over(self) -> None:
+        other = self.wrinkled()
+        order = [obj.name for obj, _ in bodies.in_order(list(modifier.wrinkled_objects()))]
+        self.assertEqual(order, ["Other", "Sleeve"])
+        other.rumple.body = self.obj
+        order = [obj.name for obj, _ in bodies.in_order(list(modifier.wrinkled_objects()))]
+        self.assertEqual(order, ["Sleeve", "Other"])
+
+    def test_a_deleted_body_is_none(self) -> None:
+        for delete in (lambda: bpy.data.objects.remove(self.body), bpy.ops.object.delete):
+            self.obj.rumple.body = self.body
+            self.check_place(8)
+            sleeve.make_active(self.body)
+            delete()
+            self.check_right(self.obj, 12)
+            sleeve.at(13)
+            self.assertIsNone(solved_body(self.obj))
+            self.assertEqual(modifier.bodies(modifier.find(self.obj)), (None, None))
+            self.assertIsNone(self.obj.rumple.body)
+            self.body = sleeve.under(self.obj)
+
+
+class OlderTree(Worn):
+
+    def test_it_gets_the_inputs_and_modifiers_keep_theirs(self) -> None:
+        group = modifier.find(self.obj).node_group
+        carrier = sleeve.carrier(self.obj)
+        self.make_older(group)
+        self.assertFalse(modifier.can_name_bodies(modifier.find(self.obj)))
+        structure.settle_all()
+        self.assertEqual(sleeve.carrier(self.obj), carrier)
+        self.body.hide_viewport = True
+        self.obj.rumple.body = self.body
+        sleeve.at(12)
+        self.assertEqual(modifier.bodies(modifier.find(self.obj)), (self.body, None))
+        self.assertGreater(np.abs(solved_body(self.obj).positions - versions.positions(self.body.data)).max(), 0.1)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def make_older(self, group: bpy.types.NodeTree) -> None:
+        for name in (node_tree.BODY, node_tree.BODIES):
+            if hasattr(group, "interface"):
+                group.interface.remove(group.interface.items_tree[name])
+            else:
+                group.inputs.remove(group.inputs[name])
+        group[node_tree.VERSION_KEY] = 4
+
+    def test_linked_it_cannot_be_upgraded_and_that_is_said(self) -> None:
+        self.make_older(modifier.find(self.obj).node_group)
+        with mock.patch.object(node_tree, "upgrade", return_value=False):
+            sleeve.at(12)
+            self.assertEqual(self.obj.rumple.message, "")
+            self.obj.rumple.body = self.body
+            sleeve.at(13)
+            self.assertRegex(self.obj.rumple.message, "^Sleeve: its node group is linked from a file of an older")
+            self.assertEqual(registry.runtime(self.obj).inputs.frame, 12.0)
+
+
+class Connected(Worn):
+
+    def test_what_no_modifier_names_yet_is_not_read(self) -> None:
+        self.obj.rumple.body = self.body
+        self.body.hide_viewport = True
+        sleeve.at(3)
+        modifier.set_bodies(modifier.find(self.obj), None, None)  # as an undo may leave it
+        sleeve.at(12)
+        self.assertEqual(registry.runtime(self.obj).inputs.frame, 3.0)
+        sleeve.at(13)
+        found = solved_body(self.obj).positions
+        self.body.hide_viewport = False
+        self.check_place(13)
+        np.testing.assert_array_equal(solved_body(self.obj).positions, found)
+
+
+class Baked(Worn):
+
+    def test_another_body_makes_the_clip_stale_and_shape_keys_know_it(self) -> None:
+        self.obj.rumple.body = self.body
+        self.obj.rumple.bake_end = 3
+        with tempfile.TemporaryDirectory() as folder:
+            bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "scene.blend"))
+            bpy.ops.object.rumple_bake()
+            self.assertEqual(bake_state.check(self.obj, sleeve.carrier(self.obj)), "")
+            self.obj.rumple.body = None
+            self.assertIn("bodies changed since the bake", bake_state.check(self.obj, sleeve.carrier(self.obj)))
+            sleeve.at(2)
+            self.assertIn("bodies changed", self.obj.rumple.message)
+            self.obj.rumple.body = self.body
+            sleeve.at(3)
+            self.assertEqual(self.obj.rumple.message, "")
+            bpy.ops.object.rumple_bake_free()
+        bpy.ops.object.rumple_bake_shape_keys(start=1, end=3)
+        self.check_place(2)
+
+
+class Linked(unittest.TestCase):
+
+    def test_an_override_gets_a_body_of_the_shot(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            self.addCleanup(sleeve.empty_file)
+            library = os.path.join(folder, "character.blend")
+            obj = sleeve.scene()
+            group = bpy.data.collections.new("Character")
+            bpy.context.scene.collection.children.link(group)
+            for member in (obj, bpy.data.objects["Arm"]):
+                bpy.context.scene.collection.objects.unlink(member)
+                group.objects.link(member)
+            bpy.ops.wm.save_as_mainfile(filepath=library)
+            scene = sleeve.empty_file()
+            with bpy.data.libraries.load(library, link=True) as (_, wanted):
+                wanted.collections = ["Character"]
+            scene.collection.children.link(wanted.collections[0])
+            bpy.context.view_layer.update()
+            wanted.collections[0].override_hierarchy_create(scene, bpy.context.view_layer, do_fully_editable=True)
+            mesh = sleeve.tube("Prop")
+            prop = bpy.data.objects.new("Prop", mesh)
+            scene.collection.objects.link(prop)
+            prop.hide_viewport = True
+            self.check(prop)
+            path = os.path.join(folder, "shot.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            bpy.ops.wm.open_mainfile(filepath=path)
+            self.check(None)
+
+    def check(self, prop: bpy.types.Object | None) -> None:
+        """prop: to be set."""
+        obj = next(o for o in bpy.data.objects if o.library is None and modifier.find(o) and o.users_collection)
+        if prop is not None:
+            obj.rumple.body = prop
+        for frame in (3, 4, 12):
+            sleeve.at(frame)
+        self.assertEqual(obj.rumple.message, "")
+        np.testing.assert_allclose(solved_body(obj).positions, versions.positions(bpy.data.meshes["Prop"]), atol=1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The first click finds what a garment is worn over."""
+from __future__ import annotations
+
+import unittest
+
+import bpy
+import sleeve
+from mathutils import Euler, Matrix
+from rumple.blender import registry
+
+
+class FirstClick(unittest.TestCase):
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene(wrinkles=False)
+        self.obj.data.flip_normals()
+
+    def found(self) -> str:
+        sleeve.make_active(self.obj)
+        self.obj.rumple.mesh.density, self.obj.rumple.mesh.level = "LEVEL", 1
+        bpy.ops.object.rumple_add(method="MESH")
+        return self.obj.rumple.body.name if self.obj.rumple.body is not None else ""
+
+    def test_the_body_among_clothes_and_props(self) -> None:
+        sleeve.under(self.obj, "Human")
+        sleeve.under(self.obj, "Another Shirt", 0.9)
+        sleeve.under(self.obj, "Zz Shirt", 0.85)
+        sleeve.under(self.obj, "Jacket", 1.2)
+        sleeve.under(self.obj, "Far").data.transform(Matrix.Translation((0, 3, 0)))
+        self.assertEqual(self.found(), "Human")
+        sleeve.at(4)
+        self.assertIsNotNone(registry.runtime(self.obj).inputs.body)
+
+    def test_nothing_under_it_is_none(self) -> None:
+        sleeve.under(self.obj, "Jacket", 1.2)
+        sleeve.under(self.obj, "Far").data.transform(Matrix.Translation((0, 3, 0)))
+        apart = sleeve.under(self.obj, "Unskinned")
+        apart.modifiers.clear()
+        self.assertEqual(self.found(), "")
+
+    def test_another_garment_is_better_than_nothing(self) -> None:
+        sleeve.under(self.obj, "Shirt", 0.9)
+        self.assertEqual(self.found(), "Shirt")
+
+    def test_placed_alike(self) -> None:
+        body = sleeve.under(self.obj)
+        matrix = Matrix.LocRotScale((1, 2, 3), Euler((0.4, 1.0, 0.2)), (-2.0, 2.0, 2.0))
+        for obj in (self.obj, body):
+            obj.data.transform(matrix.inverted())
+            obj.data.flip_normals()  # mirrored by both
+            obj.matrix_world = matrix
+        self.assertEqual(self.found(), "Human")
+
+    def test_by_the_parent(self) -> None:
+        body = sleeve.under(self.obj)
+        body.modifiers.clear()
+        body.parent = bpy.data.objects["Arm"]
+        self.assertEqual(self.found(), "Human")
+
+    def test_what_was_set_stays(self) -> None:
+        sleeve.under(self.obj)
+        other = sleeve.under(self.obj, "Other")
+        self.obj.rumple.body = other
+        self.assertEqual(self.found(), "Other")
+        bpy.ops.object.rumple_remove()
+        self.obj.rumple.body = None
+        self.assertEqual(self.found(), "")
+
+
+if __name__ == "__main__":
+    unittest.main()
