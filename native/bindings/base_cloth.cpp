@@ -129,6 +129,8 @@ void bind_base_cloth(py::module_& module) {
         "(n,) float32: how firmly every vertex follows the animation, 0 to 1: collars, waistbands and cuffs, "
         "found\n"
         "from the open borders at rest. up: unit, object space.");
+    module.def("count_openings", &count_openings, py::arg("surface"),
+               "Open borders that are not the outline of a sheet: a shirt has four, a head one.");
     py::class_<Paint>(module, "BaseClothPaint", "Painted factors.")
         .def(py::init(&make_paint), py::arg("model"), py::arg("painted") = py::dict(),
              "painted: follow, room -> (n,) float32, 0..1; other names are left alone.");

@@ -15,6 +15,13 @@ GRAVITY = 9.81  # m/s^2
 DOLL, GIANT = 0.4, 3.0  # metres, diagonal of a garment: smaller and larger ones hang as these do, to scale
 
 
+def size_factor(diagonal: float, unit_scale: float) -> float:
+    """By how much lengths of cloth differ from those on a person. diagonal: of the garment's bounding box, object
+    units."""
+    size = diagonal * unit_scale
+    return size / min(max(size, DOLL), GIANT) if size > 0.0 else 1.0
+
+
 @dataclass
 class ClothFrame:
     """The base cloth of one frame: what lies on it is solved over this."""
@@ -37,8 +44,7 @@ class BaseCloth:
         """surface: native, at rest. diagonal: of its bounding box, object units. unit_scale: metres per object unit."""
         self.surface, self.unit_scale = surface, unit_scale
         self.model = native.load().build_base_cloth(surface)
-        size = diagonal * unit_scale
-        self.size_factor = size / min(max(size, DOLL), GIANT) if size > 0.0 else 1.0
+        self.size_factor = size_factor(diagonal, unit_scale)
         self._collider: tuple[np.ndarray, Any] | None = None
         self._paint: Any = None
         self._painted: dict[str, np.ndarray] | None = None
@@ -62,6 +68,12 @@ class BaseCloth:
             self._collider = body.triangles, native.load().Collider(body.positions, body.triangles)
         return self._collider[1]
 
+    def follow(self, object_from_world: np.ndarray) -> np.ndarray:
+        """(n,) float32: how firmly every vertex follows the animation where nothing is painted."""
+        up = object_from_world @ np.array((0.0, 0.0, 1.0))
+        length = float(np.linalg.norm(up))
+        return native.load().suggest_follow(self.surface, tuple(up / length if length > 0.0 else (0.0, 0.0, 1.0)))
+
     def thickness(self, settings: ClothSettings) -> float:
         """Of the cloth, object units."""
         return settings.thickness / self.unit_scale
@@ -69,10 +81,7 @@ class BaseCloth:
     def _take_paint(self, paint: dict[str, np.ndarray], object_from_world: np.ndarray) -> None:
         values = dict(paint)
         if "follow" not in values:
-            up = object_from_world @ np.array((0.0, 0.0, 1.0))
-            length = float(np.linalg.norm(up))
-            values["follow"] = native.load().suggest_follow(
-                self.surface, tuple(up / length if length > 0.0 else (0.0, 0.0, 1.0)))
+            values["follow"] = self.follow(object_from_world)
         self._paint, self._painted = native.load().BaseClothPaint(self.model, values), paint
 
     def _native_settings(self, settings: ClothSettings, object_from_world: np.ndarray) -> Any:

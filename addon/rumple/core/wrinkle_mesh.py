@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from .. import native
-from .cloth import BaseCloth, ClothFrame
+from .cloth import BaseCloth, ClothFrame, size_factor
 from .engine import MOST_VERTICES, BaseMesh, Moment, Picture, Refused, Wrinkles, checked_surface
-from .settings import MeshSettings
+from .settings import ClothSettings, MeshSettings
 
 MOST_LEVEL = 5
 MOST_PLAYABLE = 60_000  # solved vertices that still play live on a few cores
@@ -45,6 +45,33 @@ def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
         level -= 1
     wavelength = wavelength_of(base, level, unit_scale)
     return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
+
+
+CLOTH_WAVELENGTH = 0.04  # metres: the finest folds of a cotton garment that an adult wears
+LEAST_OPENINGS = 2  # of a garment: a head has one
+
+
+def suits_cloth(base: BaseMesh) -> bool:
+    """Whether a mesh looks like a garment by its shape: it has openings to put it on through."""
+    try:
+        return native.load().count_openings(base.surface(True)) >= LEAST_OPENINGS
+    except ValueError:
+        return False  # what is wrong with it is said where it is built
+
+
+def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
+    """Settings of a garment that becomes cloth: folds as wide as the fabric and the wearer's size make them, lengths
+    in metres. Two significant digits."""
+    scale = size_factor(base.diagonal(), unit_scale)
+    finest = max(CLOTH_WAVELENGTH * scale, fitting_wavelength(base, unit_scale) if is_dense(base) else 0.0)
+    return dict(base_cloth="HANG", layers="CLOTH", wavelength=float(f"{finest:.2g}"),
+                room=float(f"{ClothSettings.room * scale:.2g}"),
+                thickness=float(f"{ClothSettings.thickness * scale:.2g}"))
+
+
+def is_dense(base: BaseMesh) -> bool:
+    """Whether a mesh is too dense to be subdivided twice and still play."""
+    return 4 * len(base.corner_vertex) > MOST_PLAYABLE
 
 
 @dataclass
@@ -190,14 +217,20 @@ class WrinkleMesh(Wrinkles):
             **contact)
         return OnCloth(cloth, state), MeshReport(cloth.report if cloth is not None else None, reports)
 
-    def _hang(self, settings: MeshSettings, positions: np.ndarray, before: ClothFrame | None,
-              moment: Moment) -> ClothFrame:
+    def _base_cloth(self) -> BaseCloth:
         if self._cloth is None:
             self._cloth = BaseCloth(self._surface, self.base.diagonal(), self.unit_scale)
-        object_from_world = np.eye(3)
-        if moment.world_from_object is not None and abs(np.linalg.det(moment.world_from_object)) > 1e-12:
-            object_from_world = np.linalg.inv(moment.world_from_object.astype(np.float64))
-        return self._cloth.solve(positions, settings, self._cloth_paint, object_from_world, moment.body, before)
+        return self._cloth
+
+    def _hang(self, settings: MeshSettings, positions: np.ndarray, before: ClothFrame | None,
+              moment: Moment) -> ClothFrame:
+        return self._base_cloth().solve(positions, settings, self._cloth_paint,
+                                        _inverse(moment.world_from_object), moment.body, before)
+
+    def suggested_follow(self, world_from_object: np.ndarray) -> np.ndarray:
+        """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
+        from. world_from_object: (3, 3)."""
+        return self._base_cloth().follow(_inverse(world_from_object))
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
         if not isinstance(state, OnCloth):
@@ -210,6 +243,13 @@ class WrinkleMesh(Wrinkles):
                                                 moment.world_from_object)
         native.load().embed_frame(self._surface, self.model.shown, positions, shown)
         return Picture.of(shown)
+
+
+def _inverse(world_from_object: np.ndarray | None) -> np.ndarray:
+    """(3, 3) float64; that of an object without a size is the identity."""
+    if world_from_object is None or abs(np.linalg.det(world_from_object)) < 1e-12:
+        return np.eye(3)
+    return np.linalg.inv(world_from_object.astype(np.float64))
 
 
 def native_settings(settings: MeshSettings) -> Any:
