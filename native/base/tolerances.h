@@ -112,4 +112,7 @@ inline constexpr float kStillCloth = 3e-4f;
 // Unit: room of the base cloth. Nearer to the inner surface than this, a vertex rests on it.
 inline constexpr float kTouching = 1e-2f;
 
+// Unit: metres. A point so near to a body lies on it: the way there is a rounding, and has no direction.
+inline constexpr float kOnBody = 1e-5f;
+
 }  // namespace rumple

@@ -195,7 +195,6 @@ Result solve(const Model& model, const Settings& settings, const Paint& paint,
             out.report.moved = newton_step({model, settings, pose, planes}, x, out.report);
             look_for_contacts(model, pose, x, out.state.contact_hint, planes);
         }
-        for (size_t v = 0; v < vertices; ++v) project(pose, planes[v], v, x[v]);
     }
     for (size_t v = 0; v < vertices; ++v) {
         out.state.offset.push_back(held ? before->offset[v]
@@ -204,6 +203,9 @@ Result solve(const Model& model, const Settings& settings, const Paint& paint,
     out.state.length = held ? before->length : pose.length;
     out.state.clearance = held ? before->clearance : pose.clearance;
     out.state.moved = out.report.moved;
+    // The state keeps the equilibrium: what went on from a projected one would leave its balance in every
+    // frame.
+    for (size_t v = 0; v < vertices; ++v) project(pose, planes[v], v, x[v]);
     describe(model, settings, pose, x, planes, out);
     for (size_t v = 0; v < model.surface.welded_of.size(); ++v) {
         const Index welded = model.surface.welded_of[v];

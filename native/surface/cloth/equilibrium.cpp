@@ -47,6 +47,7 @@ struct Hessian {
     };
     struct Vertex {
         float back;     // times identity
+        Vec3 wall;      // times itself: the pull back grows along the way
         float contact;  // times normal x normal
     };
     std::vector<Spring> springs;
@@ -65,9 +66,11 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
         const float contact = inward > 0.0f ? model.area[v] * std::max(kContact, pose.follow[v]) : 0.0f;
         out[v] = model.area[v] * settings.gravity - back * away + contact * inward * planes[v].normal;
         if (!hessian) continue;
-        hessian->vertices[v] = {back, contact};
-        hessian->inverse_diagonal[v] =
-            glm::mat3(back) + contact * glm::outerProduct(planes[v].normal, planes[v].normal);
+        const float growth = 4.0f * model.area[v] * pose.follow[v] * kWall * share;
+        const Vec3 wall = share > 0.0f ? std::sqrt(growth) / pose.room[v] * away : Vec3(0.0f);
+        hessian->vertices[v] = {back, wall, contact};
+        hessian->inverse_diagonal[v] = glm::mat3(back) + glm::outerProduct(wall, wall) +
+                                       contact * glm::outerProduct(planes[v].normal, planes[v].normal);
     }
     for (size_t s = 0; s < model.springs.size(); ++s) {
         const auto& [a, b, rest, weight, diagonal] = model.springs[s];
@@ -94,9 +97,9 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
 
 void multiply(const Cloth& cloth, const Hessian& hessian, std::span<const Vec3> p, std::span<Vec3> out) {
     for (size_t v = 0; v < p.size(); ++v) {
-        const auto& [back, contact] = hessian.vertices[v];
+        const auto& [back, wall, contact] = hessian.vertices[v];
         const Vec3& n = cloth.planes[v].normal;
-        out[v] = back * p[v] + contact * glm::dot(n, p[v]) * n;
+        out[v] = back * p[v] + glm::dot(wall, p[v]) * wall + contact * glm::dot(n, p[v]) * n;
     }
     for (size_t s = 0; s < hessian.springs.size(); ++s) {
         const Model::Spring& spring = cloth.model.springs[s];

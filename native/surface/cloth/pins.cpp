@@ -146,7 +146,8 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
 
 Index count_openings(const Surface& surface) {
     Index parts = 0;
-    const std::vector<Index> part = connected(surface, [](const Edge&) { return true; }, parts);
+    const std::vector<Index> part = connected(
+        surface, [](const Edge&) { return true; }, parts);
     const std::vector<float> diagonal = diagonals(surface, part, parts);
     Index count = 0;
     for (const Border& border : collect_borders(surface, part, Vec3(0.0f)))

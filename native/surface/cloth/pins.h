@@ -16,7 +16,8 @@ namespace rumple {
 // Cost: O(edges log edges).
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up);
 
-// How many openings a garment has: open borders that are not the outline of a sheet. A shirt has four, a head one.
+// How many openings a garment has: open borders that are not the outline of a sheet. A shirt has four, a head
+// one.
 Index count_openings(const Surface& surface);
 
 }  // namespace rumple

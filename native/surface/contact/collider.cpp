@@ -196,7 +196,7 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
     const Vec3 to = p - contact.point;
     const float length = std::sqrt(glm::dot(to, to));
     contact.distance = glm::dot(to, contact.normal);
-    const float cosine = length > kShortestEdge ? std::abs(contact.distance) / length : 1.0f;
+    const float cosine = (std::abs(contact.distance) + kOnBody) / (length + kOnBody);
     contact.weight = std::clamp((cosine - kBeside) / (kAbove - kBeside), 0.0f, 1.0f);
     return contact;
 }
