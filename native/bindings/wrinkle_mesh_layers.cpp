@@ -76,6 +76,10 @@ void bind_wrinkle_mesh_layers(py::module_& module) {
         .def_property_readonly(
             "shown", [](const Layers& m) -> const ShownMesh& { return m.shown; },
             py::return_value_policy::reference_internal, "The ShownMesh.")
+        .def_property_readonly(
+            "finest_triangles",
+            [](const Layers& m) { return to_numpy<Index>(m.layers.back()->triangles, 3); },
+            "(t, 3) int32: of the vertices of WrinkleLayersState.solved.")
         .def_property_readonly("count", [](const Layers& m) { return m.layers.size(); })
         .def_property_readonly(
             "solved_vertex_count",
@@ -105,6 +109,9 @@ void bind_wrinkle_mesh_layers(py::module_& module) {
              "those in strength: for every layer the name of what scales its radius.");
     py::class_<LayersState>(module, "WrinkleLayersState", "What lives from frame to frame.")
         .def("woken", [](const LayersState& s) { return woken(s); })
+        .def_property_readonly(
+            "solved", [](const LayersState& s) { return to_numpy(s.solved); },
+            "(v, 3) float32: the finest layer, object space.")
         .def(
             "offset", [](const LayersState& s, size_t k) { return to_numpy(s.layers.at(k).offset); },
             py::arg("layer"))

@@ -118,8 +118,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         about = obj.rumple
         if not about.is_property_set("body") and not about.is_property_set("body_collection"):
             found = body_search.find(obj, context.scene)
-            if found is not None:
-                about.body = found
+            if found.body is not None:
+                about.body = found.body
+            if found.garments:
+                about.body_collection = bpy.data.collections.new(f"{obj.name} Is Worn Over")
+                for garment in found.garments:
+                    about.body_collection.objects.link(garment)
 
     def _report(self, obj: bpy.types.Object, ours: bpy.types.Modifier) -> None:
         changer = modifier.topology_changer_before(obj)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import native
+from .body import Body
 from .cloth import BaseCloth, ClothFrame, size_factor
 from .engine import MOST_VERTICES, BaseMesh, Moment, Picture, Refused, Wrinkles, checked_surface
 from .settings import ClothSettings, MeshSettings
@@ -133,7 +134,7 @@ class WrinkleMesh(Wrinkles):
         mesh.layer_count = level + 1 if settings.layered else 0
         edges = model.local_edge(level) if settings.layered else model.local_edge
         mesh.edge_mean, mesh.level = float(edges.mean()) * unit_scale, level
-        mesh._surface, mesh._cloth = surface, None
+        mesh._surface, mesh._cloth, mesh._finest = surface, None, None
         return mesh
 
     @staticmethod
@@ -167,6 +168,16 @@ class WrinkleMesh(Wrinkles):
             return None
         return native.load().measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
                                                   entry.state)
+
+    def worn_surface(self, frame: float) -> Body | None:
+        """What another garment lies on: the cloth of a stored frame, object space. None where it is not stored or has
+        no layers."""
+        state = self.state_of(frame)
+        if not isinstance(state, OnCloth) or not self.layer_count:
+            return None
+        if self._finest is None:
+            self._finest = self.model.finest_triangles
+        return Body(state.wrinkles.solved, self._finest)
 
     def _reads_world(self, settings: MeshSettings) -> bool:
         return settings.offset_space == "WORLD" or settings.base_cloth != "OFF"
