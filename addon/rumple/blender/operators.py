@@ -11,8 +11,8 @@ import bpy
 from .. import native
 from ..core.presets import touched
 from ..core.systems import SYSTEMS
-from . import bodies, body_search, cloth_defaults, field_nodes, mesh_io, modifier, node_tree, path_curves, preview, properties, \
-    registry, structure, versions
+from . import bodies, body_search, cloth_defaults, field_nodes, mesh_io, modifier, node_tree, path_curves, preview, \
+    properties, registry, structure, versions
 
 # No method of its own: it may stand beside the wrinkles that its maps are baked from.
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")

@@ -257,7 +257,8 @@ def _add_maps_button(layout: bpy.types.UILayout) -> None:
         layout.operator("rumple.maps_add", icon="ARMATURE_DATA")
 
 
-CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT_rumple_body, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
+CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT_rumple_body,
+           DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
            *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, rest_panel.DATA_PT_rumple_rest,
            DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
            DATA_PT_rumple_bake, DATA_PT_rumple_status)
