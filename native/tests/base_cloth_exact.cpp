@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The base cloth in cases that are worked out by hand: figures 6 and 7 of Mueller and Chentanez 2010, a strip that
-// hangs, a sheet that floats.
+// The base cloth in cases that are worked out by hand: figures 6 and 7 of Mueller and Chentanez 2010, a strip
+// that hangs, a sheet that floats.
 #include <gtest/gtest.h>
 
 #include "tests/base_cloth_rig.h"
@@ -22,10 +22,11 @@ Settings nothing_but_springs() {
 }
 
 // ---------------------------------------------------------------- figure 6
-// One equilateral triangle of side L, animated to the size f L. By symmetry it comes to rest as an equilateral
-// triangle of side l. Its area A is on its three sides, 2 A / 3 on each: the weight of a side is w = 2 A / (3 L^2).
-// A corner has an area of A / 3 and is (f L - l) / sqrt 3 from its animated place. Two sides pull it inwards, each by
-// w T(l) cos 30:  sqrt 3 w T(l) = A / 3 F (f L - l) / sqrt 3, or  T(l) = F L^2 / 6 (f L - l).
+// One equilateral triangle of side L, animated to the size f L. By symmetry it comes to rest as an
+// equilateral triangle of side l. Its area A is on its three sides, 2 A / 3 on each: the weight of a side is
+// w = 2 A / (3 L^2). A corner has an area of A / 3 and is (f L - l) / sqrt 3 from its animated place. Two
+// sides pull it inwards, each by w T(l) cos 30:  sqrt 3 w T(l) = A / 3 F (f L - l) / sqrt 3, or  T(l) = F L^2
+// / 6 (f L - l).
 constexpr float kSide = 0.2f;
 
 float side_at_rest(const Settings& settings, float factor) {
@@ -121,8 +122,9 @@ TEST(BaseClothExact, SmoothingPullsToTheAnimatedLength) {
 }
 
 // ---------------------------------------------------------------- hanging
-// A strip one square wide. Every square of the area A = L^2 has A / 2 on each of its sides along the strip: w = 1/2.
-// Its diagonal gives three of the six thirds of two triangles to the corners that it joins.
+// A strip one square wide. Every square of the area A = L^2 has A / 2 on each of its sides along the strip: w
+// = 1/2. Its diagonal gives two triangles' thirds to the corners that it joins, and one to each of the
+// others.
 TEST(BaseClothExact, AHangingStripStretchesByTheWeightBelow) {
     constexpr Index kSquares = 8;
     constexpr float kLength = 0.05f;
@@ -152,7 +154,8 @@ TEST(BaseClothExact, AHangingStripStretchesByTheWeightBelow) {
     }
     // The pins hold it all: ten thousand times the follow, on the area of the two corners.
     const double sunk[2] = {hanging[0].z - result.positions[0].z, hanging[1].z - result.positions[1].z};
-    EXPECT_NEAR(area / 3.0 * sunk[0] + area / 6.0 * sunk[1], 9.81 * area * kSquares / 1e4, 0.01 * 9.81 * area * 8e-4);
+    EXPECT_NEAR(area / 3.0 * sunk[0] + area / 6.0 * sunk[1], 9.81 * area * kSquares / 1e4,
+                0.01 * 9.81 * area * 8e-4);
 }
 
 // Every vertex alike: gravity against the pull back, that grows towards the edge of the room.
@@ -166,8 +169,7 @@ TEST(BaseClothExact, AFloatingSheetSinksByGravityOverFollow) {
     s.follow = 120.0f;
     const Result result = garment.solve(s, mesh.positions);
     double d = 9.81 / s.follow;  // d (1 + 15 (d / R)^4) = g / F
-    for (int i = 0; i < 200; ++i)
-        d += 0.2 * (9.81 / s.follow - d * (1.0 + 15.0 * std::pow(d / s.room, 4.0)));
+    for (int i = 0; i < 200; ++i) d += 0.2 * (9.81 / s.follow - d * (1.0 + 15.0 * std::pow(d / s.room, 4.0)));
     for (size_t v = 0; v < mesh.positions.size(); ++v)
         EXPECT_LT(glm::distance(result.positions[v], mesh.positions[v] - Vec3(0, 0, d)), 2e-5f);
 }
@@ -207,7 +209,8 @@ TEST(BaseClothExact, WeakCompressionIsCompressedWhereStiffBuckles) {
     EXPECT_NEAR(weak.shortening, 0.1f, 0.005f);
     EXPECT_LT(weak.height, 0.0015f);
     EXPECT_LT(stiff.shortening, 0.02f);
-    EXPECT_GT(stiff.height, 0.004f);  // nothing resists bending: a zigzag of squares of 2 cm, half of 2 cm sin 26
+    EXPECT_GT(stiff.height,
+              0.004f);  // nothing resists bending: a zigzag of squares of 2 cm, half of 2 cm sin 26
 }
 
 }  // namespace

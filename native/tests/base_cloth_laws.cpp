@@ -122,7 +122,8 @@ TEST(BaseClothLaws, TheSameInputGivesTheSameBits) {
 std::vector<Points> free_poses(const Garment& garment) {
     std::vector<Points> poses{garment.mesh.positions, garment.crumpled(1.0f, 0.5f, 0.0f)};
     const bool flat = garment.mesh.positions.back().z == 0.0f;
-    if (flat) poses.insert(poses.end(), {garment.crumpled(0.8f, 2.0f, 0.3f), garment.crumpled(0.7f, 2.5f, 0.3f)});
+    if (flat)
+        poses.insert(poses.end(), {garment.crumpled(0.8f, 2.0f, 0.3f), garment.crumpled(0.7f, 2.5f, 0.3f)});
     return poses;
 }
 
@@ -212,7 +213,8 @@ TEST(BaseClothLaws, NothingLeavesItsRoom) {
         for (const Points& pose : {mesh.positions, garment.crumpled(0.7f, 2.0f, 0.5f)}) {
             result = garment.solve(settings, pose, &result.state, paint);
             for (size_t v = 0; v < pose.size(); ++v) {
-                const float way = glm::distance(result.positions[v], pose[v]), room = settings.room * paint.room[v];
+                const float way = glm::distance(result.positions[v], pose[v]),
+                            room = settings.room * paint.room[v];
                 ASSERT_LE(way, room + 1e-6f) << v;
                 reached = std::max(reached, way / room);
             }

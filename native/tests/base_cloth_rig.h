@@ -20,8 +20,7 @@ struct Garment {
     MeshData mesh;
     std::shared_ptr<const base_cloth::Model> model;
 
-    explicit Garment(MeshData data)
-        : mesh(std::move(data)), model(base_cloth::build(tests::build(mesh))) {}
+    explicit Garment(MeshData data) : mesh(std::move(data)), model(base_cloth::build(tests::build(mesh))) {}
 
     base_cloth::Result solve(const base_cloth::Settings& settings, const Points& pose,
                              const base_cloth::State* state = nullptr, const base_cloth::Paint& paint = {},
@@ -78,8 +77,8 @@ inline double spring_energy(const base_cloth::Settings& s, bool diagonal, double
            (double(s.folded) - double(s.compression)) * half_square(folded);
 }
 
-// The energy of cloth that touches nothing, with nothing painted: springs, smoothing, follow, gravity. x, animated:
-// per vertex (a mesh without seams).
+// The energy of cloth that touches nothing, with nothing painted: springs, smoothing, follow, gravity. x,
+// animated: per vertex (a mesh without seams).
 inline double energy(const base_cloth::Model& model, const base_cloth::Settings& s, const Points& animated,
                      const std::vector<glm::dvec3>& x) {
     double sum = 0.0;

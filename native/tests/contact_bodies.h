@@ -28,8 +28,8 @@ inline Body body_of(const MeshData& mesh) {
     return body;
 }
 
-// A sphere around the origin, of rings of triangles around z; every vertex moved outwards by up to `bumps` radii.
-// The lowest `open` rings are left out: a hole.
+// A sphere around the origin, of rings of triangles around z; every vertex moved outwards by up to `bumps`
+// radii. The lowest `open` rings are left out: a hole.
 inline Body sphere(Index rings, Index around, float radius, float bumps = 0.0f, Index open = 0) {
     Body body;
     const auto add = [&](double polar, double angle) {
@@ -49,7 +49,8 @@ inline Body sphere(Index rings, Index around, float radius, float bumps = 0.0f, 
     };
     for (Index j = 0; j < rings - open; ++j) {
         for (Index i = 0; i < around; ++i) {
-            if (j + 1 < rings || open > 0) body.triangles.push_back({at(j, i), at(j + 1, i), at(j + 1, i + 1)});
+            if (j + 1 < rings || open > 0)
+                body.triangles.push_back({at(j, i), at(j + 1, i), at(j + 1, i + 1)});
             if (j > 0) body.triangles.push_back({at(j, i), at(j + 1, i + 1), at(j, i + 1)});
         }
     }

@@ -74,8 +74,8 @@ TEST(ClosestWeights, APointOfTheTriangleIsItsOwn) {
     }
 }
 
-// Every triangle, one after the other: those that face away do not count, nor the edges of only one triangle and
-// their ends.
+// Every triangle, one after the other: those that face away do not count, nor the edges of only one triangle
+// and their ends.
 class BruteForce {
   public:
     BruteForce(const Body& body, const std::vector<Vec3>& positions) : body_(body), at_(positions) {
@@ -186,12 +186,13 @@ TEST(Collider, TheBorderOfAHoleNeverCounts) {
         Vec3 p(0.5f + 0.5f * random.next(), 1.0f + 0.05f * (1.0f + random.next()), 0.1f * random.next());
         if (i % 2) std::swap(p.x, p.y);
         if (i % 4 > 1) p = Vec3(1.0f - p.x, 1.0f - p.y, p.z);
-        // Farther on there may be a triangle whose nearest point does not lie on the border: it is no less beside.
+        // Farther on there may be a triangle whose nearest point does not lie on the border: it is no less
+        // beside.
         for (Index hint = kNone; hint < collider.triangle_count(); hint += 5) {
             const BodyContact contact = posed.closest(p, up, 0.5f, hint);
             if (contact.triangle == kNone) continue;
-            const float inwards = std::min({contact.point.x, contact.point.y, 1.0f - contact.point.x,
-                                            1.0f - contact.point.y});
+            const float inwards =
+                std::min({contact.point.x, contact.point.y, 1.0f - contact.point.x, 1.0f - contact.point.y});
             ASSERT_GT(inwards, 1e-5f) << p.x << ' ' << p.y;
         }
     }
@@ -262,7 +263,8 @@ struct Sheet {
         normals.resize(surface.welded.vertex_count);
         vertex_normals(surface, surface.positions_rest, normals);
     }
-    std::vector<float> over(const Body& body, const ClearanceSettings& settings, std::vector<Index>& hints) const {
+    std::vector<float> over(const Body& body, const ClearanceSettings& settings,
+                            std::vector<Index>& hints) const {
         const Collider collider = body.collider();
         const PosedCollider posed(collider, body.positions);
         return clearance(model, settings, surface.positions_rest, normals, &posed, hints);
@@ -304,7 +306,8 @@ TEST(Clearance, WithoutABodyIsUnknown) {
         EXPECT_NEAR(value, settings.unknown, 1e-7f);  // beyond the reach
 }
 
-// What is about to leave the reach fades: late, but without a jump. Ten times as fine steps are a tenth as high.
+// What is about to leave the reach fades: late, but without a jump. Ten times as fine steps are a tenth as
+// high.
 TEST(Clearance, ABodyThatLeavesTheReachFadesOut) {
     const Sheet sheet(plate(4, 0.02f, 0.0f));
     const ClearanceSettings settings;
