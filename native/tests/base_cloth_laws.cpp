@@ -246,6 +246,8 @@ TEST(BaseClothLaws, AStateOfAnotherMeshIsNotUsedAndBadInputIsNamed) {
     const Points& pose = garment.mesh.positions;
     const Result foreign = other.solve({}, other.mesh.positions);
     EXPECT_TRUE(equal_bits(garment.solve({}, pose, &foreign.state), garment.solve({}, pose)));
+    const Result large = garment.solve({}, pose);
+    EXPECT_TRUE(equal_bits(other.solve({}, other.mesh.positions, &large.state), foreign));
     expect_refused([&] { garment.solve({}, other.mesh.positions); }, {"positions", "49", "25"});
     Points bad = pose;
     bad[5].z = kNan;
