@@ -13,7 +13,8 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr float kPinned = 1e4f;  // follow of a pinned vertex, times that of a free one
+constexpr float kPinned = 1e4f;   // follow of a pinned vertex, times that of a free one
+constexpr int kContactEvery = 2;  // warm Newton steps between two looks for the nearest inner surface
 
 TriangleFrame tangent_frame(const Vec3& normal, const Vec3& towards) {
     TriangleFrame frame;
@@ -28,6 +29,19 @@ TriangleFrame tangent_frame(const Vec3& normal, const Vec3& towards) {
 
 float painted(const std::vector<float>& values, Index display_vertex, float unpainted) {
     return values.empty() ? unpainted : values[display_vertex];
+}
+
+void enclose_triangles(const Surface& surface, Pose& pose) {
+    pose.ball.reserve(surface.triangles.size());
+    for (const Triangle& triangle : surface.triangles) {
+        const auto at = [&](int k) -> const Vec3& {
+            return pose.inner[surface.welded.corner_vertex[triangle.corner[k]]];
+        };
+        const Vec3 centre = (at(0) + at(1) + at(2)) / 3.0f;
+        float square = 0.0f;
+        for (int k = 0; k < 3; ++k) square = std::max(square, glm::dot(at(k) - centre, at(k) - centre));
+        pose.ball.push_back({centre, std::sqrt(square)});
+    }
 }
 
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
@@ -55,6 +69,7 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     pose.clearance = clearance(model.clearance, settings.clearance, smooth, pose.normal, bodies, body_hint);
     for (size_t v = 0; v < vertices; ++v)
         pose.inner.push_back(pose.animated[v] - pose.clearance[v] * pose.normal[v]);
+    enclose_triangles(model.surface, pose);
     pose.length.reserve(model.springs.size());
     for (const Model::Spring& spring : model.springs)
         pose.length.push_back(glm::distance(pose.animated[spring.a], pose.animated[spring.b]));
@@ -82,6 +97,9 @@ Plane nearest_plane(const Model& model, const Pose& pose, const Vec3& p, Index& 
         from = best;
         for (Index k = model.near_start[from]; k < model.near_start[from + 1]; ++k) {
             const Index t = model.near_triangle[k];
+            const Vec3 from_centre = p - pose.ball[t].centre;
+            const float farther = std::sqrt(least) + pose.ball[t].radius;
+            if (glm::dot(from_centre, from_centre) > farther * farther) continue;
             const Vec3 w = weights_of(t);
             to = p - mix(t, w, pose.inner);
             const float squared = glm::dot(to, to);
@@ -193,7 +211,9 @@ Result solve(const Model& model, const Settings& settings, const Paint& paint,
         out.report.steps = before ? settings.steps : settings.start_steps;
         for (int i = 0; i < out.report.steps; ++i) {
             out.report.moved = newton_step({model, settings, pose, planes}, x, out.report);
-            look_for_contacts(model, pose, x, out.state.contact_hint, planes);
+            const int every = before ? kContactEvery : 1;
+            if (i % every == every - 1 || i + 1 == out.report.steps)
+                look_for_contacts(model, pose, x, out.state.contact_hint, planes);
         }
     }
     for (size_t v = 0; v < vertices; ++v) {

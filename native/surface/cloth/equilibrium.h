@@ -25,6 +25,11 @@ struct Pose {
     std::vector<Vec3> normal;
     std::vector<TriangleFrame> frame;  // tangent frames: rigid motion carries them along
     std::vector<Vec3> inner;           // the inner surface: what cloth stays outside of
+    struct Ball {
+        Vec3 centre;
+        float radius;
+    };
+    std::vector<Ball> ball;  // around every triangle of the inner surface
     std::vector<float> clearance;
     std::vector<float> length;  // of every spring
     std::vector<float> follow;  // 1/s^2

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Laws of the base cloth: what must hold on any mesh and in any pose.
+#include <gtest/gtest.h>
+
+#include "surface/attachments.h"
+#include "tests/base_cloth_rig.h"
+#include "tests/refusals.h"
+
+namespace rumple::tests {
+namespace {
+
+using namespace base_cloth;
+
+Settings weightless() {
+    Settings settings;
+    settings.gravity = Vec3(0.0f);
+    return settings;
+}
+
+Settings stiff_and_slack() {
+    Settings settings = without_contact();
+    settings.compression = 200.0f;
+    settings.slack = 1.05f;
+    return settings;
+}
+
+std::vector<MeshData> meshes() {
+    return {tube(16, 10, 0.1f, 0.5f), grid(9, 7, 0.04f), triangulated(tube(12, 8, 0.1f, 0.4f))};
+}
+
+TEST(BaseClothLaws, WithoutGravityRestStaysAtRest) {
+    for (const MeshData& mesh : meshes()) {
+        const Garment garment(mesh);
+        Result result = garment.solve(weightless(), mesh.positions);
+        EXPECT_LT(farthest(result.positions, mesh.positions), 1e-6f);
+        EXPECT_GT(result.report.steps, 0);
+        result = garment.solve(weightless(), mesh.positions, &result.state);
+        EXPECT_LT(farthest(result.positions, mesh.positions), 1e-6f);
+        EXPECT_EQ(result.report.taut, 0.0f);
+    }
+}
+
+TEST(BaseClothLaws, GravityMovesIt) {  // else the laws of rest say nothing
+    for (const MeshData& mesh : meshes()) {
+        const Garment garment(mesh);
+        const Result result = garment.solve({}, mesh.positions);
+        EXPECT_GT(farthest(result.positions, mesh.positions), 2e-3f);
+        EXPECT_FLOAT_EQ(result.report.offset_max, farthest(result.positions, mesh.positions));
+    }
+}
+
+Vec3 turned(const Vec3& p) {
+    const Vec3 axis = glm::normalize(Vec3(1, 2, 3));
+    const float angle = 1.1f;
+    return std::cos(angle) * p + std::sin(angle) * glm::cross(axis, p) +
+           (1.0f - std::cos(angle)) * glm::dot(axis, p) * axis;
+}
+
+// Also in crumpled poses, also where the cloth hardly resists compression.
+TEST(BaseClothLaws, RigidMotionCarriesTheClothAlong) {
+    const Vec3 shift(0.5f, -0.25f, 1.0f);
+    for (const float compression : {1.0f, 200.0f}) {
+        for (const Vec3& gravity : {Vec3(0.0f), Vec3(0.0f, 0.0f, -9.81f)}) {
+            Settings here;
+            here.gravity = gravity;
+            here.compression = compression;
+            Settings there = here;
+            there.gravity = turned(gravity);
+            for (const MeshData& mesh : meshes()) {
+                const Garment garment(mesh);
+                for (const Points& pose : {mesh.positions, garment.crumpled(0.93f, 1.5f, 0.05f)}) {
+                    Points moved = pose;
+                    for (Vec3& p : moved) p = turned(p) + shift;
+                    Result still = garment.solve(here, pose), anew = garment.solve(there, moved);
+                    if (gravity == Vec3(0.0f) || pose == mesh.positions) {
+                        EXPECT_LT(farthest(anew.state.offset, still.state.offset), 2e-5f);
+                    }
+                    ASSERT_GT(garment.settle(here, pose, still, {}, nullptr, 200), 0);
+                    ASSERT_GT(garment.settle(there, moved, anew, {}, nullptr, 200), 0);
+                    EXPECT_LT(farthest(anew.state.offset, still.state.offset), 1e-4f) << compression;
+                    // What is at rest is not solved again.
+                    const Result carried = garment.solve(there, moved, &still.state);
+                    EXPECT_EQ(carried.report.steps, 0);
+                    EXPECT_TRUE(equal_bits(carried.state.offset, still.state.offset));
+                    Points expected = still.positions;
+                    for (Vec3& p : expected) p = turned(p) + shift;
+                    EXPECT_LT(farthest(carried.positions, expected), 2e-6f);
+                }
+            }
+        }
+    }
+}
+
+TEST(BaseClothLaws, AHeldPoseComesToRestAndStaysToTheBit) {
+    for (const MeshData& mesh : meshes()) {
+        const Garment garment(mesh);
+        for (const Settings& settings : {weightless(), Settings{}}) {
+            for (const Points& pose : {mesh.positions, garment.crumpled(0.8f, 2.0f, 0.2f)}) {
+                Result result = garment.solve(settings, mesh.positions);
+                result = garment.solve(settings, pose, &result.state);
+                ASSERT_GT(garment.settle(settings, pose, result), 0);
+                const Result first = result;
+                for (int again = 0; again < 5; ++again) {
+                    result = garment.solve(settings, pose, &result.state);
+                    EXPECT_EQ(result.report.steps, 0);
+                    ASSERT_TRUE(equal_bits(result, first)) << "solve " << again;
+                }
+            }
+        }
+    }
+}
+
+TEST(BaseClothLaws, TheSameInputGivesTheSameBits) {
+    const Garment garment(tube(16, 10, 0.1f, 0.5f)), twin(tube(16, 10, 0.1f, 0.5f));
+    const Points pose = garment.crumpled(0.85f, 2.0f, 0.2f), next = garment.crumpled(0.8f, 2.2f, 0.2f);
+    const Result first = garment.solve({}, pose), again = twin.solve({}, pose);
+    EXPECT_TRUE(equal_bits(first, again));
+    EXPECT_TRUE(equal_bits(garment.solve({}, next, &first.state), twin.solve({}, next, &again.state)));
+}
+
+// Poses in which cloth without_contact() keeps clear of contact and of the edge of its room.
+std::vector<Points> free_poses(const Garment& garment) {
+    std::vector<Points> poses{garment.mesh.positions, garment.crumpled(1.0f, 0.5f, 0.0f)};
+    const bool flat = garment.mesh.positions.back().z == 0.0f;
+    if (flat)
+        poses.insert(poses.end(), {garment.crumpled(0.8f, 2.0f, 0.3f), garment.crumpled(0.7f, 2.5f, 0.3f)});
+    return poses;
+}
+
+void expect_free(const Settings& settings, const Result& result) {
+    ASSERT_EQ(result.report.touching, 0.0f);
+    ASSERT_LT(result.report.offset_max, 0.95f * settings.room);
+}
+
+TEST(BaseClothLaws, TheEnergyNeverGrowsInAHeldPose) {
+    for (const MeshData& mesh : meshes()) {
+        const Garment garment(mesh);
+        for (Settings settings : {without_contact(), stiff_and_slack()}) {
+            settings.start_steps = settings.steps = 1;
+            for (const Points& pose : free_poses(garment)) {
+                double former = energy(*garment.model, settings, pose, in_double(pose));
+                const double first = former;
+                Result result;
+                for (int frame = 0; frame < 25; ++frame) {
+                    result = garment.solve(settings, pose, frame ? &result.state : nullptr);
+                    ASSERT_NO_FATAL_FAILURE(expect_free(settings, result));
+                    const double now = energy(*garment.model, settings, pose, in_double(result.positions));
+                    ASSERT_LE(now, former + 1e-6 * std::abs(first - now)) << "frame " << frame;
+                    former = now;
+                }
+                EXPECT_LT(former, first - 1e-3 * std::abs(first));
+            }
+        }
+    }
+}
+
+TEST(BaseClothLaws, AtRestNoVertexIsBetterOffElsewhere) {
+    for (const MeshData& mesh : meshes()) {
+        const Garment garment(mesh);
+        for (const Points& pose : free_poses(garment)) {
+            Settings settings = without_contact();
+            settings.start_steps = 100;
+            settings.gradients = 300;
+            const Result result = garment.solve(settings, pose);
+            ASSERT_NO_FATAL_FAILURE(expect_free(settings, result));
+            std::vector<glm::dvec3> x = in_double(result.positions);
+            const double least = energy(*garment.model, settings, pose, x);
+            std::uint32_t count = 0;
+            for (size_t v = 0; v < x.size(); ++v) {
+                for (const double size : {1e-3, 1e-4, 2e-5}) {
+                    for (int way = 0; way < 8; ++way, count += 3) {
+                        const glm::dvec3 before = x[v];
+                        x[v] += size * glm::normalize(glm::dvec3(noise(1, count), noise(1, count + 1),
+                                                                 noise(1, count + 2)));
+                        ASSERT_GT(energy(*garment.model, settings, pose, x), least)
+                            << "vertex " << v << " by " << size;
+                        x[v] = before;
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST(BaseClothLaws, PinnedVerticesStay) {
+    // A few rows below one pinned row: it gives way by what hangs on it (base_cloth_exact.cpp).
+    const MeshData mesh = grid(6, 4, 0.04f);
+    const Garment garment(mesh);
+    Paint paint;
+    for (size_t v = 0; v < mesh.positions.size(); ++v) paint.follow.push_back(v < 7 ? 1.0f : 0.0f);
+    // Hanging, and pulled by an animation that leaves the cloth behind.
+    Points hanging = mesh.positions;
+    for (Vec3& p : hanging) p = {p.x, 0.0f, -p.y};
+    Points pulled = hanging;
+    for (Vec3& p : pulled) p.z *= 1.01f;
+    for (const Points& pose : {mesh.positions, hanging, pulled}) {
+        Result result = garment.solve({}, pose, nullptr, paint);
+        for (int frame = 0; frame < 10; ++frame) result = garment.solve({}, pose, &result.state, paint);
+        for (size_t v = 0; v < 7; ++v) EXPECT_LT(glm::distance(result.positions[v], pose[v]), 1e-4f) << v;
+        EXPECT_GT(farthest(result.positions, pose), 5e-4f);
+    }
+}
+
+TEST(BaseClothLaws, NothingLeavesItsRoom) {
+    for (const MeshData& mesh : meshes()) {
+        const Garment garment(mesh);
+        Settings settings;
+        settings.gravity *= 30.0f;
+        Paint paint;
+        for (size_t v = 0; v < mesh.positions.size(); ++v) paint.room.push_back(v % 3 ? 1.0f : 0.2f);
+        Result result = garment.solve(settings, mesh.positions, nullptr, paint);
+        float reached = 0.0f;
+        for (const Points& pose : {mesh.positions, garment.crumpled(0.7f, 2.0f, 0.5f)}) {
+            result = garment.solve(settings, pose, &result.state, paint);
+            for (size_t v = 0; v < pose.size(); ++v) {
+                const float way = glm::distance(result.positions[v], pose[v]),
+                            room = settings.room * paint.room[v];
+                ASSERT_LE(way, room + 1e-6f) << v;
+                reached = std::max(reached, way / room);
+            }
+        }
+        EXPECT_GT(reached, 0.99f);
+    }
+}
+
+// Solved anew it comes to the same place as played through, once both have come to rest.
+TEST(BaseClothLaws, AJumpEndsWhereThePlayedClipEnds) {
+    const Garment garment(tube(16, 10, 0.1f, 0.5f));
+    Result played = garment.solve({}, garment.mesh.positions);
+    Points pose;
+    for (int frame = 1; frame <= 20; ++frame) {
+        const float t = float(frame) / 20.0f;
+        pose = garment.crumpled(1.0f - 0.15f * t, 2.0f * t, 0.2f * t);
+        played = garment.solve({}, pose, &played.state);
+    }
+    ASSERT_GT(garment.settle({}, pose, played, {}, nullptr, 60), 0);
+    Result jumped = garment.solve({}, pose);
+    EXPECT_LT(farthest(jumped.positions, played.positions), 2e-3f);
+    ASSERT_GT(garment.settle({}, pose, jumped, {}, nullptr, 60), 0);
+    EXPECT_LT(farthest(jumped.positions, played.positions), 2e-4f);
+    EXPECT_GT(farthest(jumped.positions, pose), 5e-3f);
+}
+
+TEST(BaseClothLaws, AStateOfAnotherMeshIsNotUsedAndBadInputIsNamed) {
+    const Garment garment(grid(6, 6, 0.05f)), other(grid(4, 4, 0.05f));
+    const Points& pose = garment.mesh.positions;
+    const Result foreign = other.solve({}, other.mesh.positions);
+    EXPECT_TRUE(equal_bits(garment.solve({}, pose, &foreign.state), garment.solve({}, pose)));
+    const Result large = garment.solve({}, pose);
+    EXPECT_TRUE(equal_bits(other.solve({}, other.mesh.positions, &large.state), foreign));
+    expect_refused([&] { garment.solve({}, other.mesh.positions); }, {"positions", "49", "25"});
+    Points bad = pose;
+    bad[5].z = kNan;
+    expect_refused([&] { garment.solve({}, bad); }, {"positions", "vertex 5", "finite"});
+    Settings settings;
+    settings.stretch = 0.0f;
+    expect_refused([&] { garment.solve(settings, pose); }, {"stretch", "got 0"});
+    settings = {};
+    settings.clearance.reach = kNan;
+    expect_refused([&] { garment.solve(settings, pose); }, {"reach"});
+}
+
+}  // namespace
+}  // namespace rumple::tests

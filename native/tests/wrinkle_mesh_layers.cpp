@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Laws of the Wrinkle Meshes that lie one on the other, and of the pull back to their attachments.
+#include "systems/wrinkle_mesh_layers.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/contact_bodies.h"
+#include "tests/refusals.h"
+#include "tests/wrinkle_mesh_cloth.h"
+
+namespace rumple::tests {
+namespace {
+
+using namespace wrinkle_mesh;
+
+// A base and its layers, all solved with the same settings unless it is said.
+struct Stack {
+    MeshData mesh;
+    std::shared_ptr<const Layers> layers;
+
+    explicit Stack(MeshData data, Index levels = 2)
+        : mesh(std::move(data)), layers(build_layers(tests::build(mesh), levels, 1, 4'000'000)) {}
+
+    size_t count() const { return layers->layers.size(); }
+    LayersState solve(const Input& input, const std::vector<Settings>& settings,
+                      const LayersState* before = nullptr, std::vector<Report>* reports = nullptr,
+                      std::vector<Paint> paint = {}) const {
+        std::vector<Report> unused;
+        paint.resize(count());
+        return wrinkle_mesh::solve(*layers, settings, paint, input, before, reports ? *reports : unused);
+    }
+    Picture show(const Pose3& animated, const Pose3& positions, const LayersState& state) const {
+        Picture picture;
+        wrinkle_mesh::show(*layers, animated, positions, state, picture);
+        return picture;
+    }
+    template <typename Move>
+    Pose3 moved(Move&& move) const {
+        Pose3 pose = mesh.positions;
+        for (Vec3& p : pose) p = move(p);
+        return pose;
+    }
+    Pose3 squeezed(float factor) const {
+        return moved([=](const Vec3& p) { return p * Vec3(factor, 1.0f, 1.0f); });
+    }
+
+    // The solved vertices of every layer, from the offsets of the state: over the layer before without gap
+    // and bodies.
+    std::vector<Pose3> positions(const Pose3& pose, const std::vector<Settings>& settings,
+                                 const LayersState& state) const {
+        std::vector<Pose3> out;
+        for (size_t k = 0; k < count(); ++k) {
+            Picture picture;
+            wrinkle_mesh::show(*layers->layers[k], settings[k], {k ? out.back() : pose}, state.layers[k],
+                               picture);
+            out.push_back(picture.positions);
+        }
+        return out;
+    }
+};
+
+std::vector<Settings> alike(size_t layers, const Settings& settings = {}) {
+    return std::vector<Settings>(layers, settings);
+}
+
+bool same_bits(const LayersState& a, const LayersState& b) {
+    bool same = a.layers.size() == b.layers.size() && tests::same_bits(a.solved, b.solved);
+    for (size_t k = 0; same && k < a.layers.size(); ++k) same = tests::same_bits(a.layers[k], b.layers[k]);
+    return same;
+}
+
+float apart(const Pose3& a, const Pose3& b) {
+    float most = 0.0f;
+    for (size_t v = 0; v < a.size(); ++v) most = std::max(most, glm::distance(a[v], b[v]));
+    return most;
+}
+
+std::vector<MeshData> meshes() {
+    return {tube(12, 8, 0.1f, 0.5f), grid(8, 6, 0.05f), seam_split_cube(),
+            triangulated(tube(9, 6, 0.1f, 0.4f))};
+}
+
+TEST(WrinkleMeshLayers, AtRestNothingMoves) {
+    for (const MeshData& mesh : meshes()) {
+        const Stack stack(mesh);
+        ASSERT_EQ(stack.count(), 3u);
+        std::vector<Report> reports;
+        LayersState state = stack.solve({mesh.positions}, alike(3), nullptr, &reports);
+        for (int again = 0; again < 2; ++again) {
+            for (size_t k = 0; k < 3; ++k)
+                EXPECT_LT(largest(state.layers[k].offset), kRounding) << "layer " << k;
+            EXPECT_LT(apart(state.solved, stack.layers->layers[2]->positions_rest), kRounding);
+            const Picture picture = stack.show(mesh.positions, mesh.positions, state);
+            EXPECT_LT(apart(picture.positions, stack.layers->shown.positions_rest), kRounding);
+            EXPECT_LT(largest(picture.offset), kRounding);
+            state = stack.solve({mesh.positions}, alike(3), &state);
+        }
+        EXPECT_GT(reports[2].iterations, 0);
+    }
+}
+
+TEST(WrinkleMeshLayers, WithoutRadiusTheyAreOneLimitSurfaceOnTheOther) {
+    Settings still;
+    still.radius = 0.0f;
+    for (const MeshData& mesh : meshes()) {
+        const Stack stack(mesh);
+        const Pose3 pose = stack.squeezed(0.7f);
+        const LayersState state = stack.solve({pose}, alike(3, still));
+        Pose3 expected(stack.layers->base.welded.vertex_count);
+        weld_positions(stack.layers->base, pose, expected);
+        for (size_t k = 1; k < 3; ++k) {
+            const SparseRows limit = subdivision_stencils(stack.layers->layers[k - 1]->solved, 1, true);
+            Pose3 finer(limit.rows());
+            apply<Vec3>(limit, expected, finer);
+            expected = finer;
+        }
+        EXPECT_LT(apart(state.solved, expected), kRounding);
+    }
+}
+
+Vec3 turned(const Vec3& p) {
+    const Vec3 axis = glm::normalize(Vec3(1, 2, 3));
+    const float angle = 1.1f;
+    return std::cos(angle) * p + std::sin(angle) * glm::cross(axis, p) +
+           (1.0f - std::cos(angle)) * glm::dot(axis, p) * axis;
+}
+
+TEST(WrinkleMeshLayers, RigidMotionCarriesTheFoldsAlong) {
+    const Vec3 shift(0.5f, -0.25f, 1.0f);
+    const Stack stack(tube(12, 8, 0.1f, 0.5f));
+    const Pose3 here = stack.squeezed(0.75f);
+    const LayersState folded = stack.solve({here}, alike(3));
+    for (const State& layer : folded.layers) ASSERT_GT(largest(layer.offset), 1e-3f);
+    Pose3 there = here;
+    for (Vec3& p : there) p = turned(p) + shift;
+    std::vector<Report> reports;
+    const LayersState moved = stack.solve({there}, alike(3), &folded, &reports);
+    for (size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(reports[k].iterations, 0) << "layer " << k;
+        EXPECT_TRUE(tests::same_bits(moved.layers[k], folded.layers[k])) << "layer " << k;
+    }
+    Pose3 expected = folded.solved;
+    for (Vec3& p : expected) p = turned(p) + shift;
+    EXPECT_LT(apart(moved.solved, expected), 2.0f * kRounding);
+}
+
+TEST(WrinkleMeshLayers, ThreadsAndRepetitionChangeNoBit) {
+    const Stack stack(tube(16, 12, 0.1f, 0.5f));
+    Settings settings;
+    settings.threads = 1;
+    const LayersState first = stack.solve({stack.squeezed(0.8f)}, alike(3, settings));
+    const LayersState next = stack.solve({stack.squeezed(0.75f)}, alike(3, settings), &first);
+    for (const int threads : {1, 2, 4}) {
+        settings.threads = threads;
+        EXPECT_TRUE(same_bits(stack.solve({stack.squeezed(0.8f)}, alike(3, settings)), first)) << threads;
+        EXPECT_TRUE(same_bits(stack.solve({stack.squeezed(0.75f)}, alike(3, settings), &first), next))
+            << threads;
+    }
+}
+
+TEST(WrinkleMeshLayers, AHeldPoseStaysToTheBitAndAWokenOneIsSolved) {
+    const Stack stack(tube(12, 8, 0.1f, 0.5f));
+    const Pose3 pose = stack.squeezed(0.8f);
+    std::vector<Report> reports;
+    const LayersState folded = stack.solve({pose}, alike(3));
+    // From the second solve on; the first adds the offsets to positions that were rounded otherwise.
+    LayersState state = folded;
+    for (int again = 0; again < 5; ++again) {
+        state = stack.solve({pose}, alike(3), &state, &reports);
+        for (size_t k = 0; k < 3; ++k) {
+            EXPECT_EQ(reports[k].active, 0.0f) << "layer " << k;
+            EXPECT_TRUE(tests::same_bits(state.layers[k].offset, folded.layers[k].offset)) << "layer " << k;
+        }
+        EXPECT_LT(apart(state.solved, folded.solved), kRounding);
+    }
+    const LayersState again = stack.solve({pose}, alike(3), &state);
+    EXPECT_TRUE(same_bits(again, state));
+    Settings soft;
+    soft.bending = 0.0f;
+    const LayersState awake = woken(folded);
+    const LayersState softer = stack.solve({pose}, alike(3, soft), &awake, &reports);
+    for (size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(reports[k].active, 1.0f) << "layer " << k;
+        EXPECT_FALSE(tests::same_bits(softer.layers[k].offset, folded.layers[k].offset)) << "layer " << k;
+    }
+}
+
+// Squeezed cloth that may not go inwards, over a flat base. A plane is all that a layer knows of what lies
+// below: where it is tilted, a vertex that slides along it comes a little deeper than the fold under it was
+// high.
+TEST(WrinkleMeshLayers, WithoutAGapNoLayerGoesBelowTheBase) {
+    const Stack stack(grid(10, 8, 0.04f));
+    const std::vector<float> gap(stack.mesh.positions.size(), 0.0f);
+    const Pose3 pose = stack.squeezed(0.8f);
+    Input input{pose};
+    input.gap = gap;
+    const LayersState state = stack.solve(input, alike(3));
+    const std::vector<Pose3> layers = stack.positions(pose, alike(3), state);
+    for (size_t k = 0; k < 3; ++k) {
+        float lowest = 0.0f, highest = 0.0f;
+        for (const Vec3& p : layers[k]) {
+            lowest = std::min(lowest, p.z);
+            highest = std::max(highest, p.z);
+        }
+        EXPECT_GT(lowest, k == 0 ? -kRounding : -0.02f * highest) << "layer " << k;
+        EXPECT_GT(highest, 0.02f) << "layer " << k;
+    }
+    EXPECT_LT(apart(layers[2], state.solved), kRounding);
+    const LayersState free = stack.solve({pose}, alike(3));
+    EXPECT_LT(std::min_element(free.solved.begin(), free.solved.end(),
+                               [](const Vec3& a, const Vec3& b) { return a.z < b.z; })
+                  ->z,
+              -1e-3f);
+}
+
+// A tube over a tube: squeezed along, it may not fold into the body.
+TEST(WrinkleMeshLayers, NoLayerOnTheFirstIsInsideABody) {
+    const Body body = body_of(tube(96, 60, 0.095f, 1.0f));
+    const Collider collider = body.collider();
+    std::vector<Vec3> under = body.positions;
+    for (Vec3& p : under) p.x -= 0.25f;
+    const PosedCollider bodies(collider, under);
+    const Stack stack(tube(24, 16, 0.1f, 0.5f));
+    Pose3 pose = stack.squeezed(0.8f);
+    std::vector<Index> hint(pose.size());
+    std::vector<float> gap(pose.size(), 0.02f);  // knows nothing
+    for (size_t v = 0; v < pose.size(); ++v) {
+        const Vec3 out = glm::normalize(Vec3(0.0f, pose[v].y, pose[v].z));
+        hint[v] = bodies.closest(pose[v], out, 0.1f, kNone).triangle;
+        ASSERT_NE(hint[v], kNone);
+    }
+    const auto deepest = [&](const PosedCollider* known) {
+        Input input{pose};
+        input.gap = gap;
+        input.thickness = 0.001f;
+        if (known) {
+            input.bodies = known;
+            input.body_hint = hint;
+        }
+        LayersState state = stack.solve(input, alike(3));
+        state = stack.solve(input, alike(3), &state);
+        float most = -1.0f;
+        for (const Vec3& p : state.solved) {
+            const Vec3 out = glm::normalize(Vec3(0.0f, p.y, p.z));
+            most = std::max(most, -bodies.closest(p, out, 0.1f, kNone).distance);
+        }
+        return most;
+    };
+    EXPECT_LT(deepest(&bodies), 1e-4f);
+    EXPECT_GT(deepest(nullptr), 1e-3f);
+}
+
+TEST(WrinkleMeshLayers, AnUnpaintedRadiusLeavesItsLayerFlat) {
+    const Stack stack(tube(12, 8, 0.1f, 0.5f));
+    const Pose3 pose = stack.squeezed(0.8f);
+    for (size_t flat = 0; flat < 3; ++flat) {
+        std::vector<Paint> paint(3);
+        paint[flat].radius.assign(stack.layers->layers[flat]->attached.size(), 0.0f);
+        const LayersState state = stack.solve({pose}, alike(3), nullptr, nullptr, paint);
+        for (size_t k = 0; k < 3; ++k) {
+            const float most = largest(state.layers[k].offset);
+            if (k == flat) {
+                EXPECT_EQ(most, 0.0f);
+            } else {
+                EXPECT_GT(most, 1e-3f) << "layer " << k;
+            }
+        }
+    }
+}
+
+TEST(WrinkleMeshLayers, PaintIsCarriedFromLayerToLayer) {
+    const Stack stack(grid(8, 6, 0.05f));
+    std::vector<float> painted;
+    for (const Vec3& p : stack.mesh.positions) painted.push_back(p.x / 0.4f);
+    const std::vector<std::vector<float>> carried = carry_paint(*stack.layers, painted);
+    ASSERT_EQ(carried.size(), 3u);
+    for (size_t k = 0; k < 3; ++k) {
+        const Model& layer = *stack.layers->layers[k];
+        ASSERT_EQ(carried[k].size(), layer.attached.size());
+        for (size_t v = 0; v < carried[k].size(); ++v) {
+            if (layer.boundary_ring[v] < 3)
+                continue;  // near corners the limit surface is not where linear paint is
+            EXPECT_NEAR(carried[k][v], layer.positions_rest[v].x / 0.4f, 1e-5f) << "layer " << k;
+        }
+    }
+}
+
+// What is shown over the animated mesh is where it was solved.
+TEST(WrinkleMeshLayers, EmbeddedInTheAnimatedMeshItIsWhereItWasSolved) {
+    for (const MeshData& mesh : meshes()) {
+        const Stack stack(mesh);
+        const Pose3 positions = stack.squeezed(0.8f);
+        const Pose3 animated =
+            stack.moved([](const Vec3& p) { return Vec3(p.x, 0.9f * p.y + 0.1f * p.x, p.z); });
+        const LayersState state = stack.solve({positions}, alike(3));
+        const Picture solved = stack.show(positions, positions, state);
+        const Picture picture = stack.show(animated, positions, state);
+        EXPECT_LT(apart(picture.positions, solved.positions), kRounding);
+        Pose3 base(stack.layers->base.welded.vertex_count);
+        weld_positions(stack.layers->base, animated, base);
+        std::vector<TriangleFrame> frames(stack.layers->base.triangles.size());
+        triangle_frames(stack.layers->base, base, frames);
+        float moved = 0.0f;
+        for (size_t v = 0; v < picture.positions.size(); ++v) {
+            const SurfacePoint& place = stack.layers->shown.places[v];
+            const Vec3 back = interpolate(stack.layers->base, place, base) +
+                              frames[place.triangle].to_object(picture.local_offset[v]);
+            ASSERT_LT(glm::distance(back, picture.positions[v]), kRounding) << v;
+            moved = std::max(moved, glm::distance(picture.local_offset[v], solved.local_offset[v]));
+        }
+        EXPECT_GT(moved, 1e-3f);
+    }
+}
+
+TEST(WrinkleMeshLayers, BadInputIsNamed) {
+    const Stack stack(grid(4, 4, 0.05f));
+    const Pose3& pose = stack.mesh.positions;
+    expect_refused([&] { stack.solve({pose}, alike(2)); }, {"settings", "3", "2"});
+    const std::vector<float> gap(7, 0.0f);
+    Input input{pose};
+    input.gap = gap;
+    expect_refused([&] { stack.solve(input, alike(3)); }, {"gap", "25", "7"});
+    expect_refused([&] { build_layers(tests::build(stack.mesh), -1, 0, 1000); }, {"levels"});
+    expect_refused([&] { build_layers(tests::build(stack.mesh), 6, 0, 1000); }, {"1000"});
+}
+
+// ---------------------------------------------------------------- the pull back
+// Compressed cloth solved from two starts that lie apart along the surface, within the radius.
+TEST(WrinkleMeshPull, FoldsFromTwoStartsComeNearer) {
+    const Cloth cloth(grid(10, 8, 0.04f));
+    const Pose3 pose = cloth.squeezed(0.85f);
+    const auto apart_after = [&](float tangential, float normal) {
+        Settings settings;
+        settings.tangential_pull = tangential;
+        settings.normal_pull = normal;
+        State a = cloth.solve(pose, settings), b = a;
+        for (size_t v = 0; v < b.offset.size(); ++v)
+            b.offset[v] += 0.4f * cloth.model->local_edge[v] * Vec3(0.5f, 0.8f, 0.0f);
+        for (int frame = 0; frame < 10; ++frame) {
+            for (State* state : {&a, &b}) {
+                const State awake = woken(*state);
+                *state = cloth.solve(pose, settings, &awake);
+            }
+        }
+        double sum = 0.0;
+        for (size_t v = 0; v < b.offset.size(); ++v) {
+            const double d = glm::distance(a.offset[v], b.offset[v]) / cloth.model->local_edge[v];
+            sum += d * d;
+        }
+        return std::sqrt(sum / double(b.offset.size()));
+    };
+    const double without = apart_after(0.0f, 0.0f);
+    EXPECT_LT(apart_after(0.1f, 0.0f), 0.7 * without);
+    EXPECT_LT(apart_after(0.1f, 0.1f), 0.5 * without);
+}
+
+// All vertices moved alike: no pair changes its length, so that the pull alone moves them.
+TEST(WrinkleMeshPull, TakesItsShareOfTheWayInEveryPass) {
+    const Cloth cloth(grid(4, 4, 0.1f), 0, AttachmentKind::kLinear);
+    Settings settings;
+    settings.hem_rings = 0;
+    settings.damping = 0.0f;
+    settings.iterations = 1;
+    settings.tangential_pull = 0.25f;
+    settings.normal_pull = 0.5f;
+    settings.offset_space = OffsetSpace::kWorld;
+    const Vec3 away(0.004f, 0.002f, 0.003f);
+    State state = cloth.solve(cloth.mesh.positions, settings);
+    for (Vec3& o : state.offset) o = away;
+    state = woken(state);
+    for (const Vec3& o : cloth.solve(cloth.mesh.positions, settings, &state).offset)
+        EXPECT_LT(glm::distance(o, away * Vec3(0.75f, 0.75f, 0.5f)), kRounding);
+}
+
+}  // namespace
+}  // namespace rumple::tests
