@@ -57,7 +57,8 @@ def bend_until(last):
 
 
 def skinned(mesh, rig, name="Sleeve"):
-    """An object with that mesh that follows the arm."""
+    """An object with that mesh that follows the arm. Its wrinkles lie on the animated mesh, in one layer: tests of the
+    cloth say so."""
     obj = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(obj)
     upper, lower = (obj.vertex_groups.new(name=name) for name in ("upper", "lower"))
@@ -66,6 +67,7 @@ def skinned(mesh, rig, name="Sleeve"):
         upper.add([vertex.index], 1.0 - share, "REPLACE")
         lower.add([vertex.index], share, "REPLACE")
     obj.modifiers.new("Armature", "ARMATURE").object = rig
+    obj.rumple.mesh.base_cloth = "OFF"
     return obj
 
 

@@ -105,8 +105,8 @@ inline constexpr float kFreeChange = 2e-2f;
 // Unit: fold widths. Moves of a path below this are not made: nobody sees a thousandth of a fold.
 inline constexpr float kStill = 1e-3f;
 
-// Unit: room of the base cloth. A cloth whose vertices move less in a sweep has come to rest: 0.01 mm where the
-// room is 3 cm.
+// Unit: room of the base cloth. A cloth whose vertices move less in a step has come to rest: 0.01 mm where
+// the room is 3 cm.
 inline constexpr float kStillCloth = 3e-4f;
 
 // Unit: room of the base cloth. Nearer to the inner surface than this, a vertex rests on it.

@@ -5,6 +5,7 @@
 
 #include "bindings/arrays.h"
 #include "bindings/module.h"
+#include "surface/cloth/pins.h"
 
 namespace rumple::bindings {
 namespace {
@@ -35,9 +36,9 @@ Paint make_paint(const Model& model, const py::dict& painted) {
     return paint;
 }
 
-py::tuple solve_frame(const Model& model, const Settings& settings, const Paint& paint, const py::array& positions,
-                      const Collider* collider, const std::optional<py::array>& body_positions,
-                      const State* state) {
+py::tuple solve_frame(const Model& model, const Settings& settings, const Paint& paint,
+                      const py::array& positions, const Collider* collider,
+                      const std::optional<py::array>& body_positions, const State* state) {
     const auto points = vectors(positions, "positions");
     if (collider && !body_positions) throw InvalidInput("body_positions: expected an array, got None");
     const std::span<const Vec3> body =
@@ -59,19 +60,26 @@ void bind_settings(py::module_& module) {
                          "units^2 / s^2. Lengths are object units.")
         .def(py::init<>())
         .def_readwrite("stretch", &Settings::stretch, "of what is longer than at rest, > 0")
-        .def_readwrite("strain_limit", &Settings::strain_limit, "strain beyond which stretch is ten times as stiff")
-        .def_readwrite("shear", &Settings::shear, "of the diagonals of quads that are longer than at rest, >= 0")
+        .def_readwrite("strain_limit", &Settings::strain_limit,
+                       "strain beyond which stretch is ten times as stiff")
+        .def_readwrite("shear", &Settings::shear,
+                       "of the diagonals of quads that are longer than at rest, >= 0")
         .def_readwrite("compression", &Settings::compression, "k1: of what is shorter than at rest, >= 0")
         .def_readwrite("compression_limit", &Settings::compression_limit,
                        "c_l: length over rest length below which k2 counts, 0..1")
         .def_readwrite("folded", &Settings::folded, "k2: of what is shorter than c_l, >= 0")
-        .def_readwrite("smoothing", &Settings::smoothing, "against displacements that differ between neighbours")
-        .def_readwrite("slack", &Settings::slack, "length of the cloth over that of the modelled garment, > 0")
+        .def_readwrite("smoothing", &Settings::smoothing,
+                       "against displacements that differ between neighbours")
+        .def_readwrite("slack", &Settings::slack,
+                       "length of the cloth over that of the modelled garment, > 0")
         .def_readwrite("follow", &Settings::follow, "pull back to the animation, 1/s^2, > 0")
         .def_readwrite("room", &Settings::room, "farthest that a vertex leaves its animated place, >= 0")
         .def_property(
-            "gravity", [](const Settings& s) { return py::make_tuple(s.gravity.x, s.gravity.y, s.gravity.z); },
-            [](Settings& s, const std::array<float, 3>& g) { s.gravity = {g[0], g[1], g[2]}; },
+            "gravity",
+            [](const Settings& s) { return py::make_tuple(s.gravity.x, s.gravity.y, s.gravity.z); },
+            [](Settings& s, const std::array<float, 3>& g) {
+                s.gravity = {g[0], g[1], g[2]};
+            },
             "three floats, object space, object units / s^2")
         .def_property(
             "thickness", [](const Settings& s) { return s.clearance.thickness; },
@@ -112,6 +120,17 @@ void bind_base_cloth(py::module_& module) {
             return std::const_pointer_cast<Model>(build(surface));
         },
         py::arg("surface"), "The springs and contacts of a coarse mesh at rest.");
+    module.def(
+        "suggest_follow",
+        [](const Surface& surface, const std::array<float, 3>& up) {
+            return to_numpy<float>(suggest_follow(surface, {up[0], up[1], up[2]}), 0);
+        },
+        py::arg("surface"), py::arg("up"),
+        "(n,) float32: how firmly every vertex follows the animation, 0 to 1: collars, waistbands and cuffs, "
+        "found\n"
+        "from the open borders at rest. up: unit, object space.");
+    module.def("count_openings", &count_openings, py::arg("surface"),
+               "Open borders that are not the outline of a sheet: a shirt has four, a head one.");
     py::class_<Paint>(module, "BaseClothPaint", "Painted factors.")
         .def(py::init(&make_paint), py::arg("model"), py::arg("painted") = py::dict(),
              "painted: follow, room -> (n,) float32, 0..1; other names are left alone.");
@@ -128,14 +147,16 @@ void bind_base_cloth(py::module_& module) {
         .def_readonly("taut", &Report::taut, "share of the springs that are longer than at rest")
         .def_readonly("touching", &Report::touching, "share of the vertices that rest on the inner surface")
         .def_readonly("body_known", &Report::body_known, "share of the vertices that have a body under them");
-    module.def("solve_base_cloth", &solve_frame, py::arg("model"), py::arg("settings"), py::arg("paint"),
-               py::arg("positions"), py::arg("collider") = nullptr, py::arg("body_positions") = py::none(),
-               py::arg("state") = nullptr,
-               "Solve one frame; returns (positions, gap, body_hint, state, report): positions: (n, 3) float32 of the\n"
-               "cloth, object space; gap: (n,) float32, its height above what is worn under it, object units;\n"
-               "body_hint: (n,) int32, a triangle of the collider near it or -1; (0,) without one.\n"
-               "positions: (n, 3) float32, animated. body_positions: (b, 3) float32 of the collider in this pose.\n"
-               "state: of the frame before, or None.");
+    module.def(
+        "solve_base_cloth", &solve_frame, py::arg("model"), py::arg("settings"), py::arg("paint"),
+        py::arg("positions"), py::arg("collider") = nullptr, py::arg("body_positions") = py::none(),
+        py::arg("state") = nullptr,
+        "Solve one frame; returns (positions, gap, body_hint, state, report): positions: (n, 3) float32 of "
+        "the\n"
+        "cloth, object space; gap: (n,) float32, its height above what is worn under it, object units;\n"
+        "body_hint: (n,) int32, a triangle of the collider near it or -1; (0,) without one.\n"
+        "positions: (n, 3) float32, animated. body_positions: (b, 3) float32 of the collider in this pose.\n"
+        "state: of the frame before, or None.");
 }
 
 }  // namespace rumple::bindings

@@ -21,7 +21,8 @@ void scale(std::vector<float>& values, const std::vector<float>& by) {
 }
 
 // strength: for every layer the name of the painted values that scale its radius.
-LayersPaint make_paint(const Layers& model, const py::dict& painted, const std::vector<std::string>& strength) {
+LayersPaint make_paint(const Layers& model, const py::dict& painted,
+                       const std::vector<std::string>& strength) {
     LayersPaint paint;
     paint.layers.resize(model.layers.size());
     if (strength.size() != model.layers.size()) {
@@ -70,11 +71,15 @@ struct Frame {
 }  // namespace
 
 void bind_wrinkle_mesh_layers(py::module_& module) {
-    py::class_<Layers, std::shared_ptr<Layers>>(module, "WrinkleMeshLayers",
-                                                "Wrinkle Meshes, one on the other. Made by build_wrinkle_layers.")
+    py::class_<Layers, std::shared_ptr<Layers>>(
+        module, "WrinkleMeshLayers", "Wrinkle Meshes, one on the other. Made by build_wrinkle_layers.")
         .def_property_readonly(
             "shown", [](const Layers& m) -> const ShownMesh& { return m.shown; },
             py::return_value_policy::reference_internal, "The ShownMesh.")
+        .def_property_readonly(
+            "finest_triangles",
+            [](const Layers& m) { return to_numpy<Index>(m.layers.back()->triangles, 3); },
+            "(t, 3) int32: of the vertices of WrinkleLayersState.solved.")
         .def_property_readonly("count", [](const Layers& m) { return m.layers.size(); })
         .def_property_readonly(
             "solved_vertex_count",
@@ -85,7 +90,8 @@ void bind_wrinkle_mesh_layers(py::module_& module) {
             },
             "Of all layers.")
         .def(
-            "local_edge", [](const Layers& m, size_t k) { return to_numpy<float>(m.layers.at(k)->local_edge, 0); },
+            "local_edge",
+            [](const Layers& m, size_t k) { return to_numpy<float>(m.layers.at(k)->local_edge, 0); },
             py::arg("layer"), "Per solved vertex of a layer: mean rest length of its edges.");
     module.def(
         "build_wrinkle_layers",
@@ -93,14 +99,19 @@ void bind_wrinkle_mesh_layers(py::module_& module) {
             const py::gil_scoped_release release;
             return std::const_pointer_cast<Layers>(build_layers(base, levels, display_steps, most_vertices));
         },
-        py::arg("base"), py::arg("levels"), py::arg("display_steps") = 1, py::arg("most_vertices") = 4'000'000,
+        py::arg("base"), py::arg("levels"), py::arg("display_steps") = 1,
+        py::arg("most_vertices") = 4'000'000,
         "The base mesh and `levels` subdivisions of it, each a layer that is solved over the one before.");
     py::class_<LayersPaint>(module, "WrinkleLayersPaint", "Painted factors, carried to every layer.")
         .def(py::init(&make_paint), py::arg("model"), py::arg("painted"), py::arg("strength"),
-             "painted: names -> (n,) float32 of the base's vertices, 0..1: radius, prestretch, bending, inside, and\n"
+             "painted: names -> (n,) float32 of the base's vertices, 0..1: radius, prestretch, bending, "
+             "inside, and\n"
              "those in strength: for every layer the name of what scales its radius.");
     py::class_<LayersState>(module, "WrinkleLayersState", "What lives from frame to frame.")
         .def("woken", [](const LayersState& s) { return woken(s); })
+        .def_property_readonly(
+            "solved", [](const LayersState& s) { return to_numpy(s.solved); },
+            "(v, 3) float32: the finest layer, object space.")
         .def(
             "offset", [](const LayersState& s, size_t k) { return to_numpy(s.layers.at(k).offset); },
             py::arg("layer"))
@@ -125,17 +136,20 @@ void bind_wrinkle_mesh_layers(py::module_& module) {
             }
             return py::make_tuple(std::move(out), reports);
         },
-        py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"), py::arg("gap") = py::none(),
-        py::arg("collider") = nullptr, py::arg("body_positions") = py::none(), py::arg("body_hint") = py::none(),
-        py::arg("thickness") = 0.0f, py::arg("state") = nullptr,
-        "Solve one frame; returns (state, [report of each layer]). settings: one for each layer, coarse first.\n"
-        "positions: (n, 3) float32, deformed base or base cloth, object space. gap: (n,) float32: how far each\n"
+        py::arg("model"), py::arg("settings"), py::arg("paint"), py::arg("positions"),
+        py::arg("gap") = py::none(), py::arg("collider") = nullptr, py::arg("body_positions") = py::none(),
+        py::arg("body_hint") = py::none(), py::arg("thickness") = 0.0f, py::arg("state") = nullptr,
+        "Solve one frame; returns (state, [report of each layer]). settings: one for each layer, coarse "
+        "first.\n"
+        "positions: (n, 3) float32, deformed base or base cloth, object space. gap: (n,) float32: how far "
+        "each\n"
         "vertex may go inwards, object units. collider, body_positions: bodies in this pose; body_hint: of\n"
         "solve_base_cloth; thickness: how far cloth stays off them, object units.\n"
         "state: of the frame before, or None.");
     module.def(
         "show_wrinkle_layers",
-        [](const Layers& model, const py::array& animated, const py::array& positions, const LayersState& state) {
+        [](const Layers& model, const py::array& animated, const py::array& positions,
+           const LayersState& state) {
             const auto from = vectors(animated, "animated"), at = vectors(positions, "positions");
             const py::gil_scoped_release release;
             Picture picture;
@@ -143,7 +157,8 @@ void bind_wrinkle_mesh_layers(py::module_& module) {
             return picture;
         },
         py::arg("model"), py::arg("animated"), py::arg("positions"), py::arg("state"),
-        "The ShownFrame of a solved frame. animated: (n, 3) float32 of the base before it became cloth, which the\n"
+        "The ShownFrame of a solved frame. animated: (n, 3) float32 of the base before it became cloth, "
+        "which the\n"
         "shown mesh is embedded in. positions: (n, 3) float32, as they were solved.");
 }
 

@@ -59,7 +59,8 @@ void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> wel
            std::span<const TriangleFrame> frames, ShownFrame& out) {
     for (size_t v = 0; v < mesh.places.size(); ++v) {
         const SurfacePoint& place = mesh.places[v];
-        out.local_offset[v] = frames[place.triangle].to_local(out.positions[v] - interpolate(base, place, welded));
+        out.local_offset[v] =
+            frames[place.triangle].to_local(out.positions[v] - interpolate(base, place, welded));
     }
 }
 
@@ -172,7 +173,8 @@ ShownMesh show_triangles(const Surface& base) {
     return shown;
 }
 
-void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> positions, ShownFrame& frame) {
+void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> positions,
+                 ShownFrame& frame) {
     expect_count("positions", positions.size(), base.display.vertex_count, "vertices");
     std::vector<Vec3> welded(base.welded.vertex_count);
     weld_positions(base, positions, welded);

@@ -74,8 +74,9 @@ void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& 
                 std::span<const Vec3> base_positions, std::span<const TriangleFrame> frames,
                 std::span<const Vec3> solved, std::span<const Vec3> offset, ShownFrame& out);
 
-// Embeds a frame in other positions of the base's vertices (as the artist has them): local_offset anew. For what was
-// solved over a base cloth and is shown over the animated mesh. Cost: O(triangles + shown vertices).
-void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> positions, ShownFrame& frame);
+// Embeds a frame in other positions of the base's vertices (as the artist has them): local_offset anew. For
+// what was solved over a base cloth and is shown over the animated mesh. Cost: O(triangles + shown vertices).
+void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> positions,
+                 ShownFrame& frame);
 
 }  // namespace rumple

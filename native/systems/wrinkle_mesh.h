@@ -35,8 +35,9 @@ struct Settings {
     int start_iterations = 20;       // from the canonical start, >= 0
     float damping = 0.3f;            // share of the former offset that is kept, 0..1
     OffsetSpace offset_space = OffsetSpace::kTriangle;
-    // Share of its way back to the attachment that every pass pulls a vertex, along the surface and off it, 0..1.
-    // Without it cloth drifts within its radius: no two ways to a frame end in the same folds. (Not in the paper.)
+    // Share of its way back to the attachment that every pass pulls a vertex, along the surface and off it,
+    // 0..1. Without it cloth drifts within its radius: no two ways to a frame end in the same folds. (Not in
+    // the paper.)
     float tangential_pull = 0.0f;
     float normal_pull = 0.0f;
     float nudge = 0.02f;     // size of the random push of unbuckled vertices, in fine edges, >= 0
@@ -129,10 +130,10 @@ State woken(const State& state);
 // One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
 // world_from_object is used by OffsetSpace::kWorld only, moment by an adaptive rest shape only.
 // For Collision::kPlane:
-//   gap: per vertex of the base, how far the cloth may go inwards before it meets what is worn under it, object
-//   units; empty: no limit but Settings::inside.
-//   bodies, body_hint: where a triangle of a body is known near a vertex of the base (else kNone), the body is looked
-//   at for every solved vertex around. thickness: how far the cloth stays off it, object units.
+//   gap: per vertex of the base, how far the cloth may go inwards before it meets what is worn under it,
+//   object units; empty: no limit but Settings::inside. bodies, body_hint: where a triangle of a body is
+//   known near a vertex of the base (else kNone), the body is looked at for every solved vertex around.
+//   thickness: how far the cloth stays off it, object units.
 struct Input {
     std::span<const Vec3> positions;
     glm::mat3 world_from_object{1.0f};

@@ -17,10 +17,12 @@ Surface surface_of(const Model& layer) {
     std::vector<Index> triangle_corner;
     for (Index p = 0; p < mesh.polygons(); ++p) {
         for (Index k = 1; k + 1 < mesh.polygon_size(p); ++k) {
-            for (const Index c : {Index(0), k, Index(k + 1)}) triangle_corner.push_back(mesh.polygon_start[p] + c);
+            for (const Index c : {Index(0), k, Index(k + 1)})
+                triangle_corner.push_back(mesh.polygon_start[p] + c);
         }
     }
-    return build_surface({layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false});
+    return build_surface(
+        {layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false});
 }
 
 // How far the next layer may go inwards: what the vertices of this one have left.
@@ -36,7 +38,8 @@ std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
 // The input of every layer, one after the other.
 class Chain {
   public:
-    // The base mesh is a cage around its smooth surface, which only the gap knows: bodies are for the layers on it.
+    // The base mesh is a cage around its smooth surface, which only the gap knows: bodies are for the layers
+    // on it.
     explicit Chain(const Input& input) : input_(input), bodies_(input.bodies) { input_.bodies = nullptr; }
 
     const Input& input() const { return input_; }
@@ -75,7 +78,8 @@ bool fits(const Layers& layers, const LayersState* state) {
 
 }  // namespace
 
-std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps, Index most_vertices) {
+std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps,
+                                           Index most_vertices) {
     expect_within("levels", levels, 0, kMostLevels);
     auto out = std::make_shared<Layers>();
     out->base = std::move(base);

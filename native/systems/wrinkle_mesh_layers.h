@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several Wrinkle Meshes, one on the other: wide folds first, finer ones on them. Each is solved over the solved
-// surface of the one before, so that cloth has folds of many sizes. (Not in the paper, which has one.)
+// Several Wrinkle Meshes, one on the other: wide folds first, finer ones on them. Each is solved over the
+// solved surface of the one before, so that cloth has folds of many sizes. (Not in the paper, which has one.)
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace rumple::wrinkle_mesh {
 
-// Built once at rest, then immutable. Layer 0 is the base mesh itself; every further one is the one before, subdivided
-// once.
+// Built once at rest, then immutable. Layer 0 is the base mesh itself; every further one is the one before,
+// subdivided once.
 struct Layers {
     Surface base;
     std::vector<std::shared_ptr<const Model>> layers;  // coarse first; a layer's base is the one before it
@@ -19,9 +19,10 @@ struct Layers {
     StretchModel stretch;
 };
 
-// levels: subdivisions of the base that are solved, 0..kMostLevels; there are levels + 1 layers. Throws InvalidInput
-// (more than most_vertices in the shown mesh). Cost: that of build() for each.
-std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps, Index most_vertices);
+// levels: subdivisions of the base that are solved, 0..kMostLevels; there are levels + 1 layers. Throws
+// InvalidInput (more than most_vertices in the shown mesh). Cost: that of build() for each.
+std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps,
+                                           Index most_vertices);
 
 // Painted values of the base's vertices -> solved vertices of every layer.
 std::vector<std::vector<float>> carry_paint(const Layers& layers, std::span<const float> base_values);
@@ -36,8 +37,9 @@ LayersState woken(const LayersState& state);
 LayersState solve(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
                   const Input& input, const LayersState* state, std::vector<Report>& reports);
 
-// animated: of the base's vertices before they became cloth (or the positions that were solved, where they did not):
-// what the shown mesh is embedded in and what its offsets start from. positions: as they were solved.
+// animated: of the base's vertices before they became cloth (or the positions that were solved, where they
+// did not): what the shown mesh is embedded in and what its offsets start from. positions: as they were
+// solved.
 void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
           const LayersState& state, Picture& picture);
 

@@ -32,7 +32,8 @@ std::array<Index, 3> around(const Surface& surface, const SurfacePoint& place) {
 void keep_outside(const Model& model, const Input& input, Pose& pose) {
     if (input.gap.empty()) return;
     expect_count("gap", input.gap.size(), model.base.display.vertex_count, "values");
-    if (input.bodies) expect_count("body_hint", input.body_hint.size(), model.base.display.vertex_count, "values");
+    if (input.bodies)
+        expect_count("body_hint", input.body_hint.size(), model.base.display.vertex_count, "values");
     pose.gap.assign(pose.attachment.size(), 0.0f);
     if (input.bodies) pose.body.assign(pose.attachment.size(), kNone);
     // As the attachments lie over the vertices: the smooth surface is lower than a crest by as much as its gap.
@@ -47,10 +48,12 @@ void keep_outside(const Model& model, const Input& input, Pose& pose) {
         const SurfacePoint& place = model.attachments.places[v];
         if (place.triangle == kNone) continue;
         const auto [a, b, c] = around(model.base, place);
-        float gap = (1.0f - place.b0 - place.b1) * input.gap[a] + place.b0 * input.gap[b] + place.b1 * input.gap[c];
+        float gap =
+            (1.0f - place.b0 - place.b1) * input.gap[a] + place.b0 * input.gap[b] + place.b1 * input.gap[c];
         if (!smooth.empty()) gap = std::max(smooth[v], 0.0f);
         Index hint = kNone;
-        if (input.bodies) hint = std::max(input.body_hint[a], std::max(input.body_hint[b], input.body_hint[c]));
+        if (input.bodies)
+            hint = std::max(input.body_hint[a], std::max(input.body_hint[b], input.body_hint[c]));
         if (hint != kNone) {
             const float reach = kBodyReach * model.local_edge[v] + input.thickness;
             const BodyContact body = input.bodies->closest(pose.attachment[v], pose.normal[v], reach, hint);

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..core import engine
 from ..core.body import Body
-from . import curves_tree, mesh_io, modifier, versions
+from . import curves_tree, mesh_io, modifier, registry, versions
 
 _BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the object will be
 
@@ -151,32 +151,40 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
              depsgraph: bpy.types.Depsgraph) -> Body:
     """One body in the object space of the garment. Raises engine.Refused."""
     worn = body.evaluated_get(depsgraph)
-    mesh, positions = _mesh(body, worn)
-    if not len(mesh.polygons):
-        raise engine.Refused(f"{obj.name}: its body {body.name} has no faces: choose another one")
-    if not np.isfinite(positions).all():
-        first = int(np.isfinite(positions).all(axis=1).argmin())
+    surface = _folded(body, float(depsgraph.scene.frame_current_final)) or _plain(obj, body, worn, depsgraph.mode)
+    if not np.isfinite(surface.positions).all():
+        first = int(np.isfinite(surface.positions).all(axis=1).argmin())
         raise engine.Refused(f"{obj.name}: vertex {first} of its body {body.name} is not finite: repair it, or choose "
                              "another one")
     into = evaluated.matrix_world.inverted_safe() @ worn.matrix_world
-    triangles = _triangles(body, mesh, depsgraph.mode)
+    triangles = surface.triangles
     if into.determinant() < 0.0:  # mirrored: the other way round is counter-clockwise now
         triangles = triangles[:, ::-1]
     matrix = np.array(into, np.float32)
-    return Body(np.ascontiguousarray(positions @ matrix[:3, :3].T + matrix[:3, 3]), np.ascontiguousarray(triangles))
+    return Body(np.ascontiguousarray(surface.positions @ matrix[:3, :3].T + matrix[:3, 3]),
+                np.ascontiguousarray(triangles))
 
 
-def _mesh(body: bpy.types.Object, worn: bpy.types.Object) -> tuple[bpy.types.Mesh, np.ndarray]:
-    """The mesh that says how a body is connected, and positions in the body's object space."""
-    if modifier.find(body) is not None:
-        # For now without its folds: those of this frame are not written yet.
+def _folded(body: bpy.types.Object, frame: float) -> Body | None:
+    """A garment that is worn under another one, as it was solved for this frame: it comes first in in_order()."""
+    ours, entry = modifier.find(body), registry.known(body)
+    if ours is None or entry is None or entry.fine is None or entry.message or modifier.is_baked(ours):
+        return None
+    return entry.fine.worn_surface(frame) if entry.inputs is not None and entry.inputs.frame == frame else None
+
+
+def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Body:
+    """A body as Blender shows it; a garment that is not baked without its folds. Raises engine.Refused."""
+    mesh, positions, ours = worn.data, None, modifier.find(body)
+    if ours is not None and not modifier.is_baked(ours):
         try:
-            coarse = mesh_io.posed_positions(worn, len(body.data.vertices))
+            positions = mesh_io.posed_positions(worn, len(body.data.vertices))
         except mesh_io.Reordered as error:
             raise engine.Refused(f"{body.name}: {error}") from error
-        if coarse is not None:
-            return body.data, coarse
-    return worn.data, versions.positions(worn.data)
+        mesh = body.data if positions is not None else mesh
+    if not len(mesh.polygons):
+        raise engine.Refused(f"{obj.name}: its body {body.name} has no faces: choose another one")
+    return Body(versions.positions(mesh) if positions is None else positions, _triangles(body, mesh, mode))
 
 
 # ---------------------------------------------------------------- triangles

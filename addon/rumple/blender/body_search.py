@@ -14,6 +14,8 @@ from . import bodies, mesh_io, modifier
 SAMPLES = 500  # vertices at most that are asked what lies under them
 NEAR = 0.08  # of the diagonal of the bounding box: what is farther does not lie under the cloth
 LEAST_SHARE = 0.15  # of the vertices that must have something under them
+LEAST_OVERLAP = 0.02  # of the vertices that lie over another garment: the hem of a shirt over trousers
+MORE_OVER = 2.0  # times as much of a garment lies over another one as the other way round
 WORN_SHARE = 0.5  # from this share on a candidate is itself worn over another one: clothes, not a body
 
 
@@ -26,21 +28,34 @@ class _Cloth:
     reach: float  # how far what lies under it may be
 
 
-def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
-    """The object that shares the armature of a garment and lies under most of it; None where there is none.
+@dataclass
+class WornOver:
+    """What a garment is worn over."""
+
+    body: bpy.types.Object | None
+    garments: list[bpy.types.Object]  # other clothes that it covers a part of
+
+
+def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
+    """The object that shares the armature of a garment and lies under most of it, and the clothes that reach under it.
 
     Cost: a tree of each candidate, about 2 ms per 1000 polygons.
     """
     rigs = _armatures(obj)
     candidates = [other for other in scene.objects if other != obj and rigs & _armatures(other)
-                  and bodies.can_be_body(other) and modifier.find(other) is None]
+                  and bodies.can_be_body(other)]
     trees = {other: _tree(other) for other in candidates
              if len(other.data.polygons) and np.isfinite(_rest(other)).all()}
     cloth = _cloth(obj)
     shares = {other: _share_over(cloth, tree) for other, tree in trees.items()}
     under = [other for other, share in shares.items() if share > LEAST_SHARE]
     worn = {other for other in under if _is_worn(other, [trees[body] for body in under if body != other])}
-    return max((other for other in under if other not in worn), key=shares.get, default=None)
+    body = max((other for other in under if other not in worn and modifier.find(other) is None), key=shares.get,
+               default=None)
+    own = _tree(obj)
+    garments = [other for other, share in shares.items() if other != body and share > LEAST_OVERLAP
+                and share > MORE_OVER * _share_over(_cloth(other), own)]
+    return WornOver(body, garments)
 
 
 def _armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:

@@ -18,6 +18,11 @@ MESH_GROUPS: dict[str, str] = {
     "prestretch": "Rumple Pre-Stretch",
     "bending": "Rumple Bending",
     "inside": "Rumple Inside",
+    "drape": "Rumple Drape",
+    "folds": "Rumple Folds",
+    "detail": "Rumple Detail",
+    "follow": "Rumple Follow",
+    "room": "Rumple Room",
 }
 REST_WRINKLE = "rumple_rest_wrinkle"  # painted vectors of the Wrinkle Field, a point attribute of the coarse mesh
 LEAST_WAVELENGTH = 0.1  # of the factor that a vertex group paints: its zero means "nothing painted" elsewhere

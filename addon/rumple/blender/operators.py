@@ -11,8 +11,8 @@ import bpy
 from .. import native
 from ..core.presets import touched
 from ..core.systems import SYSTEMS
-from . import bodies, body_search, field_nodes, mesh_io, modifier, node_tree, path_curves, preview, properties, \
-    registry, structure, versions
+from . import bodies, body_search, cloth_defaults, field_nodes, mesh_io, modifier, node_tree, path_curves, preview, \
+    properties, registry, structure, versions
 
 # No method of its own: it may stand beside the wrinkles that its maps are baked from.
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
@@ -81,6 +81,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             return {"CANCELLED"}
         registry.forget(obj)
         self._set_defaults(context, obj)
+        if self.method == "MESH":
+            cloth_defaults.apply(obj, context.scene)
         self._find_body(context, obj)
         with structure.half_done():
             ours = modifier.add(obj, self.method)
@@ -116,8 +118,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         about = obj.rumple
         if not about.is_property_set("body") and not about.is_property_set("body_collection"):
             found = body_search.find(obj, context.scene)
-            if found is not None:
-                about.body = found
+            if found.body is not None:
+                about.body = found.body
+            if found.garments:
+                about.body_collection = bpy.data.collections.new(f"{obj.name} Is Worn Over")
+                for garment in found.garments:
+                    about.body_collection.objects.link(garment)
 
     def _report(self, obj: bpy.types.Object, ours: bpy.types.Modifier) -> None:
         changer = modifier.topology_changer_before(obj)
@@ -325,7 +331,10 @@ class OBJECT_OT_rumple_paint(OnWrinkled, bpy.types.Operator):
             return {"CANCELLED"}
         if name not in obj.vertex_groups:
             group = obj.vertex_groups.new(name=name)
-            group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")  # 1: as before the group was there
+            if self.group == "follow":
+                cloth_defaults.fill_follow(obj, group)
+            else:
+                group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")  # 1: as before the group was there
         obj.vertex_groups.active_index = obj.vertex_groups[name].index
         entry = registry.runtime(obj)
         entry.paint, entry.stale = None, True

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..core.systems import SYSTEMS
-from . import (bake_state, body_panel, brush_panel, field_curve, maps_tree, mesh_io, modifier, operators, paths_panel,
+from . import (bake_state, brush_panel, cloth_panel, field_curve, maps_tree, modifier, operators, paths_panel,
                properties, registry, rest_panel, structure, versions)
 from .panel_parts import Panel, named_paint, property_column
 
@@ -135,10 +135,10 @@ class DATA_PT_rumple_constraints(Panel, bpy.types.Panel):
         settings = obj.rumple.mesh
         column.prop(settings, "attachment")
         for name in ("radius", "prestretch", "bending"):
-            _painted(column, obj, name)
+            cloth_panel.painted(column, obj, name)
         column.prop(settings, "collision")
         if settings.collision != "NONE":
-            _painted(column, obj, "inside")
+            cloth_panel.painted(column, obj, "inside")
         column.separator()
         for name in ("stretch_relief", "compression_limit", "hem_rings"):
             column.prop(settings, name)
@@ -146,14 +146,6 @@ class DATA_PT_rumple_constraints(Panel, bpy.types.Panel):
             lines = wrapped(f"Radius above {BOUND:g} fine edges: higher folds, but they may touch themselves")
             for number, line in enumerate(lines):
                 column.label(text=line, icon="INFO" if number == 0 else "BLANK1")
-
-
-def _painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
-    """A slider and the button that paints where it acts."""
-    row = column.row(align=True)
-    row.prop(obj.rumple.mesh, name)
-    exists = mesh_io.MESH_GROUPS[name] in obj.vertex_groups
-    row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = name
 
 
 class DATA_PT_rumple_solver(Panel, bpy.types.Panel):
@@ -265,9 +257,10 @@ def _add_maps_button(layout: bpy.types.UILayout) -> None:
         layout.operator("rumple.maps_add", icon="ARMATURE_DATA")
 
 
-CLASSES = (DATA_PT_rumple, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
+CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT_rumple_body,
+           DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
            *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, rest_panel.DATA_PT_rumple_rest,
-           body_panel.DATA_PT_rumple_body, DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
+           DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
            DATA_PT_rumple_bake, DATA_PT_rumple_status)
 
 

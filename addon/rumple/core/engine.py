@@ -8,13 +8,14 @@ from __future__ import annotations
 import hashlib
 import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from .. import native
 from .body import Body
+from .frame_result import COMMON_ATTRIBUTES, Attribute, Picture, Sketch
 from .history import Entry, History
 
 MOST_VERTICES = 4_000_000
@@ -53,80 +54,6 @@ class BaseMesh:
     def diagonal(self) -> float:
         """Of the bounding box, object units."""
         return float(np.linalg.norm(np.ptp(self.positions, axis=0))) if len(self.positions) else 0.0
-
-
-@dataclass(frozen=True)
-class Attribute:
-    """A float or a vector for shaders and nodes, on the points or the corners of the shown mesh."""
-
-    name: str
-    vector: bool = False
-    domain: str = "POINT"  # or CORNER
-    rest: float = 0.0  # before the first frame
-    unit: bool = False  # a direction: between two baked samples it is made a unit vector again
-    angle: bool = False  # radians: baked without jumps of whole turns
-
-    @property
-    def data_type(self) -> str:
-        """As Blender calls it."""
-        return "FLOAT_VECTOR" if self.vector else "FLOAT"
-
-
-COMMON_ATTRIBUTES = (
-    Attribute("rumple_stretch_min", rest=1.0), Attribute("rumple_stretch_max", rest=1.0),
-    Attribute("rumple_stretch_direction", vector=True, unit=True), Attribute("rumple_offset", vector=True))
-
-
-@dataclass
-class Picture:
-    """The shown mesh of one frame. d vertices; object space, object units."""
-
-    local_offset: np.ndarray  # (d, 3) from the linear embedding, in the frame of the deformed base triangle
-    positions: np.ndarray  # (d, 3)
-    attributes: dict[str, np.ndarray]  # by the names of the system's ATTRIBUTES: (d or corners,) or (..., 3)
-    report: Any = None
-    milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
-    replayed: bool = False
-
-    @classmethod
-    def of(cls, shown: Any, **own: np.ndarray) -> "Picture":
-        """From a native picture. own: what its system has beside the common attributes."""
-        return cls(shown.local_offset, shown.positions, dict(
-            rumple_stretch_min=shown.stretch_min, rumple_stretch_max=shown.stretch_max,
-            rumple_stretch_direction=shown.stretch_direction, rumple_offset=shown.offset, **own))
-
-    @classmethod
-    def at_rest(cls, positions: np.ndarray, corners: int, attributes: tuple[Attribute, ...]) -> "Picture":
-        """What is shown before the first frame."""
-        return cls(np.zeros_like(positions), positions,
-                   {a.name: np.full((len(positions) if a.domain == "POINT" else corners, *([3] if a.vector else [])),
-                                    a.rest, np.float32) for a in attributes})
-
-    @property
-    def offset(self) -> np.ndarray:
-        """(d, 3) from the unwrinkled surface."""
-        return self.attributes["rumple_offset"]
-
-    def shows_the_same(self, other: "Picture | Sketch") -> bool:
-        """Whether a carrier would hold the same bits."""
-        return (isinstance(other, Picture) and np.array_equal(self.local_offset, other.local_offset)
-                and self.attributes.keys() == other.attributes.keys()
-                and all(np.array_equal(values, other.attributes[name]) for name, values in self.attributes.items()))
-
-
-@dataclass
-class Sketch:
-    """A frame for a viewport that draws the wrinkles itself: the shown mesh is not made."""
-
-    drawing: Any  # native: what is drawn
-    stand_in: np.ndarray  # (n, 3) from the coarse vertices to the surface that is drawn, object space
-    report: Any = None
-    milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
-    replayed: bool = False
-
-    def shows_the_same(self, other: "Picture | Sketch") -> bool:
-        """Whether a carrier would hold the same bits."""
-        return isinstance(other, Sketch) and np.array_equal(self.stand_in, other.stand_in)
 
 
 @dataclass(frozen=True)
@@ -344,6 +271,10 @@ class Wrinkles:
     def status(self, picture: Picture) -> list[str]:
         """How the solve of a picture went, in lines for the artist."""
         raise NotImplementedError
+
+    def worn_surface(self, frame: float) -> Body | None:
+        """What another garment lies on in a stored frame, object space; None: on the coarse mesh."""
+        return None
 
     def curves(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
         """The folds of a solved frame as curves (see curve_rows.py). positions: as they were solved."""

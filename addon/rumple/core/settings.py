@@ -83,10 +83,44 @@ class AdaptiveRest:
         options.reference = self.reference if self.adapts else "STATIC_REST"
 
 
+BASE_CLOTHS = (
+    ("OFF", "Off", "The animated mesh is the cloth: for simulated garments, skin and tight clothes"),
+    ("HANG", "Hang", "The coarse mesh itself becomes cloth around its animation: it sags, pulls taut and rests on the "
+     "body. No inertia, nothing to wait for"),
+)
+LAYERS = (
+    ("ONE", "One", "One fine mesh with folds of one size, as in the paper"),
+    ("CLOTH", "Cloth", "Wide folds first, finer ones on them: Drape, Folds and Detail"),
+)
+
+
 @dataclass
-class MeshSettings(AdaptiveRest):
+class ClothSettings:
+    """The base cloth (section 4.3 of the Wrinkle Meshes' paper)."""
+
+    base_cloth: str = setting("OFF", "Base Cloth", "What the wrinkles lie on", choices=BASE_CLOTHS)
+    slack: float = setting(1.01, "Slack", "How much wider the cloth is cut than the garment is modelled. Above 1 it "
+                           "has folds at rest too; below 1 it is tight", low=0.8, high=1.5)
+    gravity: float = setting(1.0, "Gravity", "Of the scene's direction down. 0 for cloth that does not sag", low=0.0,
+                             high=10.0)
+    room: float = setting(0.03, "Room", "How far the cloth may leave its animated place", low=0.0, high=10.0,
+                          unit="LENGTH")
+    thickness: float = setting(0.003, "Thickness", "How far the cloth stays off the body", low=0.0, high=1.0,
+                               unit="LENGTH")
+
+
+@dataclass
+class MeshSettings(AdaptiveRest, ClothSettings):
     """Settings of one Wrinkle Mesh. Lengths are metres in world scale unless the unit says otherwise."""
 
+    # Folds of several sizes
+    layers: str = setting("ONE", "Layers", "How many sizes of folds there are", choices=LAYERS, affects="MESH")
+    drape: float = setting(1.0, "Drape", "The widest folds, of the coarse mesh itself", low=0.0, high=2.0, soft=1.0,
+                           unit="FACTOR")
+    folds: float = setting(1.0, "Folds", "Folds twice as wide as the detail", low=0.0, high=2.0, soft=1.0,
+                           unit="FACTOR")
+    detail: float = setting(1.0, "Detail", "The finest folds, as wide as the wavelength", low=0.0, high=2.0, soft=1.0,
+                            unit="FACTOR")
     # The fine mesh (section 3 of the paper)
     source: str = setting("SUBDIVISION", "Fine Mesh", "How the fine mesh is made", choices=SOURCES, affects="MESH")
     density: str = setting("WAVELENGTH", "Density By", "What chooses the density", choices=DENSITIES, affects="MESH")
@@ -140,6 +174,11 @@ class MeshSettings(AdaptiveRest):
     nudge: float = setting(0.02, "Nudge", "Random push, in fine edges, that lets a flat compressed sheet choose a side",
                            low=0.0, high=1.0)
     seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
+
+    @property
+    def layered(self) -> bool:
+        """Whether there are several layers. Only subdivision makes them, and a rest shape that adapts needs one."""
+        return self.layers == "CLOTH" and self.source == "SUBDIVISION" and self.rest_shape != "ADAPTIVE"
 
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from."""

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from .. import native
+from .body import Body
+from .cloth import BaseCloth, ClothFrame, size_factor
 from .engine import MOST_VERTICES, BaseMesh, Moment, Picture, Refused, Wrinkles, checked_surface
-from .settings import MeshSettings
+from .settings import ClothSettings, MeshSettings
 
 MOST_LEVEL = 5
 MOST_PLAYABLE = 60_000  # solved vertices that still play live on a few cores
@@ -45,8 +48,59 @@ def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
 
 
+CLOTH_WAVELENGTH = 0.04  # metres: the finest folds of a cotton garment that an adult wears
+LEAST_OPENINGS = 2  # of a garment: a head has one
+
+
+def suits_cloth(base: BaseMesh) -> bool:
+    """Whether a mesh looks like a garment by its shape: it has openings to put it on through."""
+    try:
+        return native.load().count_openings(base.surface(True)) >= LEAST_OPENINGS
+    except ValueError:
+        return False  # what is wrong with it is said where it is built
+
+
+def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
+    """Settings of a garment that becomes cloth: folds as wide as the fabric and the wearer's size make them, lengths
+    in metres. Two significant digits."""
+    scale = size_factor(base.diagonal(), unit_scale)
+    finest = max(CLOTH_WAVELENGTH * scale, fitting_wavelength(base, unit_scale) if is_dense(base) else 0.0)
+    return dict(base_cloth="HANG", layers="CLOTH", wavelength=float(f"{finest:.2g}"),
+                room=float(f"{ClothSettings.room * scale:.2g}"),
+                thickness=float(f"{ClothSettings.thickness * scale:.2g}"))
+
+
+def is_dense(base: BaseMesh) -> bool:
+    """Whether a mesh is too dense to be subdivided twice and still play."""
+    return 4 * len(base.corner_vertex) > MOST_PLAYABLE
+
+
+@dataclass
+class OnCloth:
+    """The state of a frame that has a base cloth, or layers."""
+
+    cloth: ClothFrame | None
+    wrinkles: Any  # native: of the one fine mesh, or of the layers
+
+    @property
+    def nbytes(self) -> int:
+        return self.wrinkles.nbytes + (self.cloth.nbytes if self.cloth is not None else 0)
+
+    def woken(self) -> "OnCloth":
+        """For a solve with other settings: nothing is held, the base cloth starts anew."""
+        return OnCloth(None, self.wrinkles.woken())
+
+
+@dataclass
+class MeshReport:
+    """How a frame with a base cloth, or layers, was solved."""
+
+    cloth: Any  # native, or None
+    layers: list[Any]  # native, coarse first
+
+
 class WrinkleMesh(Wrinkles):
-    """A fine mesh that is solved over the base."""
+    """A fine mesh that is solved over the base: one, or several layers, over a base cloth or the animated mesh."""
 
     fitting_length = staticmethod(fitting_wavelength)
 
@@ -64,7 +118,7 @@ class WrinkleMesh(Wrinkles):
         own_surface = own.surface(False) if own is not None and settings.source == "OBJECT" else None
         level = settings.level if settings.density == "LEVEL" else level_for(base, settings.wavelength, unit_scale)
         try:
-            model = native.load().build_wrinkle_mesh(
+            model = cls._layers(surface, settings, level) if settings.layered else native.load().build_wrinkle_mesh(
                 surface, source=settings.source, level=level, segments=settings.segments,
                 longest_edge=settings.edge_length / unit_scale, most_vertices=MOST_VERTICES, own=own_surface,
                 attached=None if attached is None else np.ascontiguousarray(attached, np.uint8),
@@ -77,8 +131,15 @@ class WrinkleMesh(Wrinkles):
             if attached is not None and not attached.all():
                 warnings.append(f"{own.name}: {int((~attached.astype(bool)).sum())} vertices are not attached")
         mesh = cls(base, own if own_surface is not None else base, model, warnings, unit_scale)
-        mesh.edge_mean, mesh.level = float(model.local_edge.mean()) * unit_scale, level
+        mesh.layer_count = level + 1 if settings.layered else 0
+        edges = model.local_edge(level) if settings.layered else model.local_edge
+        mesh.edge_mean, mesh.level = float(edges.mean()) * unit_scale, level
+        mesh._surface, mesh._cloth, mesh._finest = surface, None, None
         return mesh
+
+    @staticmethod
+    def _layers(surface: Any, settings: MeshSettings, levels: int) -> Any:
+        return native.load().build_wrinkle_layers(surface, levels, settings.display_steps, MOST_VERTICES)
 
     @property
     def solve_vertex_count(self) -> int:
@@ -86,23 +147,40 @@ class WrinkleMesh(Wrinkles):
 
     def status(self, picture: Picture) -> list[str]:
         report = picture.report
+        lines = [f"{self.solve_vertex_count} vertices are solved", f"Fine edge {1000.0 * self.edge_mean:.2f} mm"]
+        if isinstance(report, MeshReport):
+            if report.cloth is not None:
+                offset = 1000.0 * self.unit_scale * report.cloth.offset_mean
+                lines.append(f"Base cloth: {offset:.1f} mm from the animation on average, "
+                             f"{100.0 * report.cloth.body_known:.0f} % has the body under it")
+            report = report.layers[-1]
         before, after = 100.0 * report.error_before, 100.0 * report.error_after
-        lines = [f"{self.solve_vertex_count} vertices are solved", f"Fine edge {1000.0 * self.edge_mean:.2f} mm",
-                 f"Edge length error {before:.1f} % before, {after:.1f} % after {report.iterations} iterations"]
+        lines.append(f"Edge length error {before:.1f} % before, {after:.1f} % after {report.iterations} iterations")
         if report.collapsed_triangles:
             lines.append(f"{report.collapsed_triangles} coarse triangles have no area in this pose")
         return lines
 
     def measure_frame(self, frame: float, positions: np.ndarray, settings: MeshSettings) -> Any:
-        """Edge errors, areas and violations of a stored frame; None when it is not stored."""
+        """Edge errors, areas and violations of a stored frame; None when it is not stored, or has a base cloth or
+        layers."""
         entry = self.history.get(frame)
-        if entry is None or self._paint is None:
+        if entry is None or self._paint is None or isinstance(entry.state, OnCloth):
             return None
         return native.load().measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
                                                   entry.state)
 
+    def worn_surface(self, frame: float) -> Body | None:
+        """What another garment lies on: the cloth of a stored frame, object space. None where it is not stored or has
+        no layers."""
+        state = self.state_of(frame)
+        if not isinstance(state, OnCloth) or not self.layer_count:
+            return None
+        if self._finest is None:
+            self._finest = self.model.finest_triangles
+        return Body(state.wrinkles.solved, self._finest)
+
     def _reads_world(self, settings: MeshSettings) -> bool:
-        return settings.offset_space == "WORLD"
+        return settings.offset_space == "WORLD" or settings.base_cloth != "OFF"
 
     def _reads_time(self, settings: MeshSettings) -> bool:
         return settings.adapts
@@ -111,19 +189,78 @@ class WrinkleMesh(Wrinkles):
         return native_settings(settings)
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        return native.load().WrinkleMeshPaint(self.model, paint)
+        self._cloth_paint = {name: paint[name] for name in ("follow", "room") if name in paint}
+        words = layer_words(self.layer_count) if self.layer_count else []
+        ours = {name: values for name, values in paint.items()
+                if name in ("radius", "prestretch", "bending", "inside", *words)}
+        if self.layer_count:
+            return native.load().WrinkleLayersPaint(self.model, ours, words)
+        return native.load().WrinkleMeshPaint(self.model, ours)
 
     def _solve(self, settings: MeshSettings, positions: np.ndarray, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
-        return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions, before,
-                                                moment.world_from_object, **moment.in_time())
+        if settings.base_cloth == "OFF" and not self.layer_count:
+            plain = before.wrinkles if isinstance(before, OnCloth) else before
+            return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
+                                                    plain, moment.world_from_object, **moment.in_time())
+        before = before if isinstance(before, OnCloth) else OnCloth(None, before)
+        return self._solve_on_cloth(settings, positions, before, moment)
 
-    def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any,
-              moment: Moment) -> Picture:
-        return Picture.of(native.load().show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
-                                                          moment.world_from_object))
+    def _solve_on_cloth(self, settings: MeshSettings, positions: np.ndarray, before: OnCloth,
+                        moment: Moment) -> tuple[OnCloth, MeshReport]:
+        cloth, contact = None, {}
+        if settings.base_cloth != "OFF":
+            cloth = self._hang(settings, positions, before.cloth, moment)
+            positions, contact = cloth.positions, dict(gap=cloth.gap)
+            collider = self._cloth.collider(moment.body)
+            if collider is not None:
+                contact.update(collider=collider, body_positions=moment.body.positions, body_hint=cloth.body_hint,
+                               thickness=self._cloth.thickness(settings))
+        if not self.layer_count:
+            state, report = native.load().solve_wrinkle_mesh(
+                self.model, native_settings(settings), self._paint, positions, before.wrinkles,
+                moment.world_from_object, **moment.in_time())
+            return OnCloth(cloth, state), MeshReport(cloth.report, [report])
+        state, reports = native.load().solve_wrinkle_layers(
+            self.model, layer_settings(settings, self.layer_count), self._paint, positions, state=before.wrinkles,
+            **contact)
+        return OnCloth(cloth, state), MeshReport(cloth.report if cloth is not None else None, reports)
+
+    def _base_cloth(self) -> BaseCloth:
+        if self._cloth is None:
+            self._cloth = BaseCloth(self._surface, self.base.diagonal(), self.unit_scale)
+        return self._cloth
+
+    def _hang(self, settings: MeshSettings, positions: np.ndarray, before: ClothFrame | None,
+              moment: Moment) -> ClothFrame:
+        return self._base_cloth().solve(positions, settings, self._cloth_paint,
+                                        _inverse(moment.world_from_object), moment.body, before)
+
+    def suggested_follow(self, world_from_object: np.ndarray) -> np.ndarray:
+        """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
+        from. world_from_object: (3, 3)."""
+        return self._base_cloth().follow(_inverse(world_from_object))
+
+    def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
+        if not isinstance(state, OnCloth):
+            return Picture.of(native.load().show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
+                                                              moment.world_from_object))
+        solved = state.cloth.positions if state.cloth is not None else positions
+        if self.layer_count:
+            return Picture.of(native.load().show_wrinkle_layers(self.model, positions, solved, state.wrinkles))
+        shown = native.load().show_wrinkle_mesh(self.model, native_settings(settings), solved, state.wrinkles,
+                                                moment.world_from_object)
+        native.load().embed_frame(self._surface, self.model.shown, positions, shown)
+        return Picture.of(shown)
+
+
+def _inverse(world_from_object: np.ndarray | None) -> np.ndarray:
+    """(3, 3) float64; that of an object without a size is the identity."""
+    if world_from_object is None or abs(np.linalg.det(world_from_object)) < 1e-12:
+        return np.eye(3)
+    return np.linalg.inv(world_from_object.astype(np.float64))
 
 
 def native_settings(settings: MeshSettings) -> Any:
@@ -134,3 +271,33 @@ def native_settings(settings: MeshSettings) -> Any:
         setattr(options, name, getattr(settings, name))
     settings.fill_reference(options)
     return options
+
+
+def layer_words(count: int) -> list[str]:
+    """For every layer, coarse first, the setting that says how much of it there is."""
+    words = ["drape"] * max(count - 2, 0) + ["folds", "detail"]
+    return words[-count:]
+
+
+# What layers have their own way, measured on shirts, sweaters and trousers (docs/wrinkle_mesh.md, Layers).
+WIDEST_RADIUS = 0.6  # of the base mesh itself, over that of the others
+LAYER_INSIDE = 1.5  # inward room over that of one layer: the body bounds it
+TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
+START_ITERATIONS = 3  # times those of one layer
+LOOSER = 1.5  # slack of the layers over that of the base cloth: cloth that is pulled taut has no folds
+
+
+def layer_settings(settings: MeshSettings, count: int) -> list[Any]:
+    """The native settings of every layer, coarse first."""
+    out = []
+    for number, word in enumerate(layer_words(count)):
+        options = native_settings(settings)
+        options.radius = settings.radius * getattr(settings, word) * (WIDEST_RADIUS if number == 0 else 1.0)
+        options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
+        options.hem_rings = min(settings.hem_rings, number + 1)
+        options.tangential_pull, options.normal_pull = TANGENTIAL_PULL, NORMAL_PULL
+        options.start_iterations = START_ITERATIONS * settings.start_iterations
+        if settings.base_cloth != "OFF":
+            options.prestretch = settings.prestretch * (1.0 + LOOSER * (settings.slack - 1.0))
+        out.append(options)
+    return out

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The base cloth: the coarse mesh itself becomes cloth around its animation, so that what wrinkles hangs, pulls taut
-// and rests on the body. Mueller and Chentanez 2010, section 4.3: a simulated base whose edges hardly resist
-// compression. Solved for the equilibrium of each pose (no inertia) by Newton's method with conjugate gradients.
-// docs/base_cloth.md has the energy.
+// The base cloth: the coarse mesh itself becomes cloth around its animation, so that what wrinkles hangs,
+// pulls taut and rests on the body. Mueller and Chentanez 2010, section 4.3: a simulated base whose edges
+// hardly resist compression. Solved for the equilibrium of each pose (no inertia) by Newton's method with
+// conjugate gradients. docs/base_cloth.md has the energy.
 #pragma once
 
 #include <memory>
@@ -13,21 +13,22 @@
 
 namespace rumple::base_cloth {
 
-// Stiffness is per mass of cloth: membrane stiffness (N/m) over mass per area (kg/m^2), in object units^2 / s^2.
+// Stiffness is per mass of cloth: membrane stiffness (N/m) over mass per area (kg/m^2), in object units^2 /
+// s^2.
 struct Settings {
-    float stretch = 200.0f;           // of what is longer than at rest, > 0
-    float strain_limit = 0.02f;       // beyond this strain stretch counts kBeyondLimit times, >= 0
-    float shear = 10.0f;              // of the diagonals of quads that are longer than at rest, >= 0
-    float compression = 1.0f;         // k1: of what is shorter than at rest, >= 0
-    float compression_limit = 0.7f;   // c_l: length over rest length below which k2 counts, 0..1
-    float folded = 200.0f;            // k2: of what is shorter than that, >= 0
-    float smoothing = 0.4f;           // against displacements that differ between neighbours, >= 0
-    float slack = 1.0f;               // length of the cloth over that of the modelled garment, > 0
-    float follow = 150.0f;            // pull back to the animation where nothing is pinned, 1/s^2, > 0
-    float room = 0.03f;               // farthest that a vertex leaves its animated place, object units, >= 0
+    float stretch = 50.0f;             // of what is longer than at rest, > 0
+    float strain_limit = 0.02f;        // beyond this strain stretch counts kBeyondLimit times, >= 0
+    float shear = 5.0f;                // of the diagonals of quads that are longer than at rest, >= 0
+    float compression = 0.3f;          // k1: of what is shorter than at rest, >= 0
+    float compression_limit = 0.7f;    // c_l: length over rest length below which k2 counts, 0..1
+    float folded = 1.0f;               // k2: of what is shorter than that, >= 0
+    float smoothing = 1.0f;            // against displacements that differ between neighbours, >= 0
+    float slack = 1.0f;                // length of the cloth over that of the modelled garment, > 0
+    float follow = 400.0f;             // pull back to the animation where nothing is pinned, 1/s^2, > 0
+    float room = 0.03f;                // farthest that a vertex leaves its animated place, object units, >= 0
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2
     ClearanceSettings clearance{};
-    int steps = 3;         // Newton steps from a given state, >= 0
+    int steps = 4;         // Newton steps from a given state, >= 0
     int start_steps = 20;  // from the animation, >= 0
     int gradients = 30;    // most conjugate gradients of a step, >= 0
 };
@@ -52,23 +53,23 @@ struct Model {
         bool diagonal;
     };
     std::vector<Spring> springs;
-    std::vector<float> area;          // per vertex, object units^2
-    std::vector<Index> frame_to;      // per vertex: the neighbour that its tangent points to, or kNone
-    SparseRows limit;                 // limit position <- vertices
-    std::vector<Index> near_start;    // per triangle, into near_triangle:
+    std::vector<float> area;           // per vertex, object units^2
+    std::vector<Index> frame_to;       // per vertex: the neighbour that its tangent points to, or kNone
+    SparseRows limit;                  // limit position <- vertices
+    std::vector<Index> near_start;     // per triangle, into near_triangle:
     std::vector<Index> near_triangle;  //   the triangles that share a vertex with it, itself included
-    std::vector<Index> triangle_of;   // per vertex: one of its triangles, or kNone (loose)
+    std::vector<Index> triangle_of;    // per vertex: one of its triangles, or kNone (loose)
     ClearanceModel clearance;
 };
 std::shared_ptr<const Model> build(Surface surface);
 
 // What lives from frame to frame.
 struct State {
-    std::vector<Vec3> offset;        // per welded vertex, in the tangent frame of the animated vertex
-    std::vector<float> length;       // of every spring in the pose that was solved
-    std::vector<float> clearance;    // likewise
-    float moved = 0.0f;              // farthest way of a vertex in the last step, object units
-    std::vector<Index> body_hint;    // speed only
+    std::vector<Vec3> offset;      // per welded vertex, in the tangent frame of the animated vertex
+    std::vector<float> length;     // of every spring in the pose that was solved
+    std::vector<float> clearance;  // likewise
+    float moved = 0.0f;            // farthest way of a vertex in the last step, object units
+    std::vector<Index> body_hint;  // speed only
     std::vector<Index> contact_hint;
 
     size_t bytes() const {
@@ -78,27 +79,29 @@ struct State {
 };
 
 struct Report {
-    int steps = 0;        // 0: the pose was held
-    int gradients = 0;    // of all steps
-    float moved = 0.0f;   // farthest way of a vertex in the last step, object units
+    int steps = 0;       // 0: the pose was held
+    int gradients = 0;   // of all steps
+    float moved = 0.0f;  // farthest way of a vertex in the last step, object units
     float offset_mean = 0.0f;
     float offset_max = 0.0f;
-    float taut = 0.0f;     // share of the springs that are longer than at rest
-    float touching = 0.0f; // share of the vertices that rest on the inner surface
+    float taut = 0.0f;        // share of the springs that are longer than at rest
+    float touching = 0.0f;    // share of the vertices that rest on the inner surface
     float body_known = 0.0f;  // share of the vertices that have a body under them
 };
 
 struct Result {
     std::vector<Vec3> positions;  // per display vertex, object space
     std::vector<float> gap;       // per display vertex: height above the inner surface, object units, >= 0
-    std::vector<Index> body_hint;  // per display vertex: a triangle of a body near it, or kNone; empty without bodies
+    std::vector<Index>
+        body_hint;  // per display vertex: a triangle of a body near it, or kNone; empty without bodies
     State state;
     Report report;
 };
 
-// positions: animated, per display vertex, object space. bodies: or none. state: of the frame before, or none.
-// Throws InvalidInput. Deterministic. Cost: about 0.03 us a vertex and gradient, and 1 us a vertex and step for contact.
-Result solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
-             const PosedCollider* bodies, const State* state);
+// positions: animated, per display vertex, object space. bodies: or none. state: of the frame before, or
+// none. Throws InvalidInput. Deterministic. Cost: about 0.03 us a vertex and gradient, and 1 us a vertex and
+// step for contact.
+Result solve(const Model& model, const Settings& settings, const Paint& paint,
+             std::span<const Vec3> positions, const PosedCollider* bodies, const State* state);
 
 }  // namespace rumple::base_cloth

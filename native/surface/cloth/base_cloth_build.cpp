@@ -16,15 +16,19 @@ struct Spring {
 using Springs = std::map<std::pair<Index, Index>, Spring>;
 
 float triangle_area(const Surface& surface, const Triangle& triangle) {
-    const auto at = [&](int k) { return surface.positions_rest[surface.welded.corner_vertex[triangle.corner[k]]]; };
+    const auto at = [&](int k) {
+        return surface.positions_rest[surface.welded.corner_vertex[triangle.corner[k]]];
+    };
     return 0.5f * glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
 }
 
-// A polygon's area is shared by its sides so that the springs of a square grid, and of equilateral triangles, stretch
-// like the membrane: two opposite sides of a quad carry its area in their direction, a triangle's three all of it.
+// A polygon's area is shared by its sides so that the springs of a square grid, and of equilateral triangles,
+// stretch like the membrane: two opposite sides of a quad carry its area in their direction, a triangle's
+// three all of it.
 Springs collect_springs(const Surface& surface) {
     std::vector<float> area(surface.welded.polygons(), 0.0f);
-    for (const Triangle& triangle : surface.triangles) area[triangle.polygon] += triangle_area(surface, triangle);
+    for (const Triangle& triangle : surface.triangles)
+        area[triangle.polygon] += triangle_area(surface, triangle);
     Springs springs;
     const auto add = [&](Index a, Index b, float share, bool diagonal) {
         Spring& spring = springs[std::minmax(a, b)];
@@ -44,8 +48,7 @@ Springs collect_springs(const Surface& surface) {
         for (int k = 0; k < 3; ++k) {
             const Index a = surface.welded.corner_vertex[triangle.corner[k]];
             const Index b = surface.welded.corner_vertex[triangle.corner[(k + 1) % 3]];
-            if (!springs.contains(std::minmax(a, b)))
-                add(a, b, triangle_area(surface, triangle), true);
+            if (!springs.contains(std::minmax(a, b))) add(a, b, triangle_area(surface, triangle), true);
         }
     }
     return springs;
@@ -68,7 +71,9 @@ void collect_triangles(Model& model) {
     const Surface& surface = model.surface;
     const Index triangles = static_cast<Index>(surface.triangles.size());
     std::vector<std::vector<Index>> around(surface.welded.vertex_count);
-    const auto vertex = [&](Index t, int k) { return surface.welded.corner_vertex[surface.triangles[t].corner[k]]; };
+    const auto vertex = [&](Index t, int k) {
+        return surface.welded.corner_vertex[surface.triangles[t].corner[k]];
+    };
     model.triangle_of.assign(surface.welded.vertex_count, kNone);
     model.area.assign(surface.welded.vertex_count, 0.0f);
     for (Index t = 0; t < triangles; ++t) {
@@ -82,7 +87,8 @@ void collect_triangles(Model& model) {
     model.near_start = {0};
     for (Index t = 0; t < triangles; ++t) {
         std::vector<Index> near;
-        for (int k = 0; k < 3; ++k) near.insert(near.end(), around[vertex(t, k)].begin(), around[vertex(t, k)].end());
+        for (int k = 0; k < 3; ++k)
+            near.insert(near.end(), around[vertex(t, k)].begin(), around[vertex(t, k)].end());
         std::sort(near.begin(), near.end());
         near.erase(std::unique(near.begin(), near.end()), near.end());
         model.near_triangle.insert(model.near_triangle.end(), near.begin(), near.end());

@@ -33,8 +33,8 @@ float room_inwards(const ClearanceSettings& settings, float distance) {
 ClearanceModel build_clearance(const Surface& surface) {
     std::vector<std::vector<std::pair<Index, float>>> around(surface.welded.vertex_count);
     for (const Edge& edge : surface.edges) {
-        const float length =
-            std::max(glm::distance(surface.positions_rest[edge.a], surface.positions_rest[edge.b]), kShortestEdge);
+        const float length = std::max(
+            glm::distance(surface.positions_rest[edge.a], surface.positions_rest[edge.b]), kShortestEdge);
         around[edge.a].push_back({edge.b, 1.0f / (length * length)});
         around[edge.b].push_back({edge.a, 1.0f / (length * length)});
     }
@@ -69,8 +69,8 @@ std::vector<float> clearance(const ClearanceModel& model, const ClearanceSetting
         known[v] = {room_inwards(settings, contact.distance), contact.weight * near};
         out[v] = glm::mix(settings.unknown, known[v].value, known[v].weight);
     }
-    // The smallest of sum_sides (c_i - c_j)^2 / l^2 + sum_i (c_i - unknown)^2 / spread^2 + what is known, much
-    // more strongly.
+    // The smallest of sum_sides (c_i - c_j)^2 / l^2 + sum_i (c_i - unknown)^2 / spread^2 + what is known,
+    // much more strongly.
     const float pull = 1.0f / (settings.spread * settings.spread);
     for (int sweep = 0; sweep < kFillSweeps; ++sweep) {
         for (size_t step = 0; step < vertices; ++step) {

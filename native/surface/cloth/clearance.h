@@ -11,10 +11,10 @@ namespace rumple {
 
 struct ClearanceSettings {
     float thickness = 0.003f;  // of the cloth: how far it stays off a body, object units, >= 0
-    float unknown = 0.01f;     // taken where no body is found: mostly because it was deleted, object units, >= 0
-    float reach = 0.06f;       // bodies farther away do not count, object units, > 0
-    float depth = 0.02f;       // a garment that is deeper inside a body stays there, object units, > 0
-    float spread = 0.06f;      // over this length what is known fades to `unknown`, object units, > 0
+    float unknown = 0.01f;  // taken where no body is found: mostly because it was deleted, object units, >= 0
+    float reach = 0.06f;    // bodies farther away do not count, object units, > 0
+    float depth = 0.02f;    // a garment that is deeper inside a body stays there, object units, > 0
+    float spread = 0.06f;   // over this length what is known fades to `unknown`, object units, > 0
 };
 
 // What is fixed at rest: the sides of the welded mesh, by vertex.
@@ -25,12 +25,12 @@ struct ClearanceModel {
 };
 ClearanceModel build_clearance(const Surface& surface);
 
-// Per welded vertex: how far the cloth may go inwards from its place on the bare garment, along the vertex normal,
-// object units; negative where the bare garment is inside the body and has to come out. Where no body is found it
-// is filled in from the vertices around, so that the inner surface has no seam.
+// Per welded vertex: how far the cloth may go inwards from its place on the bare garment, along the vertex
+// normal, object units; negative where the bare garment is inside the body and has to come out. Where no body
+// is found it is filled in from the vertices around, so that the inner surface has no seam.
 //   surface_points: of the vertices on the smooth bare garment; normals: unit. bodies: or none.
-//   hints: the triangle found for every vertex in the frame before (empty: none); gets those of this frame. They
-//   make it faster and change nothing else.
+//   hints: the triangle found for every vertex in the frame before (empty: none); gets those of this frame.
+//   They make it faster and change nothing else.
 // Cost: about 0.5 us a vertex.
 std::vector<float> clearance(const ClearanceModel& model, const ClearanceSettings& settings,
                              std::span<const Vec3> surface_points, std::span<const Vec3> normals,

@@ -113,8 +113,7 @@ PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> pos
     expect_finite("body positions", positions, "vertex");
     normals_.assign(positions_.size(), Vec3(0.0f));
     for (const auto& t : collider_.triangles_) {
-        const Vec3 n =
-            glm::cross(positions_[t[1]] - positions_[t[0]], positions_[t[2]] - positions_[t[0]]);
+        const Vec3 n = glm::cross(positions_[t[1]] - positions_[t[0]], positions_[t[2]] - positions_[t[0]]);
         face_normals_.push_back(unit_or_zero(n));
         for (const Index v : t) normals_[v] += n;
     }

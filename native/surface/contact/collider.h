@@ -57,8 +57,8 @@ class PosedCollider {
     PosedCollider(const Collider& collider, std::span<const Vec3> positions);
 
     // The nearest point of the body that faces the same way as the cloth (normal: unit, of the cloth). Bodies
-    // are mostly deleted under clothes: the border of such a hole says nothing of what lay there, so it does not
-    // count. hint: a triangle that is likely near, or kNone; it does not change the result but for ties.
+    // are mostly deleted under clothes: the border of such a hole says nothing of what lay there, so it does
+    // not count. hint: a triangle that is likely near, or kNone; it does not change the result but for ties.
     BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const;
 
   private:

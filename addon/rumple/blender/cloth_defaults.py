@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the first click sets for a garment: that it becomes cloth, and where it is pinned."""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core import wrinkle_mesh
+from . import mesh_io, properties, registry, structure
+
+# Their result is cloth already: its small compressions are the simulation's own.
+SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
+STEPS = 20  # of the weights that a group starts from
+
+
+def apply(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
+    """Make a skinned garment cloth, unless it was ever said what its wrinkles lie on. What else was set stays."""
+    settings = obj.rumple.mesh
+    if settings.is_property_set("base_cloth") or settings.is_property_set("layers") or not is_skinned(obj):
+        return
+    base = mesh_io.base_mesh(obj, "REST_POSE", "")
+    if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
+        return
+    values = wrinkle_mesh.cloth_defaults(base, structure.metres_per_unit(obj, scene))
+    if settings.density == "LEVEL":
+        del values["wavelength"]
+    properties.apply_values(obj, scene, values)
+
+
+def is_skinned(obj: bpy.types.Object) -> bool:
+    """Whether bones move it, and no simulation."""
+    kinds = {m.type for m in obj.modifiers}
+    keys = obj.data.shape_keys
+    simulated = bool(kinds & SIMULATED) or (keys is not None and not keys.use_relative)
+    return not simulated and ("ARMATURE" in kinds or (obj.parent is not None and obj.parent.type == "ARMATURE"
+                                                      and obj.parent_type == "ARMATURE"))
+
+
+def fill_follow(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> None:
+    """Start a new group from where the base cloth is pinned by itself."""
+    fine = registry.runtime(obj).fine
+    if fine is None:
+        return
+    weights = np.round(fine.suggested_follow(np.array(obj.matrix_world.to_3x3(), np.float32)) * STEPS) / STEPS
+    for weight in np.unique(weights):
+        group.add(np.flatnonzero(weights == weight).tolist(), float(weight), "REPLACE")

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a solved frame hands to whoever shows it. Never imports bpy."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """A float or a vector for shaders and nodes, on the points or the corners of the shown mesh."""
+
+    name: str
+    vector: bool = False
+    domain: str = "POINT"  # or CORNER
+    rest: float = 0.0  # before the first frame
+    unit: bool = False  # a direction: between two baked samples it is made a unit vector again
+    angle: bool = False  # radians: baked without jumps of whole turns
+
+    @property
+    def data_type(self) -> str:
+        """As Blender calls it."""
+        return "FLOAT_VECTOR" if self.vector else "FLOAT"
+
+
+COMMON_ATTRIBUTES = (
+    Attribute("rumple_stretch_min", rest=1.0), Attribute("rumple_stretch_max", rest=1.0),
+    Attribute("rumple_stretch_direction", vector=True, unit=True), Attribute("rumple_offset", vector=True))
+
+
+@dataclass
+class Picture:
+    """The shown mesh of one frame. d vertices; object space, object units."""
+
+    local_offset: np.ndarray  # (d, 3) from the linear embedding, in the frame of the deformed base triangle
+    positions: np.ndarray  # (d, 3)
+    attributes: dict[str, np.ndarray]  # by the names of the system's ATTRIBUTES: (d or corners,) or (..., 3)
+    report: Any = None
+    milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
+    replayed: bool = False
+
+    @classmethod
+    def of(cls, shown: Any, **own: np.ndarray) -> "Picture":
+        """From a native picture. own: what its system has beside the common attributes."""
+        return cls(shown.local_offset, shown.positions, dict(
+            rumple_stretch_min=shown.stretch_min, rumple_stretch_max=shown.stretch_max,
+            rumple_stretch_direction=shown.stretch_direction, rumple_offset=shown.offset, **own))
+
+    @classmethod
+    def at_rest(cls, positions: np.ndarray, corners: int, attributes: tuple[Attribute, ...]) -> "Picture":
+        """What is shown before the first frame."""
+        return cls(np.zeros_like(positions), positions,
+                   {a.name: np.full((len(positions) if a.domain == "POINT" else corners, *([3] if a.vector else [])),
+                                    a.rest, np.float32) for a in attributes})
+
+    @property
+    def offset(self) -> np.ndarray:
+        """(d, 3) from the unwrinkled surface."""
+        return self.attributes["rumple_offset"]
+
+    def shows_the_same(self, other: "Picture | Sketch") -> bool:
+        """Whether a carrier would hold the same bits."""
+        return (isinstance(other, Picture) and np.array_equal(self.local_offset, other.local_offset)
+                and self.attributes.keys() == other.attributes.keys()
+                and all(np.array_equal(values, other.attributes[name]) for name, values in self.attributes.items()))
+
+
+@dataclass
+class Sketch:
+    """A frame for a viewport that draws the wrinkles itself: the shown mesh is not made."""
+
+    drawing: Any  # native: what is drawn
+    stand_in: np.ndarray  # (n, 3) from the coarse vertices to the surface that is drawn, object space
+    report: Any = None
+    milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
+    replayed: bool = False
+
+    def shows_the_same(self, other: "Picture | Sketch") -> bool:
+        """Whether a carrier would hold the same bits."""
+        return isinstance(other, Sketch) and np.array_equal(self.stand_in, other.stand_in)

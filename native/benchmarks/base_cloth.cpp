@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A sleeve of 1,500 coarse vertices that bends over a body of 20,000 triangles, by stage: what is under it,
+// the base cloth, and the wide layers on it (Drape and Folds). All on one core.
+#include "surface/cloth/base_cloth.h"
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "systems/wrinkle_mesh_layers.h"
+#include "tests/meshes.h"
+
+namespace rumple {
+namespace {
+
+constexpr Index kAround = 30, kAlong = 50;
+constexpr float kLength = 0.9f, kRadius = 0.1f;
+constexpr int kFrames = 24;
+
+std::vector<Vec3> bent(const std::vector<Vec3>& rest, float angle) {
+    std::vector<Vec3> out;
+    for (const Vec3& p : rest) {
+        const float turn = angle * std::clamp((p.x - 0.35f * kLength) / (0.3f * kLength), 0.0f, 1.0f);
+        const float x = p.x - 0.5f * kLength;
+        out.push_back(
+            {x * std::cos(turn) - p.z * std::sin(turn), p.y, x * std::sin(turn) + p.z * std::cos(turn)});
+    }
+    return out;
+}
+
+struct Scene {
+    tests::MeshData sleeve = tests::tube(kAround, kAlong, kRadius, kLength);
+    tests::MeshData body = tests::tube(100, 100, kRadius - 0.01f, kLength);
+    std::shared_ptr<const base_cloth::Model> cloth;
+    std::shared_ptr<const wrinkle_mesh::Layers> layers;
+    std::unique_ptr<Collider> collider;
+    std::vector<std::vector<Vec3>> poses, body_poses;
+
+    Scene() {
+        const Surface surface = tests::build(sleeve);
+        cloth = base_cloth::build(surface);
+        layers = wrinkle_mesh::build_layers(surface, 1, 0, 1'000'000);
+        const Surface under = tests::build(body);
+        std::vector<std::array<Index, 3>> triangles;
+        for (const Triangle& t : under.triangles) {
+            triangles.push_back({body.corner_vertex[t.corner[0]], body.corner_vertex[t.corner[1]],
+                                 body.corner_vertex[t.corner[2]]});
+        }
+        collider = std::make_unique<Collider>(body.positions, triangles);
+        for (int frame = 0; frame < kFrames; ++frame) {
+            const float angle =
+                0.7f - 0.7f * std::cos(2.0f * std::numbers::pi_v<float> * float(frame) / float(kFrames));
+            poses.push_back(bent(sleeve.positions, angle));
+            body_poses.push_back(bent(body.positions, angle));
+        }
+    }
+};
+
+enum Stage { kBody, kBase, kWideLayers };
+
+void frames(benchmark::State& bench, Stage until) {
+    const Scene scene;
+    const std::vector<wrinkle_mesh::Settings> settings(
+        scene.layers->layers.size(),
+        {.inside = 0.6f, .tangential_pull = 0.2f, .normal_pull = 0.02f, .threads = 1});
+    const std::vector<wrinkle_mesh::Paint> paint(settings.size());
+    base_cloth::State cloth_state;
+    wrinkle_mesh::LayersState layers_state;
+    bool first = true;
+    size_t frame = 0;
+    for (auto _ : bench) {
+        const size_t at = frame++ % kFrames;
+        const PosedCollider bodies(*scene.collider, scene.body_poses[at]);
+        benchmark::DoNotOptimize(&bodies);
+        if (until == kBody) continue;
+        base_cloth::Result cloth =
+            base_cloth::solve(*scene.cloth, {}, {}, scene.poses[at], &bodies, first ? nullptr : &cloth_state);
+        cloth_state = std::move(cloth.state);
+        if (until == kWideLayers) {
+            wrinkle_mesh::Input input{cloth.positions};
+            input.gap = cloth.gap;
+            input.bodies = &bodies;
+            input.body_hint = cloth.body_hint;
+            input.thickness = 0.003f;
+            std::vector<wrinkle_mesh::Report> reports;
+            layers_state = wrinkle_mesh::solve(*scene.layers, settings, paint, input,
+                                               first ? nullptr : &layers_state, reports);
+        }
+        first = false;
+    }
+}
+
+BENCHMARK_CAPTURE(frames, body, kBody)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frames, body_and_base_cloth, kBase)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frames, body_base_cloth_and_wide_layers, kWideLayers)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace rumple

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/cloth/pins.h"
+
+#include <algorithm>
+#include <limits>
+#include <queue>
+
+#include "surface/disjoint_sets.h"
+
+namespace rumple {
+namespace {
+
+// Radius of a border over the diagonal of its part: how firmly it is held. Measured on shirts, sweaters and
+// trousers: a wrist is at 0.02, the cuff of trousers at 0.055, a short sleeve at 0.07, a hem at 0.17 and
+// more.
+constexpr float kWrist = 0.03f, kSleeve = 0.05f, kLoose = 0.09f;
+constexpr float kSleeveHeld = 0.4f;
+
+// A border as wide as this is the outline of a sheet (a flag, a cape), not an opening.
+constexpr float kOutline = 0.25f;
+
+// Over this share of the part's diagonal the hold of a border fades out.
+constexpr float kFade = 0.07f;
+
+struct Border {
+    std::vector<Index> vertices;
+    Index part = 0;
+    float height = 0.0f;
+    float radius = 0.0f;
+};
+
+struct Neighbour {
+    Index vertex;
+    float length;
+};
+
+float held_by_width(float share) {
+    if (share <= kWrist) return 1.0f;
+    if (share <= kSleeve) return glm::mix(1.0f, kSleeveHeld, (share - kWrist) / (kSleeve - kWrist));
+    return kSleeveHeld * std::clamp((kLoose - share) / (kLoose - kSleeve), 0.0f, 1.0f);
+}
+
+// Connected sets of vertices: the number of its set for every vertex that an edge in `chosen` has, else
+// kNone.
+template <typename Chosen>
+std::vector<Index> connected(const Surface& surface, Chosen&& chosen, Index& count) {
+    DisjointSets sets(surface.welded.vertex_count);
+    std::vector<bool> used(surface.welded.vertex_count, false);
+    for (const Edge& edge : surface.edges) {
+        if (!chosen(edge)) continue;
+        sets.unite(edge.a, edge.b);
+        used[edge.a] = used[edge.b] = true;
+    }
+    std::vector<Index> number(surface.welded.vertex_count, kNone),
+        of_root(surface.welded.vertex_count, kNone);
+    count = 0;
+    for (Index v = 0; v < surface.welded.vertex_count; ++v) {
+        if (!used[v]) continue;
+        Index& root = of_root[sets.find(v)];
+        if (root == kNone) root = count++;
+        number[v] = root;
+    }
+    return number;
+}
+
+std::vector<Border> collect_borders(const Surface& surface, std::span<const Index> part, const Vec3& up) {
+    Index count = 0;
+    const std::vector<Index> of = connected(
+        surface, [](const Edge& e) { return e.right == kNone; }, count);
+    std::vector<Border> borders(count);
+    for (Index v = 0; v < surface.welded.vertex_count; ++v) {
+        if (of[v] != kNone) borders[of[v]].vertices.push_back(v);
+    }
+    for (Border& border : borders) {
+        Vec3 centre(0.0f);
+        for (const Index v : border.vertices) centre += surface.positions_rest[v];
+        centre /= float(border.vertices.size());
+        for (const Index v : border.vertices)
+            border.radius += glm::distance(surface.positions_rest[v], centre);
+        border.radius /= float(border.vertices.size());
+        border.height = glm::dot(centre, up);
+        border.part = part[border.vertices.front()];
+    }
+    return borders;
+}
+
+std::vector<float> diagonals(const Surface& surface, std::span<const Index> part, Index parts) {
+    std::vector<Vec3> low(parts, Vec3(std::numeric_limits<float>::max()));
+    std::vector<Vec3> high(parts, Vec3(std::numeric_limits<float>::lowest()));
+    for (size_t v = 0; v < part.size(); ++v) {
+        if (part[v] == kNone) continue;
+        low[part[v]] = glm::min(low[part[v]], surface.positions_rest[v]);
+        high[part[v]] = glm::max(high[part[v]], surface.positions_rest[v]);
+    }
+    std::vector<float> out;
+    for (Index p = 0; p < parts; ++p) out.push_back(glm::length(high[p] - low[p]));
+    return out;
+}
+
+// Raises `follow` around a border, by the distance along the edges (Dijkstra).
+void hold(const Border& border, float firmly, float reach, const std::vector<std::vector<Neighbour>>& around,
+          std::vector<float>& follow) {
+    std::vector<float> distance(around.size(), std::numeric_limits<float>::max());
+    using Step = std::pair<float, Index>;
+    std::priority_queue<Step, std::vector<Step>, std::greater<>> steps;
+    for (const Index v : border.vertices) steps.push({distance[v] = 0.0f, v});
+    while (!steps.empty()) {
+        const auto [way, v] = steps.top();
+        steps.pop();
+        if (way > distance[v] || way > reach) continue;
+        const float t = 1.0f - way / reach;
+        follow[v] = std::max(follow[v], firmly * t * t * (3.0f - 2.0f * t));
+        for (const auto& [to, length] : around[v]) {
+            if (way + length < distance[to]) steps.push({distance[to] = way + length, to});
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
+    Index parts = 0;
+    const std::vector<Index> part = connected(
+        surface, [](const Edge&) { return true; }, parts);
+    const std::vector<Border> borders = collect_borders(surface, part, up);
+    const std::vector<float> diagonal = diagonals(surface, part, parts);
+    std::vector<float> highest(parts, std::numeric_limits<float>::lowest());
+    for (const Border& border : borders) highest[border.part] = std::max(highest[border.part], border.height);
+    std::vector<std::vector<Neighbour>> around(surface.welded.vertex_count);
+    for (const Edge& edge : surface.edges) {
+        const float length = glm::distance(surface.positions_rest[edge.a], surface.positions_rest[edge.b]);
+        around[edge.a].push_back({edge.b, length});
+        around[edge.b].push_back({edge.a, length});
+    }
+    std::vector<float> follow(surface.welded.vertex_count, 0.0f);
+    for (const Border& border : borders) {
+        const float size = diagonal[border.part];
+        const bool top = border.height == highest[border.part] && border.radius < kOutline * size;
+        const float firmly = top ? 1.0f : held_by_width(border.radius / size);
+        if (size > 0.0f && firmly > 0.0f) hold(border, firmly, kFade * size, around, follow);
+    }
+    std::vector<float> out;
+    for (const Index welded : surface.welded_of) out.push_back(follow[welded]);
+    return out;
+}
+
+Index count_openings(const Surface& surface) {
+    Index parts = 0;
+    const std::vector<Index> part = connected(
+        surface, [](const Edge&) { return true; }, parts);
+    const std::vector<float> diagonal = diagonals(surface, part, parts);
+    Index count = 0;
+    for (const Border& border : collect_borders(surface, part, Vec3(0.0f)))
+        count += border.radius < kOutline * diagonal[border.part];
+    return count;
+}
+
+}  // namespace rumple
