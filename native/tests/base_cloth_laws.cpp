@@ -64,6 +64,8 @@ TEST(BaseClothLaws, RigidMotionCarriesTheClothAlong) {
             Settings here;
             here.gravity = gravity;
             here.compression = compression;
+            here.folded = 200.0f;
+            here.start_steps = 200;  // stiff cloth buckles slowly, and until it is done roundings grow
             Settings there = here;
             there.gravity = turned(gravity);
             for (const MeshData& mesh : meshes()) {
@@ -71,15 +73,10 @@ TEST(BaseClothLaws, RigidMotionCarriesTheClothAlong) {
                 for (const Points& pose : {mesh.positions, garment.crumpled(0.93f, 1.5f, 0.05f)}) {
                     Points moved = pose;
                     for (Vec3& p : moved) p = turned(p) + shift;
-                    Result still = garment.solve(here, pose), anew = garment.solve(there, moved);
-                    // On the way to the equilibrium of a crumpled pose a rounding decides what is shortened;
-                    // there it does not count any more.
-                    if (pose == mesh.positions) {
-                        EXPECT_LT(farthest(anew.state.offset, still.state.offset), 2e-5f);
-                    }
-                    ASSERT_GT(garment.settle(here, pose, still, {}, nullptr, 200), 0);
-                    ASSERT_GT(garment.settle(there, moved, anew, {}, nullptr, 200), 0);
-                    EXPECT_LT(farthest(anew.state.offset, still.state.offset), 1e-4f) << compression;
+                    Result still = garment.solve(here, pose);
+                    const Result anew = garment.solve(there, moved);
+                    EXPECT_LT(farthest(anew.state.offset, still.state.offset), 1e-5f);
+                    ASSERT_GT(garment.settle(here, pose, still), 0);
                     // What is at rest is not solved again.
                     const Result carried = garment.solve(there, moved, &still.state);
                     EXPECT_EQ(carried.report.steps, 0);
