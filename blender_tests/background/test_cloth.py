@@ -216,17 +216,23 @@ class Rendered(Cloth):
 class Changes(Cloth):
 
     def test_each_setting_updates_the_picture_and_the_way_back_is_exact(self) -> None:
-        obj, settings = garment(), None
-        settings = obj.rumple.mesh
+        obj = garment()
+        settings, entry = obj.rumple.mesh, registry.runtime(obj)
         first = played(obj, 10)
+        cloth = entry.fine.state_of(10.0).cloth.positions
         for name, value in (("slack", 1.08), ("gravity", 3.0), ("room", 0.004), ("drape", 0.1), ("folds", 0.1),
                             ("detail", 0.2), ("layers", "ONE"), ("base_cloth", "OFF")):
             former = getattr(settings, name)
             setattr(settings, name, value)
             bpy.context.view_layer.update()
+            self.assertEqual(getattr(entry.inputs.settings, name), getattr(settings, name))
             self.assertEqual(obj.rumple.message, "")
-            other = sleeve.shown(obj)
+            np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
+            other = played(obj, 10)[10]
             self.assertTrue(len(other) != len(first[10]) or difference(other, first[10]) > 2e-4, name)
+            if name in ("slack", "gravity", "room"):
+                moved = difference(entry.fine.state_of(10.0).cloth.positions, cloth)
+                self.assertGreater(moved, 1e-4, f"base cloth, {name}")
             setattr(settings, name, former)
             self.same(first, played(obj, 10))
 
