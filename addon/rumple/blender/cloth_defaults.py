@@ -13,8 +13,11 @@ SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"
 STEPS = 20  # of the weights that a group starts from
 
 
-def apply(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
-    """Make a skinned garment cloth, unless it was ever said what its wrinkles lie on. What else was set stays."""
+def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> None:
+    """Make a skinned garment cloth, unless it was ever said what its wrinkles lie on. What else was set stays.
+
+    lengths: names of those that nobody has set.
+    """
     settings = obj.rumple.mesh
     if settings.is_property_set("base_cloth") or settings.is_property_set("layers") or not is_skinned(obj):
         return
@@ -22,9 +25,9 @@ def apply(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
     if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
         return
     values = wrinkle_mesh.cloth_defaults(base, structure.metres_per_unit(obj, scene))
-    if settings.density == "LEVEL":
-        del values["wavelength"]
-    properties.apply_values(obj, scene, values)
+    free = lengths - ({"wavelength"} if settings.density == "LEVEL" else set())
+    properties.apply_values(obj, scene, {name: value for name, value in values.items()
+                                         if name in free or name in ("base_cloth", "layers")})
 
 
 def is_skinned(obj: bpy.types.Object) -> bool:

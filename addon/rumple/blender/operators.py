@@ -80,9 +80,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         registry.forget(obj)
-        self._set_defaults(context, obj)
+        lengths = self._set_defaults(context, obj)
         if self.method == "MESH":
-            cloth_defaults.apply(obj, context.scene)
+            cloth_defaults.apply(obj, context.scene, lengths)
         self._find_body(context, obj)
         with structure.half_done():
             ours = modifier.add(obj, self.method)
@@ -99,8 +99,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         self._report(obj, ours)
         return {"FINISHED"}
 
-    def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """What was set before a removal stays; lengths that were never set suit the mesh and the scene's unit."""
+    def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
+        """What was set before a removal stays; lengths that were never set suit the mesh and the scene's unit. Returns
+        their names."""
         obj.rumple.method = self.method
         settings = properties.group_of(obj)
         lengths = {name for name, f in properties.fields_of(obj).items()
@@ -112,6 +113,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             values[system.FITTING] = system.fitting_length(base, structure.metres_per_unit(obj, context.scene))
         properties.apply_values(obj, context.scene, values)
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
+        return lengths
 
     def _find_body(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Where none was ever set: what was set before a removal stays, and nothing too."""

@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the base cloth is worn over and pulled by: body, gravity, paint, other garments, played and baked."""
+from __future__ import annotations
+
+import math
+import unittest
+
+import bpy
+import cloths
+import numpy as np
+import sleeve
+from cloths import Cloth, depth, difference, dressed, final, forget, garment, hang, off_animation, pictures, played
+from rumple.blender import handlers, modifier, registry
+
+DEEPER = 1e-4  # metres that shown cloth may stand deeper inside the body than the bare garment
+
+
+class OverABody(Cloth):
+
+    def test_no_vertex_is_deeper_inside_than_the_bare_sleeve(self) -> None:
+        for radius in (0.8, 0.95):
+            obj, body = dressed(radius, level=2)
+            found = {frame: depth(body, seen) for frame, seen in
+                     ((frame, pictures(obj, (frame,))[frame]) for frame in range(1, 21))}
+            settings = obj.rumple.mesh
+            settings.base_cloth, settings.layers, settings.radius = "OFF", "ONE", 0.0
+            for frame in found:
+                sleeve.at(frame)
+                self.assertLess(found[frame], DEEPER + depth(body, sleeve.shown(obj)), f"{radius}, frame {frame}")
+
+    def test_without_a_body_it_would_be(self) -> None:
+        obj, body = dressed()
+        obj.rumple.body = None
+        sleeve.play(1, 6)
+        self.assertGreater(depth(body, sleeve.shown(obj)), 20 * DEEPER)
+
+    def test_a_body_that_turns_bad_leaves_the_last_picture_and_says_so(self) -> None:
+        obj, body = dressed()
+        seen = played(obj, 8)[8]
+        held = sleeve.picture(obj)
+        right = body.data.vertices[7].co.y
+        body.data.vertices[7].co.y = math.nan
+        sleeve.at(9)
+        self.assertRegex(obj.rumple.message, "^Sleeve: vertex .* of its body Human is not finite")
+        self.assertIs(sleeve.picture(obj), held)
+        self.assertTrue(np.isfinite(sleeve.shown(obj)).all())
+        body.data.vertices[7].co.y = right
+        sleeve.at(9)
+        self.assertEqual(obj.rumple.message, "")
+        np.testing.assert_array_equal(pictures(obj, (8,))[8], seen)
+
+
+class Gravity(Cloth):
+
+    def height(self, obj: bpy.types.Object) -> float:
+        """Mean z in the world of the played cloth, metres."""
+        played(obj, 6)
+        return float((sleeve.shown(obj) @ np.array(sleeve.evaluated(obj).matrix_world)[:3, :3].T)[:, 2].mean())
+
+    def test_it_sags_down_in_the_world_whichever_side_is_up(self) -> None:
+        flat = self.height(garment(gravity=0.0))
+        obj = garment(gravity=1.0)
+        self.assertLess(self.height(obj), flat - 2e-3)
+        upright = sleeve.shown(obj)
+        obj.rotation_euler.x = math.pi
+        bpy.context.view_layer.update()
+        self.assertLess(self.height(obj), flat - 2e-3)
+        self.assertGreater(sleeve.shown(obj)[:, 2].mean(), upright[:, 2].mean() + 4e-3)  # in the object: up
+
+    def test_without_gravity_and_slack_cloth_at_rest_is_the_bare_surface(self) -> None:
+        obj = garment(gravity=0.0, slack=1.0)
+        sleeve.at(1)
+        seen, settings = sleeve.shown(obj), obj.rumple.mesh
+        settings.base_cloth, settings.radius = "OFF", 0.0
+        sleeve.at(1)
+        np.testing.assert_allclose(seen, sleeve.shown(obj), atol=1e-6)
+
+    def test_a_scene_in_centimetres_hangs_as_one_in_metres(self) -> None:
+        right = played(garment(), 8)
+        obj = sleeve.scene(wrinkles=False)
+        obj.data.flip_normals()
+        bpy.context.scene.unit_settings.scale_length = 0.01
+        for part in (obj, bpy.data.objects["Arm"]):
+            part.scale = (100.0, 100.0, 100.0)
+        hang(obj)
+        for frame, positions in played(obj, 8).items():
+            np.testing.assert_allclose(positions, right[frame], atol=2e-4, err_msg=str(frame))
+
+
+# ---------------------------------------------------------------- paint
+class Painted(Cloth):
+
+    def setUp(self) -> None:
+        self.obj = garment()
+
+    def paint(self, word: str, value: float) -> None:
+        """All over."""
+        sleeve.make_active(self.obj)
+        bpy.ops.object.rumple_paint(group=word)
+        self.obj.vertex_groups.active.add(range(len(self.obj.data.vertices)), value, "REPLACE")
+
+    def test_follow_starts_from_what_is_suggested_and_nothing_moves(self) -> None:
+        first = played(self.obj)
+        bpy.ops.object.rumple_paint(group="follow")
+        group = self.obj.vertex_groups["Rumple Follow"]
+        suggested = registry.runtime(self.obj).fine.suggested_follow(np.eye(3, dtype=np.float32))
+        weights = [group.weight(vertex.index) for vertex in self.obj.data.vertices]
+        np.testing.assert_allclose(weights, suggested, atol=0.026)
+        self.assertGreater(np.ptp(weights), 0.5)
+        for frame, positions in played(self.obj).items():
+            self.assertLess(difference(positions, first[frame]), 1e-4, f"frame {frame}")
+
+    def test_all_of_follow_keeps_the_cloth_at_the_animation(self) -> None:
+        played(self.obj)
+        self.assertGreater(off_animation(self.obj), 5e-3)
+        self.paint("follow", 1.0)
+        way = {}
+        for frame in range(1, 21):
+            sleeve.at(frame)
+            way[frame] = off_animation(self.obj)
+        self.assertLess(max(way[frame] for frame in range(1, 7)), 2e-4)
+        # A pin is a stiff spring: where skinning stretches and folds the sleeve hard, at the end, it gives in.
+        self.assertLess(max(way.values()), 1e-3)
+
+    def test_no_room_keeps_it_there_too(self) -> None:
+        self.paint("room", 0.0)
+        for frame in range(1, 21):
+            sleeve.at(frame)
+            self.assertLess(off_animation(self.obj), 1e-6)
+
+    def test_a_new_group_of_a_layer_changes_nothing_and_zero_takes_the_layer_away(self) -> None:
+        self.obj.rumple.mesh.level = 2
+        sleeve.at(1)
+        names = ("drape", "folds", "detail")
+        first = played(self.obj)[20]
+        for name in names:
+            bpy.ops.object.rumple_paint(group=name)
+        self.assertLess(difference(played(self.obj)[20], first), 1e-6)  # weights of 1, refined, are 1 but for rounding
+        for name in names:
+            self.paint(name, 0.0)
+            painted = played(self.obj)[20]
+            self.paint(name, 1.0)
+            setattr(self.obj.rumple.mesh, name, 0.0)
+            self.assertLess(difference(painted, played(self.obj)[20]), 1e-6, name)
+            setattr(self.obj.rumple.mesh, name, 1.0)
+            self.assertGreater(difference(painted, first), 5e-4, name)
+
+    def test_without_any_layer_the_cloth_is_smooth(self) -> None:
+        settings = self.obj.rumple.mesh
+        bare = lambda: float(np.linalg.norm(sleeve.attribute(self.obj, "rumple_offset"), axis=1).max())  # noqa: E731
+        played(self.obj)
+        folded = bare()
+        for name in ("drape", "folds", "detail"):
+            setattr(settings, name, 0.0)
+        settings.gravity, settings.slack = 0.0, 1.0
+        self.paint("room", 0.0)
+        played(self.obj)
+        self.assertLess(bare(), 1e-6)
+        self.assertGreater(folded, 5e-3)
+
+
+# ---------------------------------------------------------------- other garments
+class Over(Cloth):
+    """A garment over another one, that is worn over a body."""
+
+    def setUp(self) -> None:
+        self.outer, self.inner = cloths.two()
+
+    def test_the_outer_one_changes_with_the_inner_one_in_the_same_frame(self) -> None:
+        first = played(self.outer, 6)[6]
+        for name, value in (("gravity", 0.0), ("slack", 1.1), ("layers", "ONE"), ("base_cloth", "OFF")):
+            former = getattr(self.inner.rumple.mesh, name)
+            setattr(self.inner.rumple.mesh, name, value)
+            bpy.context.view_layer.update()
+            self.assertGreater(difference(sleeve.shown(self.outer), first), 1e-5, name)
+            self.assertEqual((self.outer.rumple.message, self.inner.rumple.message), ("", ""))
+            setattr(self.inner.rumple.mesh, name, former)
+            np.testing.assert_array_equal(played(self.outer, 6)[6], first)
+
+    def test_it_lies_outside_of_the_inner_ones_folds(self) -> None:
+        for frame in range(1, 9):
+            sleeve.at(frame)
+            self.assertLess(depth(self.inner, sleeve.shown(self.outer)), 1e-3, f"frame {frame}")
+
+    def test_deleting_the_inner_one_leaves_no_error(self) -> None:
+        for delete in (lambda: bpy.data.objects.remove(self.inner), bpy.ops.object.delete,
+                       bpy.ops.object.rumple_remove, lambda: self.inner.modifiers.remove(modifier.find(self.inner))):
+            self.setUp()
+            played(self.outer, 4)
+            sleeve.make_active(self.inner)
+            delete()
+            self.assertEqual(len(pictures(self.outer, (5, 6))), 2)
+            self.assertEqual(self.outer.rumple.message, "")
+            self.assertTrue(final(self.outer, 6.0))
+
+    def test_a_circle_is_refused_in_words_and_the_other_one_hangs_on(self) -> None:
+        self.inner.rumple.body = self.outer
+        played(self.outer, 4)
+        said = sorted(bool(obj.rumple.message) for obj in (self.outer, self.inner))
+        self.assertEqual(said, [False, True])
+        self.inner.rumple.body = None
+        played(self.outer, 4)
+        self.assertEqual((self.outer.rumple.message, self.inner.rumple.message), ("", ""))
+
+
+# ---------------------------------------------------------------- bake
+class Baked(Cloth):
+
+    def bake(self, obj: bpy.types.Object) -> None:
+        self.saved()
+        sleeve.make_active(obj)
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+
+    def test_a_clip_is_what_was_played_and_needs_no_handlers(self) -> None:
+        obj, _body = dressed()
+        live_ones = played(obj)
+        self.bake(obj)
+        handlers.unregister()
+        try:
+            for frame, positions in pictures(obj, (20, 1, 9, 14)).items():
+                np.testing.assert_allclose(positions, live_ones[frame], atol=1e-6)
+        finally:
+            handlers.register()
+
+    def test_a_garment_over_a_baked_one_sees_it(self) -> None:
+        outer, inner = cloths.two()
+        first, places = {}, {}
+        for frame in range(1, 11):
+            first.update(pictures(outer, (frame,)))
+            places[frame] = registry.runtime(outer).inputs.body.positions
+        self.bake(inner)
+        forget(outer)
+        for frame in range(1, 11):
+            sleeve.at(frame)
+            np.testing.assert_allclose(registry.runtime(outer).inputs.body.positions, places[frame], atol=1e-6)
+            # Its quads are cut in two by Blender now, some along the other diagonal.
+            self.assertLess(float(np.abs(sleeve.shown(outer) - first[frame]).mean()), 1e-4, f"frame {frame}")
+        self.assertEqual(outer.rumple.message, "")
+        inner.rumple.mesh.gravity = 4.0
+        self.bake(inner)
+        self.assertGreater(difference(played(outer, 10)[10], first[10]), 1e-3)
+
+
+if __name__ == "__main__":
+    unittest.main()

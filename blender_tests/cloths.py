@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sleeves of cloth for the tests of the base cloth: over nothing, over a body, over one another."""
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+import unittest
+from typing import Any, Iterable
+
+import bpy
+import numpy as np
+import sleeve
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
+from rumple.blender import registry
+
+
+def hang(obj: bpy.types.Object, level: int = 1, **values: Any) -> bpy.types.Object:
+    """Cloth in layers by one click, with some settings. It becomes the active object."""
+    settings = obj.rumple.mesh
+    settings.base_cloth, settings.layers = "HANG", "CLOTH"
+    settings.density, settings.level, settings.display_steps = "LEVEL", level, 0
+    for name, value in values.items():
+        setattr(settings, name, value)
+    sleeve.make_active(obj)
+    bpy.ops.object.rumple_add(method="MESH")
+    bpy.context.view_layer.update()
+    return obj
+
+
+def garment(**values: Any) -> bpy.types.Object:
+    """A sleeve of cloth, over nothing."""
+    obj = sleeve.scene(wrinkles=False)
+    obj.data.flip_normals()
+    return hang(obj, **values)
+
+
+def dressed(radius: float = 0.8, **values: Any) -> tuple[bpy.types.Object, bpy.types.Object]:
+    """A sleeve of cloth and the body under it, that the first click finds."""
+    obj = sleeve.scene(wrinkles=False)
+    obj.data.flip_normals()
+    body = sleeve.under(obj, radius=radius)
+    hang(obj, **values)
+    assert obj.rumple.body == body
+    return obj, body
+
+
+def two() -> tuple[bpy.types.Object, bpy.types.Object]:
+    """An outer and an inner garment, and a body under both. By the names the outer one would come first."""
+    outer, body = dressed(0.7)
+    inner = hang(sleeve.under(outer, "Undershirt", 0.85), room=0.02)
+    inner.rumple.body, inner.rumple.body_collection = body, None
+    outer.rumple.body = inner
+    bpy.context.view_layer.update()
+    return outer, inner
+
+
+def forget(obj: bpy.types.Object) -> None:
+    sleeve.make_active(obj)
+    bpy.ops.object.rumple_clear_frames()
+
+
+def pictures(obj: bpy.types.Object, frames: Iterable[float]) -> dict[float, np.ndarray]:
+    """What is shown at these times, one after the other."""
+    found = {}
+    for frame in frames:
+        whole = math.floor(frame)
+        sleeve.at(whole, frame - whole)
+        found[frame] = sleeve.shown(obj)
+    return found
+
+
+def played(obj: bpy.types.Object, last: int = sleeve.LAST) -> dict[float, np.ndarray]:
+    return pictures(obj, range(1, last + 1))
+
+
+def off_animation(obj: bpy.types.Object) -> float:
+    """Farthest way of the base cloth from the animated mesh, metres."""
+    entry = registry.runtime(obj)
+    cloth = entry.fine.state_of(entry.inputs.frame).cloth
+    return float(np.linalg.norm(cloth.positions - entry.inputs.positions, axis=1).max())
+
+
+def final(obj: bpy.types.Object, frame: float) -> bool:
+    return registry.runtime(obj).fine.history.get(frame).final
+
+
+def difference(one: np.ndarray, other: np.ndarray) -> float:
+    return float(np.linalg.norm(one - other, axis=1).max())
+
+
+def depth(body: bpy.types.Object, positions: np.ndarray) -> float:
+    """How deep the deepest of some positions is inside the body, metres; 0 where all are outside."""
+    mesh = sleeve.evaluated(body).data
+    tree = BVHTree.FromPolygons([vertex.co.copy() for vertex in mesh.vertices],
+                                [tuple(polygon.vertices) for polygon in mesh.polygons])
+    deepest = 0.0
+    for position in map(Vector, positions):
+        nearest, normal = tree.find_nearest(position)[:2]
+        deepest = max(deepest, (nearest - position).dot(normal))
+    return deepest
+
+
+class Cloth(unittest.TestCase):
+
+    def same(self, one: dict[float, np.ndarray], other: dict[float, np.ndarray]) -> None:
+        """At the times that both have."""
+        both = one.keys() & other.keys()
+        self.assertTrue(both)
+        for frame in both:
+            np.testing.assert_array_equal(one[frame], other[frame], f"frame {frame}")
+
+    def saved(self) -> str:
+        """The file, in a folder that goes with the test."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = os.path.join(folder.name, "scene.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        return path

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Garments of the real scenes as cloth: one click, play a part of the clip, look at every frame, hold the last pose.
+
+What was measured goes to RUMPLE_OUT, a JSON file for each clip.
+"""
+from __future__ import annotations
+
+import json
+import time
+import unittest
+from collections import Counter
+from dataclasses import asdict, dataclass
+
+import bpy
+import numpy as np
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
+from rumple.blender import registry, versions
+from test_real_scenes import DATA, OUT, Clip, digest, sides
+
+DEEP = 5e-4  # metres inside the body
+NEAR = 0.05  # metres: what lies farther from the body does not lie on it
+MORE_DEEP = 0.003  # share of the points that may be deep beside those of the bare garment
+EVERY = 5  # of the shown points that are asked how deep they are
+# No shown edge is longer than this many times the same edge on the bare garment, or at rest. 3 everywhere but in the
+# armpit of the shirt, where skinning stretches coarse edges to 15 times their length: there 3.07 in 3 of 45 frames.
+LONGEST = 3.25
+REST = 15  # frames after which a held pose has come to rest
+STILL = 3  # frames for which it is then looked at
+
+
+@dataclass
+class Seen:
+    """What was seen and measured at one frame."""
+
+    frame: int
+    message: str
+    finite: bool
+    digest: str  # of the shown positions, all bits
+    spike: float  # largest shown edge over the same edge unwrinkled, or at rest
+    comparable: int  # asked points that lie on the body and face as it does there, shown or bare
+    deep: int  # of those: deep inside
+    deep_bare: int  # of the bare garment
+    deepest: float  # millimetres
+    deepest_bare: float
+    known: float  # share of the coarse vertices that have a body under them
+    from_animation: float  # mean, millimetres
+    milliseconds: float  # for the whole frame in Blender
+
+
+class ClothClip(Clip):
+    """A garment of one file that one click made cloth; its body is where the file has it."""
+
+    def __init__(self, file: str, name: str, frames: range) -> None:
+        bpy.ops.wm.open_mainfile(filepath=str(DATA / f"{file}.blend"))
+        self.scene, self.frames = bpy.context.scene, frames
+        self.garment, self.body = bpy.data.objects[name], bpy.data.objects["Body"]
+        self.garments = [self.garment]
+        self.scene.frame_start = frames[0]
+        self.scene.frame_set(frames[0])
+        bpy.context.view_layer.objects.active = self.garment
+        assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}, self.garment.rumple.message
+        self.fine = registry.runtime(self.garment).fine
+        self.edges = sides(self.fine.polygon_start, self.fine.corner_vertex)
+        self.rest_lengths = self.lengths(self.fine.positions_rest)
+        self.at_border = self.polygons_at_borders()
+
+    def polygons_at_borders(self) -> np.ndarray:
+        """Of the body, (p,) bool: it has no limbs under clothes, and beside a hole inside means nothing."""
+        polygons = self.body.data.polygons
+        count = Counter(edge for polygon in polygons for edge in polygon.edge_keys)
+        open_ones = {vertex for edge, faces in count.items() if faces == 1 for vertex in edge}
+        return np.array([not open_ones.isdisjoint(polygon.vertices) for polygon in polygons])
+
+    def look(self, frame: int) -> Seen:
+        began = time.perf_counter()
+        shown = self.show(frame).copy()
+        took = 1e3 * (time.perf_counter() - began)
+        picture = registry.runtime(self.garment).picture
+        bare = shown - picture.offset
+        over, over_bare = self.heights(shown), self.heights(bare)
+        alike = np.isfinite(over) | np.isfinite(over_bare)
+        cloth = picture.report.cloth
+        return Seen(frame, self.garment.rumple.message, bool(np.isfinite(shown).all()), digest(shown),
+                    self.spike(shown, picture), int(alike.sum()), int((over < -DEEP).sum()),
+                    int((over_bare < -DEEP).sum()), -1e3 * float(np.nanmin(over)), -1e3 * float(np.nanmin(over_bare)),
+                    cloth.body_known, 1e3 * cloth.offset_mean, took)
+
+    def heights(self, positions: np.ndarray) -> np.ndarray:
+        """Above the body, metres, of every so many points; NaN where they do not lie on it."""
+        into = self.body.matrix_world.inverted() @ self.garment.matrix_world
+        body = self.body.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        tree = BVHTree.FromPolygons([Vector(place) for place in versions.positions(body).tolist()],
+                                    [tuple(polygon.vertices) for polygon in body.polygons])
+        out = []
+        for place, normal in zip(positions[::EVERY].tolist(), self.normals(positions)[::EVERY].tolist()):
+            point = into @ Vector(place)
+            nearest, facing, polygon, way = tree.find_nearest(point)
+            lies = way < NEAR and not self.at_border[polygon] and facing.dot(into.to_3x3() @ Vector(normal)) > 0.0
+            out.append((point - nearest).dot(facing) if lies else np.nan)
+        return np.array(out)
+
+    def normals(self, positions: np.ndarray) -> np.ndarray:
+        """Of every vertex, not of unit length."""
+        starts, corners = self.fine.polygon_start[:-1], self.fine.corner_vertex
+        normals = np.zeros(positions.shape)
+        first, second, third, last = (corners[starts + k] for k in (0, 1, 2, np.diff(self.fine.polygon_start) - 1))
+        of_polygon = np.cross(positions[third] - positions[first], positions[last] - positions[second])
+        for corner in (first, second, third, last):
+            np.add.at(normals, corner, of_polygon)
+        return normals
+
+
+class Worn:
+    """The laws of a clip that was played through once, with what the first click sets."""
+
+    file: str
+    name: str
+    frames: range
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.clip = ClothClip(cls.file, cls.name, cls.frames)
+        cls.seen = [cls.clip.look(frame) for frame in cls.frames]
+        settings = cls.clip.garment.rumple.mesh
+        OUT.mkdir(parents=True, exist_ok=True)
+        summary = dict(file=cls.file, garment=cls.name, blender=bpy.app.version_string, frames=len(cls.seen),
+                       base_cloth=settings.base_cloth, layers=settings.layers, wavelength=settings.wavelength,
+                       body=cls.clip.garment.rumple.body.name, shown_vertices=cls.clip.fine.vertex_count,
+                       worst_spike=max(s.spike for s in cls.seen), deepest=max(s.deepest for s in cls.seen),
+                       most_deep=max((s.deep - s.deep_bare) / max(s.comparable, 1) for s in cls.seen),
+                       milliseconds=float(np.median([s.milliseconds for s in cls.seen])))
+        text = json.dumps(dict(summary=summary, frames=[asdict(s) for s in cls.seen]), indent=1)
+        (OUT / f"real_cloth_{cls.file}_{cls.name}.json").write_text(text)
+
+    def for_every_frame(self, law) -> None:
+        """The law holds, or the first frames where it does not are named."""
+        broken = [s for s in self.seen if not law(s)]
+        self.assertEqual(broken[:3], [], f"{len(broken)} of {len(self.seen)} frames")
+
+    def test_one_click_made_it_cloth_over_its_body(self) -> None:
+        garment = self.clip.garment
+        self.assertEqual((garment.rumple.mesh.base_cloth, garment.rumple.mesh.layers), ("HANG", "CLOTH"))
+        self.assertEqual(garment.rumple.body, self.clip.body)
+        self.for_every_frame(lambda s: s.known > 0.15)  # of the trousers the upper part: the body has no legs
+
+    def test_every_frame_is_there_and_finite(self) -> None:
+        self.for_every_frame(lambda s: s.message == "" and s.finite)
+        self.assertEqual(len({s.digest for s in self.seen}), len(self.seen))
+
+    def test_it_hangs(self) -> None:
+        self.for_every_frame(lambda s: s.from_animation > 1.0)
+
+    def test_no_spikes(self) -> None:
+        self.for_every_frame(lambda s: s.spike < LONGEST)
+
+    def test_it_is_not_deeper_in_the_body_than_the_bare_garment(self) -> None:
+        self.for_every_frame(lambda s: s.comparable > 1000 and s.deep <= s.deep_bare + MORE_DEEP * s.comparable)
+
+    def test_replayed_in_any_order_to_the_bit(self) -> None:
+        for index in (-1, 0, 7, 3, len(self.seen) // 2):
+            seen = self.seen[index]
+            self.assertEqual(digest(self.clip.show(seen.frame)), seen.digest, f"frame {seen.frame}")
+
+    def test_jumps_before_playing_leave_no_trace(self) -> None:
+        bpy.context.view_layer.objects.active = self.clip.garment
+        bpy.ops.object.rumple_clear_frames()
+        for place in (12, 3, 19):
+            self.clip.show(self.frames[0] + place)
+        for seen in self.seen[:10]:
+            self.assertEqual(digest(self.clip.show(seen.frame)), seen.digest, f"frame {seen.frame}")
+
+    def test_a_held_pose_comes_to_rest(self) -> None:
+        for frame in self.frames:
+            self.clip.show(frame)
+        last = self.frames[-1]
+        self.clip.hold_from(last)
+        held = [digest(self.clip.show(frame)) for frame in range(last, last + REST + STILL + 1)]
+        self.assertEqual(held[REST:], held[REST:REST + 1] * (STILL + 1), f"it moved at {held}")
+
+
+class Shirt(Worn, unittest.TestCase):
+    file, name, frames = "S1_walk_shirt", "shirt", range(1, 46)
+
+
+class Trousers(Worn, unittest.TestCase):
+    file, name, frames = "S2_squat_trousers", "trousers", range(30, 64)
+
+
+if __name__ == "__main__":
+    unittest.main()
