@@ -216,7 +216,7 @@ class Rendered(Cloth):
 class Changes(Cloth):
 
     def test_each_setting_updates_the_picture_and_the_way_back_is_exact(self) -> None:
-        obj = garment()
+        obj = garment(level=2)  # drape, folds and detail
         settings, entry = obj.rumple.mesh, registry.runtime(obj)
         first = played(obj, 10)
         cloth = entry.fine.state_of(10.0).cloth.positions

@@ -38,9 +38,10 @@ class Seen:
     finite: bool
     digest: str  # of the shown positions, all bits
     spike: float  # largest shown edge over the same edge unwrinkled, or at rest
-    comparable: int  # asked points that lie on the body and face as it does there, shown or bare
+    comparable: int  # asked points that lie on the body and face as it does there, both shown and bare
     deep: int  # of those: deep inside
     deep_bare: int  # of the bare garment
+    deep_beside: int  # shown points deep inside whose bare ones are not comparable: an arm that hangs into the shirt
     deepest: float  # millimetres
     deepest_bare: float
     known: float  # share of the coarse vertices that have a body under them
@@ -79,11 +80,13 @@ class ClothClip(Clip):
         picture = registry.runtime(self.garment).picture
         bare = shown - picture.offset
         over, over_bare = self.heights(shown), self.heights(bare)
-        alike = np.isfinite(over) | np.isfinite(over_bare)
+        beside = int((over[np.isnan(over_bare)] < -DEEP).sum())
+        both = np.isfinite(over) & np.isfinite(over_bare)
+        over, over_bare = over[both], over_bare[both]
         cloth = picture.report.cloth
         return Seen(frame, self.garment.rumple.message, bool(np.isfinite(shown).all()), digest(shown),
-                    self.spike(shown, picture), int(alike.sum()), int((over < -DEEP).sum()),
-                    int((over_bare < -DEEP).sum()), -1e3 * float(np.nanmin(over)), -1e3 * float(np.nanmin(over_bare)),
+                    self.spike(shown, picture), int(both.sum()), int((over < -DEEP).sum()),
+                    int((over_bare < -DEEP).sum()), beside, -1e3 * float(over.min()), -1e3 * float(over_bare.min()),
                     cloth.body_known, 1e3 * cloth.offset_mean, took)
 
     def heights(self, positions: np.ndarray) -> np.ndarray:
