@@ -10,7 +10,7 @@ import cloths
 import numpy as np
 import sleeve
 from cloths import Cloth, depth, difference, dressed, final, forget, garment, hang, off_animation, pictures, played
-from rumple.blender import handlers, modifier, registry
+from rumple.blender import handlers, modifier, panels, registry
 
 DEEPER = 1e-4  # metres that shown cloth may stand deeper inside the body than the bare garment
 
@@ -33,6 +33,15 @@ class OverABody(Cloth):
         obj.rumple.body = None
         sleeve.play(1, 6)
         self.assertGreater(depth(body, sleeve.shown(obj)), 20 * DEEPER)
+
+    def test_a_body_that_faces_the_other_way_is_said_in_the_status(self) -> None:
+        for flipped in (False, True):
+            obj, body = dressed()
+            if flipped:
+                body.data.flip_normals()
+            sleeve.play(1, 2)
+            lines = "; ".join(line for line, _icon in panels.status_lines(obj))
+            self.assertEqual("its body does not lie under it" in lines, flipped, lines)
 
     def test_a_body_that_turns_bad_leaves_the_last_picture_and_says_so(self) -> None:
         obj, body = dressed()

@@ -48,6 +48,7 @@ def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
 
 
+LEAST_UNDER = 0.02  # of the vertices that have the body under them: with less something is wrong
 CLOTH_WAVELENGTH = 0.04  # metres: the finest folds of a cotton garment that an adult wears
 LEAST_OPENINGS = 2  # of a garment: a head has one
 
@@ -97,6 +98,7 @@ class MeshReport:
 
     cloth: Any  # native, or None
     layers: list[Any]  # native, coarse first
+    has_body: bool = False  # whether it was worn over something
 
 
 class WrinkleMesh(Wrinkles):
@@ -153,6 +155,9 @@ class WrinkleMesh(Wrinkles):
                 offset = 1000.0 * self.unit_scale * report.cloth.offset_mean
                 lines.append(f"Base cloth: {offset:.1f} mm from the animation on average, "
                              f"{100.0 * report.cloth.body_known:.0f} % has the body under it")
+                if report.has_body and report.cloth.body_known < LEAST_UNDER:
+                    lines.append(f"{self.name}: its body does not lie under it: see that the normals of both point "
+                                 "outwards, or choose another body")
             report = report.layers[-1]
         before, after = 100.0 * report.error_before, 100.0 * report.error_after
         lines.append(f"Edge length error {before:.1f} % before, {after:.1f} % after {report.iterations} iterations")
@@ -226,7 +231,8 @@ class WrinkleMesh(Wrinkles):
         state, reports = native.load().solve_wrinkle_layers(
             self.model, layer_settings(settings, self.layer_count), self._paint, positions, state=before.wrinkles,
             **contact)
-        return OnCloth(cloth, state), MeshReport(cloth.report if cloth is not None else None, reports)
+        return OnCloth(cloth, state), MeshReport(cloth.report if cloth is not None else None, reports,
+                                                 moment.body is not None)
 
     def _base_cloth(self) -> BaseCloth:
         if self._cloth is None:
