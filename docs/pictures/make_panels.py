@@ -3,8 +3,8 @@
 
     scripts/demo                                   # makes out/demo/wrinkled.blend
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
-        xvfb-run -a -s "-screen 0 1000x1800x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
-        --window-geometry 0 0 1000 1800 --python docs/pictures/make_panels.py
+        xvfb-run -a -s "-screen 0 1000x2200x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
+        --window-geometry 0 0 1000 2200 --python docs/pictures/make_panels.py
 """
 from __future__ import annotations
 

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Garments that become cloth, on scenes of ../shared/data and on the demo: s1_cloth.jpg, s2_cloth.jpg, layers.jpg,
+fabrics.jpg and demo.jpg beside this file.
+
+    scripts/build
+    RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
+        --python docs/pictures/make_cloth.py [-- s1|s2|layers|fabrics|demo ...]
+"""
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bpy
+from mathutils import Vector
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
+import rumple  # noqa: E402
+from contact_sheet import compose, studio  # noqa: E402
+from rumple.blender import bodies, modifier, properties, structure  # noqa: E402
+
+LEAD_IN = 15  # frames that are played before the first one that is shown
+SAMPLES = 32
+Tile = tuple[str, Path]
+
+
+@dataclass
+class Scene:
+    """A file of ../shared/data and how to look at it."""
+
+    file: str
+    garments: tuple[str, ...]  # what is wrinkled, in this order
+    middle_of: tuple[str, ...]  # what the camera looks at
+    frames: tuple[int, ...]
+    view: Vector  # from the middle to the camera, metres
+    lens: float = 82.0
+    raised: float = 0.0  # metres: how far above that middle it looks
+    key: Vector = field(default_factory=lambda: Vector((0.65, 0.95, -0.8)))  # which way the light shines
+
+
+S1 = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt", "trousers"), (40, 61, 100), Vector((1.5, -2.6, 0.5)),
+           raised=0.2, key=Vector((-1.0, 0.1, -0.8)))
+S2 = Scene("S2_squat_trousers", ("trousers", "sweater"), ("sweater", "trousers"), (30, 51, 63),
+           Vector((1.5, -2.6, 0.5)), raised=0.06)
+SHIRT = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt",), (61,), Vector((1.0, -1.75, 0.25)), 84.0,
+              key=S1.key)
+ONE_LAYER = {"base_cloth": "OFF", "layers": "ONE"}
+
+
+def open_scene(scene: Scene, settings: dict[str, object] | None, preset: str = "COTTON") -> None:
+    """Its garments wrinkled, with some settings that were made before the click; None: bare."""
+    bpy.ops.wm.open_mainfile(filepath=str(ROOT.parent / "shared" / "data" / f"{scene.file}.blend"))
+    for name in scene.garments if settings is not None else ():
+        obj = bpy.context.view_layer.objects.active = bpy.data.objects[name]
+        for setting, value in settings.items():
+            setattr(obj.rumple.mesh, setting, value)
+        assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}
+        if preset != "COTTON":
+            assert bpy.ops.object.rumple_preset(preset=preset) == {"FINISHED"}
+        values = properties.group_of(obj)
+        print("CLOTH", scene.file, name, values.base_cloth, values.layers, f"{values.wavelength:.3f}",
+              [body.name for body in bodies.of(obj)], obj.rumple.message)
+    structure.settle_all()
+    set_up_render(scene.key)
+
+
+def set_up_render(direction: Vector) -> None:
+    """Cycles with a key light that rakes over the cloth."""
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising = SAMPLES, False
+    scene.cycles.max_bounces = 3
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 520, 560, 100
+    scene.view_settings.view_transform = "Standard"
+    scene.world = bpy.data.worlds.new("Sky")
+    if bpy.app.version < (5, 0, 0):
+        scene.world.use_nodes = True
+    background = next(n for n in scene.world.node_tree.nodes if n.type == "BACKGROUND")
+    background.inputs["Color"].default_value = (0.3, 0.32, 0.35, 1.0)
+    key = next(obj for obj in scene.objects if obj.type == "LIGHT")
+    key.animation_data_clear()
+    key.data.energy, key.data.angle = 2.5, 0.2
+    key.rotation_euler = direction.to_track_quat("-Z", "Y").to_euler()
+
+
+def middles(scene: Scene) -> dict[int, Vector]:
+    """Of the bounds of the bare garments, world space, for every frame that is shown."""
+    open_scene(scene, None)
+    found = {}
+    for frame in scene.frames:
+        bpy.context.scene.frame_set(frame)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        corners = [obj.matrix_world @ Vector(corner) for obj in (bpy.data.objects[name].evaluated_get(depsgraph)
+                                                                 for name in scene.middle_of)
+                   for corner in obj.bound_box]
+        found[frame] = Vector((min(c[i] for c in corners) + max(c[i] for c in corners)) / 2.0 for i in range(3))
+        found[frame].z += scene.raised
+    return found
+
+
+def render(path: Path) -> None:
+    bpy.context.scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+
+
+def play(scene: Scene, at: dict[int, Vector], label: Callable[[int], str], folder: Path) -> list[Tile]:
+    """Play the open file and render the frames that are shown."""
+    camera = bpy.data.objects.new("View", bpy.data.cameras.new("View"))
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera, camera.data.lens = camera, scene.lens
+    camera.rotation_euler = (-scene.view).to_track_quat("-Z", "Y").to_euler()
+    tiles = []
+    for frame in range(scene.frames[0] - LEAD_IN, scene.frames[-1] + 1):
+        bpy.context.scene.frame_set(frame)
+        if frame in scene.frames:
+            camera.location = at[frame] + scene.view
+            tiles.append((label(frame), folder / f"{len(list(folder.iterdir()))}.png"))
+            render(tiles[-1][1])
+    for name in scene.garments:
+        assert not bpy.data.objects[name].rumple.message, bpy.data.objects[name].rumple.message
+    return tiles
+
+
+def rows(scene: Scene, folder: Path) -> tuple[list[Tile], int]:
+    """Bare, as it was before, and as cloth."""
+    at, tiles = middles(scene), []
+    for label, settings in (("Bare", None), ("One layer, no base cloth", ONE_LAYER), ("Cloth: one click", {})):
+        open_scene(scene, settings)
+        tiles.append(play(scene, at, lambda frame, label=label: f"{label}, frame {frame}", folder))
+    return [tile for column in zip(*tiles) for tile in column], 3
+
+
+def layers(folder: Path) -> tuple[list[Tile], int]:
+    at, tiles = middles(SHIRT), []
+    for shown in (("drape",), ("folds",), ("detail",), ("drape", "folds", "detail")):
+        open_scene(SHIRT, {name: float(name in shown) for name in ("drape", "folds", "detail")})
+        label = f"{shown[0].title()} only" if len(shown) == 1 else "All three"
+        tiles += play(SHIRT, at, lambda frame, label=label: label, folder)
+    return tiles, 1
+
+
+def fabrics(folder: Path) -> tuple[list[Tile], int]:
+    at, tiles = middles(SHIRT), []
+    for preset in ("COTTON", "DENIM", "LEATHER", "SILK"):
+        open_scene(SHIRT, {}, preset)
+        tiles += play(SHIRT, at, lambda frame, preset=preset: preset.title(), folder)
+    return tiles, 1
+
+
+def demo(folder: Path) -> tuple[list[Tile], int]:
+    """The shirt of scripts/demo, in its studio."""
+    import demo_scene
+    garment = bpy.context.view_layer.objects.active = demo_scene.build_demo_scene()
+    assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}
+    studio(bpy.context.scene)
+    tiles = []
+    for frame in range(1, 31):
+        bpy.context.scene.frame_set(frame)
+        for shown, label in ((False, "before"), (True, "after")) if frame in (1, 18, 30) else ():
+            modifier.find(garment).show_render = shown
+            tiles.append((f"frame {frame}, {label}", folder / f"{len(tiles)}.png"))
+            render(tiles[-1][1])
+    assert not garment.rumple.message, garment.rumple.message
+    return tiles, 2
+
+
+PICTURES: dict[str, tuple[str, Callable[[Path], tuple[list[Tile], int]]]] = {
+    "s1": ("s1_cloth.jpg", lambda folder: rows(S1, folder)),
+    "s2": ("s2_cloth.jpg", lambda folder: rows(S2, folder)),
+    "layers": ("layers.jpg", layers),
+    "fabrics": ("fabrics.jpg", fabrics),
+    "demo": ("demo.jpg", demo),
+}
+
+
+def main() -> None:
+    rumple.register()
+    from PIL import Image
+    for word in sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else PICTURES:
+        name, make = PICTURES[word]
+        with tempfile.TemporaryDirectory() as folder:
+            compose(*make(Path(folder)), Path(folder) / "sheet.png")
+            Image.open(Path(folder) / "sheet.png").save(HERE / name, quality=88, optimize=True)
+
+
+if __name__ == "__main__":
+    main()
