@@ -13,7 +13,6 @@ import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 from mathutils.bvhtree import BVHTree
 
-BLEND_FRAMES, SETTLE_FRAMES = 30, 20
 NEAR = 0.04  # metres: another garment's vertices closer than this say whether it lies under ours
 UNDER_SHARE = 0.8
 
@@ -157,8 +156,8 @@ def surface_at_rest(thing: bpy.types.Object) -> Surface:
     return Surface(np.empty((0, *rest.shape), np.float32), rest, *faces_of(shown.data))
 
 
-def sample(garment: bpy.types.Object, frames: range, levels: int) -> Clip:
-    """The whole clip with its lead."""
+def sample(garment: bpy.types.Object, frames: range, levels: int, blend: int, settle: int) -> Clip:
+    """The whole clip after `blend` frames from the rest pose to its first and `settle` frames in that."""
     scene = bpy.context.scene
     armature = skinned_by(garment)
     bodies = find_bodies(garment)
@@ -181,8 +180,8 @@ def sample(garment: bpy.types.Object, frames: range, levels: int) -> Clip:
     taken: list[list[np.ndarray]] = [[] for _ in things]
     poses = Poses(armature, frames[0])
     action, armature.animation_data.action = armature.animation_data.action, None
-    for number in range(BLEND_FRAMES + SETTLE_FRAMES):
-        share = min(1.0, number / BLEND_FRAMES)
+    for number in range(blend + settle):
+        share = min(1.0, number / blend)
         poses.show(share * share * (3.0 - 2.0 * share))
         for row, thing in zip(taken, things):
             row.append(evaluated_positions(thing))
@@ -193,5 +192,5 @@ def sample(garment: bpy.types.Object, frames: range, levels: int) -> Clip:
             row.append(evaluated_positions(thing))
     for surface, row in zip(surfaces, taken):
         surface.positions = np.stack(row)
-    return Clip(surfaces[0], patch, coarse, surfaces[1], surfaces[2:], BLEND_FRAMES + SETTLE_FRAMES, frames,
+    return Clip(surfaces[0], patch, coarse, surfaces[1], surfaces[2:], blend + settle, frames,
                 scene.render.fps / scene.render.fps_base)

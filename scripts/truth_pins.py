@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 HEM = 0.012  # metres: as far from a border the cloth lies double
-FALLOFF = 0.06  # metres along the cloth, from the border's strength to nothing
-STRENGTHS = {"collar": 0.9, "waistband": 0.9, "cuff": 0.8, "short sleeve": 0.35, "leg": 0.0, "hem": 0.0}
+FALLOFF = 0.05  # metres along the cloth, from the border's strength to nothing
+STRENGTHS = {"collar": 0.9, "waistband": 0.9, "cuff": 0.8, "short sleeve": 0.3, "leg": 0.0, "hem": 0.0}
 
 
 @dataclass

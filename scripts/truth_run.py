@@ -46,6 +46,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--frames")
     parser.add_argument("--pin")
     parser.add_argument("--fabric")
+    parser.add_argument("--lead", default="30+20")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
 
 
@@ -127,7 +128,8 @@ def stored_settings(path: Path) -> dict[str, Any] | None:
 
 def run(options: argparse.Namespace, settings: dict[str, Any], frames: range, fabric: Fabric, path: Path) -> None:
     """Sample, simulate, store."""
-    clip = truth_clip.sample(truth_clip.find_garment(options.garment), frames, LEVELS)
+    clip = truth_clip.sample(truth_clip.find_garment(options.garment), frames, LEVELS,
+                             *settings["lead"])
     garment, lead = clip.garment, clip.lead
     triangles, face = truth_clip.triangles_of(garment.starts, garment.corners)
     borders = truth_pins.describe(garment.rest, triangles, clip.bodies[0].rest)
@@ -155,7 +157,7 @@ def main() -> None:
     made_from = open_scene(options.scene)
     frames = frame_range(options.frames)
     settings = dict(version=VERSION, made_from=made_from, garment=options.garment, frames=[frames[0], frames[-1]],
-                    levels=LEVELS, lead=[truth_clip.BLEND_FRAMES, truth_clip.SETTLE_FRAMES], pin=options.pin,
+                    levels=LEVELS, lead=[int(part) for part in options.lead.split("+")], pin=options.pin,
                     blender=bpy.app.version_string, fabric=fabric.as_dict())
     if stored_settings(path) == settings:
         say("simulated before, with the same settings")

@@ -16,7 +16,7 @@ AMPLITUDE = 0.003  # metres
 
 
 def sheet(edge: float = EDGE) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A square of cloth of 80 edges' width: points (n, 3) metres, triangles (t, 3), and the 64 mm patch (t,) each lies in."""
+    """A square of cloth, 80 edges wide: points (n, 3) metres, triangles (t, 3), the 64 mm patch (t,) of each."""
     count = 81
     x, y = np.meshgrid(np.arange(count) * edge, np.arange(count) * edge, indexing="ij")
     points = np.stack([x, y, np.zeros_like(x)], 2).reshape(-1, 3)
