@@ -23,7 +23,7 @@ from truth_pins import Hold, along_cloth, border_loops, edges_of
 
 GRAVITY = 9.81  # metres per second squared
 REPORT_EVERY = 10
-BORDER = 0.03  # metres
+BORDER, SHALLOW = 0.05, 0.004  # metres: from there on the inner surface has its whole depth; its depth at the border
 TOO_FAR = 0.5  # metres from the animated base: the simulation has exploded
 
 
@@ -42,17 +42,17 @@ class Fabric:
     compression_damping: float = 5.0
     shear_damping: float = 5.0
     bending_damping: float = 0.03
-    air_damping: float = 0.3
-    pin_stiffness: float = 0.01
-    collision_quality: int = 2
+    air_damping: float = 0.05
+    pin_stiffness: float = 0.1
+    collision_quality: int = 3
     distance_min: float = 0.001  # metres
     self_collision: bool = True
     self_distance_min: float = 0.001  # metres
-    self_friction: float = 5.0
-    friction: float = 5.0  # of the body
+    self_friction: float = 1.0
+    friction: float = 2.0  # of the body
     thickness: float = 0.002  # of the body, metres
-    shrink: float = 0.012  # of the inner surface that stands in for a missing body, metres ...
-    inner_thickness: float = 0.005  # ... and its thickness: the cloth stops at the difference; 2 mm let it through
+    shrink: float = 0.013  # of the inner surface that stands in for a missing body, metres ...
+    inner_thickness: float = 0.003  # ... and its thickness: the cloth stops at the difference
 
     def as_dict(self) -> dict[str, float]:
         """For the cache."""
@@ -76,10 +76,11 @@ def vertex_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def room(inner: Surface, triangles: np.ndarray, bodies: list[Surface], fabric: Fabric) -> np.ndarray:
-    """(n,) metres that the inner surface goes inwards: fabric.shrink, or less where a body is nearer, so that what is
-    left of the body does not come through the cloth that lies on the inner surface beside it."""
+    """(n,) metres that the inner surface goes inwards: fabric.shrink, less near borders, where garments are rolled in,
+    and where a body is nearer, so that what is left of it does not come through the cloth that lies beside it."""
     normals = vertex_normals(inner.rest, triangles)
-    depth = np.full(len(inner.rest), fabric.shrink)
+    away = along_cloth(inner.rest, triangles, np.concatenate(border_loops(triangles)), BORDER)
+    depth = SHALLOW + (fabric.shrink - SHALLOW) * np.minimum(away / BORDER, 1.0)
     for body in bodies:
         tree = BVHTree.FromPolygons(body.rest.tolist(), triangles_of(body.starts, body.corners)[0].tolist())
         for vertex, (point, normal) in enumerate(zip(inner.rest.tolist(), normals.tolist())):
@@ -94,17 +95,11 @@ def room(inner: Surface, triangles: np.ndarray, bodies: list[Surface], fabric: F
 
 
 def shrunk(surface: Surface, bodies: list[Surface], fabric: Fabric) -> Surface:
-    """The surface moved inwards along its normals, in every frame, without what is near its borders: there garments
-    are rolled in, and inwards is anywhere."""
+    """The surface moved inwards along its normals, in every frame."""
     triangles, _ = triangles_of(surface.starts, surface.corners)
-    border = np.concatenate(border_loops(triangles))
-    away = along_cloth(surface.rest, triangles, border, BORDER)
-    ends = np.append(surface.starts, len(surface.corners))
-    kept = [surface.corners[a:b] for a, b in zip(ends[:-1], ends[1:]) if np.isinf(away[surface.corners[a:b]]).all()]
-    starts = np.concatenate([[0], np.cumsum([len(face) for face in kept])[:-1]])
     depth = room(surface, triangles, bodies, fabric)[:, None]
     moved = [(p - depth * vertex_normals(p, triangles)).astype(np.float32) for p in surface.positions]
-    return Surface(np.stack(moved), moved[0], starts, np.concatenate(kept))
+    return Surface(np.stack(moved), moved[0], surface.starts, surface.corners)
 
 
 def moving_object(name: str, surface: Surface, folder: Path) -> bpy.types.Object:
@@ -168,11 +163,11 @@ def build(clip: Clip, hold: Hold, fabric: Fabric, inner: bool, folder: Path) -> 
     total = len(clip.garment.positions)
     scene.frame_start, scene.frame_end = 1, total
     scene.gravity = (0.0, 0.0, -GRAVITY * 1000.0 / clip.fps ** 2)
+    if inner:
+        lining = shrunk(clip.inner, clip.bodies, fabric)
+        add_collider(moving_object("inner", lining, folder), fabric.inner_thickness, fabric)
     for number, body in enumerate(clip.bodies):
         add_collider(moving_object(f"body{number}", body, folder), fabric.thickness, fabric)
-    if inner:
-        add_collider(moving_object("inner", shrunk(clip.inner, clip.bodies, fabric), folder),
-                     fabric.inner_thickness, fabric)
     garment = moving_object("garment", clip.garment, folder)
     add_cloth(garment, hold, fabric, total)
     return garment

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 HEM = 0.012  # metres: as far from a border the cloth lies double
-FALLOFF = 0.05  # metres along the cloth, from the border's strength to nothing
+FALLOFF = {"collar": 0.10}  # metres along the cloth, from the border's strength to nothing; the yoke is held, too
+USUAL_FALLOFF = 0.05
 STRENGTHS = {"collar": 0.9, "waistband": 0.9, "cuff": 0.8, "short sleeve": 0.3, "leg": 0.0, "hem": 0.0}
 
 
@@ -127,11 +128,12 @@ class Hold:
 
 
 def hold(rest: np.ndarray, triangles: np.ndarray, borders: list[Border]) -> Hold:
-    """Each border's strength, smoothly to nothing over FALLOFF; the hems."""
+    """Each border's strength, smoothly to nothing; the hems."""
     pins, hems = np.zeros(len(rest), np.float32), np.zeros(len(rest), np.float32)
     for border in borders:
-        away = along_cloth(rest, triangles, border.vertices, FALLOFF)
+        falloff = FALLOFF.get(border.kind, USUAL_FALLOFF)
+        away = along_cloth(rest, triangles, border.vertices, falloff)
         hems[away <= HEM] = 1.0
-        far = np.minimum(away / FALLOFF, 1.0)
+        far = np.minimum(away / falloff, 1.0)
         pins = np.maximum(pins, border.strength * (1.0 - far * far * (3.0 - 2.0 * far)))
     return Hold(pins.astype(np.float32), hems)

@@ -60,7 +60,7 @@ class Pins(unittest.TestCase):
         borders = pins.describe(rest, triangles, rest)
         weights = pins.hold(rest, triangles, borders).pins
         self.assertAlmostEqual(float(weights[rest[:, 2] > 1.499].min()), pins.STRENGTHS["collar"], places=5)
-        self.assertEqual(float(weights[rest[:, 2] < 1.5 - pins.FALLOFF].max()), 0.0)
+        self.assertEqual(float(weights[rest[:, 2] < 1.5 - pins.FALLOFF["collar"]].max()), 0.0)
 
     def test_pin_by_wish(self) -> None:
         rest, triangles = tube((0, 0, 0.9), (0, 0, 1.5), 0.17)
