@@ -19,11 +19,11 @@ import bpy
 import numpy as np
 from mathutils.bvhtree import BVHTree
 from truth_clip import Clip, Surface, triangles_of
-from truth_pins import Hold, along_cloth, border_loops, edges_of
+from truth_pins import Hold, along_cloth, edges_of, hugging
 
 GRAVITY = 9.81  # metres per second squared
 REPORT_EVERY = 10
-BORDER, SHALLOW = 0.05, 0.004  # metres: from there on the inner surface has its whole depth; its depth at the border
+BORDER, SHALLOW = 0.05, 0.004  # metres from a hugging border to the inner surface's whole depth; its depth at the border
 TOO_FAR = 0.5  # metres from the animated base: the simulation has exploded
 
 
@@ -51,7 +51,7 @@ class Fabric:
     self_friction: float = 1.0
     friction: float = 2.0  # of the body
     thickness: float = 0.002  # of the body, metres
-    shrink: float = 0.013  # of the inner surface that stands in for a missing body, metres ...
+    shrink: float = 0.011  # of the inner surface that stands in for a missing body, metres ...
     inner_thickness: float = 0.003  # ... and its thickness: the cloth stops at the difference
 
     def as_dict(self) -> dict[str, float]:
@@ -76,10 +76,10 @@ def vertex_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def room(inner: Surface, triangles: np.ndarray, bodies: list[Surface], fabric: Fabric) -> np.ndarray:
-    """(n,) metres that the inner surface goes inwards: fabric.shrink, less near borders, where garments are rolled in,
+    """(n,) metres that the inner surface goes inwards: fabric.shrink, less near hugging borders,
     and where a body is nearer, so that what is left of it does not come through the cloth that lies beside it."""
     normals = vertex_normals(inner.rest, triangles)
-    away = along_cloth(inner.rest, triangles, np.concatenate(border_loops(triangles)), BORDER)
+    away = along_cloth(inner.rest, triangles, hugging(inner.rest, triangles, bodies[0].rest), BORDER)
     depth = SHALLOW + (fabric.shrink - SHALLOW) * np.minimum(away / BORDER, 1.0)
     for body in bodies:
         tree = BVHTree.FromPolygons(body.rest.tolist(), triangles_of(body.starts, body.corners)[0].tolist())

@@ -107,6 +107,12 @@ def kind_of(border: Border, borders: list[Border], rest: np.ndarray) -> str:
     return "cuff" if border.perimeter < 0.30 and border.distance < 0.02 else "short sleeve"
 
 
+def hugging(rest: np.ndarray, triangles: np.ndarray, body: np.ndarray) -> np.ndarray:
+    """Vertices of the borders that lie close and are rolled in: all but hem and legs."""
+    loops = [b.vertices for b in describe(rest, triangles, body) if b.kind not in ("hem", "leg")]
+    return np.concatenate(loops) if loops else np.empty(0, int)
+
+
 def choose(borders: list[Border], wish: str | None) -> None:
     """Apply --pin KIND=STRENGTH,...: another strength for a kind."""
     for part in (wish or "").split(","):
