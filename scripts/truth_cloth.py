@@ -23,7 +23,7 @@ from truth_pins import Hold, along_cloth, edges_of, hugging
 
 GRAVITY = 9.81  # metres per second squared
 REPORT_EVERY = 10
-BORDER, SHALLOW = 0.05, 0.004  # metres from a hugging border to the inner surface's whole depth; its depth at the border
+BORDER, SHALLOW = 0.05, 0.004  # metres from a hugging border to the inner surface's whole depth; its depth there
 TOO_FAR = 0.5  # metres from the animated base: the simulation has exploded
 
 
