@@ -15,8 +15,7 @@ import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 from mathutils.bvhtree import BVHTree
 
-NEAR = 0.04  # metres: another garment's vertices closer than this say whether it lies under ours
-UNDER_SHARE = 0.8
+NEAR = 0.04  # metres: a body so close counts as lying under the garment
 SPEED_FRAMES = 8
 
 
@@ -64,25 +63,13 @@ def find_garment(name: str | None) -> bpy.types.Object:
 
 
 def find_bodies(garment: bpy.types.Object) -> list[bpy.types.Object]:
-    """The body, which is the largest other mesh on the same armature, and garments that lie under this one."""
+    """The body: the largest other mesh on the same armature. Other garments are no obstacle, even where they lie
+    under this one: they fit it so closely that a simulated shirt is stretched over the hips, and creeps up."""
     others = [o for o in bpy.data.objects
               if o.type == "MESH" and o is not garment and skinned_by(o) is skinned_by(garment)]
-    others.sort(key=lambda o: -len(o.data.vertices))
-    return others[:1] + [o for o in others[1:] if lies_under(o, garment)]
-
-
-def lies_under(other: bpy.types.Object, garment: bpy.types.Object) -> bool:
-    """Whether most of what is near the garment is on its inner side, in the meshes as they were modelled."""
-    to_garment = garment.matrix_world.inverted() @ other.matrix_world
-    tree = BVHTree.FromPolygons([v.co for v in garment.data.vertices], [p.vertices for p in garment.data.polygons])
-    inside = near = 0
-    for vertex in other.data.vertices:
-        point = to_garment @ vertex.co
-        hit, normal, _, _ = tree.find_nearest(point, NEAR)
-        if hit is not None:
-            near += 1
-            inside += (point - hit).dot(normal) < 0.0
-    return near > 0 and inside > UNDER_SHARE * near
+    if not others:
+        raise SystemExit(f"there is no body: no other mesh is skinned by the armature of {garment.name}")
+    return [max(others, key=lambda o: len(o.data.vertices))]
 
 
 def evaluated_positions(thing: bpy.types.Object) -> np.ndarray:

@@ -49,9 +49,9 @@ class Fabric:
     self_collision: bool = True
     self_distance_min: float = 0.001  # metres
     self_friction: float = 1.0
-    friction: float = 2.0  # of the body
+    friction: float = 4.0  # of the body
     thickness: float = 0.002  # of the body, metres
-    shrink: float = 0.011  # of the inner surface that stands in for a missing body, metres ...
+    shrink: float = 0.014  # of the inner surface that stands in for a missing body, metres ...
     inner_thickness: float = 0.003  # ... and its thickness: the cloth stops at the difference
 
     def as_dict(self) -> dict[str, float]:

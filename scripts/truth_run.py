@@ -146,8 +146,8 @@ def run(options: argparse.Namespace, settings: dict[str, Any], frames: range, fa
     coarse, patch = coarse_triangle(clip, triangles, face)
     np.savez(path, positions=positions + moved, base=garment.positions[lead:] + moved, rest=garment.rest,
              triangles=triangles, starts=garment.starts, corners=garment.corners, patch=patch,
-             coarse_rest=clip.coarse.rest, coarse_triangles=coarse, pins=hold.pins, frames=np.array(frames), fps=clip.fps, seconds=seconds,
-             settings=json.dumps(settings))
+             coarse_rest=clip.coarse.rest, coarse_triangles=coarse, pins=hold.pins, frames=np.array(frames),
+             fps=clip.fps, seconds=seconds, settings=json.dumps(settings))
     say(f"{seconds:.2f} seconds a frame")
 
 
