@@ -154,19 +154,21 @@ def area(cloth: Cloth, positions: np.ndarray) -> float:
 def measures(cloth: Cloth, base: np.ndarray, fine: np.ndarray) -> dict[str, float]:
     """One frame's numbers. base, fine (n, 3) metres. RMS in millimetres, by band and together; alignment of the
     detail with the base's compression (mean cos squared, 0.5: unrelated; nan where nothing is compressed or there is
-    no detail); shares of 1."""
+    no detail); shares of 1. The detail is what is shorter than 220 mm: not how far the cloth hangs from the body."""
     height = heights(cloth, base, fine)
     weight = cloth.vertex_area / cloth.vertex_area.sum()
     parts = bands(cloth, height)
     result = {f"rms_{name}_mm": 1e3 * float(np.sqrt((weight * part ** 2).sum())) for name, part in zip(BANDS, parts)}
     result["rms_mm"] = 1e3 * float(np.sqrt((weight * height ** 2).sum()))
+    detail = height - parts[-1]
+    result["rms_detail_mm"] = 1e3 * float(np.sqrt((weight * detail ** 2).sum()))
     stretch, direction = strain(cloth, base)
-    gradient = gradients(cloth, base, height)
+    gradient = gradients(cloth, base, detail)
     size = cloth.rest_area * (gradient ** 2).sum(1) * (stretch < COMPRESSED)[cloth.patch]
     along = cloth.rest_area * (gradient * direction).sum(1) ** 2 * (stretch < COMPRESSED)[cloth.patch]
     result["alignment"] = float(along.sum() / size.sum()) if size.sum() > 1e-12 else float("nan")
     loose = (stretch > LOOSE)[cloth.patch]
-    squared = cloth.rest_area * (height[cloth.triangles] ** 2).mean(1)
+    squared = cloth.rest_area * (detail[cloth.triangles] ** 2).mean(1)
     result["detail_where_not_compressed"] = float(squared[loose].sum() / max(squared.sum(), 1e-20))
     result["area_not_compressed"] = float(cloth.rest_area[loose].sum() / cloth.rest_area.sum())
     whole = float(cloth.rest_area.sum())
