@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The numbers of scripts/truth_measures.py on waves that are known beforehand."""
+from __future__ import annotations
+
+import sys
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import truth_measures as truth  # noqa: E402
+
+EDGE = 0.008  # metres
+AMPLITUDE = 0.003  # metres
+
+
+def sheet(edge: float = EDGE) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A square of cloth, 80 edges wide: points (n, 3) metres, triangles (t, 3), the 64 mm patch (t,) of each."""
+    count = 81
+    x, y = np.meshgrid(np.arange(count) * edge, np.arange(count) * edge, indexing="ij")
+    points = np.stack([x, y, np.zeros_like(x)], 2).reshape(-1, 3)
+    number = np.arange(count * count).reshape(count, count)
+    a, b, c, d = (n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+    triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    middle = points[triangles].mean(1)
+    patch = (middle[:, 0] // 0.064).astype(int) * 100 + (middle[:, 1] // 0.064).astype(int)
+    return points, triangles, patch
+
+
+def waves(points: np.ndarray, length: float, direction: tuple[float, float] = (1.0, 0.0)) -> np.ndarray:
+    """points (n, 3) with waves of that length in metres, AMPLITUDE high, running in a direction of the plane."""
+    phase = 2.0 * np.pi * (points[:, :2] @ np.array(direction)) / length
+    return points + np.stack([0.0 * phase, 0.0 * phase, AMPLITUDE * np.cos(phase)], 1)
+
+
+class Measures(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.points, cls.triangles, cls.patch = sheet()
+        cls.cloth = truth.build_cloth(cls.points, cls.triangles, cls.patch)
+
+    def test_a_wave_falls_into_its_band(self) -> None:
+        for length, name in ((0.040, "28_to_55"), (0.080, "55_to_110"), (0.160, "110_to_220"),
+                             (0.320, "above_220")):
+            with self.subTest(length):
+                found = truth.measures(self.cloth, self.points, waves(self.points, length))
+                whole = AMPLITUDE * 1e3 / np.sqrt(2.0)
+                self.assertAlmostEqual(found["rms_mm"], whole, delta=0.03 * whole)
+                self.assertGreater(found[f"rms_{name}_mm"], 0.93 * whole)
+                for other in truth.BANDS:
+                    if other != name:
+                        self.assertLess(found[f"rms_{other}_mm"], 0.25 * whole, other)
+
+    def test_a_short_wave_on_fine_cloth(self) -> None:
+        points, triangles, _ = sheet(0.004)
+        found = truth.measures(truth.build_cloth(points, triangles), points, waves(points, 0.020))
+        self.assertGreater(found["rms_below_28_mm"], 0.99 * found["rms_mm"])
+
+    def test_a_slanting_wave_is_as_long_as_a_straight_one(self) -> None:
+        found = truth.measures(self.cloth, self.points, waves(self.points, 0.080, (0.6, 0.8)))
+        self.assertGreater(found["rms_55_to_110_mm"], 0.93 * found["rms_mm"])
+
+    def test_the_bands_are_the_whole(self) -> None:
+        height = np.random.default_rng(1).normal(size=len(self.points))
+        np.testing.assert_allclose(truth.bands(self.cloth, height).sum(0), height, atol=1e-12)
+
+    def test_a_lifted_sheet_is_the_longest_band(self) -> None:
+        found = truth.measures(self.cloth, self.points, self.points + (0.0, 0.0, 0.005))
+        self.assertAlmostEqual(found["rms_above_220_mm"], 5.0, delta=0.02)
+        self.assertLess(found["rms_110_to_220_mm"], 0.02)
+
+    def test_alignment_is_1_along_the_compression_and_0_across(self) -> None:
+        base = self.points * (0.9, 1.0, 1.0)
+        for direction, wanted in (((1.0, 0.0), 1.0), ((0.0, 1.0), 0.0), ((0.70711, 0.70711), 0.5)):
+            found = truth.measures(self.cloth, base, waves(base, 0.080, direction))
+            self.assertAlmostEqual(found["alignment"], wanted, delta=0.01)
+
+    def test_alignment_follows_a_turned_base(self) -> None:
+        turn = np.array([[0.6, 0.0, -0.8], [0.0, 1.0, 0.0], [0.8, 0.0, 0.6]])
+        base = self.points * (1.0, 0.9, 1.0)
+        found = truth.measures(self.cloth, base @ turn.T, waves(base, 0.080, (0.0, 1.0)) @ turn.T)
+        self.assertAlmostEqual(found["alignment"], 1.0, delta=0.01)
+
+    def test_no_compression_no_alignment(self) -> None:
+        found = truth.measures(self.cloth, self.points, waves(self.points, 0.080))
+        self.assertTrue(np.isnan(found["alignment"]))
+        self.assertAlmostEqual(found["detail_where_not_compressed"], 1.0)
+
+    def test_detail_beside_the_compression(self) -> None:
+        base = self.points.copy()
+        half = 0.32
+        base[:, 0] = np.where(base[:, 0] < half, 0.9 * base[:, 0], base[:, 0] - 0.1 * half)
+        found = truth.measures(self.cloth, base, waves(base, 0.080, (0.0, 1.0)))
+        self.assertAlmostEqual(found["detail_where_not_compressed"], 0.5, delta=0.02)
+        self.assertAlmostEqual(found["area_not_compressed"], 0.5, delta=0.01)
+        self.assertAlmostEqual(found["alignment"], 0.0, delta=0.02)
+
+    def test_area_kept(self) -> None:
+        found = truth.measures(self.cloth, self.points * (0.9, 1.0, 1.0), self.points * (0.95, 1.0, 1.0))
+        self.assertAlmostEqual(found["area_kept"], 0.95, places=6)
+        self.assertAlmostEqual(found["area_of_base"], 0.90, places=6)
+
+
+if __name__ == "__main__":
+    unittest.main()
