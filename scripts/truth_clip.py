@@ -17,6 +17,7 @@ from mathutils.bvhtree import BVHTree
 
 NEAR = 0.04  # metres: a body so close counts as lying under the garment
 SPEED_FRAMES = 8
+DEEP = 0.008  # metres
 
 
 @dataclass
@@ -107,6 +108,19 @@ def covered(clip: Clip) -> float:
     ends = np.append(body.starts, len(body.corners))
     tree = BVHTree.FromPolygons(body.rest.tolist(), [body.corners[a:b].tolist() for a, b in zip(ends[:-1], ends[1:])])
     return float(np.mean([tree.find_nearest(p, NEAR)[0] is not None for p in clip.coarse.rest.tolist()]))
+
+
+def through(clip: Clip, positions: np.ndarray) -> np.ndarray:
+    """(frames,) share of the cloth's vertices (frames, n, 3), those of the clip without its lead, that lie deeper than
+    DEEP in the body: where this grows, a limb has come through the cloth, though its cuff is in place."""
+    body = clip.bodies[0]
+    triangles = triangles_of(body.starts, body.corners)[0].tolist()
+    shares = []
+    for cloth, skin in zip(positions, body.positions[clip.lead:]):
+        tree = BVHTree.FromPolygons(skin.tolist(), triangles)
+        found = [(point, *tree.find_nearest(point, NEAR)[:2]) for point in cloth.tolist()]
+        shares.append(np.mean([hit is not None and (Vector(p) - hit).dot(normal) < -DEEP for p, hit, normal in found]))
+    return np.array(shares)
 
 
 class Poses:

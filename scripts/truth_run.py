@@ -29,6 +29,7 @@ LEVELS = 2
 VERSION = 1  # another one makes old caches unusable
 MOST_FRAMES = 250
 SLIPPED = 0.04  # metres: a cuff's centre farther than this from the animated one's
+PIERCED = 0.005  # share of the cloth's vertices deep in the body
 COVERED = 0.9  # share of the garment with a body under it; with less the shrunk garment stands in
 
 
@@ -118,6 +119,16 @@ def check_arms(borders: list[truth_pins.Border], positions: np.ndarray, base: np
     return worst
 
 
+def check_body(shares: np.ndarray, frames: range) -> None:
+    """Says where the body has come through the cloth. shares (frames,) of the cloth's vertices."""
+    bad = np.flatnonzero(shares > PIERCED)
+    if len(bad):
+        say(f"WARNING: the body is through the cloth from frame {frames[int(bad[0])]} on, most at frame "
+            f"{frames[int(shares.argmax())]} ({100 * shares.max():.1f} % of the vertices): do not trust those frames")
+    else:
+        say(f"at most {100 * shares.max():.1f} % of the vertices lie in the body")
+
+
 def stored_settings(path: Path) -> dict[str, Any] | None:
     """Of an earlier run."""
     if not path.is_file():
@@ -142,6 +153,7 @@ def run(options: argparse.Namespace, settings: dict[str, Any], frames: range, fa
         cloth = build(clip, hold, fabric, needs_inner(clip), Path(folder))
         positions, seconds = simulate(cloth, clip, say)
     check_arms(borders, positions, garment.positions[lead:], frames)
+    check_body(truth_clip.through(clip, positions), frames)
     moved = truth_clip.travelled(clip.speed, len(frames))
     coarse, patch = coarse_triangle(clip, triangles, face)
     np.savez(path, positions=positions + moved, base=garment.positions[lead:] + moved, rest=garment.rest,
