@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What garments are worn over: it arrives where it stands in the frame, hidden or not, and what is wrong is said."""
+"""What garments are worn over: it arrives where it stands in the frame, hidden or not."""
 from __future__ import annotations
 
-import math
 import os
 import tempfile
 import unittest
@@ -13,44 +12,9 @@ import bpy
 import numpy as np
 import shots
 import sleeve
-from rumple.blender import bake_state, bodies, modifier, node_tree, registry, structure, versions
+from rumple.blender import bake_state, bodies, modifier, registry, structure, versions
 from rumple.core.body import Body
-
-
-def placed(obj: bpy.types.Object, place: tuple, turn: tuple, scale: tuple) -> None:
-    obj.location, obj.rotation_euler, obj.scale = place, turn, scale
-
-
-def solved_body(obj: bpy.types.Object) -> Body | None:
-    """What the garment was solved for last."""
-    return registry.runtime(obj).inputs.body
-
-
-def posed(body: bpy.types.Object) -> np.ndarray:
-    """World space, as the viewport shows it, (n, 3)."""
-    matrix = np.array(sleeve.evaluated(body).matrix_world)
-    return sleeve.shown(body) @ matrix[:3, :3].T + matrix[:3, 3]
-
-
-def outward(body: Body) -> float:
-    """Volume inside the triangles, positive where they are counter-clockwise seen from outside."""
-    a, b, c = (body.positions[body.triangles[:, corner]].astype(float) for corner in range(3))
-    middle = body.positions.mean(axis=0)
-    return float(np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)).sum() / 6.0)
-
-
-class Worn(unittest.TestCase):
-
-    def setUp(self) -> None:
-        self.obj = sleeve.scene()
-        self.body = sleeve.under(self.obj)
-
-    def check_place(self, frame: int, message: str = "") -> None:
-        sleeve.at(frame)
-        world = np.array(sleeve.evaluated(self.obj).matrix_world)
-        found = solved_body(self.obj)
-        np.testing.assert_allclose(found.positions @ world[:3, :3].T + world[:3, 3], posed(self.body), atol=2e-6,
-                                   err_msg=message)
+from worn import outward, placed, posed, solved_body, Worn
 
 
 class Places(Worn):
@@ -269,128 +233,6 @@ class Rendered(unittest.TestCase):
                 np.testing.assert_allclose(found[frame], expected[frame], atol=1e-6, err_msg=str(frame))
         np.testing.assert_allclose(solved_body(obj).positions, expected[16.0], atol=1e-6)
         self.assertEqual(obj.rumple.message, "")
-
-
-class Wrong(Worn):
-    """Said with the name of the object, and the last good picture stays."""
-
-    def setUp(self) -> None:
-        super().setUp()
-        sleeve.at(5)
-
-    def check_said(self, obj: bpy.types.Object, words: str, frame: int = 9) -> None:
-        before = registry.runtime(obj).picture
-        sleeve.at(frame)
-        self.assertRegex(obj.rumple.message, f"^{obj.name}: .*{words}")
-        self.assertIs(registry.runtime(obj).picture, before)
-
-    def check_right(self, obj: bpy.types.Object, frame: int = 10) -> None:
-        sleeve.at(frame)
-        self.assertEqual(obj.rumple.message, "")
-        self.assertEqual(registry.runtime(obj).inputs.frame, float(frame))
-
-    def test_no_faces(self) -> None:
-        self.body.data.clear_geometry()
-        self.obj.rumple.body = self.body
-        self.check_said(self.obj, "body Human has no faces")
-        self.obj.rumple.body = None
-        self.check_right(self.obj)
-
-    def test_not_finite(self) -> None:
-        self.body.modifiers.clear()
-        self.body.data.vertices[7].co.y = self.body.data.vertices[9].co.z = math.nan
-        self.obj.rumple.body = self.body
-        self.check_said(self.obj, "vertex 7 of its body Human is not finite")
-        self.body.data.vertices[7].co.y = self.body.data.vertices[9].co.z = 0.0
-        self.check_right(self.obj)
-
-    def test_the_garment_itself(self) -> None:
-        self.assertFalse(bodies.can_be_body(sleeve.carrier(self.obj)))
-        self.obj.rumple.body = self.obj
-        self.check_said(self.obj, "worn over itself")
-        self.obj.rumple.body = None
-        self.check_right(self.obj)
-        self.obj.rumple.body_collection = group = bpy.data.collections.new("All")
-        bpy.context.scene.collection.children.link(group)
-        group.objects.link(self.obj)
-        self.check_said(self.obj, "worn over itself")
-
-    def wrinkled(self) -> bpy.types.Object:
-        other = sleeve.under(self.obj, "Other")
-        sleeve.make_active(other)
-        other.rumple.mesh.density, other.rumple.mesh.level = "LEVEL", 1
-        bpy.ops.object.rumple_add(method="MESH")
-        other.rumple.body = None
-        sleeve.at(6)
-        return other
-
-    def test_two_garments_over_one_another(self) -> None:
-        other = self.wrinkled()
-        self.obj.rumple.body = other
-        self.check_right(self.obj, 7)
-        other.rumple.body = self.obj
-        self.check_said(self.obj, "Other is worn over Sleeve in turn")
-        self.check_right(other)
-        self.assertEqual(modifier.bodies(modifier.find(self.obj)), (None, None))
-        other.rumple.body = None
-        self.check_right(self.obj, 11)
-        self.assertEqual(modifier.bodies(modifier.find(self.obj)), (other, None))
-
-    def test_a_garment_comes_after_what_it_is_worn_over(self) -> None:
-        other = self.wrinkled()
-        order = [obj.name for obj, _ in bodies.in_order(list(modifier.wrinkled_objects()))]
-        self.assertEqual(order, ["Other", "Sleeve"])
-        other.rumple.body = self.obj
-        order = [obj.name for obj, _ in bodies.in_order(list(modifier.wrinkled_objects()))]
-        self.assertEqual(order, ["Sleeve", "Other"])
-
-    def test_a_deleted_body_is_none(self) -> None:
-        for delete in (lambda: bpy.data.objects.remove(self.body), bpy.ops.object.delete):
-            self.obj.rumple.body = self.body
-            self.check_place(8)
-            sleeve.make_active(self.body)
-            delete()
-            self.check_right(self.obj, 12)
-            sleeve.at(13)
-            self.assertIsNone(solved_body(self.obj))
-            self.assertEqual(modifier.bodies(modifier.find(self.obj)), (None, None))
-            self.assertIsNone(self.obj.rumple.body)
-            self.body = sleeve.under(self.obj)
-
-
-class OlderTree(Worn):
-
-    def test_it_gets_the_inputs_and_modifiers_keep_theirs(self) -> None:
-        group = modifier.find(self.obj).node_group
-        carrier = sleeve.carrier(self.obj)
-        self.make_older(group)
-        self.assertFalse(modifier.can_name_bodies(modifier.find(self.obj)))
-        structure.settle_all()
-        self.assertEqual(sleeve.carrier(self.obj), carrier)
-        self.body.hide_viewport = True
-        self.obj.rumple.body = self.body
-        sleeve.at(12)
-        self.assertEqual(modifier.bodies(modifier.find(self.obj)), (self.body, None))
-        self.assertGreater(np.abs(solved_body(self.obj).positions - versions.positions(self.body.data)).max(), 0.1)
-        self.assertEqual(self.obj.rumple.message, "")
-
-    def make_older(self, group: bpy.types.NodeTree) -> None:
-        for name in (node_tree.BODY, node_tree.BODIES):
-            if hasattr(group, "interface"):
-                group.interface.remove(group.interface.items_tree[name])
-            else:
-                group.inputs.remove(group.inputs[name])
-        group[node_tree.VERSION_KEY] = 4
-
-    def test_linked_it_cannot_be_upgraded_and_that_is_said(self) -> None:
-        self.make_older(modifier.find(self.obj).node_group)
-        with mock.patch.object(node_tree, "upgrade", return_value=False):
-            sleeve.at(12)
-            self.assertEqual(self.obj.rumple.message, "")
-            self.obj.rumple.body = self.body
-            sleeve.at(13)
-            self.assertRegex(self.obj.rumple.message, "^Sleeve: its node group is linked from a file of an older")
-            self.assertEqual(registry.runtime(self.obj).inputs.frame, 12.0)
 
 
 class Connected(Worn):

@@ -2,7 +2,7 @@
 """The base cloth and its layers: the first click, the same picture whatever was looked at, settings, files."""
 from __future__ import annotations
 
-import os
+import math
 import unittest
 from typing import Any, Callable
 from unittest import mock
@@ -127,6 +127,19 @@ class ToTheBit(Cloth):
         forget(self.obj)
         pictures(self.obj, (17, 2, 20, 9, 3))
         self.same(first, played(self.obj))
+
+    def test_where_it_is_pinned_does_not_depend_on_the_frame_that_was_seen_first(self) -> None:
+        """The pins once came from what pointed up in the first solved frame: turned, another opening was held."""
+        seen = []
+        for first in (1, sleeve.LAST):
+            obj = garment()
+            for frame, angle in ((1, 0.0), (sleeve.LAST, math.pi / 2)):
+                obj.rotation_euler.y = angle
+                obj.keyframe_insert("rotation_euler", frame=frame)
+            sleeve.at(first)
+            forget(obj)
+            seen.append(played(obj, 3))
+        self.same(*seen)
 
     def test_saved_and_opened(self) -> None:
         first = played(self.obj)

@@ -40,12 +40,6 @@ void collect_edge_sources(ShownMesh& shown, const PolygonMesh& source) {
     }
 }
 
-std::array<Index, 3> display_vertices(const Surface& base, Index triangle) {
-    const Triangle& t = base.triangles[triangle];
-    const std::vector<Index>& vertex = base.display.corner_vertex;
-    return {vertex[t.corner[0]], vertex[t.corner[1]], vertex[t.corner[2]]};
-}
-
 SparseRows identity(Index rows) {
     SparseRows out;
     for (Index r = 0; r < rows; ++r) {

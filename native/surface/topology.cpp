@@ -148,6 +148,34 @@ Surface build_surface(const SurfaceInput& input) {
     return surface;
 }
 
+NearTriangles near_triangles(const Surface& surface) {
+    const Index triangles = static_cast<Index>(surface.triangles.size());
+    const auto vertex = [&](Index t, int k) {
+        return surface.welded.corner_vertex[surface.triangles[t].corner[k]];
+    };
+    std::vector<std::vector<Index>> around(surface.welded.vertex_count);
+    for (Index t = 0; t < triangles; ++t) {
+        for (int k = 0; k < 3; ++k) around[vertex(t, k)].push_back(t);
+    }
+    NearTriangles out;
+    for (Index t = 0; t < triangles; ++t) {
+        std::vector<Index> near;
+        for (int k = 0; k < 3; ++k)
+            near.insert(near.end(), around[vertex(t, k)].begin(), around[vertex(t, k)].end());
+        std::sort(near.begin(), near.end());
+        near.erase(std::unique(near.begin(), near.end()), near.end());
+        out.triangle.insert(out.triangle.end(), near.begin(), near.end());
+        out.start.push_back(static_cast<Index>(out.triangle.size()));
+    }
+    return out;
+}
+
+std::array<Index, 3> display_vertices(const Surface& surface, Index triangle) {
+    const Triangle& t = surface.triangles[triangle];
+    const std::vector<Index>& vertex = surface.display.corner_vertex;
+    return {vertex[t.corner[0]], vertex[t.corner[1]], vertex[t.corner[2]]};
+}
+
 void weld_positions(const Surface& surface, std::span<const Vec3> display, std::span<Vec3> welded) {
     assert(display.size() == surface.welded_of.size());
     assert(welded.size() == surface.representative.size());

@@ -2,6 +2,7 @@
 // The coarse base mesh: checked once, then flat arrays.
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -81,6 +82,17 @@ struct SurfaceInput {
 // polygon), naming the first bad element in the caller's numbering.
 // Cost: O(corners log corners).
 Surface build_surface(const SurfaceInput& input);
+
+// For every triangle t, those that share a welded vertex with it, itself included, ascending:
+// triangle[start[t]] to triangle[start[t + 1] - 1]. Cost: O(triangles x valence log valence).
+struct NearTriangles {
+    std::vector<Index> start{0};
+    std::vector<Index> triangle;
+};
+NearTriangles near_triangles(const Surface& surface);
+
+// The corners of a triangle, as the artist has them.
+std::array<Index, 3> display_vertices(const Surface& surface, Index triangle);
 
 // Deformed positions of the display vertices -> of the welded vertices: the mean
 // of those that were joined (equal ones give themselves to the bit).

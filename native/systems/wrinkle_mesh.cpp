@@ -10,6 +10,7 @@
 #include "base/expect.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/smooth_step.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_mesh_bounds.h"
 #include "systems/wrinkle_mesh_pose.h"
@@ -26,11 +27,6 @@ int choose_threads(const Model& model, const Settings& settings) {
     if (settings.threads > 0) return settings.threads;
     if (model.triangles.size() < kTrianglesForThreads) return 1;
     return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
-}
-
-float smooth_step(float low, float high, float x) {
-    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
 }
 
 // How much of a new solution every vertex takes: 0 where the base has kept its

@@ -94,8 +94,7 @@ struct Model {
     std::vector<Index> boundary_ring;  // per solved vertex: edges to the nearest open border; -1: none
     std::vector<std::array<Index, 3>> triangles;  // of the solved mesh, for areas
     StretchModel stretch;
-    std::vector<Index> near_start;     // per base triangle, into near_triangle:
-    std::vector<Index> near_triangle;  //   the triangles that share a vertex with it, itself included
+    NearTriangles near;
     std::optional<Adaptive> adaptive;  // where Source::adaptive asked for it
     ShownMesh shown;
     std::vector<float> unattached_distance;  // own mesh: distance to the base at rest, per vertex; else empty

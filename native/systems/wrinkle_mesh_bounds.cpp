@@ -61,8 +61,8 @@ Bounds::Side Bounds::side_of(size_t v, const Vec3& p) const {
     const Index home = model_.attachments.places[v].triangle;
     float best = -1.0f;
     Side side{0.0f, Vec3(0.0f)};
-    for (Index k = model_.near_start[home]; k < model_.near_start[home + 1]; ++k) {
-        const Index t = model_.near_triangle[k];
+    for (Index k = model_.near.start[home]; k < model_.near.start[home + 1]; ++k) {
+        const Index t = model_.near.triangle[k];
         const Index* corner = model_.base.triangles[t].corner;
         const auto at = [&](int i) { return pose_.base[model_.base.welded.corner_vertex[corner[i]]]; };
         const Vec3 from = p - closest_on_triangle(p, at(0), at(1), at(2));

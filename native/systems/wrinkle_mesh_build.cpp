@@ -137,29 +137,6 @@ std::vector<Index> rings_from_border(const PairSets& sets, size_t vertices) {
     return ring;
 }
 
-void collect_near_triangles(Model& model) {
-    const Surface& base = model.base;
-    std::vector<std::vector<Index>> around(base.welded.vertex_count);
-    const auto vertex = [&](Index t, int k) {
-        return base.welded.corner_vertex[base.triangles[t].corner[k]];
-    };
-    const Index triangles = static_cast<Index>(base.triangles.size());
-    for (Index t = 0; t < triangles; ++t) {
-        for (int k = 0; k < 3; ++k) around[vertex(t, k)].push_back(t);
-    }
-    model.near_start = {0};
-    for (Index t = 0; t < triangles; ++t) {
-        std::vector<Index> near;
-        for (int k = 0; k < 3; ++k) {
-            near.insert(near.end(), around[vertex(t, k)].begin(), around[vertex(t, k)].end());
-        }
-        std::sort(near.begin(), near.end());
-        near.erase(std::unique(near.begin(), near.end()), near.end());
-        model.near_triangle.insert(model.near_triangle.end(), near.begin(), near.end());
-        model.near_start.push_back(static_cast<Index>(model.near_triangle.size()));
-    }
-}
-
 // The artist's mesh: closest points, and what is left between them and the mesh.
 // fine: the artist's mesh without the vertices that no polygon uses.
 void bind_own(Model& model, const Source& source, const FineMesh& fine, std::span<const Vec3> rest) {
@@ -223,7 +200,7 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
     model->boundary_ring = rings_from_border(sets, vertices);
     model->stretch = build_stretch(model->base);
     if (source.adaptive) model->adaptive = place_pairs(*model);
-    collect_near_triangles(*model);
+    model->near = near_triangles(model->base);
     model->shown = show_fine(model->base, own ? *source.own : model->base, fine, display_steps, rest);
     return model;
 }

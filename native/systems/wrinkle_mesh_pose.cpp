@@ -21,13 +21,6 @@ float target_length(const Settings& settings, float prestretch_paint, float rest
 // A body is looked for within so many fine edges around a vertex.
 constexpr float kBodyReach = 2.0f;
 
-// The three vertices of the base around a place, as the artist has them.
-std::array<Index, 3> around(const Surface& surface, const SurfacePoint& place) {
-    const Index* corner = surface.triangles[place.triangle].corner;
-    const std::vector<Index>& vertex = surface.display.corner_vertex;
-    return {vertex[corner[0]], vertex[corner[1]], vertex[corner[2]]};
-}
-
 // How far every vertex may go inwards. Attachments inside a body are put out of it first.
 void keep_outside(const Model& model, const Input& input, Pose& pose) {
     if (input.gap.empty()) return;
@@ -48,7 +41,7 @@ void keep_outside(const Model& model, const Input& input, Pose& pose) {
     for (size_t v = 0; v < pose.attachment.size(); ++v) {
         const SurfacePoint& place = model.attachments.places[v];
         if (place.triangle == kNone) continue;
-        const auto [a, b, c] = around(model.base, place);
+        const auto [a, b, c] = display_vertices(model.base, place.triangle);
         float gap =
             (1.0f - place.b0 - place.b1) * input.gap[a] + place.b0 * input.gap[b] + place.b1 * input.gap[c];
         if (!smooth.empty()) gap = std::max(smooth[v], 0.0f);

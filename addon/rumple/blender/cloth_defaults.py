@@ -24,10 +24,11 @@ def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> N
     base = mesh_io.base_mesh(obj, "REST_POSE", "")
     if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
         return
-    values = wrinkle_mesh.cloth_defaults(base, structure.metres_per_unit(obj, scene))
+    values = wrinkle_mesh.cloth_defaults(base, structure.metres_per_unit(obj, scene),
+                                         np.array(obj.matrix_world.to_3x3(), np.float32))
     free = lengths - ({"wavelength"} if settings.density == "LEVEL" else set())
     properties.apply_values(obj, scene, {name: value for name, value in values.items()
-                                         if name in free or name in ("base_cloth", "layers")})
+                                         if name in free or name in ("base_cloth", "layers", "up")})
 
 
 def is_skinned(obj: bpy.types.Object) -> bool:
@@ -44,6 +45,7 @@ def fill_follow(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> None:
     fine = registry.runtime(obj).fine
     if fine is None:
         return
-    weights = np.round(fine.suggested_follow(np.array(obj.matrix_world.to_3x3(), np.float32)) * STEPS) / STEPS
+    settings = properties.settings_of(obj, structure.scene_of(obj))
+    weights = np.round(fine.suggested_follow(settings) * STEPS) / STEPS
     for weight in np.unique(weights):
         group.add(np.flatnonzero(weights == weight).tolist(), float(weight), "REPLACE")

@@ -31,6 +31,8 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
         row = column.row(align=True)
         row.label(text="Pinned to the animation")
         paint_button(row, obj, "follow")
+        if mesh_io.MESH_GROUPS["follow"] not in obj.vertex_groups:
+            column.prop(settings, "up")
 
 
 class DATA_PT_rumple_body(Panel, bpy.types.Panel):

@@ -48,13 +48,14 @@ class BaseCloth:
         self._collider: tuple[np.ndarray, Any] | None = None
         self._paint: Any = None
         self._painted: dict[str, np.ndarray] | None = None
+        self._up = ""
 
     def solve(self, positions: np.ndarray, settings: ClothSettings, paint: dict[str, np.ndarray],
               object_from_world: np.ndarray, body: Body | None, before: ClothFrame | None) -> ClothFrame:
         """One frame. positions: (n, 3) float32, animated, object space. object_from_world: (3, 3) float64, for the
         direction of gravity. before: the frame before, or None. Raises ValueError."""
-        if paint is not self._painted:
-            self._take_paint(paint, object_from_world)
+        if paint is not self._painted or settings.up != self._up:
+            self._take_paint(paint, settings.up)
         collider = self.collider(body)
         return ClothFrame(*native.load().solve_base_cloth(
             self.model, self._native_settings(settings, object_from_world), self._paint, positions, collider,
@@ -68,21 +69,19 @@ class BaseCloth:
             self._collider = body.triangles, native.load().Collider(body.positions, body.triangles)
         return self._collider[1]
 
-    def follow(self, object_from_world: np.ndarray) -> np.ndarray:
-        """(n,) float32: how firmly every vertex follows the animation where nothing is painted."""
-        up = object_from_world @ np.array((0.0, 0.0, 1.0))
-        length = float(np.linalg.norm(up))
-        return native.load().suggest_follow(self.surface, tuple(up / length if length > 0.0 else (0.0, 0.0, 1.0)))
+    def follow(self, up: str) -> np.ndarray:
+        """(n,) float32: how firmly every vertex follows the animation where nothing is painted. up: of settings."""
+        direction = np.zeros(3)
+        direction["XYZ".index(up[-1])] = -1.0 if up[0] == "-" else 1.0
+        return native.load().suggest_follow(self.surface, tuple(direction))
 
     def thickness(self, settings: ClothSettings) -> float:
         """Of the cloth, object units."""
         return settings.thickness / self.unit_scale
 
-    def _take_paint(self, paint: dict[str, np.ndarray], object_from_world: np.ndarray) -> None:
-        values = dict(paint)
-        if "follow" not in values:
-            values["follow"] = self.follow(object_from_world)
-        self._paint, self._painted = native.load().BaseClothPaint(self.model, values), paint
+    def _take_paint(self, paint: dict[str, np.ndarray], up: str) -> None:
+        values = paint if "follow" in paint else {**paint, "follow": self.follow(up)}
+        self._paint, self._painted, self._up = native.load().BaseClothPaint(self.model, values), paint, up
 
     def _native_settings(self, settings: ClothSettings, object_from_world: np.ndarray) -> Any:
         """Metres into object units. A doll's cloth, and a giant's, hang as a person's do: lengths to scale."""

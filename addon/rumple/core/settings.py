@@ -94,6 +94,10 @@ LAYERS = (
 )
 
 
+UPS = tuple((axis, axis, f"The {axis} axis of the garment's own mesh points up at rest")
+            for axis in ("X", "Y", "Z", "-X", "-Y", "-Z"))
+
+
 @dataclass
 class ClothSettings:
     """The base cloth (section 4.3 of the Wrinkle Meshes' paper)."""
@@ -105,6 +109,8 @@ class ClothSettings:
                              high=10.0)
     room: float = setting(0.03, "Room", "How far the cloth may leave its animated place", low=0.0, high=10.0,
                           unit="LENGTH")
+    up: str = setting("Z", "Up At Rest", "Axis of the garment's own mesh that points up at rest: where nothing is "
+                      "painted, the highest opening is pinned", choices=UPS)
     thickness: float = setting(0.003, "Thickness", "How far the cloth stays off the body", low=0.0, high=1.0,
                                unit="LENGTH")
 

@@ -61,14 +61,21 @@ def suits_cloth(base: BaseMesh) -> bool:
         return False  # what is wrong with it is said where it is built
 
 
-def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
+def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndarray) -> dict[str, Any]:
     """Settings of a garment that becomes cloth: folds as wide as the fabric and the wearer's size make them, lengths
-    in metres. Two significant digits."""
+    in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest."""
     scale = size_factor(base.diagonal(), unit_scale)
     finest = max(CLOTH_WAVELENGTH * scale, fitting_wavelength(base, unit_scale) if is_dense(base) else 0.0)
-    return dict(base_cloth="HANG", layers="CLOTH", wavelength=float(f"{finest:.2g}"),
+    return dict(base_cloth="HANG", layers="CLOTH", up=upward_axis(world_from_object), wavelength=float(f"{finest:.2g}"),
                 room=float(f"{ClothSettings.room * scale:.2g}"),
                 thickness=float(f"{ClothSettings.thickness * scale:.2g}"))
+
+
+def upward_axis(world_from_object: np.ndarray) -> str:
+    """The axis of an object that points up most, as the setting names it."""
+    heights = np.asarray(world_from_object)[2]
+    axis = int(np.abs(heights).argmax())
+    return ("-" if heights[axis] < 0.0 else "") + "XYZ"[axis]
 
 
 def is_dense(base: BaseMesh) -> bool:
@@ -227,7 +234,7 @@ class WrinkleMesh(Wrinkles):
             state, report = native.load().solve_wrinkle_mesh(
                 self.model, native_settings(settings), self._paint, positions, before.wrinkles,
                 moment.world_from_object, **moment.in_time())
-            return OnCloth(cloth, state), MeshReport(cloth.report, [report])
+            return OnCloth(cloth, state), MeshReport(cloth.report, [report], moment.body is not None)
         state, reports = native.load().solve_wrinkle_layers(
             self.model, layer_settings(settings, self.layer_count), self._paint, positions, state=before.wrinkles,
             **contact)
@@ -244,10 +251,10 @@ class WrinkleMesh(Wrinkles):
         return self._base_cloth().solve(positions, settings, self._cloth_paint,
                                         _inverse(moment.world_from_object), moment.body, before)
 
-    def suggested_follow(self, world_from_object: np.ndarray) -> np.ndarray:
+    def suggested_follow(self, settings: MeshSettings) -> np.ndarray:
         """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
-        from. world_from_object: (3, 3)."""
-        return self._base_cloth().follow(_inverse(world_from_object))
+        from."""
+        return self._base_cloth().follow(settings.up)
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
         if not isinstance(state, OnCloth):

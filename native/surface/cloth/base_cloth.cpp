@@ -95,8 +95,8 @@ Plane nearest_plane(const Model& model, const Pose& pose, const Vec3& p, Index& 
     float least = glm::dot(to, to);
     for (Index from = kNone; from != best;) {
         from = best;
-        for (Index k = model.near_start[from]; k < model.near_start[from + 1]; ++k) {
-            const Index t = model.near_triangle[k];
+        for (Index k = model.near.start[from]; k < model.near.start[from + 1]; ++k) {
+            const Index t = model.near.triangle[k];
             const Vec3 from_centre = p - pose.ball[t].centre;
             const float farther = std::sqrt(least) + pose.ball[t].radius;
             if (glm::dot(from_centre, from_centre) > farther * farther) continue;

@@ -53,12 +53,11 @@ struct Model {
         bool diagonal;
     };
     std::vector<Spring> springs;
-    std::vector<float> area;           // per vertex, object units^2
-    std::vector<Index> frame_to;       // per vertex: the neighbour that its tangent points to, or kNone
-    SparseRows limit;                  // limit position <- vertices
-    std::vector<Index> near_start;     // per triangle, into near_triangle:
-    std::vector<Index> near_triangle;  //   the triangles that share a vertex with it, itself included
-    std::vector<Index> triangle_of;    // per vertex: one of its triangles, or kNone (loose)
+    std::vector<float> area;      // per vertex, object units^2
+    std::vector<Index> frame_to;  // per vertex: the neighbour that its tangent points to, or kNone
+    SparseRows limit;             // limit position <- vertices
+    NearTriangles near;
+    std::vector<Index> triangle_of;  // per vertex: one of its triangles, or kNone (loose)
     ClearanceModel clearance;
 };
 std::shared_ptr<const Model> build(Surface surface);

@@ -69,30 +69,15 @@ void place_springs(Model& model) {
 
 void collect_triangles(Model& model) {
     const Surface& surface = model.surface;
-    const Index triangles = static_cast<Index>(surface.triangles.size());
-    std::vector<std::vector<Index>> around(surface.welded.vertex_count);
-    const auto vertex = [&](Index t, int k) {
-        return surface.welded.corner_vertex[surface.triangles[t].corner[k]];
-    };
+    model.near = near_triangles(surface);
     model.triangle_of.assign(surface.welded.vertex_count, kNone);
     model.area.assign(surface.welded.vertex_count, 0.0f);
-    for (Index t = 0; t < triangles; ++t) {
+    for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
         for (int k = 0; k < 3; ++k) {
-            const Index v = vertex(t, k);
-            around[v].push_back(t);
+            const Index v = surface.welded.corner_vertex[surface.triangles[t].corner[k]];
             model.area[v] += triangle_area(surface, surface.triangles[t]) / 3.0f;
             if (model.triangle_of[v] == kNone) model.triangle_of[v] = t;
         }
-    }
-    model.near_start = {0};
-    for (Index t = 0; t < triangles; ++t) {
-        std::vector<Index> near;
-        for (int k = 0; k < 3; ++k)
-            near.insert(near.end(), around[vertex(t, k)].begin(), around[vertex(t, k)].end());
-        std::sort(near.begin(), near.end());
-        near.erase(std::unique(near.begin(), near.end()), near.end());
-        model.near_triangle.insert(model.near_triangle.end(), near.begin(), near.end());
-        model.near_start.push_back(static_cast<Index>(model.near_triangle.size()));
     }
 }
 

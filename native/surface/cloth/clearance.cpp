@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/smooth_step.h"
 #include "base/tolerances.h"
 
 namespace rumple {
@@ -16,11 +17,6 @@ struct Known {
     float value = 0.0f;
     float weight = 0.0f;  // 0: nothing
 };
-
-float smooth_step(float low, float high, float x) {
-    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
-}
 
 // A bare garment inside the body comes out to the thickness, but for what is so deep that it is hidden there.
 float room_inwards(const ClearanceSettings& settings, float distance) {
