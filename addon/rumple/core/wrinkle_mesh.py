@@ -165,6 +165,9 @@ class WrinkleMesh(Wrinkles):
                 if report.has_body and report.cloth.body_known < LEAST_UNDER:
                     lines.append(f"{self.name}: its body does not lie under it: see that the normals of both point "
                                  "outwards, or choose another body")
+            kept = sum(layer.kept_apart for layer in report.layers)
+            if kept:
+                lines.append(f"{kept} {'vertex' if kept == 1 else 'vertices'} kept from crossing the garment itself")
             report = report.layers[-1]
         before, after = 100.0 * report.error_before, 100.0 * report.error_after
         lines.append(f"Edge length error {before:.1f} % before, {after:.1f} % after {report.iterations} iterations")
@@ -296,6 +299,8 @@ def layer_words(count: int) -> list[str]:
 WIDEST_RADIUS = 0.6  # of the base mesh itself, over that of the others
 LAYER_INSIDE = 1.5  # inward room over that of one layer: the body bounds it
 TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
+APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
+SLIDE = 0.25  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
 LOOSER = 1.5  # slack of the layers over that of the base cloth: cloth that is pulled taut has no folds
 
@@ -309,6 +314,7 @@ def layer_settings(settings: MeshSettings, count: int) -> list[Any]:
         options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
         options.hem_rings = min(settings.hem_rings, number + 1)
         options.tangential_pull, options.normal_pull = TANGENTIAL_PULL, NORMAL_PULL
+        options.apart, options.slide = APART, SLIDE
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
             options.prestretch = settings.prestretch * (1.0 + LOOSER * (settings.slack - 1.0))
