@@ -41,8 +41,8 @@ struct Settings {
     float tangential_pull = 0.0f;
     float normal_pull = 0.0f;
     // Only layers have these two (wrinkle_mesh_layers); 0: no bound, 0..0.5. (Not in the paper.)
-    float apart = 0.0f;  // share of the distance to its own cloth that a vertex may go towards it
-    float slide = 0.0f;  // share of the heights of its triangles that a vertex may go along the surface
+    float apart = 0.0f;      // share of the distance to its own cloth that a vertex may go towards it
+    float slide = 0.0f;      // share of the heights of its triangles that a vertex may go along the surface
     float nudge = 0.02f;     // size of the random push of unbuckled vertices, in fine edges, >= 0
     std::uint32_t seed = 0;  // of that push
     int threads = 0;         // 0: chosen by size; the result does not depend on it

@@ -67,16 +67,15 @@ class Chain {
     std::vector<Index> body_hint_;
 };
 
-// A neighbour may come as far towards a vertex as the vertex may go, so what is twice as far cannot be met.
-constexpr float kMeeting = 2.0f;
-
 // below: what the layer before found for its vertices, empty for the first one. Where that found nothing
 // within its wider reach, there is nothing to look for.
 void look_at_own(const OwnSurface& own, const Model& layer, const Settings& settings, const Paint& paint,
                  std::span<const OwnSide> below, Pose& pose) {
     if (settings.apart <= 0.0f && settings.slide <= 0.0f) return;
     std::vector<float> reach = attachment_radii(layer, settings, paint);
-    for (float& r : reach) r *= kMeeting;
+    // Farther away the share is more than the radius: the bound begins where it does nothing.
+    const float radii = settings.apart > 0.0f ? 1.0f / settings.apart : 0.0f;
+    for (float& r : reach) r *= radii;
     for (size_t v = 0; v < reach.size() && !below.empty(); ++v) {
         bool faced = false;
         for (const Index u : display_vertices(layer.base, layer.attachments.places[v].triangle))

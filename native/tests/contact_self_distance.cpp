@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The distance of a cloth to itself, and that no layer of folds passes through it.
-#include "surface/contact/self_distance.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
 
+#include "surface/contact/self_distance.h"
 #include "systems/wrinkle_mesh_layers.h"
 #include "tests/refusals.h"
 #include "tests/wrinkle_mesh_cloth.h"
@@ -62,9 +61,9 @@ TEST(SelfDistance, OfTwoSheetsIsTheGapBetweenThem) {
 }
 
 TEST(SelfDistance, WhatIsFarOrFacesTheSameWayOrLiesAroundIsNothing) {
-    for (const auto& sides : {sides_of(two_sheets(kGap, true), 0.9f * kGap),
-                              sides_of(two_sheets(kGap, false), 2.0f * kGap), sides_of(grid(5, 5, 1.0f), 4.0f),
-                              sides_of(two_sheets(kGap, true), 0.0f)}) {
+    for (const auto& sides :
+         {sides_of(two_sheets(kGap, true), 0.9f * kGap), sides_of(two_sheets(kGap, false), 2.0f * kGap),
+          sides_of(grid(5, 5, 1.0f), 4.0f), sides_of(two_sheets(kGap, true), 0.0f)}) {
         for (const OwnSide& side : sides) EXPECT_EQ(side.towards, Vec3(0.0f));
     }
 }
@@ -97,8 +96,8 @@ struct U {
             const float left = std::max(std::abs(s) - 0.5f * turn, 0.0f);
             // The sides come together behind the end.
             const float narrow = left > 0.0f ? 0.5f * kGap / radius : 1.0f;
-            pose.push_back({0.9f * (radius * std::cos(angle) - left), 0.9f * p.y,
-                            narrow * radius * std::sin(angle)});
+            pose.push_back(
+                {0.9f * (radius * std::cos(angle) - left), 0.9f * p.y, narrow * radius * std::sin(angle)});
         }
     }
     std::vector<Settings> settings(float apart) const {
@@ -149,7 +148,8 @@ TEST(SelfDistance, AVertexGoesAShareOfTheWay) {
     const std::vector<Paint> paint(settings.size());
     std::vector<Report> reports;
     const LayersState state = wrinkle_mesh::solve(*u.layers, settings, paint, {u.pose}, nullptr, reports);
-    const LayersState free = wrinkle_mesh::solve(*u.layers, u.settings(0.0f), paint, {u.pose}, nullptr, reports);
+    const LayersState free =
+        wrinkle_mesh::solve(*u.layers, u.settings(0.0f), paint, {u.pose}, nullptr, reports);
     const auto farthest = [&](const LayersState& solved) {
         Picture picture;
         wrinkle_mesh::show(drape, settings[0], {u.pose}, solved.layers[0], picture);
