@@ -219,6 +219,28 @@ class FineMesh(unittest.TestCase):
         self.assertIn("Tube: 3 vertices are not attached", mesh.warnings)
 
 
+def bent_to_a_u(positions: np.ndarray, gap: float) -> np.ndarray:
+    """A sheet in the xy plane bent about its middle, its two sides gap metres apart and a tenth shorter."""
+    size = np.ptp(positions[:, 0])
+    along, turn = positions[:, 0] - 0.5 * size, 0.2 * size
+    radius, angle = turn / np.pi, np.clip(along / (0.5 * turn), -1.0, 1.0) * np.pi / 2.0
+    left = np.maximum(np.abs(along) - 0.5 * turn, 0.0)
+    height = np.where(left > 0.0, 0.5 * gap, radius) * np.sin(angle)
+    bent = np.stack([radius * np.cos(angle) - left, positions[:, 1], height], 1)
+    return np.ascontiguousarray(0.9 * bent, np.float32)
+
+
+class KeptApart(unittest.TestCase):
+    def test_the_status_counts_what_was_kept_from_crossing(self) -> None:
+        base = sheet(20, 6, size=0.4)
+        settings = MeshSettings(density="LEVEL", level=2, layers="CLOTH", prestretch=1.1)
+        mesh = WrinkleMesh.build(base, settings)
+        for positions, kept in ((base.positions, False), (bent_to_a_u(base.positions, 0.004), True)):
+            picture = mesh.solve_frame(1.0 + kept, positions, settings, {}, start=1)
+            status = "\n".join(mesh.status(picture))
+            (self.assertRegex if kept else self.assertNotRegex)(status, r"\d+ vertices kept from crossing")
+
+
 class BadInput(unittest.TestCase):
     def refused(self, base, settings=SETTINGS, **arguments) -> str:
         with self.assertRaises(Refused) as caught:
