@@ -18,17 +18,19 @@ def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> N
 
     lengths: names of those that nobody has set.
     """
-    settings = obj.rumple.mesh
-    if settings.is_property_set("base_cloth") or settings.is_property_set("layers") or not is_skinned(obj):
+    settings, in_layers = properties.group_of(obj), obj.rumple.method == "MESH"
+    choices = ("base_cloth", "layers") if in_layers else ("base_cloth",)
+    if any(settings.is_property_set(name) for name in choices) or not is_skinned(obj):
         return
     base = mesh_io.base_mesh(obj, "REST_POSE", "")
     if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
         return
     values = wrinkle_mesh.cloth_defaults(base, structure.metres_per_unit(obj, scene),
                                          np.array(obj.matrix_world.to_3x3(), np.float32))
-    free = lengths - ({"wavelength"} if settings.density == "LEVEL" else set())
+    by_wavelength = in_layers and settings.density != "LEVEL"  # the other systems choose theirs by the mesh
+    free = lengths & {"room", "thickness", *(["wavelength"] if by_wavelength else [])}
     properties.apply_values(obj, scene, {name: value for name, value in values.items()
-                                         if name in free or name in ("base_cloth", "layers", "up")})
+                                         if name in free or name in (*choices, "up")})
 
 
 def is_skinned(obj: bpy.types.Object) -> bool:

@@ -195,15 +195,16 @@ class Drawing:
         goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
                    and inputs.frame == before.frame + 1.0 > bpy.context.scene.frame_start)
         if not goes_on:
-            state = fine.state_of(inputs.frame)
+            state = fine.wrinkles_of(inputs.frame)
             if state is None:
                 return False
             self.waves.begin(state.phase, state.direction, state.solved_offset)
         elif before.settings != inputs.settings:
             self.waves.wake()
-        state = fine.state_of(inputs.frame) if inputs.settings.adapts else None
-        self.waves.pose(*self._model.weld_pose(inputs.positions),
-                        fine.reference_stretches(state, inputs.positions) if state is not None else None)
+        state = fine.wrinkles_of(inputs.frame) if inputs.settings.adapts else None
+        positions = fine.solved_over(inputs.frame, inputs.positions)
+        self.waves.pose(*self._model.weld_pose(positions),
+                        fine.reference_stretches(state, positions) if state is not None else None)
         self.waves.crush()
         self.waves.relax(inputs.settings.rounds if goes_on else 0)
         self.waves.unfold()

@@ -209,7 +209,7 @@ STARTS = (
 
 
 @dataclass
-class FieldSettings(AdaptiveRest):
+class FieldSettings(AdaptiveRest, ClothSettings):
     """Settings of one Wrinkle Field. Lengths are metres in world scale unless the unit says otherwise."""
 
     output: str = setting("SHADING", "Output", "What shows the waves", choices=OUTPUTS, affects="MESH")
@@ -276,7 +276,7 @@ PATH_PROFILES = (
 
 
 @dataclass
-class PathsSettings(AdaptiveRest):
+class PathsSettings(AdaptiveRest, ClothSettings):
     """Settings of the Wrinkle Paths. Lengths are metres in world scale unless the unit says otherwise."""
 
     # Where folds are (chapters 4 and 5 of the thesis)

@@ -60,10 +60,9 @@ class WrinkleField(Wrinkles):
                 most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
             raise Refused(f"{base.name}: {error}") from error
-        return cls(base, base, model, warnings, unit_scale)
+        return cls(base, base, surface, model, warnings, unit_scale)
 
-    def status(self, picture: Picture) -> list[str]:
-        report = picture.report
+    def _status(self, report: Any) -> list[str]:
         lines = [f"{report.wrinkled} of {self.model.vertex_count} vertices wrinkle",
                  f"Phases are off by {360.0 * report.misfit_after:.0f} degrees on average"]
         if report.collapsed:
@@ -108,7 +107,7 @@ class WrinkleField(Wrinkles):
                    U_GRADIENT: shown.corner_u_gradient, V_GRADIENT: shown.corner_v_gradient}
         # Displaced in shape, or without a UV map: nothing left for the shader to do.
         own.update({name: values if len(values) else nothing for name, values in corners.items()})
-        return Picture.of(shown, **own)
+        return self._picture(shown, moment, **own)
 
     def _native_settings(self, settings: FieldSettings) -> Any:
         options = native.load().WrinkleFieldSettings()
