@@ -15,10 +15,10 @@ import numpy as np
 
 from .. import native
 from .body import Body
-from .cloth import BaseCloth, ClothFrame
+from .cloth import ClothFrame
 from .frame_result import COMMON_ATTRIBUTES, Attribute, Picture, Sketch
 from .history import Entry, History
-from .on_cloth import PAINTED, OnCloth, OnClothReport, cloth_of, hang, system_state
+from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
 
 MOST_VERTICES = 4_000_000
 
@@ -105,7 +105,7 @@ class Wrinkles:
         self.strayed: set[float] = set()  # frames that came with another pose than the clip that was looked at
         self._source_vertices, self._source_corners = len(source.positions), len(source.corner_vertex)
         self._paint: Any = None
-        self._cloth: BaseCloth | None = None
+        self._stage: Stage | None = None
         self._cloth_paint: dict[str, np.ndarray] = {}
 
     # --- the shown mesh, for whoever makes the carrier
@@ -226,20 +226,20 @@ class Wrinkles:
         own = system_state(before)
         if settings.base_cloth == "OFF":
             return self._solve(settings, positions, own, same_settings, moment)
-        cloth = hang(self._base_cloth(), settings, self._cloth_paint, positions, moment.world_from_object, moment.body,
-                     cloth_of(before) if same_settings else None)
+        cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, moment.world_from_object, moment.body,
+                                         cloth_of(before) if same_settings else None, not self._keeps_off_bodies())
         state, report = self._solve(settings, cloth.positions, own, same_settings, replace(moment, cloth=cloth))
         return OnCloth(cloth, state), OnClothReport(cloth.report, report, moment.body is not None)
 
-    def _base_cloth(self) -> BaseCloth:
-        if self._cloth is None:
-            self._cloth = BaseCloth(self.surface, self.base.diagonal(), self.unit_scale)
-        return self._cloth
+    def _base_cloth(self) -> Stage:
+        if self._stage is None:
+            self._stage = Stage(self.surface, self.base.diagonal(), self.unit_scale)
+        return self._stage
 
     def suggested_follow(self, settings: Any) -> np.ndarray:
         """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
         from."""
-        return self._base_cloth().follow(settings.up)
+        return self._base_cloth().cloth.follow(settings.up)
 
     def _picture(self, shown: Any, moment: Moment, **own: np.ndarray) -> Picture:
         """From a native picture of a frame: what was solved over the base cloth is embedded in the animated mesh."""
@@ -345,6 +345,10 @@ class Wrinkles:
     def curve_points(self, settings: Any) -> float:
         """About how many points its curves have when it is folded all over."""
         raise NotImplementedError
+
+    def _keeps_off_bodies(self) -> bool:
+        """Whether it sees itself to what is worn under the base cloth."""
+        return False
 
     def _reads_world(self, settings: Any) -> bool:
         """Whether the solve depends on where the object stands in the world."""

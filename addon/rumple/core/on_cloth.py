@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from .. import native
 from .body import Body
 from .cloth import BaseCloth, ClothFrame
 from .settings import ClothSettings
 
 PAINTED = ("follow", "room")  # what is painted for the base cloth itself
+HIDDEN = 0.02  # metres, on a person: what is deeper inside a body is hidden there on purpose
 LEAST_UNDER = 0.02  # of the vertices that have the body under them: with less something is wrong
 
 
@@ -62,10 +64,35 @@ def cloth_of(state: Any) -> ClothFrame | None:
     return state.cloth if isinstance(state, OnCloth) else None
 
 
-def hang(cloth: BaseCloth, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
-         world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None) -> ClothFrame:
-    """The base cloth of one frame. Everything as BaseCloth.solve() has it; world_from_object: (3, 3)."""
-    return cloth.solve(positions, settings, paint, _inverse(world_from_object), body, before)
+class Stage:
+    """The base cloth of one garment, whatever lies on it. No state: frames are handed in and out."""
+
+    def __init__(self, surface: Any, diagonal: float, unit_scale: float) -> None:
+        """As BaseCloth() has it."""
+        self.cloth = BaseCloth(surface, diagonal, unit_scale)
+        self._cover: Any = None
+
+    def solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
+              world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None,
+              covers: bool) -> ClothFrame:
+        """One frame. Everything as BaseCloth.solve() has it; world_from_object: (3, 3). covers: the smooth surface of
+        the cloth stays off the body as well, for what lies on it knows none. Raises ValueError."""
+        frame = self.cloth.solve(positions, settings, paint, _inverse(world_from_object), body, before)
+        collider = self.cloth.collider(body)
+        if covers and collider is not None:
+            self._lift(frame, settings, collider, body)
+        return frame
+
+    def _lift(self, frame: ClothFrame, settings: ClothSettings, collider: Any, body: Body) -> None:
+        """Out of the body, where the smooth surface cuts through it between the vertices."""
+        native_ = native.load()
+        if self._cover is None:
+            self._cover = native_.build_cloth_cover(self.cloth.surface)
+        lifts = native_.cover_bodies(self.cloth.surface, self._cover, collider, body.positions, frame.positions,
+                                     frame.body_hint, self.cloth.thickness(settings),
+                                     HIDDEN * self.cloth.size_factor / self.cloth.unit_scale)
+        frame.positions = frame.positions + lifts
+        frame.gap = frame.gap + np.linalg.norm(lifts, axis=1)
 
 
 def _inverse(world_from_object: np.ndarray | None) -> np.ndarray:

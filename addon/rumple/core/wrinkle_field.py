@@ -99,7 +99,7 @@ class WrinkleField(Wrinkles):
               moment: Moment) -> Picture:
         shown = native.load().show_wrinkle_field(self.model, self._native_settings(settings),
                                                  native_profile(settings.profile, self._drawn), self._paint, positions,
-                                                 state)
+                                                 state, None if moment.cloth is None else moment.cloth.gap)
         own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
         nothing = np.zeros((len(self.corner_vertex), 3), np.float32)
         corners = {PHASE: shown.corner_phase, WEIGHT: shown.corner_weight,
@@ -111,7 +111,7 @@ class WrinkleField(Wrinkles):
 
     def _native_settings(self, settings: FieldSettings) -> Any:
         options = native.load().WrinkleFieldSettings()
-        for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed"):
+        for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed", "keep_length"):
             setattr(options, name, getattr(settings, name))
         options.aligned_start = settings.start == "ALIGNED"
         options.wavelength = settings.wavelength / self.unit_scale

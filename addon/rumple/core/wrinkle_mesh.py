@@ -155,6 +155,9 @@ class WrinkleMesh(Wrinkles):
             self._finest = self.model.finest_triangles
         return Body(state.solved, self._finest)
 
+    def _keeps_off_bodies(self) -> bool:
+        return self.layer_count > 0
+
     def _reads_world(self, settings: MeshSettings) -> bool:
         return settings.offset_space == "WORLD"
 
@@ -187,11 +190,12 @@ class WrinkleMesh(Wrinkles):
         cloth = moment.cloth
         if cloth is None:
             return {}
-        collider = self._base_cloth().collider(moment.body)
+        base_cloth = self._base_cloth().cloth
+        collider = base_cloth.collider(moment.body)
         if collider is None:
             return dict(gap=cloth.gap)
         return dict(gap=cloth.gap, collider=collider, body_positions=moment.body.positions, body_hint=cloth.body_hint,
-                    thickness=self._base_cloth().thickness(settings))
+                    thickness=base_cloth.thickness(settings))
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
         if self.layer_count:
