@@ -83,8 +83,8 @@ void bind_settings(py::module_& module) {
     settings.def(py::init<>())
         .def_readwrite("wavelength", &Settings::wavelength, "W in rest space, object units, > 0")
         .def_readwrite("strength", &Settings::strength, "factor on the amplitude of equation (2), >= 0")
-        .def_readwrite("keep_length", &Settings::keep_length,
-                       "geometry: waves are no longer than the cloth that is there")
+        .def_readwrite("keep_area", &Settings::keep_area,
+                       "geometry: no more cloth than there is at rest")
         .def_readwrite("rate", &Settings::rate, "epsilon / (2 pi^2) of equation (6), 0..1; stable below 1")
         .def_readwrite("rounds", &Settings::rounds, "of relaxation, from a given state, >= 0")
         .def_readwrite("start_rounds", &Settings::start_rounds, "from the canonical start, >= 0")
@@ -242,7 +242,7 @@ void bind_wrinkle_field(py::module_& module) {
         .def_property_readonly("height", numpy(&Waves::height), "(w,) h, object units")
         .def_property_readonly("fullness", numpy(&Waves::fullness), "(w,) h over W/4 before strength")
         .def_property_readonly("compression", numpy(&Waves::compression), "(w,) r")
-        .def_property_readonly("gather", numpy(&Waves::gather), "(w,) rest length over length along the wave")
+        .def_property_readonly("gather", numpy(&Waves::gather), "(w,) rest area over area")
         .def_property_readonly("direction", numpy(&Waves::direction), "(w, 2) k in the rest frame");
     py::class_<Picture, ShownFrame>(
         module, "WrinkleFieldPicture",

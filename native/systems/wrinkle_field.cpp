@@ -306,7 +306,11 @@ Waves crush(const Model& model, const Settings& settings, const Paint& paint, st
         const float w = wished.wavelength[v];
         waves.compression[v] = crushed.r;
         waves.direction[v] = crushed.k;
-        if (crushed.fullness > 0.0f) waves.gather[v] = glm::length(crushed.k_deformed);
+        if (crushed.fullness > 0.0f) {
+            const Vec2 q = wished.rest_wrinkle[v];  // the larger stretch, of M (E - q (x) q):
+            const float across = std::abs(glm::determinant(m)) * (1.0f - glm::dot(q, q)) / crushed.r;
+            waves.gather[v] = glm::length(crushed.k_deformed) / std::max(across, 1.0f);
+        }
         waves.fullness[v] = crushed.fullness * wished.mask[v];
         waves.height[v] = 0.25f * w * settings.strength * waves.fullness[v];  // equation (2)
         waves.wave_vector[v] = (formulas::kTwoPi / w) * (crushed.k_deformed.x * around->tangent +

@@ -44,7 +44,7 @@ double steepness(const Profile& profile, double ratio);
 struct Settings {
     float wavelength = 0.05f;   // W in rest space, object units, > 0
     float strength = 1.0f;      // factor on the amplitude of equation (2), >= 0
-    bool keep_length = true;    // kGeometry: waves are no longer than the cloth that is there; see keep_length()
+    bool keep_area = true;      // kGeometry: no more cloth than there is at rest; see keep_area()
     float rate = 0.5f;          // epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
     int rounds = 4;             // of relaxation, from the frame before, >= 0
     int start_rounds = 200;     // from the canonical start, >= 0
@@ -125,7 +125,8 @@ struct Waves {
     std::vector<float> height;       // h of equation (2) times strength and mask, object units
     std::vector<float> fullness;     // h over W/4 before strength: what neighbours are weighed by
     std::vector<float> compression;  // r
-    std::vector<float> gather;       // |k'|: rest length over length along the wave; 1 where there is none
+    std::vector<float> gather;       // rest area over area, of what is not longer across the wave than at rest:
+                                     // |k'| there; 1 where there is no wave
     std::vector<Vec2> direction;     // k, rest frame
 };
 
@@ -177,10 +178,10 @@ std::vector<Vec3> reference_stretches(const Model& model, const ReferenceState& 
 Waves crush(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             std::span<const Vec2> before, std::span<const Vec3> stretches = {});
 
-// Lowers the heights at which a wave would be longer over the compressed surface than the cloth is at rest:
-// with h |2 pi / W k'| = steepness(|k'|) it is as long. (Not in the paper: its triangle of W/4, h and r W/4
-// keeps the length of accordion pleats only.) Cost: O(vertices).
-void keep_length(const Profile& profile, Waves& waves);
+// Lowers the heights at which a wave would be more cloth over the compressed surface than there is at rest:
+// with h |2 pi / W k'| = steepness(gather) it is as much. (Not in the paper: its triangle of W/4, h and r W/4
+// keeps the length of accordion pleats only, and knows no stretch across.) Cost: O(vertices).
+void keep_area(const Profile& profile, Waves& waves);
 
 // The phases that a clip starts from: a hash of the seed and of the vertex's rest position.
 std::vector<float> random_phases(const Model& model, std::uint32_t seed);

@@ -188,7 +188,7 @@ Picture show(const Model& model, const Settings& settings, const Profile& profil
                         reference_stretches(model, state.reference, positions));
     Picture picture;
     if (model.output == Output::kGeometry) {
-        if (settings.keep_length) keep_length(profile, waves);
+        if (settings.keep_area) keep_area(profile, waves);
         displace(model, waves, profile, state.phase, gap, picture);
     } else {
         measure_stretch(model.base, model.stretch, waves.positions, model.shown.places, picture.stretch);

@@ -101,7 +101,7 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
             row.operator("object.rumple_unshade", text="", icon="X")
             column.prop(settings, "gpu_preview")
         else:
-            for name in ("source", "detail", "attachment", "keep_length"):
+            for name in ("source", "detail", "attachment", "keep_area"):
                 column.prop(settings, name)
         column.separator()
         for name in ("wavelength", "strength", "irregularity", "seed", "profile"):
