@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from meshes import compressed, rotated, tube
+from meshes import rotated, tube
 from rumple import native
 from rumple.core.body import Body
 from rumple.core.engine import Picture, Wrinkles
@@ -201,14 +201,6 @@ class OnCloth(unittest.TestCase):
 def fine_at_rest(case: OnCloth, settings: Any) -> np.ndarray:
     """What is shown of the rest pose without a base cloth."""
     return case.solve(case.build(settings), 1, settings, case.base.positions).positions
-
-
-class CompressedEvenly(OnCloth):
-    """The same laws where the tube is squeezed along its length only."""
-
-    def setUp(self) -> None:
-        super().setUp()
-        self.clip = {f: compressed(self.base.positions, 1.0 - 0.05 * min(f - 1, 9 - f)) for f in FRAMES}
 
 
 if __name__ == "__main__":

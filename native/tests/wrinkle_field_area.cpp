@@ -88,17 +88,19 @@ TEST(WrinkleFieldArea, AccordionPleatsKeepTheHeightOfThePaper) {
     }
 }
 
-// By hand: a strip squeezed to a share of its length, and its waves. Without the limit it has up to 9 % too much.
+// By hand: a strip squeezed to a share of its length, and its waves. Without the limit it has 3 % too much.
 TEST(WrinkleFieldArea, ASqueezedStripHasTheAreaOfRest) {
     Field field = strip(24);
     for (const float squeezed : {0.95f, 0.8f, 0.6f}) {
         const Pose3 pose = scaled(field.mesh, {squeezed, 1.0f, 1.0f});
         for (const Profile& profile : {sine(), pencil_pleats()}) {
             field.settings.keep_area = true;
-            EXPECT_NEAR(area_kept(field, pose, profile), 1.0, 0.012) << squeezed;
+            const double kept = area_kept(field, pose, profile);
+            EXPECT_LT(kept, 1.003) << squeezed;
+            EXPECT_GT(kept, 0.99) << squeezed;
         }
         field.settings.keep_area = false;
-        EXPECT_GT(area_kept(field, pose, sine()), 1.0 + 0.2 * (1.0 - squeezed)) << squeezed;
+        EXPECT_GT(area_kept(field, pose, sine()), 1.0 + 0.1 * std::min(1.0 - squeezed, 0.25)) << squeezed;
     }
 }
 

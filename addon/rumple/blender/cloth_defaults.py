@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..core import wrinkle_mesh
+from ..core import wrinkle_mesh, wrinkle_paths
 from . import mesh_io, properties, registry, structure
 
 # Their result is cloth already: its small compressions are the simulation's own.
@@ -18,19 +18,22 @@ def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> N
 
     lengths: names of those that nobody has set.
     """
-    settings, in_layers = properties.group_of(obj), obj.rumple.method == "MESH"
-    choices = ("base_cloth", "layers") if in_layers else ("base_cloth",)
+    settings, method = properties.group_of(obj), obj.rumple.method
+    choices = ("base_cloth", "layers") if method == "MESH" else ("base_cloth",)
     if any(settings.is_property_set(name) for name in choices) or not is_skinned(obj):
         return
     base = mesh_io.base_mesh(obj, "REST_POSE", "")
     if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
         return
-    values = wrinkle_mesh.cloth_defaults(base, structure.metres_per_unit(obj, scene),
-                                         np.array(obj.matrix_world.to_3x3(), np.float32))
-    by_wavelength = in_layers and settings.density != "LEVEL"  # the other systems choose theirs by the mesh
-    free = lengths & {"room", "thickness", *(["wavelength"] if by_wavelength else [])}
-    properties.apply_values(obj, scene, {name: value for name, value in values.items()
-                                         if name in free or name in (*choices, "up")})
+    metres = structure.metres_per_unit(obj, scene)
+    values = wrinkle_mesh.cloth_defaults(base, metres, np.array(obj.matrix_world.to_3x3(), np.float32))
+    taken = {*choices, "up", *(lengths & {"room", "thickness"})}
+    if method == "MESH" and settings.density != "LEVEL":  # the Wrinkle Field chooses its own by the mesh
+        taken |= lengths & {"wavelength"}
+    if method == "PATHS":
+        values |= wrinkle_paths.cloth_defaults(base, metres)
+        taken |= lengths & {"width"} | ({"threshold"} if not settings.is_property_set("threshold") else set())
+    properties.apply_values(obj, scene, {name: value for name, value in values.items() if name in taken})
 
 
 def is_skinned(obj: bpy.types.Object) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .. import native
+from .cloth import size_factor
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Moment, Picture, Refused, Sketch, \
     Wrinkles, checked_surface
 from .settings import PathsSettings
@@ -27,6 +28,16 @@ def fitting_width(base: BaseMesh, unit_scale: float) -> float:
     """Width of the tightest folds, in metres, that suits a mesh as it is; two significant digits."""
     edge = base.mean_edge() * unit_scale
     return float(f"{0.7 * edge:.2g}") if edge > 0.0 else PathsSettings.width
+
+
+CLOTH_WIDTH = 0.025  # metres, on a person: folds of a garment that are seen at arm's length
+CLOTH_THRESHOLD = 1.1  # a base cloth spreads what skinning crushes in one place: less compression is a fold
+
+
+def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
+    """Settings of a garment that becomes cloth, beside those of the base cloth. Two significant digits."""
+    width = max(fitting_width(base, unit_scale), CLOTH_WIDTH * size_factor(base.diagonal(), unit_scale))
+    return dict(threshold=CLOTH_THRESHOLD, width=float(f"{width:.2g}"))
 
 
 class WrinklePaths(Wrinkles):
