@@ -137,10 +137,13 @@ class OnCloth(unittest.TestCase):
         fine, settings = self.build(SHADED), on_cloth(SHADED)
         self.solve(fine, 1, settings, self.base.positions)
         cloth = fine.solved_over(1.0, self.base.positions)
-        waves = native.load().crush_wrinkle_field(fine.model, fine._native_settings(settings), fine._paint, cloth)
+        waves = native.load().shown_waves_wrinkle_field(
+            fine.model, fine._native_settings(settings), native.load().WrinkleFieldProfile("SINE"), fine._paint, cloth,
+            fine.wrinkles_of(1.0))
         amplitude = self.solve(fine, 1, settings, self.base.positions).attributes["rumple_amplitude"]
         np.testing.assert_allclose(amplitude, waves.height, atol=1e-9)
-        np.testing.assert_array_equal(waves.height > 0.0, waves.compression < 1.0)
+        self.assertGreater(float((waves.height > 0.0).mean()), 0.05)
+        self.assertFalse((waves.height[waves.compression >= 1.0] > 0.0).any())
 
     def test_rigid_motion_carries_everything_along(self) -> None:
         turn = np.ascontiguousarray(rotated(np.eye(3), 70.0) - rotated(np.zeros((1, 3)), 70.0), np.float32)

@@ -183,7 +183,7 @@ double steepness(const Profile& profile, double ratio) {
     return s;
 }
 
-void keep_area(const Profile& profile, Waves& waves) {
+void keep_length(const Profile& profile, Waves& waves) {
     for (size_t v = 0; v < waves.height.size(); ++v) {
         if (waves.height[v] <= 0.0f) continue;
         const double most =

@@ -179,16 +179,22 @@ Height evaluate(const Model& model, const Waves& waves, const Profile& profile, 
     return height_at(waves, profile, phase, corners, weights, point_at(corners, weights, waves.positions));
 }
 
-Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
-             std::span<const Vec3> positions, const State& state, std::span<const float> gap) {
-    const size_t vertices = model.base.positions_rest.size();
-    expect_count("state", state.phase.size(), vertices, "welded vertices");
-    if (!gap.empty()) expect_count("gap", gap.size(), model.base.display.vertex_count, "vertices");
+Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+                  std::span<const Vec3> positions, const State& state) {
+    expect_count("state", state.phase.size(), model.base.positions_rest.size(), "welded vertices");
     Waves waves = crush(model, settings, paint, positions, state.direction,
                         reference_stretches(model, state.reference, positions));
+    if (model.output == Output::kGeometry && settings.keep_length) keep_length(profile, waves);
+    if (settings.dissolve) dissolve(model, settings, state.phase, waves);
+    return waves;
+}
+
+Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+             std::span<const Vec3> positions, const State& state, std::span<const float> gap) {
+    if (!gap.empty()) expect_count("gap", gap.size(), model.base.display.vertex_count, "vertices");
+    const Waves waves = shown_waves(model, settings, profile, paint, positions, state);
     Picture picture;
     if (model.output == Output::kGeometry) {
-        if (settings.keep_area) keep_area(profile, waves);
         displace(model, waves, profile, state.phase, gap, picture);
     } else {
         measure_stretch(model.base, model.stretch, waves.positions, model.shown.places, picture.stretch);

@@ -101,10 +101,10 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
             row.operator("object.rumple_unshade", text="", icon="X")
             column.prop(settings, "gpu_preview")
         else:
-            for name in ("source", "detail", "attachment", "keep_area"):
+            for name in ("source", "detail", "attachment", "keep_length"):
                 column.prop(settings, name)
         column.separator()
-        for name in ("wavelength", "strength", "irregularity", "seed", "profile"):
+        for name in ("wavelength", "strength", "dissolve", "irregularity", "seed", "profile"):
             column.prop(settings, name)
         curve = field_curve.node(obj) if settings.profile == "CURVE" else None
         if curve is not None:

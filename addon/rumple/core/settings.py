@@ -218,8 +218,10 @@ class FieldSettings(AdaptiveRest, ClothSettings):
                                 "height with it", low=0.0001, high=10.0, unit="LENGTH")
     strength: float = setting(1.0, "Strength", "Height of the folds over the height that keeps the length of the cloth",
                               low=0.0, high=10.0, soft=2.0)
-    keep_area: bool = setting(True, "Keep Area", "As geometry, folds are no higher than the cloth there allows, "
-                              "whatever the strength: it has the area that it has at rest, not more")
+    keep_length: bool = setting(True, "Keep Length", "As geometry, folds are no higher than the cloth there allows, "
+                                "whatever the strength: across them it is as long as at rest, not longer")
+    dissolve: bool = setting(True, "Dissolve Forks", "Waves sink where they fork or run across one another, instead of "
+                             "breaking into scales")
     profile: str = setting("SINE", "Profile", "The shape of a fold", choices=PROFILES,
                            affects="MESH")
     irregularity: float = setting(0.0, "Irregularity", "0 is tidy cloth, 1 is disturbed like skin: direction and width "

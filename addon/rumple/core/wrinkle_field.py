@@ -111,7 +111,7 @@ class WrinkleField(Wrinkles):
 
     def _native_settings(self, settings: FieldSettings) -> Any:
         options = native.load().WrinkleFieldSettings()
-        for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed", "keep_area"):
+        for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed", "keep_length", "dissolve"):
             setattr(options, name, getattr(settings, name))
         options.aligned_start = settings.start == "ALIGNED"
         options.wavelength = settings.wavelength / self.unit_scale

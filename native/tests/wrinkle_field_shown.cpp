@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Waves as geometry have no more cloth than there is at rest, and go no farther inwards than they may.
+// What is shown of the waves: as geometry no longer than the cloth at rest, no farther inwards than they may go; and
+// where they disagree, nothing.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -53,7 +54,7 @@ double area_kept(const Field& field, const Pose3& pose, const Profile& profile) 
            area_of(field.model->shown.mesh, field.model->shown.positions_rest);
 }
 
-TEST(WrinkleFieldArea, TheLengthOfASineIsAnEllipticIntegral) {
+TEST(WrinkleFieldShown, TheLengthOfASineIsAnEllipticIntegral) {
     for (const double s : {0.0, 0.1, 1.0, 3.0}) {
         const double root = std::hypot(1.0, s);
         const double exact = 2.0 / std::numbers::pi * root * std::comp_ellint_2(s / root);
@@ -61,7 +62,7 @@ TEST(WrinkleFieldArea, TheLengthOfASineIsAnEllipticIntegral) {
     }
 }
 
-TEST(WrinkleFieldArea, SteepnessIsTheInverseOfTheLength) {
+TEST(WrinkleFieldShown, SteepnessIsTheInverseOfTheLength) {
     for (const Profile& profile : profiles()) {
         EXPECT_EQ(steepness(profile, 1.0), 0.0);
         EXPECT_EQ(steepness(profile, 0.7), 0.0);
@@ -73,14 +74,14 @@ TEST(WrinkleFieldArea, SteepnessIsTheInverseOfTheLength) {
 }
 
 // Equation (2) is what pleats ask for; the sine's is nine tenths of it.
-TEST(WrinkleFieldArea, AccordionPleatsKeepTheHeightOfThePaper) {
+TEST(WrinkleFieldShown, AccordionPleatsKeepTheHeightOfThePaper) {
     Field field = strip(4);
     const Pose3 pose = scaled(field.mesh, {0.6f, 1.0f, 1.0f});
     const Waves asked = field.crush(pose);
     for (const auto& [profile, least, most] :
          {std::tuple{accordion(), 0.9999f, 1.0f}, std::tuple{sine(), 0.85f, 0.96f}}) {
         Waves waves = asked;
-        keep_area(profile, waves);
+        keep_length(profile, waves);
         for (size_t v = 0; v < waves.height.size(); ++v) {
             EXPECT_GE(waves.height[v], least * asked.height[v]);
             EXPECT_LE(waves.height[v], most * asked.height[v] * (1.0f + 1e-6f));
@@ -89,55 +90,43 @@ TEST(WrinkleFieldArea, AccordionPleatsKeepTheHeightOfThePaper) {
 }
 
 // By hand: a strip squeezed to a share of its length, and its waves. Without the limit it has 3 % too much.
-TEST(WrinkleFieldArea, ASqueezedStripHasTheAreaOfRest) {
+TEST(WrinkleFieldShown, ASqueezedStripHasTheAreaOfRest) {
     Field field = strip(24);
     for (const float squeezed : {0.95f, 0.8f, 0.6f}) {
         const Pose3 pose = scaled(field.mesh, {squeezed, 1.0f, 1.0f});
         for (const Profile& profile : {sine(), pencil_pleats()}) {
-            field.settings.keep_area = true;
+            field.settings.keep_length = true;
             const double kept = area_kept(field, pose, profile);
             EXPECT_LT(kept, 1.003) << squeezed;
             EXPECT_GT(kept, 0.99) << squeezed;
         }
-        field.settings.keep_area = false;
+        field.settings.keep_length = false;
         EXPECT_GT(area_kept(field, pose, sine()), 1.0 + 0.1 * std::min(1.0 - squeezed, 0.25)) << squeezed;
     }
 }
 
-TEST(WrinkleFieldArea, WhateverStrengthAndPaintAskForTheLimitHolds) {
+TEST(WrinkleFieldShown, WhateverStrengthAndPaintAskForTheLimitHolds) {
     Field field = strip(24);
     const Pose3 pose = scaled(field.mesh, {0.8f, 1.0f, 1.0f});
     field.settings.strength = 3.0f;
     field.paint.mask.assign(field.mesh.positions.size(), 2.0f);
     EXPECT_NEAR(area_kept(field, pose, sine()), 1.0, 0.012);
-    field.settings.keep_area = false;
+    field.settings.keep_length = false;
     EXPECT_GT(area_kept(field, pose, sine()), 2.0);
-    field.settings.keep_area = true;
+    field.settings.keep_length = true;
     field.settings.strength = 0.05f;  // and what asks for less gets less
     field.paint.mask.clear();
     EXPECT_LT(area_kept(field, pose, sine()), 0.81);
 }
 
-// Squeezed one way and stretched the other by as much, there is no cloth left over.
-TEST(WrinkleFieldArea, WhatIsSpentOnStretchIsNotFolded) {
-    const Field field = strip(8);
-    Waves waves = field.crush(scaled(field.mesh, {0.8f, 1.25f, 1.0f}));
-    keep_area(sine(), waves);
-    for (const float height : waves.height) EXPECT_LT(height, 1e-3f * field.settings.wavelength);
-    waves = field.crush(scaled(field.mesh, {0.8f, 1.1f, 1.0f}));
-    for (const float gather : waves.gather) EXPECT_NEAR(gather, 1.0f / 0.88f, 1e-5f);
-    waves = field.crush(scaled(field.mesh, {0.8f, 0.9f, 1.0f}));  // folds run one way: the other stays short
-    for (const float gather : waves.gather) EXPECT_NEAR(gather, 1.0f / 0.8f, 1e-5f);
-}
-
-TEST(WrinkleFieldArea, APaintedRestWrinkleIsClothThatThePainterAdded) {
+TEST(WrinkleFieldShown, APaintedRestWrinkleIsClothThatThePainterAdded) {
     Field field = strip(8);
     field.paint.rest_wrinkle.assign(field.mesh.positions.size(), Vec3(0.5f, 0.0f, 0.0f));
     const Waves waves = field.crush(field.mesh.positions);
     for (const float gather : waves.gather) EXPECT_NEAR(gather, 1.0f / 0.75f, 1e-5f);
 }
 
-TEST(WrinkleFieldArea, WavesGoNoFartherInwardsThanTheirGap) {
+TEST(WrinkleFieldShown, WavesGoNoFartherInwardsThanTheirGap) {
     Field field = strip(12);
     const Pose3 pose = scaled(field.mesh, {0.7f, 1.0f, 1.0f});
     const State state = field.solve(pose);
@@ -154,6 +143,78 @@ TEST(WrinkleFieldArea, WavesGoNoFartherInwardsThanTheirGap) {
     EXPECT_GT(lifted, 100);
     gap.pop_back();
     expect_refused([&] { wrinkle_field::show(*field.model, {}, sine(), {}, pose, state, gap); }, {"gap"});
+}
+
+// A grid that is squeezed along x, all waves in step.
+struct InStep {
+    Field field = Field(grid(12, 12, 1.0f / 12.0f));
+    Pose3 pose;
+    State state;
+
+    InStep() {
+        field.settings.wavelength = 0.25f;
+        pose = scaled(field.mesh, {0.7f, 1.0f, 1.0f});
+        state = field.solve(pose);
+    }
+    std::vector<float> kept() const {
+        const Waves asked = field.crush(pose, state.direction), left = field.shown_waves(pose, state);
+        std::vector<float> out;
+        for (size_t v = 0; v < asked.height.size(); ++v) out.push_back(left.height[v] / asked.height[v]);
+        return out;
+    }
+};
+
+TEST(WrinkleFieldShown, WavesThatRunSideBySideKeepTheirHeight) {
+    for (const float kept : InStep().kept()) EXPECT_EQ(kept, 1.0f);
+}
+
+// By hand: a vertex of a grid has eight or four neighbours; half a turn off all of them, it agrees with itself only.
+TEST(WrinkleFieldShown, AWaveInOppositePhaseVanishesAndThoseAroundItHardlySink) {
+    InStep cloth;
+    const size_t middle = 6 + 6 * 13;
+    cloth.state.phase[middle] = formulas::wrapped(cloth.state.phase[middle] + 0.5f * formulas::kTwoPi);
+    const std::vector<float> kept = cloth.kept();
+    EXPECT_EQ(kept[middle], 0.0f);
+    int sunk = 0;
+    for (size_t v = 0; v < kept.size(); ++v) {
+        sunk += kept[v] < 1.0f;
+        if (v == middle) continue;
+        EXPECT_GT(kept[v], 0.5f);
+    }
+    EXPECT_LT(sunk, 10);
+    cloth.field.settings.dissolve = false;
+    for (const float share : cloth.kept()) EXPECT_EQ(share, 1.0f);
+}
+
+// Round a fork the phase misses a whole turn: the heights fall to nothing towards it, from all sides.
+TEST(WrinkleFieldShown, AForkDissolves) {
+    InStep cloth;
+    for (size_t v = 0; v < cloth.state.phase.size(); ++v) {
+        const Vec3 way = cloth.field.mesh.positions[v] - Vec3(0.54f, 0.54f, 0.0f);
+        cloth.state.phase[v] = formulas::wrapped(cloth.state.phase[v] + std::atan2(way.y, way.x));
+    }
+    const std::vector<float> kept = cloth.kept();
+    for (size_t v = 0; v < kept.size(); ++v) {
+        const float away = glm::distance(cloth.field.mesh.positions[v], Vec3(0.54f, 0.54f, 0.0f));
+        if (away < 0.07f) {
+            EXPECT_LT(kept[v], 0.75f) << away;
+        } else if (away > 0.25f) {
+            EXPECT_GT(kept[v], 0.95f) << away;
+        }
+    }
+}
+
+TEST(WrinkleFieldShown, WavesAcrossOneAnotherHaveNothingInCommon) {
+    const Vec3 along(30.0f, 0.0f, 0.0f), across(0.0f, 30.0f, 0.0f);
+    const formulas::Link link = formulas::link_waves(along, across, {0.0f, 0.01f, 0.0f});
+    EXPECT_EQ(formulas::agreement(along, across, link, 0.3f, 0.2f), 0.0f);
+    EXPECT_EQ(formulas::agreement(along, Vec3(0.0f), link, 0.3f, 0.2f), 0.0f);
+    const formulas::Link same = formulas::link_waves(along, along, Vec3(0.0f));
+    EXPECT_NEAR(formulas::agreement(along, along, same, 0.3f, 0.3f), 1.0f, 1e-6f);
+    EXPECT_NEAR(formulas::agreement(along, along, same, 0.3f, 0.3f + 0.5f * formulas::kTwoPi), -1.0f, 1e-5f);
+    EXPECT_EQ(formulas::kept_at_fork(0.2f), 0.0f);
+    EXPECT_EQ(formulas::kept_at_fork(0.7f), 1.0f);
+    EXPECT_NEAR(formulas::kept_at_fork(0.45f), 0.5f, 1e-6f);
 }
 
 }  // namespace
