@@ -170,7 +170,7 @@ class Wrinkles:
         """
         try:
             return self._solve_frame(frame, positions, settings, paint, start, world_from_object, frame_rate,
-                                     following if settings.adapts else None, sketched, body)
+                                     following if settings.sees_ahead else None, sketched, body)
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
 
@@ -181,8 +181,7 @@ class Wrinkles:
         world = (self._reads_world(settings) or settings.base_cloth != "OFF") and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
         labels = self._seen(frame, positions)
-        unknown = following is None or labels is not None or settings.base_cloth != "OFF"
-        coming = (0.0, None) if unknown else (following[0] / frame_rate, following[1])
+        coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
         moment = Moment(frame, frame / frame_rate, matrix, labels, *coming, body, positions)
         digest = _digest(chosen, positions, matrix, labels, moment.next_positions, *(body.arrays() if body else ()))
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
@@ -284,7 +283,7 @@ class Wrinkles:
         """
         self.history.clear()
         self._clip, self.strayed = {}, set()
-        if not clip or not settings.adapts or settings.base_cloth != "OFF":
+        if not clip or not settings.sees_ahead:
             return
         times = np.array([frame / frame_rate for frame in clip], np.float64)
         try:

@@ -76,6 +76,12 @@ class AdaptiveRest:
         """Whether what is measured against changes with time. Frames on their own have no time: rest pose."""
         return self.rest_shape == "ADAPTIVE" and not self.stateless
 
+    @property
+    def sees_ahead(self) -> bool:
+        """Whether a bake may look at the whole clip first. What a base cloth will be is not known before it is
+        solved."""
+        return self.adapts and self.base_cloth == "OFF"
+
     def fill_reference(self, options: Any) -> None:
         """Set what native settings have of it."""
         for name in ("window", "relaxation", "growth"):
