@@ -4,22 +4,33 @@
 #include <string>
 
 #include "base/expect.h"
+#include "base/smooth_step.h"
 
 namespace rumple::wrinkle_mesh {
 namespace {
 
 // The length that a pair is asked to keep in this pose. The paper asks for s l0
-// always; we give in to a part of the stretch of the base, and make no more
-// cloth from a collapsed base than compression_limit allows.
+// always; we give in to a part of the stretch of the base and to a small compression, and make no more cloth
+// from a collapsed base than compression_limit allows.
 float target_length(const Settings& settings, float prestretch_paint, float rest, float at_attachments) {
     const float s = 1.0f + (settings.prestretch - 1.0f) * prestretch_paint;
     float target = s * rest;
     target += settings.stretch_relief * std::max(at_attachments - target, 0.0f);
+    target -= std::clamp(target - at_attachments, 0.0f, settings.buckling_threshold * target);
     return std::min(target, settings.compression_limit * at_attachments);
 }
 
 // A body is looked for within so many fine edges around a vertex.
 constexpr float kBodyReach = 2.0f;
+
+// How far a vertex may go inwards over a body; `unknown` where the body says nothing. A border of the body
+// stays below the cloth between its vertices: within an edge of it, as over skin; farther away at 45 degrees.
+float gap_above(const BodyContact& body, float thickness, float edge, float unknown) {
+    const float above = body.distance - thickness;
+    if (!body.border) return glm::mix(unknown, above, body.weight);
+    const float cone = std::min(above + std::max(body.beside - edge, 0.0f), unknown);
+    return glm::mix(unknown, cone, smooth_step(-edge, -0.5f * edge, body.distance));
+}
 
 // How far every vertex may go inwards. Attachments inside a body are put out of it first.
 void keep_outside(const Model& model, const Input& input, Pose& pose) {
@@ -51,7 +62,7 @@ void keep_outside(const Model& model, const Input& input, Pose& pose) {
         if (hint != kNone) {
             const float reach = kBodyReach * model.local_edge[v] + input.thickness;
             const BodyContact body = input.bodies->closest(pose.attachment[v], pose.normal[v], reach, hint);
-            if (body.triangle != kNone) gap = glm::mix(gap, body.distance - input.thickness, body.weight);
+            if (body.triangle != kNone) gap = gap_above(body, input.thickness, model.local_edge[v], gap);
             pose.body[v] = body.triangle;
         }
         if (gap < 0.0f) pose.attachment[v] -= gap * pose.normal[v];
