@@ -85,8 +85,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("strength", &Settings::strength, "factor on the amplitude of equation (2), >= 0")
         .def_readwrite("keep_length", &Settings::keep_length,
                        "geometry: waves no longer than the cloth at rest")
-        .def_readwrite("dissolve", &Settings::dissolve,
-                       "waves that disagree with their neighbours are lower")
+        .def_readwrite("dissolve", &Settings::dissolve, "waves that disagree with their neighbours are lower")
         .def_readwrite("rate", &Settings::rate, "epsilon / (2 pi^2) of equation (6), 0..1; stable below 1")
         .def_readwrite("rounds", &Settings::rounds, "of relaxation, from a given state, >= 0")
         .def_readwrite("start_rounds", &Settings::start_rounds, "from the canonical start, >= 0")
@@ -377,9 +376,7 @@ void bind_wrinkle_field(py::module_& module) {
         "shown_waves_wrinkle_field",
         [](const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
            const py::array& positions, const State& state) {
-            const auto deformed = vectors(positions, "positions");
-            const py::gil_scoped_release release;
-            return shown_waves(model, settings, profile, paint, deformed, state);
+            return shown_waves(model, settings, profile, paint, vectors(positions, "positions"), state);
         },
         py::arg("model"), py::arg("settings"), py::arg("profile"), py::arg("paint"), py::arg("positions"),
         py::arg("state"), "The waves that show_wrinkle_field draws.");
@@ -394,7 +391,8 @@ void bind_wrinkle_field(py::module_& module) {
         },
         py::arg("model"), py::arg("settings"), py::arg("profile"), py::arg("paint"), py::arg("positions"),
         py::arg("state"), py::arg("gap") = py::none(),
-        "The shown mesh for a frame and its state, and the waves for shaders. gap: (n,) float32, how far the\n"
+        "The shown mesh for a frame and its state, and the waves for shaders. gap: (n,) float32, how far "
+        "the\n"
         "waves of a fine mesh may go inwards, object units; None: as far as outwards.");
 }
 

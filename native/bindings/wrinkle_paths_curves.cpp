@@ -39,7 +39,8 @@ void bind_wrinkle_paths_curves(py::module_& module) {
         py::arg("animated") = py::none(),
         "The paths as curves along the crests, which ride on any pose of the base. positions: (n, 3) "
         "float32,\n"
-        "deformed base, object space. animated: the same of what they are to ride on, where that is not what\n"
+        "deformed base, object space. animated: the same of what they are to ride on, where that is not "
+        "what\n"
         "was solved over.");
     module.def(
         "wrinkle_path_ellipses",

@@ -183,8 +183,8 @@ Waves crush(const Model& model, const Settings& settings, const Paint& paint, st
 // keeps the length of accordion pleats only.) Cost: O(vertices).
 void keep_length(const Profile& profile, Waves& waves);
 
-// Lowers waves whose phases or directions disagree with those around them (kept_at_fork()), down to nothing at a
-// fork. Not in the paper, whose equation (5) is the real part of a complex amplitude interpolated over a
+// Lowers waves whose phases or directions disagree with those around them (kept_at_fork()), down to nothing
+// at a fork. Not in the paper, whose equation (5) is the real part of a complex amplitude interpolated over a
 // triangle, so that waves in opposite phase cancel: here they do so over the whole ring around a vertex.
 // Cost: O(edges).
 void dissolve(const Model& model, const Settings& settings, std::span<const float> phase, Waves& waves);
@@ -214,8 +214,8 @@ float misfit(const Model& model, const Waves& waves, std::span<const float> phas
 State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             const State* state, Report& report, const Moment& moment = {});
 
-// The waves that show() draws: crush(), dissolve() and, as geometry, keep_length(), as far as settings ask for them.
-// Throws as show() does.
+// The waves that show() draws: crush(), dissolve() and, as geometry, keep_length(), as far as settings ask
+// for them. Throws as show() does.
 Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
                   std::span<const Vec3> positions, const State& state);
 

@@ -166,8 +166,8 @@ double wave_length(const Profile& profile, double s) {
 
 double steepness(const Profile& profile, double ratio) {
     if (!(ratio > 1.0)) return 0.0;
-    // Newton on a convex function that rises: from the right it falls to the root. The accordion's s is right of
-    // any profile's of the same range, whose chords are the shortest.
+    // Newton on a convex function that rises: from the right it falls to the root. The accordion's s is right
+    // of any profile's of the same range, whose chords are the shortest.
     double s = 0.5 * std::numbers::pi * std::sqrt(ratio * ratio - 1.0);
     for (int step = 0; step < kNewtonSteps; ++step) {
         double slope = 0.0;
@@ -186,8 +186,7 @@ double steepness(const Profile& profile, double ratio) {
 void keep_length(const Profile& profile, Waves& waves) {
     for (size_t v = 0; v < waves.height.size(); ++v) {
         if (waves.height[v] <= 0.0f) continue;
-        const double most =
-            steepness(profile, waves.gather[v]) / double(glm::length(waves.wave_vector[v]));
+        const double most = steepness(profile, waves.gather[v]) / double(glm::length(waves.wave_vector[v]));
         waves.height[v] = static_cast<float>(std::min(double(waves.height[v]), most));
     }
 }

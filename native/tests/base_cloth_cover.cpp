@@ -13,7 +13,8 @@ namespace {
 
 constexpr float kBall = 0.1f;
 
-// Few, large faces around a ball, with their vertices just outside of it: its smooth surface cuts deep into it.
+// Few, large faces around a ball, with their vertices just outside of it: its smooth surface cuts deep into
+// it.
 struct Wrapped {
     Surface surface = tests::build(cage());
     CoverModel cover = build_cover(surface);

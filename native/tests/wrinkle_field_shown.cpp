@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is shown of the waves: as geometry no longer than the cloth at rest, no farther inwards than they may go; and
-// where they disagree, nothing.
+// What is shown of the waves: as geometry no longer than the cloth at rest, no farther inwards than they may
+// go; and where they disagree, nothing.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -168,7 +168,8 @@ TEST(WrinkleFieldShown, WavesThatRunSideBySideKeepTheirHeight) {
     for (const float kept : InStep().kept()) EXPECT_EQ(kept, 1.0f);
 }
 
-// By hand: a vertex of a grid has eight or four neighbours; half a turn off all of them, it agrees with itself only.
+// By hand: a vertex of a grid has eight or four neighbours; half a turn off all of them, it agrees with
+// itself only.
 TEST(WrinkleFieldShown, AWaveInOppositePhaseVanishesAndThoseAroundItHardlySink) {
     InStep cloth;
     const size_t middle = 6 + 6 * 13;

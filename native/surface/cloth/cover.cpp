@@ -13,12 +13,13 @@ namespace {
 constexpr int kPasses = 2;
 
 // A body is looked for at this distance: one that is farther away than the thickness lifts nothing.
-float reach(const CoverSettings& settings) { return settings.depth + settings.thickness; }
+float reach(const CoverSettings& settings) {
+    return settings.depth + settings.thickness;
+}
 
 std::array<Index, 3> vertices_of(const Surface& surface, Index triangle) {
     std::array<Index, 3> out;
-    for (int k = 0; k < 3; ++k)
-        out[k] = surface.welded.corner_vertex[surface.triangles[triangle].corner[k]];
+    for (int k = 0; k < 3; ++k) out[k] = surface.welded.corner_vertex[surface.triangles[triangle].corner[k]];
     return out;
 }
 
@@ -44,8 +45,8 @@ CoverModel build_cover(const Surface& surface) {
 }
 
 std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
-                              const PosedCollider& bodies, std::span<const Vec3> positions,
-                              std::span<const Index> hints) {
+                             const PosedCollider& bodies, std::span<const Vec3> positions,
+                             std::span<const Index> hints) {
     expect_count("positions", positions.size(), surface.display.vertex_count, "vertices");
     expect_count("hints", hints.size(), surface.display.vertex_count, "values");
     const size_t vertices = surface.welded.vertex_count, samples = model.samples.places.size();

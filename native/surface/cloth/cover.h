@@ -21,13 +21,14 @@ struct CoverSettings {
     float depth = 0.02f;       // what is deeper inside a body stays there: it is hidden, object units, > 0
 };
 
-// How every vertex of the base, as the artist has it, has to move: outwards along its normal, object units. The vertices of a
-// triangle rise by what its deepest sample needs; twice, for the smooth surface rises less than its cage.
+// How every vertex of the base, as the artist has it, has to move: outwards along its normal, object units.
+// The vertices of a triangle rise by what its deepest sample needs; twice, for the smooth surface rises less
+// than its cage.
 //   positions: of the base's vertices as the artist has them. hints: a triangle of the bodies near each, or
 //   kNone: none is looked for there. Throws InvalidInput when they do not match the surface.
 // Cost: about 1 us a sample with a hint.
 std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
-                              const PosedCollider& bodies, std::span<const Vec3> positions,
-                              std::span<const Index> hints);
+                             const PosedCollider& bodies, std::span<const Vec3> positions,
+                             std::span<const Index> hints);
 
 }  // namespace rumple
