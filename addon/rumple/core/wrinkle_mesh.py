@@ -213,7 +213,8 @@ def native_settings(settings: MeshSettings) -> Any:
     """The native solver's settings: the fields of the same name."""
     options = native.load().WrinkleMeshSettings()
     for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "buckling_threshold",
-                 "compression_limit", "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge", "seed"):
+                 "compression_limit", "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge",
+                 "seed"):
         setattr(options, name, getattr(settings, name))
     settings.fill_reference(options)
     return options
