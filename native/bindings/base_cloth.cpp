@@ -5,6 +5,7 @@
 
 #include "bindings/arrays.h"
 #include "bindings/module.h"
+#include "surface/cloth/cover.h"
 #include "surface/cloth/pins.h"
 
 namespace rumple::bindings {
@@ -52,6 +53,38 @@ py::tuple solve_frame(const Model& model, const Settings& settings, const Paint&
     }
     return py::make_tuple(to_numpy(result.positions), to_numpy<float>(result.gap, 0),
                           to_numpy<Index>(result.body_hint, 0), std::move(result.state), result.report);
+}
+
+py::array_t<float> cover(const Surface& surface, const CoverModel& model, const Collider& collider,
+                         const py::array& body_positions, const py::array& positions, const py::array& hints,
+                         float thickness, float depth) {
+    const auto points = vectors(positions, "positions"), body = vectors(body_positions, "body_positions");
+    const auto near = scalars<Index>(hints, "hints", 0);
+    std::vector<Vec3> lifts(points.size());
+    {
+        const py::gil_scoped_release release;
+        const PosedCollider bodies(collider, body);
+        lifts = lifts_over(surface, model, {thickness, depth}, bodies, points, near);
+    }
+    return to_numpy(lifts);
+}
+
+void bind_cover(py::module_& module) {
+    py::class_<CoverModel, std::shared_ptr<CoverModel>>(module, "ClothCover", "Made by build_cloth_cover.");
+    module.def(
+        "build_cloth_cover",
+        [](const Surface& surface) {
+            const py::gil_scoped_release release;
+            return std::make_shared<CoverModel>(build_cover(surface));
+        },
+        py::arg("surface"), "The points of the smooth surface of a coarse mesh that are to stay off bodies.");
+    module.def(
+        "cover_bodies", &cover, py::arg("surface"), py::arg("cover"), py::arg("collider"),
+        py::arg("body_positions"), py::arg("positions"), py::arg("hints"), py::arg("thickness"),
+        py::arg("depth"),
+        "(n, 3) float32: how far every vertex has to move, outwards, for the smooth surface to stay off the\n"
+        "bodies. positions: (n, 3) float32 of the cloth, object space. hints: (n,) int32, a triangle of the\n"
+        "collider near it or -1. thickness, depth: object units; what is deeper inside stays there.");
 }
 
 void bind_settings(py::module_& module) {
@@ -112,6 +145,7 @@ void bind_base_cloth(py::module_& module) {
              "positions: (b, 3) float32, any pose. triangles: (t, 3) int32, counter-clockwise from outside.")
         .def_property_readonly("vertex_count", &Collider::vertex_count);
     bind_settings(module);
+    bind_cover(module);
     py::class_<Model, std::shared_ptr<Model>>(module, "BaseClothModel", "Made by build_base_cloth.");
     module.def(
         "build_base_cloth",

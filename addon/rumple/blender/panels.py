@@ -101,10 +101,10 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
             row.operator("object.rumple_unshade", text="", icon="X")
             column.prop(settings, "gpu_preview")
         else:
-            for name in ("source", "detail", "attachment"):
+            for name in ("source", "detail", "attachment", "keep_length"):
                 column.prop(settings, name)
         column.separator()
-        for name in ("wavelength", "strength", "irregularity", "seed", "profile"):
+        for name in ("wavelength", "strength", "dissolve", "irregularity", "seed", "profile"):
             column.prop(settings, name)
         curve = field_curve.node(obj) if settings.profile == "CURVE" else None
         if curve is not None:
@@ -199,7 +199,7 @@ class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
         column, obj = property_column(self.layout), context.object
         for name in ("bake_start", "bake_end", "bake_samples", "bake_folder"):
             column.prop(obj.rumple, name)
-        if properties.settings_of(obj, context.scene).adapts:
+        if properties.settings_of(obj, context.scene).sees_ahead:
             column.prop(obj.rumple, "bake_whole_clip")
         row = column.row(align=True)
         row.operator("object.rumple_bake", icon="RENDER_ANIMATION")

@@ -76,6 +76,12 @@ class AdaptiveRest:
         """Whether what is measured against changes with time. Frames on their own have no time: rest pose."""
         return self.rest_shape == "ADAPTIVE" and not self.stateless
 
+    @property
+    def sees_ahead(self) -> bool:
+        """Whether a bake may look at the whole clip first. What a base cloth will be is not known before it is
+        solved."""
+        return self.adapts and self.base_cloth == "OFF"
+
     def fill_reference(self, options: Any) -> None:
         """Set what native settings have of it."""
         for name in ("window", "relaxation", "growth"):
@@ -212,7 +218,7 @@ STARTS = (
 
 
 @dataclass
-class FieldSettings(AdaptiveRest):
+class FieldSettings(AdaptiveRest, ClothSettings):
     """Settings of one Wrinkle Field. Lengths are metres in world scale unless the unit says otherwise."""
 
     output: str = setting("SHADING", "Output", "What shows the waves", choices=OUTPUTS, affects="MESH")
@@ -221,6 +227,10 @@ class FieldSettings(AdaptiveRest):
                                 "height with it", low=0.0001, high=10.0, unit="LENGTH")
     strength: float = setting(1.0, "Strength", "Height of the folds over the height that keeps the length of the cloth",
                               low=0.0, high=10.0, soft=2.0)
+    keep_length: bool = setting(True, "Keep Length", "As geometry, folds are no higher than the cloth there allows, "
+                                "whatever the strength: across them it is as long as at rest, not longer")
+    dissolve: bool = setting(True, "Dissolve Forks", "Waves sink where they fork or run across one another, instead of "
+                             "breaking into scales")
     profile: str = setting("SINE", "Profile", "The shape of a fold", choices=PROFILES,
                            affects="MESH")
     irregularity: float = setting(0.0, "Irregularity", "0 is tidy cloth, 1 is disturbed like skin: direction and width "
@@ -279,7 +289,7 @@ PATH_PROFILES = (
 
 
 @dataclass
-class PathsSettings(AdaptiveRest):
+class PathsSettings(AdaptiveRest, ClothSettings):
     """Settings of the Wrinkle Paths. Lengths are metres in world scale unless the unit says otherwise."""
 
     # Where folds are (chapters 4 and 5 of the thesis)
