@@ -52,6 +52,8 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
     const size_t vertices = surface.welded.vertex_count, samples = model.samples.places.size();
     std::vector<Vec3> at(vertices), normals(vertices), points(samples);
     std::vector<Vec3> lifts(positions.size(), Vec3(0.0f));
+    // Of the pass before. Where nothing rose nothing is missing: the next pass leaves it out.
+    std::vector<float> before(vertices, 1.0f);
     weld_positions(surface, positions, at);
     for (int pass = 0; pass < kPasses; ++pass) {
         vertex_normals(surface, at, normals);
@@ -60,17 +62,19 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
         for (size_t s = 0; s < samples; ++s) {
             const SurfacePoint& place = model.samples.places[s];
             if (place.triangle == kNone) continue;
+            const std::array<Index, 3> corners = vertices_of(surface, place.triangle);
+            if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0.0f) continue;
             Index hint = kNone;
             for (const Index v : display_vertices(surface, place.triangle)) hint = std::max(hint, hints[v]);
             if (hint == kNone) continue;
             const float lift =
                 lift_of(settings, bodies, points[s], interpolate(surface, place, normals), hint);
-            const std::array<Index, 3> corners = vertices_of(surface, place.triangle);
             const float weights[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
             for (int k = 0; k < 3; ++k)
                 if (weights[k] > kLeastWeight) more[corners[k]] = std::max(more[corners[k]], lift);
         }
         for (size_t v = 0; v < vertices; ++v) at[v] += more[v] * normals[v];
+        before = more;
         for (size_t v = 0; v < lifts.size(); ++v)
             lifts[v] += more[surface.welded_of[v]] * normals[surface.welded_of[v]];
     }
