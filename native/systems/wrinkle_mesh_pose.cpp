@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/expect.h"
+#include "base/smooth_step.h"
 
 namespace rumple::wrinkle_mesh {
 namespace {
@@ -20,6 +21,15 @@ float target_length(const Settings& settings, float prestretch_paint, float rest
 
 // A body is looked for within so many fine edges around a vertex.
 constexpr float kBodyReach = 2.0f;
+
+// How far a vertex may go inwards over a body; `unknown` where the body says nothing. A border of the body
+// stays below the cloth between its vertices: within an edge of it, as over skin; farther away at 45 degrees.
+float gap_above(const BodyContact& body, float thickness, float edge, float unknown) {
+    const float above = body.distance - thickness;
+    if (!body.border) return glm::mix(unknown, above, body.weight);
+    const float cone = std::min(above + std::max(body.beside - edge, 0.0f), unknown);
+    return glm::mix(unknown, cone, smooth_step(-edge, -0.5f * edge, body.distance));
+}
 
 // How far every vertex may go inwards. Attachments inside a body are put out of it first.
 void keep_outside(const Model& model, const Input& input, Pose& pose) {
@@ -51,7 +61,7 @@ void keep_outside(const Model& model, const Input& input, Pose& pose) {
         if (hint != kNone) {
             const float reach = kBodyReach * model.local_edge[v] + input.thickness;
             const BodyContact body = input.bodies->closest(pose.attachment[v], pose.normal[v], reach, hint);
-            if (body.triangle != kNone) gap = glm::mix(gap, body.distance - input.thickness, body.weight);
+            if (body.triangle != kNone) gap = gap_above(body, input.thickness, model.local_edge[v], gap);
             pose.body[v] = body.triangle;
         }
         if (gap < 0.0f) pose.attachment[v] -= gap * pose.normal[v];

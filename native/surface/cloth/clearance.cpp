@@ -45,15 +45,17 @@ ClearanceModel build_clearance(const Surface& surface) {
     return model;
 }
 
-std::vector<float> clearance(const ClearanceModel& model, const ClearanceSettings& settings,
-                             std::span<const Vec3> surface_points, std::span<const Vec3> normals,
-                             const PosedCollider* bodies, std::vector<Index>& hints) {
+Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settings,
+                    std::span<const Vec3> surface_points, std::span<const Vec3> normals,
+                    const PosedCollider* bodies, std::vector<Index>& hints) {
     const size_t vertices = surface_points.size();
-    std::vector<float> out(vertices, settings.unknown);
+    Clearance clearance{std::vector<float>(vertices, settings.unknown)};
     if (!bodies) {
         hints.clear();
-        return out;
+        return clearance;
     }
+    std::vector<float>& out = clearance.inwards;
+    size_t found = 0;
     hints.resize(vertices, kNone);
     std::vector<Known> known(vertices);
     for (size_t v = 0; v < vertices; ++v) {
@@ -63,8 +65,10 @@ std::vector<float> clearance(const ClearanceModel& model, const ClearanceSetting
         // What is about to leave the reach counts less and less.
         const float near = 1.0f - smooth_step(0.7f, 1.0f, std::abs(contact.distance) / settings.reach);
         known[v] = {room_inwards(settings, contact.distance), contact.weight * near};
+        found += known[v].weight > 0.0f;
         out[v] = glm::mix(settings.unknown, known[v].value, known[v].weight);
     }
+    clearance.known = float(found) / float(std::max<size_t>(vertices, 1));
     // The smallest of sum_sides (c_i - c_j)^2 / l^2 + sum_i (c_i - unknown)^2 / spread^2 + what is known,
     // much more strongly.
     const float pull = 1.0f / (settings.spread * settings.spread);
@@ -82,7 +86,7 @@ std::vector<float> clearance(const ClearanceModel& model, const ClearanceSetting
             out[v] = (sum + weight * known[v].value) / (total + weight);
         }
     }
-    return out;
+    return clearance;
 }
 
 }  // namespace rumple

@@ -95,20 +95,19 @@ void project(const Pose& pose, const Plane& plane, size_t v, Vec3& p) {
 void describe(const Model& model, const Settings& settings, const Pose& pose, std::span<const Vec3> x,
               std::span<const Plane> planes, Result& out) {
     double sum = 0.0;
-    size_t touching = 0, taut = 0, known = 0;
+    size_t touching = 0, taut = 0;
     const size_t vertices = x.size();
     for (size_t v = 0; v < vertices; ++v) {
         const float way = glm::distance(x[v], pose.animated[v]);
         sum += way;
         out.report.offset_max = std::max(out.report.offset_max, way);
         touching += height_above(planes[v], x[v]) < kTouching * settings.room;
-        known += v < out.state.body_hint.size() && out.state.body_hint[v] != kNone;
     }
     for (const Model::Spring& spring : model.springs)
         taut += glm::distance(x[spring.a], x[spring.b]) > settings.slack * spring.rest;
     out.report.offset_mean = static_cast<float>(sum / double(std::max<size_t>(vertices, 1)));
     out.report.touching = float(touching) / float(std::max<size_t>(vertices, 1));
-    out.report.body_known = float(known) / float(std::max<size_t>(vertices, 1));
+    out.report.body_known = pose.body_known;
     out.report.taut = float(taut) / float(std::max<size_t>(model.springs.size(), 1));
 }
 
@@ -136,7 +135,9 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     }
     std::vector<Vec3> smooth(vertices);
     apply<Vec3>(model.limit, pose.animated, smooth);
-    pose.clearance = clearance(model.clearance, settings.clearance, smooth, pose.normal, bodies, body_hint);
+    Clearance found = clearance(model.clearance, settings.clearance, smooth, pose.normal, bodies, body_hint);
+    pose.clearance = std::move(found.inwards);
+    pose.body_known = found.known;
     for (size_t v = 0; v < vertices; ++v)
         pose.inner.push_back(pose.animated[v] - pose.clearance[v] * pose.normal[v]);
     enclose_triangles(model.surface, pose);

@@ -33,6 +33,7 @@ struct Pose {
     };
     std::vector<Ball> ball;  // around every triangle of the inner surface
     std::vector<float> clearance;
+    float body_known = 0.0f;    // share of the vertices that have a body under them
     std::vector<float> length;  // of every spring
     std::vector<float> follow;  // 1/s^2
     std::vector<float> room;

@@ -163,7 +163,6 @@ void PosedCollider::look_at(Index triangle, const Vec3& p, const Vec3& normal, B
     const Vec3 to = p - (w.x * positions_[t[0]] + w.y * positions_[t[1]] + w.z * positions_[t[2]]);
     const float squared = glm::dot(to, to);
     if (squared > best.squared || (squared == best.squared && triangle >= best.triangle)) return;
-    if (on_border(triangle, w)) return;
     best = {squared, triangle, w};
 }
 
@@ -192,10 +191,14 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
     const Vec3& w = best.weights;
     contact.triangle = best.triangle;
     contact.point = w.x * positions_[t[0]] + w.y * positions_[t[1]] + w.z * positions_[t[2]];
-    contact.normal = unit_or_zero(w.x * normals_[t[0]] + w.y * normals_[t[1]] + w.z * normals_[t[2]]);
+    contact.border = on_border(best.triangle, w);
+    contact.normal = contact.border
+                         ? normal
+                         : unit_or_zero(w.x * normals_[t[0]] + w.y * normals_[t[1]] + w.z * normals_[t[2]]);
     const Vec3 to = p - contact.point;
     const float length = std::sqrt(glm::dot(to, to));
     contact.distance = glm::dot(to, contact.normal);
+    contact.beside = glm::length(to - contact.distance * contact.normal);
     const float cosine = (std::abs(contact.distance) + kOnBody) / (length + kOnBody);
     contact.weight = std::clamp((cosine - kBeside) / (kAbove - kBeside), 0.0f, 1.0f);
     return contact;

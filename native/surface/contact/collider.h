@@ -44,9 +44,11 @@ class Collider {
 struct BodyContact {
     Index triangle = kNone;  // kNone: none within reach
     Vec3 point{0.0f};
-    Vec3 normal{0.0f};      // interpolated, unit
+    Vec3 normal{0.0f};      // interpolated, unit; on a border that of the cloth
     float distance = 0.0f;  // along the normal; negative inside
     float weight = 0.0f;    // 0..1: how far the body lies below the point, and not beside it
+    float beside = 0.0f;    // distance across the normal, object units
+    bool border = false;    // the body ends there
 };
 
 // A collider in the pose of one frame.
@@ -57,8 +59,9 @@ class PosedCollider {
     PosedCollider(const Collider& collider, std::span<const Vec3> positions);
 
     // The nearest point of the body that faces the same way as the cloth (normal: unit, of the cloth). Bodies
-    // are mostly deleted under clothes: the border of such a hole says nothing of what lay there, so it does
-    // not count. hint: a triangle that is likely near, or kNone; it does not change the result but for ties.
+    // are mostly deleted under clothes: on the border of such a hole the body has no side of its own, so the
+    // cloth's counts. hint: a triangle that is likely near, or kNone; it does not change the result but for
+    // ties.
     BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const;
 
   private:
