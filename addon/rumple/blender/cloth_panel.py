@@ -25,6 +25,8 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
         column.prop(settings, "base_cloth")
         if settings.base_cloth == "OFF":
             return
+        if settings.base_cloth == "SWING":
+            _draw_swing(column, settings)
         for name in ("slack", "gravity"):
             column.prop(settings, name)
         painted(column, obj, "room")
@@ -33,6 +35,15 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
         paint_button(row, obj, "follow")
         if mesh_io.MESH_GROUPS["follow"] not in obj.vertex_groups:
             column.prop(settings, "up")
+
+
+def _draw_swing(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    if settings.stateless:
+        column.label(text="Independent Frames have no time: the cloth hangs", icon="INFO")
+        return
+    for name in ("mass", "swing_damping", "substeps", "locomotion", "drag"):
+        column.prop(settings, name)
+    column.separator()
 
 
 class DATA_PT_rumple_body(Panel, bpy.types.Panel):

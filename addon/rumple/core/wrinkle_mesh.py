@@ -95,8 +95,8 @@ class OnCloth:
         return self.wrinkles.nbytes + (self.cloth.nbytes if self.cloth is not None else 0)
 
     def woken(self) -> "OnCloth":
-        """For a solve with other settings: nothing is held, the base cloth starts anew."""
-        return OnCloth(None, self.wrinkles.woken())
+        """For a solve with other settings: nothing is held."""
+        return OnCloth(self.cloth.woken() if self.cloth is not None else None, self.wrinkles.woken())
 
 
 @dataclass
@@ -249,7 +249,8 @@ class WrinkleMesh(Wrinkles):
     def _hang(self, settings: MeshSettings, positions: np.ndarray, before: ClothFrame | None,
               moment: Moment) -> ClothFrame:
         return self._base_cloth().solve(positions, settings, self._cloth_paint,
-                                        _inverse(moment.world_from_object), moment.body, before)
+                                        _inverse(moment.world_from_object), moment.body, before, moment.seconds,
+                                        moment.surroundings)
 
     def suggested_follow(self, settings: MeshSettings) -> np.ndarray:
         """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
