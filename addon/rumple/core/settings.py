@@ -87,8 +87,8 @@ BASE_CLOTHS = (
     ("OFF", "Off", "The animated mesh is the cloth: for simulated garments, skin and tight clothes"),
     ("HANG", "Hang", "The coarse mesh itself becomes cloth around its animation: it sags, pulls taut and rests on the "
      "body. No inertia, nothing to wait for"),
-    ("SWING", "Swing", "As Hang, with inertia and wind: it lags behind, sways and settles. Play it through from the first "
-     "frame, or bake"),
+    ("SWING", "Swing", "As Hang, with inertia and wind: it lags behind, sways and settles. Play it through from the "
+     "first frame, or bake"),
 )
 LAYERS = (
     ("ONE", "One", "One fine mesh with folds of one size, as in the paper"),
