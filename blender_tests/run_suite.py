@@ -225,6 +225,7 @@ def run_from_timer(suite):
     """One step for each turn of the event loop, with everything redrawn in between."""
     import bpy
     bpy.context.preferences.view.show_splash = False
+    bpy.context.preferences.system.viewport_aa = "OFF"      # a third of a redraw by the processor
     steps = suite.steps()
 
     def tick():

@@ -74,15 +74,48 @@ class FirstClick(Cloth):
         self.close(0, sleeve.ALONG - 1)
         self.stays()
 
-    def test_a_simulated_garment_stays(self) -> None:
-        self.obj.modifiers.new("Cloth", "CLOTH")
-        self.stays()
+    def gets_layers(self) -> None:
+        """As it is simulated, with folds that the noise of the simulation does not bear."""
+        self.assertEqual(self.click(), ("OFF", "CLOTH"))
+        self.assertAlmostEqual(self.obj.rumple.mesh.buckling_threshold, 0.01)
 
-    def test_a_simulation_in_absolute_shape_keys_stays(self) -> None:
+    def test_a_simulated_garment_gets_layers(self) -> None:
+        self.obj.modifiers.new("Cloth", "CLOTH")
+        self.gets_layers()
+
+    def test_a_simulation_in_absolute_shape_keys_gets_layers(self) -> None:
         self.obj.shape_key_add(name="Basis")
         self.obj.shape_key_add(name="Later")
         self.obj.data.shape_keys.use_relative = False
-        self.stays()
+        self.gets_layers()
+
+    @unittest.skipIf(bpy.app.version < (3, 6, 0), "there are no simulation nodes")
+    def test_simulation_nodes_in_a_group_get_layers(self) -> None:
+        self.add_nodes()
+        self.assertEqual(self.click(), ("HANG", "CLOTH"))
+        self.setUp()
+        inner, outer = self.add_nodes(), self.add_nodes()
+        start, end = (inner.nodes.new(f"GeometryNodeSimulation{way}") for way in ("Input", "Output"))
+        start.pair_with_output(end)
+        outer.nodes.new("GeometryNodeGroup").node_tree = inner
+        self.obj.modifiers.remove(self.obj.modifiers[inner.name])
+        self.gets_layers()
+
+    def add_nodes(self) -> bpy.types.NodeTree:
+        """A modifier with a group that changes nothing."""
+        group = bpy.data.node_groups.new("Nothing", "GeometryNodeTree")
+        for way in ("INPUT", "OUTPUT"):
+            group.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+        ends = [group.nodes.new(f"NodeGroup{way}") for way in ("Input", "Output")]
+        group.links.new(ends[0].outputs[0], ends[1].inputs[0])
+        self.obj.modifiers.new(group.name, "NODES").node_group = group
+        return group
+
+    def test_a_threshold_that_was_set_before_stays(self) -> None:
+        self.obj.modifiers.new("Cloth", "CLOTH")
+        self.obj.rumple.mesh.buckling_threshold = 0.2
+        self.click()
+        self.assertAlmostEqual(self.obj.rumple.mesh.buckling_threshold, 0.2)
 
     def test_without_an_armature_it_stays(self) -> None:
         self.obj.modifiers.clear()

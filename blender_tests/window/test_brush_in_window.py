@@ -35,7 +35,7 @@ class Painting(WindowCase):
         yield 0.2
         region = self.view.spaces.active.region_3d
         region.view_perspective, region.view_rotation = "ORTHO", (1.0, 0.0, 0.0, 0.0)
-        region.view_location, region.view_distance = at, 0.8
+        region.view_location, region.view_distance = at, 0.6
         settings = bpy.context.scene.rumple_brush
         settings.radius, settings.strength = 60, 1.0
         with self.area():

@@ -135,6 +135,8 @@ void bind_settings(py::module_& module) {
         .def_readwrite("inside", &Settings::inside, "depth of the collision floor in radii, 0..1")
         .def_readwrite("stretch_relief", &Settings::stretch_relief,
                        "share of the base's stretch given in to, 0..1")
+        .def_readwrite("buckling_threshold", &Settings::buckling_threshold,
+                       "compression of the base that bears no folds, share of the length, 0..1")
         .def_readwrite("compression_limit", &Settings::compression_limit,
                        "most rest length per length of the base, >= 1")
         .def_readwrite("hem_rings", &Settings::hem_rings, "rings over which r fades at open borders, >= 0")

@@ -242,6 +242,7 @@ void check(const Settings& settings) {
     expect_within("bending", settings.bending, 0.0, 1.0);
     expect_within("inside", settings.inside, 0.0, 1.0);
     expect_within("stretch_relief", settings.stretch_relief, 0.0, 1.0);
+    expect_within("buckling_threshold", settings.buckling_threshold, 0.0, 1.0);
     expect_within("compression_limit", settings.compression_limit, 1.0, 1e6);
     expect_within("hem_rings", settings.hem_rings, 0, 1e6);
     expect_within("iterations", settings.iterations, 0, 1e6);

@@ -27,8 +27,10 @@ struct Settings {
     float prestretch = 1.0f;  // s: rest length over measured length, > 0
     float bending = 0.7f;     // k_bending, 0..1
     Collision collision = Collision::kPlane;
-    float inside = 0.4f;             // depth of the collision plane below the surface, in radii, 0..1
-    float stretch_relief = 0.3f;     // share of the base's excess length that is given in to, 0..1
+    float inside = 0.4f;          // depth of the collision plane below the surface, in radii, 0..1
+    float stretch_relief = 0.3f;  // share of the base's excess length that is given in to, 0..1
+    float buckling_threshold =
+        0.0f;                        // compression of the base that bears no folds, share of the length, 0..1
     float compression_limit = 1.3f;  // rest length at most this times the base's length, >= 1
     int hem_rings = 3;               // rings over which r fades to 0 at boundaries; 0: no fade
     int iterations = 10;             // from a given state, >= 0

@@ -10,12 +10,13 @@ namespace rumple::wrinkle_mesh {
 namespace {
 
 // The length that a pair is asked to keep in this pose. The paper asks for s l0
-// always; we give in to a part of the stretch of the base, and make no more
-// cloth from a collapsed base than compression_limit allows.
+// always; we give in to a part of the stretch of the base and to a small compression, and make no more cloth
+// from a collapsed base than compression_limit allows.
 float target_length(const Settings& settings, float prestretch_paint, float rest, float at_attachments) {
     const float s = 1.0f + (settings.prestretch - 1.0f) * prestretch_paint;
     float target = s * rest;
     target += settings.stretch_relief * std::max(at_attachments - target, 0.0f);
+    target -= std::clamp(target - at_attachments, 0.0f, settings.buckling_threshold * target);
     return std::min(target, settings.compression_limit * at_attachments);
 }
 

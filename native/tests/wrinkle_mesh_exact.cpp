@@ -199,6 +199,24 @@ TEST_P(Equations, ThreeToFiveMoveBothEndsOfAPairByHalf) {
     expect_near(o[2], -0.5f * dp);
 }
 
+// As above, with p1 p2 turned to p2 = (0.28, 0.96): its length is 1.2, asked for is sqrt 2, and the base
+// gives in to the first tenth.
+TEST_P(Equations, TheFirstCompressionBearsNoFolds) {
+    MeshData mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.add_polygon({0, 1, 2});
+    const auto model = unrefined(mesh);
+    const std::vector<Vec3> pose = {{0, 0, 0}, {1, 0, 0}, {0.28f, 0.96f, 0}};
+    Settings settings = plain();
+    settings.buckling_threshold = 0.1f;
+    const Vec3 dp = Vec3(-0.6f, 0.8f, 0.0f) * (1.2f - 0.9f * std::sqrt(2.0f));
+    const std::vector<Vec3> o = offsets(*model, settings, pose);
+    expect_near(o[1], 0.5f * dp);
+    expect_near(o[2], -0.5f * dp);
+    settings.buckling_threshold = 0.16f;  // more than 1 - 1.2 / sqrt 2
+    for (const Vec3& offset : offsets(*model, settings, pose)) expect_near(offset, Vec3(0.0f));
+}
+
 // (7): both ends were moved by |dp| / 2 = 0.26, farther than r = 0.1, and are put on the sphere, in the same
 // direction.
 TEST_P(Equations, SevenPutsAVertexOnItsSphere) {

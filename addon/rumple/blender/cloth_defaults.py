@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the first click sets for a garment: that it becomes cloth, and where it is pinned."""
+"""What the first click sets for a garment that is skinned or simulated, and where it is pinned."""
 from __future__ import annotations
+
+from typing import Any
 
 import bpy
 import numpy as np
@@ -10,34 +12,55 @@ from . import mesh_io, properties, registry, structure
 
 # Their result is cloth already: its small compressions are the simulation's own.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
+SIMULATION_NODE = "GeometryNodeSimulationInput"  # the start of a simulation zone, from Blender 3.6 on
+CHOICES = ("base_cloth", "layers", "up", "buckling_threshold")  # what is no length
 STEPS = 20  # of the weights that a group starts from
 
 
 def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> None:
-    """Make a skinned garment cloth, unless it was ever said what its wrinkles lie on. What else was set stays.
+    """Make a skinned garment cloth, and give a simulated one layers, unless it was ever said what its wrinkles lie
+    on. What else was set stays.
 
     lengths: names of those that nobody has set.
     """
     settings = obj.rumple.mesh
-    if settings.is_property_set("base_cloth") or settings.is_property_set("layers") or not is_skinned(obj):
+    if settings.is_property_set("base_cloth") or settings.is_property_set("layers"):
         return
+    values = defaults(obj, scene)
+    free = lengths - ({"wavelength"} if settings.density == "LEVEL" else set())
+    properties.apply_values(obj, scene, {name: value for name, value in values.items() if name in free or (
+        name in CHOICES and not settings.is_property_set(name))})
+
+
+def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
+    """Settings by what moves the object; none for what is neither skinned nor simulated."""
+    if is_simulated(obj):
+        return wrinkle_mesh.SIMULATED_DEFAULTS
+    if not is_skinned(obj):
+        return {}
     base = mesh_io.base_mesh(obj, "REST_POSE", "")
     if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
-        return
-    values = wrinkle_mesh.cloth_defaults(base, structure.metres_per_unit(obj, scene),
-                                         np.array(obj.matrix_world.to_3x3(), np.float32))
-    free = lengths - ({"wavelength"} if settings.density == "LEVEL" else set())
-    properties.apply_values(obj, scene, {name: value for name, value in values.items()
-                                         if name in free or name in ("base_cloth", "layers", "up")})
+        return {}
+    return wrinkle_mesh.cloth_defaults(base, structure.metres_per_unit(obj, scene),
+                                       np.array(obj.matrix_world.to_3x3(), np.float32))
+
+
+def is_simulated(obj: bpy.types.Object) -> bool:
+    keys = obj.data.shape_keys
+    return (keys is not None and not keys.use_relative) or any(
+        m.type in SIMULATED or (m.type == "NODES" and simulates(m.node_group)) for m in obj.modifiers)
+
+
+def simulates(group: bpy.types.NodeTree | None) -> bool:
+    """Whether a simulation zone is in a node group, or in one that it uses."""
+    return group is not None and any(node.bl_idname == SIMULATION_NODE or simulates(getattr(node, "node_tree", None))
+                                     for node in group.nodes)
 
 
 def is_skinned(obj: bpy.types.Object) -> bool:
-    """Whether bones move it, and no simulation."""
-    kinds = {m.type for m in obj.modifiers}
-    keys = obj.data.shape_keys
-    simulated = bool(kinds & SIMULATED) or (keys is not None and not keys.use_relative)
-    return not simulated and ("ARMATURE" in kinds or (obj.parent is not None and obj.parent.type == "ARMATURE"
-                                                      and obj.parent_type == "ARMATURE"))
+    """Whether bones move it."""
+    return any(m.type == "ARMATURE" for m in obj.modifiers) or (
+        obj.parent is not None and obj.parent.type == "ARMATURE" and obj.parent_type == "ARMATURE")
 
 
 def fill_follow(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> None:

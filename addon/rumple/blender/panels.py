@@ -140,7 +140,7 @@ class DATA_PT_rumple_constraints(Panel, bpy.types.Panel):
         if settings.collision != "NONE":
             cloth_panel.painted(column, obj, "inside")
         column.separator()
-        for name in ("stretch_relief", "compression_limit", "hem_rings"):
+        for name in ("stretch_relief", "buckling_threshold", "compression_limit", "hem_rings"):
             column.prop(settings, name)
         if settings.radius > BOUND:
             lines = wrapped(f"Radius above {BOUND:g} fine edges: higher folds, but they may touch themselves")

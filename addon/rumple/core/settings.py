@@ -181,6 +181,9 @@ class MeshSettings(AdaptiveRest, ClothSettings):
     stretch_relief: float = setting(0.3, "Stretch Relief", "Share of the stretch of the mesh that the cloth gives in "
                                     "to. 0 pulls diagonal folds strongest, 1 never pulls", low=0.0, high=1.0,
                                     unit="FACTOR")
+    buckling_threshold: float = setting(0.0, "Buckling Threshold", "Compression of the mesh that bears no folds. A "
+                                        "simulated garment is a little compressed everywhere", low=0.0, high=1.0,
+                                        soft=0.1, unit="FACTOR")
     compression_limit: float = setting(1.3, "Fullness Limit", "The most cloth that folds are made from, per length "
                                        "of the compressed mesh. Tames collapsed knees and elbows", low=1.0, high=10.0)
     hem_rings: int = setting(3, "Hem Fade", "Rings of fine vertices at open borders over which folds fade out",

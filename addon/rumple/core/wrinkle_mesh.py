@@ -71,6 +71,10 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
                 thickness=float(f"{ClothSettings.thickness * scale:.2g}"))
 
 
+# Of a simulated garment: folds of several sizes, and none where the simulation is compressed by its own noise.
+SIMULATED_DEFAULTS = dict(layers="CLOTH", buckling_threshold=0.01)
+
+
 def upward_axis(world_from_object: np.ndarray) -> str:
     """The axis of an object that points up most, as the setting names it."""
     heights = np.asarray(world_from_object)[2]
@@ -280,7 +284,7 @@ def _inverse(world_from_object: np.ndarray | None) -> np.ndarray:
 def native_settings(settings: MeshSettings) -> Any:
     """The native solver's settings: the fields of the same name."""
     options = native.load().WrinkleMeshSettings()
-    for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "compression_limit",
+    for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "buckling_threshold", "compression_limit",
                  "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge", "seed"):
         setattr(options, name, getattr(settings, name))
     settings.fill_reference(options)
