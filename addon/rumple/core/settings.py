@@ -125,8 +125,8 @@ class ClothSettings:
     locomotion: float = setting(0.2, "Locomotion", "Share of the motion of the garment as a whole that its inertia "
                                 "feels. 1: as it is. 0: walks, turns and stops do not move the cloth on the body",
                                 low=0.0, high=1.0, unit="FACTOR")
-    drag: float = setting(1.0, "Drag", "How much wind and still air push the cloth. 1: a sheet across the wind", low=0.0,
-                          high=10.0, soft=3.0)
+    drag: float = setting(1.0, "Drag", "How much wind and still air push the cloth. 1: a sheet across the wind",
+                          low=0.0, high=10.0, soft=3.0)
 
     @property
     def swings(self) -> bool:

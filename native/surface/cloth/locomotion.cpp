@@ -11,7 +11,7 @@ constexpr int kTurns = 60;        // most iterations; a turn of 20 degrees takes
 constexpr double kTurned = 1e-9;  // radians: no more is left to turn
 
 // The rotation in a sum of outer products `to x from`: M. Mueller, J. Bender, N. Chentanez and M. Macklin, "A
-// Robust Method to Extract the Rotational Part of Deformations", MIG 2016, equation 9. Starts from no turn,
+// Robust Method to Extract the Rotational Part of Deformations", MIG 2016. Starts from no turn,
 // so that what the sum leaves open (cloth along a line) is not turned.
 glm::dquat rotation_of(const glm::dmat3& sum) {
     glm::dquat turn(1.0, 0.0, 0.0, 0.0);

@@ -111,7 +111,7 @@ std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<
     return out;
 }
 
-// Half of A |x - y|^2 / h^2, y = from + way (Gast 2015, equation 5), and what takes velocity, as functions
+// Half of A |x - y|^2 / h^2, y = from + way (Gast 2015), and what takes velocity, as functions
 // whose slope is the force at the end of the step: damping A d / (2 h) |(x - from) - (way of the
 // animation)|^2, air h / 2 u . D u, u = wind - (x - from) / h.
 Inertia inertia_of(const Model& model, const Swing& swing, const Pose& pose, const Motion& motion,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Swing: the base cloth with inertia. Implicit (backward) Euler (Baraff and Witkin 1998) as the least of an
-// energy (Gast et al. 2015, equation 5): every time step adds the square of the way off where inertia would
+// energy (Gast et al. 2015): every time step adds the square of the way off where inertia would
 // take the cloth to the energy of base_cloth.h. docs/base_cloth.md has the formulas.
 #pragma once
 
