@@ -114,6 +114,17 @@ class Swing(Cloth):
         played(self.obj, 7)
         self.assertGreater(speed(self.obj), 0.05)
 
+    def test_an_animated_setting_wakes_what_had_come_to_rest(self) -> None:
+        settings = self.obj.rumple.mesh
+        for frame, slack in ((1, 1.0), (58, 1.0), (59, 1.1)):
+            settings.slack = slack
+            self.obj.keyframe_insert("rumple.mesh.slack", frame=frame)
+        bpy.context.scene.frame_end = 60
+        shown = played(self.obj, 60)
+        np.testing.assert_array_equal(shown[57], shown[58])
+        self.assertEqual(registry.runtime(self.obj).fine.state_of(58.0).cloth.report.steps, 0)
+        self.assertGreater(registry.runtime(self.obj).fine.state_of(59.0).cloth.report.steps, 0)
+
     def test_the_motion_of_the_object_is_felt(self) -> None:
         """The armature carries the garment, and a child of it moves with it: no bone is posed."""
         def moved(locomotion: float) -> float:

@@ -183,6 +183,13 @@ void bind_base_cloth(py::module_& module) {
     py::class_<State>(module, "BaseClothState", "What lives from frame to frame.")
         .def_property_readonly("offset", [](const State& s) { return to_numpy(s.offset); })
         .def_property_readonly("clearance", [](const State& s) { return to_numpy<float>(s.clearance, 0); })
+        .def(
+            "woken",
+            [](State s) {
+                s.motion.fastest = Motion{}.fastest;
+                return s;
+            },
+            "A copy that is not held, for a solve with other settings. Of cloth that swings.")
         .def_property_readonly(
             "velocity", [](const State& s) { return to_numpy(s.motion.velocity); },
             "(w, 3) float32, object units / s; (0, 3) where it does not swing")

@@ -2,7 +2,7 @@
 """The base cloth for whoever has arrays: the coarse mesh becomes cloth around its animation. Never imports bpy."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -42,7 +42,7 @@ class ClothFrame:
 
     def woken(self) -> "ClothFrame | None":
         """For a solve with other settings: what hangs starts anew, what swings keeps its motion."""
-        return self if self.moment is not None else None
+        return replace(self, state=self.state.woken()) if self.moment is not None else None
 
 
 @dataclass
