@@ -190,5 +190,39 @@ class Trousers(Worn, unittest.TestCase):
     file, name, frames = "S2_squat_trousers", "trousers", range(30, 64)
 
 
+class Simulated(unittest.TestCase):
+    """A simulation is compressed by a percent everywhere: all of that showed as crumbs on the folds it had."""
+
+    frames = range(50, 61)
+
+    def crumbs(self, **settings: str | float) -> float:
+        """How far the folds of a point differ from those of its neighbours, mean of the last frame, metres."""
+        bpy.ops.wm.open_mainfile(filepath=str(DATA / "S3_skirt_sim.blend"))
+        self.garment = bpy.data.objects["skirt"]
+        bpy.context.view_layer.objects.active = self.garment
+        self.assertEqual(bpy.ops.object.rumple_add(method="MESH"), {"FINISHED"}, self.garment.rumple.message)
+        for name, value in settings.items():
+            setattr(self.garment.rumple.mesh, name, value)
+        for frame in self.frames:
+            bpy.context.scene.frame_set(frame)
+        entry = registry.runtime(self.garment)
+        self.assertEqual(entry.message, "")
+        a, b = sides(entry.fine.polygon_start, entry.fine.corner_vertex).T
+        offset, count = entry.picture.offset, np.zeros(entry.fine.vertex_count)
+        around = np.zeros(offset.shape)
+        for one, other in ((a, b), (b, a)):
+            np.add.at(around, one, offset[other])
+            np.add.at(count, one, 1.0)
+        return float(np.linalg.norm(offset - around / count[:, None], axis=1).mean())
+
+    def test_one_click_gives_folds_and_no_crumbs(self) -> None:
+        clicked = self.crumbs()
+        settings = self.garment.rumple.mesh
+        self.assertEqual((settings.base_cloth, settings.layers), ("OFF", "CLOTH"))
+        self.assertGreater(np.linalg.norm(registry.runtime(self.garment).picture.offset, axis=1).max(), 0.005)
+        self.assertLess(clicked, 0.9 * self.crumbs(buckling_threshold=0.0))
+        self.assertLess(clicked, 0.65 * self.crumbs(buckling_threshold=0.0, layers="ONE"))
+
+
 if __name__ == "__main__":
     unittest.main()
