@@ -20,6 +20,8 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
         column.prop(settings, "base_cloth")
         if settings.base_cloth == "OFF":
             return
+        if settings.base_cloth == "SWING":
+            _draw_swing(column, settings)
         for name in ("slack", "gravity"):
             column.prop(settings, name)
         painted(column, obj, "room")
@@ -41,12 +43,17 @@ def _draw_layers(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
             column.label(text="Layers need Subdivision and a rest shape that stays", icon="INFO")
 
 
+def _draw_swing(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    if settings.stateless:
+        column.label(text="Independent Frames have no time: the cloth hangs", icon="INFO")
+        return
+    for name in ("mass", "swing_damping", "substeps", "locomotion", "drag"):
+        column.prop(settings, name)
+    column.separator()
+
+
 class DATA_PT_rumple_body(Panel, bpy.types.Panel):
     bl_label = "Body"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return super().poll(context) and properties.group_of(context.object).base_cloth != "OFF"
 
     def draw(self, context: bpy.types.Context) -> None:
         column = property_column(self.layout)

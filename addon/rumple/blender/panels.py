@@ -234,8 +234,8 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in picture.milliseconds.items())
         lines.append((f"Milliseconds: {times}" + (" (stored frame)" if picture.replayed else ""), "TIME"))
         lines += [(line, "BLANK1") for line in fine.status(picture)]
-    late = bake_state.late_in_renders(obj)
-    return lines + [(note, "INFO") for note in (*entry.notes, *([late] if late else []))]
+    notes = [*entry.notes, bake_state.late_in_renders(obj), entry.unplayed]
+    return lines + [(note, "INFO") for note in notes if note]
 
 
 def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:

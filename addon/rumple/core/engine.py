@@ -19,6 +19,7 @@ from .cloth import ClothFrame
 from .frame_result import COMMON_ATTRIBUTES, Attribute, Picture, Sketch
 from .history import Entry, History
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
+from .surroundings import Surroundings
 
 MOST_VERTICES = 4_000_000
 
@@ -71,6 +72,7 @@ class Moment:
     body: Body | None = None  # what cloth stays outside of
     animated: np.ndarray | None = None  # (n, 3) what the shown mesh is embedded in
     cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
+    surroundings: Surroundings = Surroundings()  # where the system reads them
 
     def in_time(self) -> dict[str, Any]:
         """As native solves take it."""
@@ -160,30 +162,36 @@ class Wrinkles:
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
                     start: int, world_from_object: np.ndarray | None = None, frame_rate: float = 24.0,
                     following: tuple[float, np.ndarray] | None = None, sketched: bool = False,
-                    body: Body | None = None) -> Picture | Sketch:
+                    body: Body | None = None, surroundings: Surroundings = Surroundings()) -> Picture | Sketch:
         """The picture of a frame: replayed when it is stored for the same input, else solved and stored.
 
         positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
         start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. following: frame
         and positions of the next one, where they are known: a rest shape that adapts looks ahead. sketched: a Sketch is
-        enough. body: what cloth stays outside of in this frame. Raises Refused.
+        enough. body: what cloth stays outside of in this frame. surroundings: what cloth that swings meets. Raises
+        Refused.
         """
         try:
             return self._solve_frame(frame, positions, settings, paint, start, world_from_object, frame_rate,
-                                     following if settings.sees_ahead else None, sketched, body)
+                                     following if settings.sees_ahead else None, sketched, body, surroundings)
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None, frame_rate: float,
-                     following: tuple[float, np.ndarray] | None, sketched: bool, body: Body | None) -> Picture | Sketch:
-        chosen = self._take_inputs(frame, settings, paint, start, frame_rate if self._reads_time(settings) else 0.0)
+                     following: tuple[float, np.ndarray] | None, sketched: bool, body: Body | None,
+                     surroundings: Surroundings) -> Picture | Sketch:
+        swings = settings.swings
+        timed = swings or self._reads_time(settings)
+        chosen = self._take_inputs(frame, settings, paint, start, frame_rate if timed else 0.0)
         world = (self._reads_world(settings) or settings.base_cloth != "OFF") and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
         labels = self._seen(frame, positions)
         coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
-        moment = Moment(frame, frame / frame_rate, matrix, labels, *coming, body, positions)
-        digest = _digest(chosen, positions, matrix, labels, moment.next_positions, *(body.arrays() if body else ()))
+        moment = Moment(frame, frame / frame_rate, matrix, labels, *coming, body, positions,
+                        surroundings=surroundings if swings else Surroundings())
+        digest = _digest(chosen, positions, matrix, labels, moment.next_positions, *(body.arrays() if body else ()),
+                         *([surroundings.array()] if swings else ()))
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
         entry = self.history.get(frame)
@@ -201,6 +209,7 @@ class Wrinkles:
                                                              system_state(entry.state), moment)
         picture.report, picture.replayed = entry.report, replayed
         picture.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
+        picture.unplayed = swings and not entry.final
         return picture
 
     def state_of(self, frame: float) -> Any:
@@ -221,12 +230,16 @@ class Wrinkles:
     # --- the base cloth
     def _solve_over(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
                     moment: Moment) -> tuple[Any, Any]:
-        """The base cloth, where it is on, then the system over it. Everything as _solve() has it."""
+        """The base cloth, or what keeps the animated mesh out of a body, then the system over it. Everything as _solve()
+        has it."""
         own = system_state(before)
-        if settings.base_cloth == "OFF":
+        if settings.base_cloth == "OFF" and moment.body is None:
             return self._solve(settings, positions, own, same_settings, moment)
+        cloth = cloth_of(before)
+        if cloth is not None and not same_settings:
+            cloth = cloth.woken()
         cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, moment.world_from_object, moment.body,
-                                         cloth_of(before) if same_settings else None, not self._keeps_off_bodies())
+                                         cloth, not self._keeps_off_bodies(), moment.seconds, moment.surroundings)
         state, report = self._solve(settings, cloth.positions, own, same_settings, replace(moment, cloth=cloth))
         return OnCloth(cloth, state), OnClothReport(cloth.report, report, moment.body is not None)
 
@@ -329,6 +342,11 @@ class Wrinkles:
     def _status(self, report: Any) -> list[str]:
         """Of what the system reports."""
         raise NotImplementedError
+
+    def unplayed(self, frame: float, start: int) -> str:
+        """What to say of a picture that is `unplayed`."""
+        return (f"{self.name}: frame {frame:g} was reached by a jump, so its cloth hangs and does not swing: play from "
+                f"frame {start}, or bake")
 
     def worn_surface(self, frame: float) -> Body | None:
         """What another garment lies on in a stored frame, object space; None: on the animated coarse mesh."""

@@ -12,6 +12,7 @@ from .. import native
 from .body import Body
 from .cloth import BaseCloth, ClothFrame
 from .settings import ClothSettings
+from .surroundings import Surroundings
 
 PAINTED = ("follow", "room")  # what is painted for the base cloth itself
 HIDDEN = 0.02  # metres, on a person: what is deeper inside a body is hidden there on purpose
@@ -73,11 +74,12 @@ class Stage:
         self._cover: Any = None
 
     def solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
-              world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None,
-              covers: bool) -> ClothFrame:
+              world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None, covers: bool,
+              seconds: float = 0.0, surroundings: Surroundings = Surroundings()) -> ClothFrame:
         """One frame. Everything as BaseCloth.solve() has it; world_from_object: (3, 3). covers: the smooth surface of
         the cloth stays off the body as well, for what lies on it knows none. Raises ValueError."""
-        frame = self.cloth.solve(positions, settings, paint, _inverse(world_from_object), body, before)
+        frame = self.cloth.solve(positions, settings, paint, _inverse(world_from_object), body, before, seconds,
+                                 surroundings)
         collider = self.cloth.collider(body)
         if covers and collider is not None:
             self._lift(frame, settings, collider, body)

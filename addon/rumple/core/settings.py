@@ -90,9 +90,12 @@ class AdaptiveRest:
 
 
 BASE_CLOTHS = (
-    ("OFF", "Off", "The animated mesh is the cloth: for simulated garments, skin and tight clothes"),
+    ("OFF", "Off", "The animated mesh is the cloth, kept out of the body: for simulated garments, skin and tight "
+     "clothes"),
     ("HANG", "Hang", "The coarse mesh itself becomes cloth around its animation: it sags, pulls taut and rests on the "
      "body. No inertia, nothing to wait for"),
+    ("SWING", "Swing", "As Hang, with inertia and wind: it lags behind, sways and settles. Play it through from the "
+     "first frame, or bake"),
 )
 LAYERS = (
     ("ONE", "One", "One fine mesh with folds of one size, as in the paper"),
@@ -119,6 +122,23 @@ class ClothSettings:
                       "painted, the highest opening is pinned", choices=UPS)
     thickness: float = setting(0.003, "Thickness", "How far the cloth stays off the body", low=0.0, high=1.0,
                                unit="LENGTH")
+    # Of Swing
+    mass: float = setting(0.2, "Mass", "Kilograms of a square metre: silk 0.06, cotton 0.15, denim 0.4. Heavier cloth "
+                          "gives less to wind and air", low=0.01, high=10.0, soft=1.0)
+    swing_damping: float = setting(10.0, "Damping", "How fast swaying dies away, per second. 0: only what the solver "
+                                   "loses", low=0.0, high=1000.0, soft=50.0)
+    substeps: int = setting(2, "Substeps", "Time steps of the solver in a thirtieth of a second, whatever the frame "
+                            "rate. More: livelier and slower", low=1, high=20)
+    locomotion: float = setting(0.2, "Locomotion", "Share of the motion of the garment as a whole that its inertia "
+                                "feels. 1: as it is. 0: walks, turns and stops do not move the cloth on the body",
+                                low=0.0, high=1.0, unit="FACTOR")
+    drag: float = setting(1.0, "Drag", "How much wind and still air push the cloth. 1: a sheet across the wind",
+                          low=0.0, high=10.0, soft=3.0)
+
+    @property
+    def swings(self) -> bool:
+        """Whether the base cloth depends on time. Frames on their own have no time: they hang."""
+        return self.base_cloth == "SWING" and not self.stateless
 
 
 @dataclass
