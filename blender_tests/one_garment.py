@@ -20,6 +20,7 @@ class PlayedOnce:
     file: str
     name: str
     method: str
+    settings: dict = {"base_cloth": "OFF"}  # set before the click: the system alone, over the animated mesh
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -31,6 +32,8 @@ class PlayedOnce:
         bpy.context.view_layer.objects.active = cls.garment
         cls.frames = range(cls.scene.frame_start, cls.scene.frame_end + 1)
         cls.scene.frame_set(cls.frames[0])
+        for name, value in cls.settings.items():
+            setattr(getattr(cls.garment.rumple, cls.method.lower()), name, value)
         assert bpy.ops.object.rumple_add(method=cls.method) == {"FINISHED"}, cls.garment.rumple.message
         cls.fine = registry.runtime(cls.garment).fine
         cls.seen = [cls.look(frame) for frame in cls.frames]

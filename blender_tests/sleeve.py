@@ -67,7 +67,8 @@ def skinned(mesh, rig, name="Sleeve"):
         upper.add([vertex.index], 1.0 - share, "REPLACE")
         lower.add([vertex.index], share, "REPLACE")
     obj.modifiers.new("Armature", "ARMATURE").object = rig
-    obj.rumple.mesh.base_cloth = "OFF"
+    for settings in (obj.rumple.mesh, obj.rumple.field, obj.rumple.paths):
+        settings.base_cloth = "OFF"
     return obj
 
 

@@ -126,8 +126,9 @@ class Waves:
         entry = registry.runtime(self.obj)
         fine, kernels = entry.fine, native.load()
         state = fine.history.get(1.0).state
-        waves = kernels.crush_wrinkle_field(fine.model, fine._native_settings(entry.inputs.settings), fine._paint,
-                                            entry.inputs.positions, state)
+        waves = kernels.shown_waves_wrinkle_field(
+            fine.model, fine._native_settings(entry.inputs.settings), kernels.WrinkleFieldProfile(profile), fine._paint,
+            entry.inputs.positions, state)
         triangles = entry.inputs.positions[fine.corner_vertex.reshape(-1, 3), :2].astype(float)
         origin, b, c = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
         way = self.points[:, None] - origin

@@ -24,6 +24,7 @@ class OverABody(Cloth):
                      ((frame, pictures(obj, (frame,))[frame]) for frame in range(1, 21))}
             settings = obj.rumple.mesh
             settings.base_cloth, settings.layers, settings.radius = "OFF", "ONE", 0.0
+            obj.rumple.body = None
             for frame in found:
                 sleeve.at(frame)
                 self.assertLess(found[frame], DEEPER + depth(body, sleeve.shown(obj)), f"{radius}, frame {frame}")
@@ -33,6 +34,20 @@ class OverABody(Cloth):
         obj.rumple.body = None
         sleeve.play(1, 10)
         self.assertGreater(depth(body, sleeve.shown(obj)), 20 * DEEPER)
+
+    def test_without_a_base_cloth_folds_stay_outside_and_what_was_inside_comes_out(self) -> None:
+        obj = garment(level=2)
+        body = sleeve.under(obj, radius=1.04)  # it stands out of the sleeve
+        obj.rumple.body, obj.rumple.mesh.base_cloth = body, "OFF"
+        seen = played(obj, 12)
+        for frame in (1, 8, 12):
+            sleeve.at(frame)
+            self.assertLess(depth(body, seen[frame]), 5e-4, f"frame {frame}")
+        self.assertGreater(off_animation(obj), 1e-3)
+        forget(obj)
+        self.same(seen, pictures(obj, (12, 8)) and played(obj, 12))
+        obj.rumple.body = None
+        self.assertGreater(depth(body, pictures(obj, (8,))[8]), 3e-3)
 
     def test_a_body_that_faces_the_other_way_is_said_in_the_status(self) -> None:
         for flipped in (False, True):

@@ -171,6 +171,14 @@ class Formulas(WindowCase):
                   packed([(1.0, 0.0, 0.0)], [(0.0, 1.0, 0.0)], way, phases),  # at right angles
                   packed(k, k, np.zeros((1, 3)), phases), seen=seen)
 
+    def test_agreement(self) -> None:
+        k, way, phases = self.numbers(3, size=100.0), self.numbers(3, size=0.02), self.numbers(2)
+        found = self.same(12, packed(k, self.numbers(3, size=100.0), way, phases), packed(k, -k, way, phases),
+                          packed(k, np.zeros((1, 3)), way, phases),  # a neighbour without a wave
+                          packed([(1.0, 0.0, 0.0)], [(0.0, 1.0, 0.0)], way, phases))  # at right angles
+        self.assertLess(found[:, 0].min(), -0.9)
+        self.assertGreater(found[:, 0].max(), 0.9)
+
     def test_relaxing(self) -> None:
         steps = self.numbers(4, size=2.0) * np.float32([1, 1, 0, 0.2]) + np.float32([0, 0, 6, 0.5])
         # Without a neighbour; where next to nothing is asked for; where nothing is.

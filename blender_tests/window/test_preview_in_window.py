@@ -87,6 +87,9 @@ class Drawn(PreviewCase):
             # Where nothing is compressed k is of no direction, and rounding chooses it.
             wrinkles = self.held().drawing.waves.read_waves()[1][:, 2] > 0.05
             np.testing.assert_allclose(off[wrinkles], 0.0, atol=1e-3, err_msg=str(frame))
+            drawn = self.held().drawing.waves.read_drawn()[:, 3]
+            shown = sleeve.picture(self.obj).attributes["rumple_amplitude"]
+            np.testing.assert_allclose(drawn[wrinkles], shown[wrinkles], atol=2e-3 * shown.max(), err_msg=str(frame))
         self.assertGreater(wrinkles.sum(), 20)
         self.assertEqual(begun, [])
         sleeve.at(5)

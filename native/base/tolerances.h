@@ -109,6 +109,10 @@ inline constexpr float kStill = 1e-3f;
 // the room is 3 cm.
 inline constexpr float kStillCloth = 3e-4f;
 
+// Unit: mean lengths of the base cloth's springs per second. Cloth that swings slower than this has come to
+// rest: 0.01 mm in a frame where the edges are 3 cm.
+inline constexpr float kStillSwing = 1e-2f;
+
 // Unit: room of the base cloth. Nearer to the inner surface than this, a vertex rests on it.
 inline constexpr float kTouching = 1e-2f;
 

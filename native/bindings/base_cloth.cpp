@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface/cloth/base_cloth.h"
-
 #include <pybind11/stl.h>
 
 #include "bindings/arrays.h"
 #include "bindings/module.h"
+#include "surface/cloth/cover.h"
 #include "surface/cloth/pins.h"
+#include "surface/cloth/swing.h"
 
 namespace rumple::bindings {
 namespace {
@@ -36,9 +36,10 @@ Paint make_paint(const Model& model, const py::dict& painted) {
     return paint;
 }
 
-py::tuple solve_frame(const Model& model, const Settings& settings, const Paint& paint,
-                      const py::array& positions, const Collider* collider,
-                      const std::optional<py::array>& body_positions, const State* state) {
+// of_frame(positions, bodies): solves it.
+template <typename OfFrame>
+py::tuple solved(const py::array& positions, const Collider* collider,
+                 const std::optional<py::array>& body_positions, OfFrame&& of_frame) {
     const auto points = vectors(positions, "positions");
     if (collider && !body_positions) throw InvalidInput("body_positions: expected an array, got None");
     const std::span<const Vec3> body =
@@ -48,10 +49,89 @@ py::tuple solve_frame(const Model& model, const Settings& settings, const Paint&
         const py::gil_scoped_release release;
         std::optional<PosedCollider> bodies;
         if (collider) bodies.emplace(*collider, body);
-        result = solve(model, settings, paint, points, bodies ? &*bodies : nullptr, state);
+        result = of_frame(points, bodies ? &*bodies : nullptr);
     }
     return py::make_tuple(to_numpy(result.positions), to_numpy<float>(result.gap, 0),
                           to_numpy<Index>(result.body_hint, 0), std::move(result.state), result.report);
+}
+
+py::array_t<float> cover(const Surface& surface, const CoverModel& model, const Collider& collider,
+                         const py::array& body_positions, const py::array& positions, const py::array& hints,
+                         float thickness, float depth) {
+    const auto points = vectors(positions, "positions"), body = vectors(body_positions, "body_positions");
+    const auto near = scalars<Index>(hints, "hints", 0);
+    std::vector<Vec3> lifts(points.size());
+    {
+        const py::gil_scoped_release release;
+        const PosedCollider bodies(collider, body);
+        lifts = lifts_over(surface, model, {thickness, depth}, bodies, points, near);
+    }
+    return to_numpy(lifts);
+}
+
+void bind_cover(py::module_& module) {
+    py::class_<CoverModel, std::shared_ptr<CoverModel>>(module, "ClothCover", "Made by build_cloth_cover.");
+    module.def(
+        "build_cloth_cover",
+        [](const Surface& surface) {
+            const py::gil_scoped_release release;
+            return std::make_shared<CoverModel>(build_cover(surface));
+        },
+        py::arg("surface"), "The points of the smooth surface of a coarse mesh that are to stay off bodies.");
+    module.def(
+        "cover_bodies", &cover, py::arg("surface"), py::arg("cover"), py::arg("collider"),
+        py::arg("body_positions"), py::arg("positions"), py::arg("hints"), py::arg("thickness"),
+        py::arg("depth"),
+        "(n, 3) float32: how far every vertex has to move, outwards, for the smooth surface to stay off the\n"
+        "bodies. positions: (n, 3) float32 of the cloth, object space. hints: (n,) int32, a triangle of the\n"
+        "collider near it or -1. thickness, depth: object units; what is deeper inside stays there.");
+}
+
+py::tuple solve_frame(const Model& model, const Settings& settings, const Paint& paint,
+                      const py::array& positions, const Collider* collider,
+                      const std::optional<py::array>& body_positions, const State* state) {
+    return solved(positions, collider, body_positions, [&](auto points, const PosedCollider* bodies) {
+        return solve(model, settings, paint, points, bodies, state);
+    });
+}
+
+py::tuple swing_frame(const Model& model, const Settings& settings, const Swing& swing_settings,
+                      const Paint& paint, const py::array& positions, const Collider* collider,
+                      const std::optional<py::array>& body_positions, const State* state) {
+    return solved(positions, collider, body_positions, [&](auto points, const PosedCollider* bodies) {
+        return swing(model, settings, swing_settings, paint, points, bodies, state);
+    });
+}
+
+Vec3 vector_of(const std::array<float, 3>& v) {
+    return {v[0], v[1], v[2]};
+}
+
+void bind_swing(py::module_& module) {
+    py::class_<Swing>(module, "BaseClothSwing", "What swing_base_cloth needs beside BaseClothSettings.")
+        .def(py::init<>())
+        .def_readwrite("seconds", &Swing::seconds, "since the frame before, >= 0")
+        .def_readwrite("longest_step", &Swing::longest_step, "of time, s, > 0")
+        .def_readwrite("newton_steps", &Swing::newton_steps, "of every time step, >= 1")
+        .def_readwrite("damping", &Swing::damping, "of the velocity beside the animated one, 1/s, >= 0")
+        .def_readwrite("locomotion", &Swing::locomotion,
+                       "share of the garment's motion as a whole that the inertia feels, 0..1")
+        .def_readwrite("drag", &Swing::drag,
+                       "density of the air x coefficient / (2 mass per area), 1/object unit, >= 0")
+        .def_property(
+            "wind", [](const Swing& s) { return py::make_tuple(s.wind.x, s.wind.y, s.wind.z); },
+            [](Swing& s, const std::array<float, 3>& wind) { s.wind = vector_of(wind); },
+            "three floats, object space, object units / s")
+        .def(
+            "place",
+            [](Swing& s, const std::array<std::array<float, 3>, 3>& rows, const std::array<float, 3>& shift) {
+                for (int row = 0; row < 3; ++row)
+                    for (int column = 0; column < 3; ++column)
+                        s.placement.matrix[column][row] = rows[row][column];
+                s.placement.shift = vector_of(shift);
+            },
+            py::arg("matrix"), py::arg("shift"),
+            "From the object space of the frame before to that of this one: (3, 3), then (3,) object units.");
 }
 
 void bind_settings(py::module_& module) {
@@ -77,9 +157,7 @@ void bind_settings(py::module_& module) {
         .def_property(
             "gravity",
             [](const Settings& s) { return py::make_tuple(s.gravity.x, s.gravity.y, s.gravity.z); },
-            [](Settings& s, const std::array<float, 3>& g) {
-                s.gravity = {g[0], g[1], g[2]};
-            },
+            [](Settings& s, const std::array<float, 3>& g) { s.gravity = vector_of(g); },
             "three floats, object space, object units / s^2")
         .def_property(
             "thickness", [](const Settings& s) { return s.clearance.thickness; },
@@ -112,6 +190,8 @@ void bind_base_cloth(py::module_& module) {
              "positions: (b, 3) float32, any pose. triangles: (t, 3) int32, counter-clockwise from outside.")
         .def_property_readonly("vertex_count", &Collider::vertex_count);
     bind_settings(module);
+    bind_cover(module);
+    bind_swing(module);
     py::class_<Model, std::shared_ptr<Model>>(module, "BaseClothModel", "Made by build_base_cloth.");
     module.def(
         "build_base_cloth",
@@ -137,6 +217,16 @@ void bind_base_cloth(py::module_& module) {
     py::class_<State>(module, "BaseClothState", "What lives from frame to frame.")
         .def_property_readonly("offset", [](const State& s) { return to_numpy(s.offset); })
         .def_property_readonly("clearance", [](const State& s) { return to_numpy<float>(s.clearance, 0); })
+        .def(
+            "woken",
+            [](State s) {
+                s.motion.fastest = Motion{}.fastest;
+                return s;
+            },
+            "A copy that is not held, for a solve with other settings. Of cloth that swings.")
+        .def_property_readonly(
+            "velocity", [](const State& s) { return to_numpy(s.motion.velocity); },
+            "(w, 3) float32, object units / s; (0, 3) where it does not swing")
         .def_property_readonly("nbytes", &State::bytes);
     py::class_<Report>(module, "BaseClothReport", "How a solve went.")
         .def_readonly("steps", &Report::steps, "0: the pose was held")
@@ -157,6 +247,11 @@ void bind_base_cloth(py::module_& module) {
         "body_hint: (n,) int32, a triangle of the collider near it or -1; (0,) without one.\n"
         "positions: (n, 3) float32, animated. body_positions: (b, 3) float32 of the collider in this pose.\n"
         "state: of the frame before, or None.");
+    module.def("swing_base_cloth", &swing_frame, py::arg("model"), py::arg("settings"), py::arg("swing"),
+               py::arg("paint"), py::arg("positions"), py::arg("collider") = nullptr,
+               py::arg("body_positions") = py::none(), py::arg("state") = nullptr,
+               "One frame of cloth with inertia; as solve_base_cloth. Without a state that swings: its "
+               "equilibrium,\nat rest.");
 }
 
 }  // namespace rumple::bindings

@@ -83,6 +83,9 @@ void bind_settings(py::module_& module) {
     settings.def(py::init<>())
         .def_readwrite("wavelength", &Settings::wavelength, "W in rest space, object units, > 0")
         .def_readwrite("strength", &Settings::strength, "factor on the amplitude of equation (2), >= 0")
+        .def_readwrite("keep_length", &Settings::keep_length,
+                       "geometry: waves no longer than the cloth at rest")
+        .def_readwrite("dissolve", &Settings::dissolve, "waves that disagree with their neighbours are lower")
         .def_readwrite("rate", &Settings::rate, "epsilon / (2 pi^2) of equation (6), 0..1; stable below 1")
         .def_readwrite("rounds", &Settings::rounds, "of relaxation, from a given state, >= 0")
         .def_readwrite("start_rounds", &Settings::start_rounds, "from the canonical start, >= 0")
@@ -240,6 +243,7 @@ void bind_wrinkle_field(py::module_& module) {
         .def_property_readonly("height", numpy(&Waves::height), "(w,) h, object units")
         .def_property_readonly("fullness", numpy(&Waves::fullness), "(w,) h over W/4 before strength")
         .def_property_readonly("compression", numpy(&Waves::compression), "(w,) r")
+        .def_property_readonly("gather", numpy(&Waves::gather), "(w,) rest length over length along the wave")
         .def_property_readonly("direction", numpy(&Waves::direction), "(w, 2) k in the rest frame");
     py::class_<Picture, ShownFrame>(
         module, "WrinkleFieldPicture",
@@ -369,15 +373,27 @@ void bind_wrinkle_field(py::module_& module) {
         module, [](const Model& m) -> const ReferenceModel& { return m.triangles; },
         [](Settings& s) -> ReferenceSettings& { return s.rest; });
     module.def(
-        "show_wrinkle_field",
+        "shown_waves_wrinkle_field",
         [](const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
            const py::array& positions, const State& state) {
-            const auto deformed = vectors(positions, "positions");
-            const py::gil_scoped_release release;
-            return show(model, settings, profile, paint, deformed, state);
+            return shown_waves(model, settings, profile, paint, vectors(positions, "positions"), state);
         },
         py::arg("model"), py::arg("settings"), py::arg("profile"), py::arg("paint"), py::arg("positions"),
-        py::arg("state"), "The shown mesh for a frame and its state, and the waves for shaders.");
+        py::arg("state"), "The waves that show_wrinkle_field draws.");
+    module.def(
+        "show_wrinkle_field",
+        [](const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+           const py::array& positions, const State& state, const std::optional<py::array>& gap) {
+            const auto deformed = vectors(positions, "positions");
+            const auto room = gap ? scalars<float>(*gap, "gap", 0) : std::span<const float>();
+            const py::gil_scoped_release release;
+            return show(model, settings, profile, paint, deformed, state, room);
+        },
+        py::arg("model"), py::arg("settings"), py::arg("profile"), py::arg("paint"), py::arg("positions"),
+        py::arg("state"), py::arg("gap") = py::none(),
+        "The shown mesh for a frame and its state, and the waves for shaders. gap: (n,) float32, how far "
+        "the\n"
+        "waves of a fine mesh may go inwards, object units; None: as far as outwards.");
 }
 
 }  // namespace rumple::bindings

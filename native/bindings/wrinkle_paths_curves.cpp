@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "systems/wrinkle_paths_curves.h"
 
+#include <pybind11/stl.h>
+
+#include <optional>
+
 #include "bindings/arrays.h"
 #include "bindings/module.h"
 
@@ -22,17 +26,22 @@ void bind_wrinkle_paths_curves(py::module_& module) {
             "(p, 3) float32, in the frame of the deformed triangle, object units.");
     module.def(
         "ride_wrinkle_paths",
-        [](const Model& model, const Settings& settings, const py::array& positions, const State& state) {
+        [](const Model& model, const Settings& settings, const py::array& positions, const State& state,
+           const std::optional<py::array>& animated) {
             Input input;
             input.positions = vectors(positions, "positions");
             input.time = state.time;
+            const auto ridden = animated ? vectors(*animated, "animated") : std::span<const Vec3>();
             const py::gil_scoped_release release;
-            return ride(model, settings, input, state);
+            return ride(model, settings, input, state, ridden);
         },
         py::arg("model"), py::arg("settings"), py::arg("positions"), py::arg("state"),
+        py::arg("animated") = py::none(),
         "The paths as curves along the crests, which ride on any pose of the base. positions: (n, 3) "
         "float32,\n"
-        "deformed base, object space.");
+        "deformed base, object space. animated: the same of what they are to ride on, where that is not "
+        "what\n"
+        "was solved over.");
     module.def(
         "wrinkle_path_ellipses",
         [](const Model& model, const py::array& positions, const State& state, float size) {

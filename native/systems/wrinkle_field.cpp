@@ -293,6 +293,7 @@ Waves crush(const Model& model, const Settings& settings, const Paint& paint, st
     waves.height.assign(vertices, 0.0f);
     waves.fullness.assign(vertices, 0.0f);
     waves.compression.assign(vertices, 1.0f);
+    waves.gather.assign(vertices, 1.0f);
     waves.direction.assign(vertices, Vec2(1.0f, 0.0f));
     const std::vector<Vec2> first = before.empty() ? first_directions(model) : std::vector<Vec2>();
     if (before.empty()) before = first;
@@ -305,6 +306,7 @@ Waves crush(const Model& model, const Settings& settings, const Paint& paint, st
         const float w = wished.wavelength[v];
         waves.compression[v] = crushed.r;
         waves.direction[v] = crushed.k;
+        if (crushed.fullness > 0.0f) waves.gather[v] = glm::length(crushed.k_deformed);
         waves.fullness[v] = crushed.fullness * wished.mask[v];
         waves.height[v] = 0.25f * w * settings.strength * waves.fullness[v];  // equation (2)
         waves.wave_vector[v] = (formulas::kTwoPi / w) * (crushed.k_deformed.x * around->tangent +
@@ -325,6 +327,20 @@ void relax(const Model& model, const Settings& settings, const Waves& waves, int
 
 float misfit(const Model& model, const Waves& waves, std::span<const float> phase) {
     return misfit_of(model, waves, collect_pulls(model, Settings{}, waves), phase);
+}
+
+void dissolve(const Model& model, const Settings& settings, std::span<const float> phase, Waves& waves) {
+    expect_count("phase", phase.size(), waves.height.size(), "welded vertices");
+    const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
+    for_each_vertex(settings, waves.height.size(), [&](size_t v) {
+        float sum = 1.0f, weights = 1.0f;
+        for (const Pull& pull : pulls_of(model, pulls, v)) {
+            sum += pull.weight * formulas::agreement(waves.wave_vector[v], waves.wave_vector[pull.vertex],
+                                                     pull.link, phase[v], phase[pull.vertex]);
+            weights += pull.weight;
+        }
+        waves.height[v] *= formulas::kept_at_fork(sum / weights);
+    });
 }
 
 State woken(const State& state) {

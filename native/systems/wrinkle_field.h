@@ -35,9 +35,16 @@ Profile pencil_pleats();  // round crests, sharp valleys
 // InvalidInput naming the first value that is not.
 Profile drawn(std::span<const float> height);
 
+// The length of a wave s f(x) over that of its base, for slopes s: the mean of sqrt(1 + (s df/dphi)^2) over a
+// period. 1 for s = 0; of the sine 2/pi sqrt(1 + s^2) E(s^2 / (1 + s^2)), a complete elliptic integral.
+double wave_length(const Profile& profile, double s);
+// Its inverse: the s at which the wave is `ratio` times as long as its base; 0 for a ratio of at most 1.
+double steepness(const Profile& profile, double ratio);
+
 struct Settings {
     float wavelength = 0.05f;   // W in rest space, object units, > 0
     float strength = 1.0f;      // factor on the amplitude of equation (2), >= 0
+    bool keep_length = true;    // kGeometry: waves no longer than the cloth at rest; see keep_length()
     float rate = 0.5f;          // epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
     int rounds = 4;             // of relaxation, from the frame before, >= 0
     int start_rounds = 200;     // from the canonical start, >= 0
@@ -45,6 +52,7 @@ struct Settings {
     std::uint32_t seed = 0;     // of the first phases and of the irregularity
     bool aligned_start = true;  // align() the random first phases; false: as printed
     int threads = 0;            // 0: chosen by size; the result does not depend on it
+    bool dissolve = true;       // waves that disagree with their neighbours are lower; see dissolve()
     // What compression is measured against: the rest pose, or reference triangles that adapt.
     ReferenceSettings rest{.reference = Reference::kStaticRest};
 };
@@ -118,6 +126,7 @@ struct Waves {
     std::vector<float> height;       // h of equation (2) times strength and mask, object units
     std::vector<float> fullness;     // h over W/4 before strength: what neighbours are weighed by
     std::vector<float> compression;  // r
+    std::vector<float> gather;       // |k'|: rest length over length along the wave; 1 where there is none
     std::vector<Vec2> direction;     // k, rest frame
 };
 
@@ -169,6 +178,17 @@ std::vector<Vec3> reference_stretches(const Model& model, const ReferenceState& 
 Waves crush(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             std::span<const Vec2> before, std::span<const Vec3> stretches = {});
 
+// Lowers the heights at which a wave would be longer over the compressed surface than the cloth is at rest:
+// with h |2 pi / W k'| = steepness(|k'|) it is as long. (Not in the paper: its triangle of W/4, h and r W/4
+// keeps the length of accordion pleats only.) Cost: O(vertices).
+void keep_length(const Profile& profile, Waves& waves);
+
+// Lowers waves whose phases or directions disagree with those around them (kept_at_fork()), down to nothing
+// at a fork. Not in the paper, whose equation (5) is the real part of a complex amplitude interpolated over a
+// triangle, so that waves in opposite phase cancel: here they do so over the whole ring around a vertex.
+// Cost: O(edges).
+void dissolve(const Model& model, const Settings& settings, std::span<const float> phase, Waves& waves);
+
 // The phases that a clip starts from: a hash of the seed and of the vertex's rest position.
 std::vector<float> random_phases(const Model& model, std::uint32_t seed);
 
@@ -194,6 +214,11 @@ float misfit(const Model& model, const Waves& waves, std::span<const float> phas
 State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             const State* state, Report& report, const Moment& moment = {});
 
+// The waves that show() draws: crush(), dissolve() and, as geometry, keep_length(), as far as settings ask
+// for them. Throws as show() does.
+Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+                  std::span<const Vec3> positions, const State& state);
+
 // The shown mesh of a frame, and the waves for shaders. Values of corners: of every triangle in turn.
 struct Picture : ShownFrame {
     std::vector<float> amplitude;  // h, object units, per shown vertex
@@ -207,10 +232,11 @@ struct Picture : ShownFrame {
     std::vector<Vec3> corner_u_gradient;  // du/dx' of equation (11), continuous over edges; empty without uv
     std::vector<Vec3> corner_v_gradient;
 };
-// Throws InvalidInput when positions, paint or state do not match the model. Cost: O(triangles + shown
-// vertices).
+// gap: per vertex of the base as the artist has it, how far the waves of kGeometry may go inwards, object
+// units; empty: as far as outwards. Throws InvalidInput when positions, paint, state or gap do not match the
+// model. Cost: O(triangles + shown vertices).
 Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
-             std::span<const Vec3> positions, const State& state);
+             std::span<const Vec3> positions, const State& state, std::span<const float> gap = {});
 
 // Equations (5) and (8) at places on the deformed base triangles: for tests and the geometry.
 struct Height {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <tuple>
@@ -117,6 +118,16 @@ void displace_fine_mesh(Model& model, const Plan& plan) {
     model.shown = show_fine(model.base, model.base, fine, 0, rest);
 }
 
+// Of a profile between two entries of its table.
+double chord_slope(const Profile& profile, int interval) {
+    return (double(profile.height[interval + 1]) - double(profile.height[interval])) *
+           (kProfileIntervals / std::numbers::pi);
+}
+
+// Of steepness(): relative, and steps that reach it from anywhere (five from where it begins).
+constexpr double kSteepnessError = 1e-6;
+constexpr int kNewtonSteps = 50;
+
 }  // namespace
 
 Profile sine() {
@@ -145,6 +156,39 @@ Profile drawn(std::span<const float> height) {
         out.slope[i] = (height[after] - height[before]) / (interval * float(after - before));
     }
     return out;
+}
+
+double wave_length(const Profile& profile, double s) {
+    double sum = 0.0;
+    for (int i = 0; i < kProfileIntervals; ++i) sum += std::hypot(1.0, s * chord_slope(profile, i));
+    return sum / kProfileIntervals;
+}
+
+double steepness(const Profile& profile, double ratio) {
+    if (!(ratio > 1.0)) return 0.0;
+    // Newton on a convex function that rises: from the right it falls to the root. The accordion's s is right
+    // of any profile's of the same range, whose chords are the shortest.
+    double s = 0.5 * std::numbers::pi * std::sqrt(ratio * ratio - 1.0);
+    for (int step = 0; step < kNewtonSteps; ++step) {
+        double slope = 0.0;
+        for (int i = 0; i < kProfileIntervals; ++i) {
+            const double chord = chord_slope(profile, i);
+            slope += s * chord * chord / std::hypot(1.0, s * chord);
+        }
+        if (slope <= 0.0) return std::numeric_limits<double>::infinity();  // a flat profile is never too long
+        const double way = (wave_length(profile, s) - ratio) * kProfileIntervals / slope;
+        s -= way;
+        if (std::abs(way) <= kSteepnessError * s) break;
+    }
+    return s;
+}
+
+void keep_length(const Profile& profile, Waves& waves) {
+    for (size_t v = 0; v < waves.height.size(); ++v) {
+        if (waves.height[v] <= 0.0f) continue;
+        const double most = steepness(profile, waves.gather[v]) / double(glm::length(waves.wave_vector[v]));
+        waves.height[v] = static_cast<float>(std::min(double(waves.height[v]), most));
+    }
 }
 
 std::shared_ptr<const Model> build(Surface base, const Plan& plan) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 6 of Loviscach 2006: the field as shaders and fine meshes need it.
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/expect.h"
 #include "base/tolerances.h"
@@ -111,9 +113,16 @@ void fill_uv_gradients(const Model& model, std::span<const Vec3> positions, Pict
     }
 }
 
+// How far the waves may go inwards at a place, of what is so for the base's vertices as the artist has them.
+float gap_at(const Model& model, std::span<const float> gap, const SurfacePoint& place) {
+    if (gap.empty()) return std::numeric_limits<float>::infinity();
+    const auto [a, b, c] = display_vertices(model.base, place.triangle);
+    return (1.0f - place.b0 - place.b1) * gap[a] + place.b0 * gap[b] + place.b1 * gap[c];
+}
+
 // The fine mesh: attached, then moved along the interpolated normal by equation (5).
 void displace(const Model& model, const Waves& waves, const Profile& profile, std::span<const float> phase,
-              Picture& picture) {
+              std::span<const float> gap, Picture& picture) {
     const size_t fine = model.attachments.places.size();
     std::vector<Vec3> positions(fine), offset(fine, Vec3(0.0f));
     attach(model.base, model.attachments, waves.positions, waves.normals, positions, 0, fine);
@@ -127,7 +136,7 @@ void displace(const Model& model, const Waves& waves, const Profile& profile, st
         // At the attachment, not at the point of the flat triangle: on an irregular mesh a smooth surface has
         // it elsewhere, and straight crests would wobble.
         const Height at = height_at(waves, profile, phase, corners, weights, positions[v]);
-        offset[v] = at.height / length * normal;
+        offset[v] = std::max(at.height, -gap_at(model, gap, place)) / length * normal;
         positions[v] += offset[v];
     }
     std::vector<TriangleFrame> frames(model.base.triangles.size());
@@ -170,15 +179,23 @@ Height evaluate(const Model& model, const Waves& waves, const Profile& profile, 
     return height_at(waves, profile, phase, corners, weights, point_at(corners, weights, waves.positions));
 }
 
+Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+                  std::span<const Vec3> positions, const State& state) {
+    expect_count("state", state.phase.size(), model.base.positions_rest.size(), "welded vertices");
+    Waves waves = crush(model, settings, paint, positions, state.direction,
+                        reference_stretches(model, state.reference, positions));
+    if (model.output == Output::kGeometry && settings.keep_length) keep_length(profile, waves);
+    if (settings.dissolve) dissolve(model, settings, state.phase, waves);
+    return waves;
+}
+
 Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
-             std::span<const Vec3> positions, const State& state) {
-    const size_t vertices = model.base.positions_rest.size();
-    expect_count("state", state.phase.size(), vertices, "welded vertices");
-    const Waves waves = crush(model, settings, paint, positions, state.direction,
-                              reference_stretches(model, state.reference, positions));
+             std::span<const Vec3> positions, const State& state, std::span<const float> gap) {
+    if (!gap.empty()) expect_count("gap", gap.size(), model.base.display.vertex_count, "vertices");
+    const Waves waves = shown_waves(model, settings, profile, paint, positions, state);
     Picture picture;
     if (model.output == Output::kGeometry) {
-        displace(model, waves, profile, state.phase, picture);
+        displace(model, waves, profile, state.phase, gap, picture);
     } else {
         measure_stretch(model.base, model.stretch, waves.positions, model.shown.places, picture.stretch);
         picture.positions.assign(positions.begin(), positions.end());

@@ -79,9 +79,12 @@ struct SmoothBase {
 
 }  // namespace
 
-RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state) {
+RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state,
+                  std::span<const Vec3> animated) {
     RidingCurves out{curves(model, settings, input, state), {}, {}, {}};
-    const Pose pose = make_pose(model, input.positions);
+    if (animated.empty()) animated = input.positions;
+    check_positions(model, animated, "animated");
+    const Pose pose = make_pose(model, input.positions), ridden = make_pose(model, animated);
     const Ground ground{model, pose, {}, {}, {}};
     const SmoothBase smooth(model, pose);
     for (size_t i = 0; i < out.positions.size(); ++i) {
@@ -89,8 +92,8 @@ RidingCurves ride(const Model& model, const Settings& settings, const Input& inp
         out.height[i] *= hem_weight_at(model, settings, place);
         out.positions[i] = smooth.at(place) + out.height[i] * smooth.normal_at(place);
         out.weights.push_back({place.b0, place.b1});
-        out.local_offset.push_back(pose.frames[place.triangle].to_local(
-            out.positions[i] - interpolate(model.base, place, pose.positions)));
+        out.local_offset.push_back(ridden.frames[place.triangle].to_local(
+            out.positions[i] - interpolate(model.base, place, ridden.positions)));
         std::array<Index, 3> corners;
         for (Index k = 0; k < 3; ++k)
             corners[k] = model.base.display.corner_vertex[model.base.triangles[place.triangle].corner[k]];

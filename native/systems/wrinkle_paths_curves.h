@@ -15,8 +15,11 @@ struct RidingCurves : Curves {
     std::vector<Vec2> weights;                  // u, v; of a triangle without area 0
     std::vector<Vec3> local_offset;             // o, object units
 };
-// Throws as show() does. Cost: that of curves() and of the base's normals.
-RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state);
+// animated: positions of the base that the curves are to ride on, object space, where that is not what was
+// solved (over a base cloth); empty: input.positions. Throws as show() does, and when there is not one for
+// each vertex of the base. Cost: that of curves() and of the base's normals.
+RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state,
+                  std::span<const Vec3> animated = {});
 
 // What became of a circle drawn on each reference triangle: an ellipse with the stretches from the reference
 // as semi-axes, times `size` of the radius of the triangle's inscribed circle.

@@ -108,6 +108,10 @@ struct Field {
                                 const wrinkle_field::Profile& profile = wrinkle_field::sine()) const {
         return wrinkle_field::show(*model, settings, profile, paint, pose, state);
     }
+    wrinkle_field::Waves shown_waves(const Pose3& pose, const wrinkle_field::State& state,
+                                     const wrinkle_field::Profile& profile = wrinkle_field::sine()) const {
+        return wrinkle_field::shown_waves(*model, settings, profile, paint, pose, state);
+    }
     // k of a welded vertex in rest space.
     Vec3 direction(const wrinkle_field::Waves& waves, size_t v) const {
         return waves.direction[v].x * model->tangent_rest[v] +

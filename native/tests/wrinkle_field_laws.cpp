@@ -265,7 +265,7 @@ TEST(WrinkleFieldLaws, TheGeometryIsTheHeightAlongTheNormal) {
     field.settings.wavelength = 0.2f;
     const Pose3 pose = scaled(field.mesh, {0.6f, 1.0f, 1.0f});
     const State state = field.solve(pose);
-    const Waves waves = field.crush(pose, state.direction);
+    const Waves waves = field.shown_waves(pose, state);
     const Picture picture = field.show(pose, state);
     ASSERT_EQ(picture.positions.size(), field.model->shown.places.size());
     EXPECT_TRUE(picture.corner_phase.empty());
@@ -287,7 +287,7 @@ TEST(WrinkleFieldLaws, CrestsAreStraightOnTheSmoothSurfaceToo) {
     field.settings.wavelength = 0.25f;
     const Pose3 pose = scaled(field.mesh, {0.5f, 1.0f, 1.0f});
     const State state = field.solve(pose);
-    const Waves waves = field.crush(pose, state.direction);
+    const Waves waves = field.shown_waves(pose, state);
     const Picture picture = field.show(pose, state);
     for (const Vec3& p : picture.positions) {
         const float phase = std::abs(waves.wave_vector[0].x) * (p.x - waves.positions[0].x);

@@ -152,6 +152,27 @@ FORMULA float relaxed(float phase, float weighted_misfit_sum, float neighbours, 
     return abs(change) < kStillPhase ? phase : wrapped(phase + change);
 }
 
+// ---- Where waves disagree (not in the paper)
+
+// How far a neighbour's wave is the vertex's own half-way between them, -1..1: the real part of
+// exp(i psi_n) / exp(i psi_0), times the cosine of the angle between both waves, for across one another they have no
+// phase in common. wave_vector, neighbour_wave_vector: as link_waves() has them, which gave `link`.
+FORMULA float agreement(vec3 wave_vector, vec3 neighbour_wave_vector, Link link, float phase, float neighbour_phase) {
+    float lengths = length(wave_vector) * length(neighbour_wave_vector);
+    if (lengths <= 0.0f) return 0.0f;
+    float angle = abs(dot(wave_vector, neighbour_wave_vector)) / lengths;
+    return angle * cos(kTwoPi * misfit(link, phase, neighbour_phase));
+}
+
+// Share of its height that a wave keeps. agreed: mean of the agreement with itself (1) and with the neighbours, by
+// their weights. Below kFork waves fork there: none; from kInStep on they run side by side: all of it.
+const float kFork = 0.2f;
+const float kInStep = 0.7f;
+FORMULA float kept_at_fork(float agreed) {
+    float x = clamp((agreed - kFork) / (kInStep - kFork), 0.0f, 1.0f);
+    return x * x * (3.0f - 2.0f * x);
+}
+
 // ---- Profiles (section 6.3)
 
 // Where a phase lies in the table of half a period; the other half is its mirror image,

@@ -44,6 +44,10 @@ FORMULA mat4 probe_formula(int formula, mat4 x) {
     } else if (formula == 11) {
         mat2 m = restretched(probe_mat(x[0]), probe_3(x[1]));
         y[0] = vec4(m[0][0], m[0][1], m[1][0], m[1][1]);
+    } else if (formula == 12) {
+        Link link = link_waves(probe_3(x[0]), probe_3(x[1]), probe_3(x[2]));
+        float agreed = agreement(probe_3(x[0]), probe_3(x[1]), link, x[3].x, x[3].y);
+        y[0] = vec4(agreed, kept_at_fork(agreed), 0.0f, 0.0f);
     }
     return y;
 }

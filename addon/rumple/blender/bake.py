@@ -35,7 +35,7 @@ class Playback:
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
         self.run_up = list(range(min(self.scene.frame_start, start), start))
-        self.looks = obj.rumple.bake_whole_clip and properties.settings_of(obj, context.scene).adapts
+        self.looks = obj.rumple.bake_whole_clip and properties.settings_of(obj, context.scene).sees_ahead
         self.count = len(self.run_up) + (end - start) * samples + 1
         if self.looks:
             self.count += len(self.run_up) + end - start + 1

@@ -26,7 +26,7 @@ def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     digest = hashlib.sha1(structure.sources(obj).shape.encode())
     settings = properties.settings_of(obj, scene)
     digest.update(repr((settings, scene.frame_start)).encode())
-    if settings.adapts:
+    if settings.sees_ahead:
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
     for key, weights in sorted(mesh_io.paint(obj, settings).items()):
         digest.update(key.encode() + weights.tobytes())

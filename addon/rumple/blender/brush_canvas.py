@@ -32,6 +32,7 @@ class Canvas:
             positions = mesh_io.plain_positions(evaluated, count)
         if positions is None:
             raise Refused(f"{obj.name}: its wrinkles do not show: switch the modifier on in the viewport first")
+        positions = self.easel.field.solved_over(float(depsgraph.scene.frame_current_final), positions)
         matrix = np.array(evaluated.matrix_world, np.float32)
         if self.easel.pose(positions @ matrix[:3, :3].T + matrix[:3, 3]):
             self._tree = None

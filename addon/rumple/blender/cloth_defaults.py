@@ -7,13 +7,13 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core import wrinkle_mesh
+from ..core import wrinkle_mesh, wrinkle_paths
 from . import mesh_io, properties, registry, structure
 
 # Their result is cloth already: its small compressions are the simulation's own.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
 SIMULATION_NODE = "GeometryNodeSimulationInput"  # the start of a simulation zone, from Blender 3.6 on
-CHOICES = ("base_cloth", "layers", "up", "buckling_threshold")  # what is no length
+CHOICES = ("base_cloth", "layers", "up", "buckling_threshold", "threshold")  # what is no length
 STEPS = 20  # of the weights that a group starts from
 
 
@@ -23,26 +23,31 @@ def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> N
 
     lengths: names of those that nobody has set.
     """
-    settings = obj.rumple.mesh
-    if settings.is_property_set("base_cloth") or settings.is_property_set("layers"):
+    settings = properties.group_of(obj)
+    if any(name in properties.fields_of(obj) and settings.is_property_set(name) for name in ("base_cloth", "layers")):
         return
     values = defaults(obj, scene)
-    free = lengths - ({"wavelength"} if settings.density == "LEVEL" else set())
+    free = lengths - ({"wavelength"} if getattr(settings, "density", "") == "LEVEL" else set())
     properties.apply_values(obj, scene, {name: value for name, value in values.items() if name in free or (
         name in CHOICES and not settings.is_property_set(name))})
 
 
 def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
     """Settings by what moves the object; none for what is neither skinned nor simulated."""
+    method = obj.rumple.method
     if is_simulated(obj):
-        return wrinkle_mesh.SIMULATED_DEFAULTS
+        return wrinkle_mesh.SIMULATED_DEFAULTS if method == "MESH" else {}
     if not is_skinned(obj):
         return {}
     base = mesh_io.base_mesh(obj, "REST_POSE", "")
     if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
         return {}
-    return wrinkle_mesh.cloth_defaults(base, structure.metres_per_unit(obj, scene),
-                                       np.array(obj.matrix_world.to_3x3(), np.float32))
+    metres = structure.metres_per_unit(obj, scene)
+    values = wrinkle_mesh.cloth_defaults(base, metres, np.array(obj.matrix_world.to_3x3(), np.float32))
+    if method == "MESH":
+        return values
+    of_folds = wrinkle_paths.cloth_defaults(base, metres) if method == "PATHS" else {}
+    return {name: values[name] for name in ("base_cloth", "up", "room", "thickness")} | of_folds
 
 
 def is_simulated(obj: bpy.types.Object) -> bool:

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import bpy
 
-from . import mesh_io
+from . import mesh_io, properties
 from .panel_parts import Panel, property_column
 
 
 class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
     bl_label = "Cloth"
-    method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = property_column(self.layout), context.object
-        settings = obj.rumple.mesh
-        column.prop(settings, "layers")
-        if settings.layers == "CLOTH":
-            for name in ("drape", "folds", "detail"):
-                painted(column, obj, name)
-            if settings.source != "SUBDIVISION" or settings.rest_shape == "ADAPTIVE":
-                column.label(text="Layers need Subdivision and a rest shape that stays", icon="INFO")
-        column.separator()
+        settings = properties.group_of(obj)
+        if obj.rumple.method == "MESH":
+            _draw_layers(column, obj)
+            column.separator()
         column.prop(settings, "base_cloth")
         if settings.base_cloth == "OFF":
             return
+        if settings.base_cloth == "SWING":
+            _draw_swing(column, settings)
         for name in ("slack", "gravity"):
             column.prop(settings, name)
         painted(column, obj, "room")
@@ -35,29 +32,44 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
             column.prop(settings, "up")
 
 
+def _draw_layers(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """Of the Wrinkle Mesh."""
+    settings = obj.rumple.mesh
+    column.prop(settings, "layers")
+    if settings.layers == "CLOTH":
+        for name in ("drape", "folds", "detail"):
+            painted(column, obj, name)
+        if settings.source != "SUBDIVISION" or settings.rest_shape == "ADAPTIVE":
+            column.label(text="Layers need Subdivision and a rest shape that stays", icon="INFO")
+
+
+def _draw_swing(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    if settings.stateless:
+        column.label(text="Independent Frames have no time: the cloth hangs", icon="INFO")
+        return
+    for name in ("mass", "swing_damping", "substeps", "locomotion", "drag"):
+        column.prop(settings, name)
+    column.separator()
+
+
 class DATA_PT_rumple_body(Panel, bpy.types.Panel):
     bl_label = "Body"
-    method = "MESH"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return super().poll(context) and context.object.rumple.mesh.base_cloth != "OFF"
 
     def draw(self, context: bpy.types.Context) -> None:
         column = property_column(self.layout)
         column.prop(context.object.rumple, "body")
         column.prop(context.object.rumple, "body_collection")
-        column.prop(context.object.rumple.mesh, "thickness")
+        column.prop(properties.group_of(context.object), "thickness")
 
 
 def painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
-    """A setting of the Wrinkle Mesh and the button that paints where it acts."""
+    """A setting and the button that paints where it acts."""
     row = column.row(align=True)
-    row.prop(obj.rumple.mesh, name)
+    row.prop(properties.group_of(obj), name)
     paint_button(row, obj, name)
 
 
 def paint_button(row: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
-    """Paints a vertex group of the Wrinkle Mesh."""
+    """Paints a vertex group of the Wrinkle Mesh or of the base cloth."""
     exists = mesh_io.MESH_GROUPS[name] in obj.vertex_groups
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = name

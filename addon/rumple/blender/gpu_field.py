@@ -33,6 +33,7 @@ class Passes:
         self.wake = Pass(source("wake"), ("vertices", "solved"), ("out_share",))
         self.relax = Pass(source("relax"), ("vertices", "links", "shares", "phases"), ("out_phase",),
                           (("FLOAT", "rate"),))
+        self.dissolve = Pass(source("dissolve"), ("vertices", "links", "waves", "phases"), ("out_waves",))
         self.unfold = Pass(source("unfold"), ("fans", "fan_corners", "positions"), ("out_u", "out_v"))
 
 
@@ -53,6 +54,7 @@ class GpuField:
         self._links = [Target(len(neighbours), 2) for _ in range(2)]  # ping-pong: link reads what it solved before
         self._shares = Target(self.vertex_count)
         self._waves = [Target(self.vertex_count, 2) for _ in range(2)]  # ping-pong: crush reads the k of before
+        self._dissolved = Target(self.vertex_count)
         self._phases = [Target(self.vertex_count) for _ in range(2)]  # ping-pong, as figure 2 has it
         self._fans = Target(1, 2)
         self._fan_arrays: tuple | None = None
@@ -77,6 +79,7 @@ class GpuField:
     def set_wishes(self, settings: Any, wishes: Any, profile: Any) -> None:
         """settings: WrinkleFieldSettings; wishes: WrinkleFieldWishes; profile: WrinkleFieldProfile."""
         self._strength, self._rate = float(settings.strength), float(settings.rate)
+        self._dissolves = bool(settings.dissolve)
         wavelength = np.where(self._has_frame, wishes.wavelength, 0.0)
         self._vertices = upload(np.column_stack((self._first, self._counts, wavelength, wishes.mask)))
         self._wishes = upload(np.column_stack((wishes.rest_wrinkle, wishes.turn)))
@@ -128,6 +131,13 @@ class GpuField:
             self._phases.reverse()
             self._start_phase = None
 
+    def dissolve(self) -> None:
+        """What is drawn of the waves, where the settings ask for it; after relax(). Cost: O(edges)."""
+        if self._dissolves:
+            self._passes.dissolve.run(self._dissolved, {
+                "vertices": self._vertices, "links": self._links[0].textures[0], "waves": self._waves[0].textures[0],
+                "phases": self.phases})
+
     def unfold(self) -> None:
         """Gradients of the texture for parallax; nothing without a UV map. Cost: O(triangles)."""
         if self._fan_arrays is not None:
@@ -142,7 +152,8 @@ class GpuField:
     def arrays(self) -> dict[str, gpu.types.GPUTexture]:
         """The textures that the render stage reads."""
         u_slopes, v_slopes = self._fans.textures
-        return {"positions": self._positions, "normals": self._normals, "waves": self._waves[0].textures[0],
+        waves = (self._dissolved if self._dissolves else self._waves[0]).textures[0]
+        return {"positions": self._positions, "normals": self._normals, "waves": waves,
                 "phases": self.phases, "profile": self.profile, "u_slopes": u_slopes, "v_slopes": v_slopes}
 
     def read_phase(self) -> np.ndarray:
@@ -152,6 +163,10 @@ class GpuField:
     def read_waves(self) -> tuple[np.ndarray, np.ndarray]:
         """(w, 4) wave vector and h; (w, 4) k, fullness, r. As read_phase()."""
         return self._waves[0].read(0), self._waves[0].read(1)
+
+    def read_drawn(self) -> np.ndarray:
+        """(w, 4) wave vector and h as they are drawn. As read_phase()."""
+        return read(self.arrays()["waves"], self.vertex_count)
 
     def read_uv_slopes(self) -> tuple[np.ndarray, np.ndarray]:
         """(fans, 4) du/dx' and dv/dx'. As read_phase()."""
@@ -195,17 +210,19 @@ class Drawing:
         goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
                    and inputs.frame == before.frame + 1.0 > bpy.context.scene.frame_start)
         if not goes_on:
-            state = fine.state_of(inputs.frame)
+            state = fine.wrinkles_of(inputs.frame)
             if state is None:
                 return False
             self.waves.begin(state.phase, state.direction, state.solved_offset)
         elif before.settings != inputs.settings:
             self.waves.wake()
-        state = fine.state_of(inputs.frame) if inputs.settings.adapts else None
-        self.waves.pose(*self._model.weld_pose(inputs.positions),
-                        fine.reference_stretches(state, inputs.positions) if state is not None else None)
+        state = fine.wrinkles_of(inputs.frame) if inputs.settings.adapts else None
+        positions = fine.solved_over(inputs.frame, inputs.positions)
+        self.waves.pose(*self._model.weld_pose(positions),
+                        fine.reference_stretches(state, positions) if state is not None else None)
         self.waves.crush()
         self.waves.relax(inputs.settings.rounds if goes_on else 0)
+        self.waves.dissolve()
         self.waves.unfold()
         self._collect_batches(slots)
         return True

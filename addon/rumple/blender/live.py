@@ -14,7 +14,7 @@ import numpy as np
 from .. import native
 from ..core import engine
 from . import bake_state, bodies, carrier as carriers, mesh_io, modifier, path_curves, preview, properties, registry, \
-    structure, versions
+    structure, versions, wind
 from .registry import LOCK, Inputs, Runtime
 
 _BUSY_MODES = frozenset(("EDIT", "SCULPT"))
@@ -192,6 +192,8 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
     picture = _solve(entry, inputs, scene, inputs.stands_in)
     entry.inputs = inputs
     registry.say(entry, "")
+    late = entry.fine.unplayed(inputs.frame, scene.frame_start) if picture.unplayed else ""
+    registry.note_unplayed(entry, late, depsgraph.mode == "RENDER")
     if entry.fine.HAS_CURVES:
         path_curves.write(obj, entry)
     return _show(held, entry, picture, depsgraph.mode == "VIEWPORT")
@@ -200,7 +202,8 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
 def _solve(entry: Runtime, inputs: Inputs, scene: bpy.types.Scene, sketched: bool) -> engine.Picture | engine.Sketch:
     return entry.fine.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
                                   start=scene.frame_start, world_from_object=inputs.world_from_object,
-                                  frame_rate=inputs.frame_rate, sketched=sketched, body=inputs.body)
+                                  frame_rate=inputs.frame_rate, sketched=sketched, body=inputs.body,
+                                  surroundings=inputs.surroundings)
 
 
 def show_fine_meshes() -> None:
@@ -232,7 +235,8 @@ def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
     stands_in = depsgraph.mode == "VIEWPORT" and preview.takes_over(obj, ours)
     return Inputs(float(scene.frame_current_final), settings, positions, world, entry.paint,
-                  scene.render.fps / scene.render.fps_base, stands_in, body)
+                  scene.render.fps / scene.render.fps_base, stands_in, body,
+                  wind.surroundings(evaluated, depsgraph, settings))
 
 
 def _fits(held: bpy.types.Object, entry: Runtime) -> bool:

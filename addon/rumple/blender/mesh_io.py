@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ..core import engine
+from ..core.on_cloth import PAINTED
 from ..core.settings import FieldSettings, MeshSettings, PathsSettings
 from . import field_curve, node_tree, versions
 
@@ -121,10 +122,11 @@ Settings = Union[MeshSettings, FieldSettings, PathsSettings]
 
 def paint_groups(settings: Settings) -> dict[str, str]:
     """Key of the engine -> vertex group (or, but for the Wrinkle Mesh, float attribute) that paints it."""
+    cloth = {key: MESH_GROUPS[key] for key in PAINTED}
     if isinstance(settings, FieldSettings):
-        return {"mask": settings.mask, "wavelength": settings.wavelength_scale}
+        return {"mask": settings.mask, "wavelength": settings.wavelength_scale, **cloth}
     if isinstance(settings, PathsSettings):
-        return {"mask": settings.mask}
+        return {"mask": settings.mask, **cloth}
     return MESH_GROUPS
 
 

@@ -81,8 +81,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             return {"CANCELLED"}
         registry.forget(obj)
         lengths = self._set_defaults(context, obj)
-        if self.method == "MESH":
-            cloth_defaults.apply(obj, context.scene, lengths)
+        cloth_defaults.apply(obj, context.scene, lengths)
         self._find_body(context, obj)
         with structure.half_done():
             ours = modifier.add(obj, self.method)

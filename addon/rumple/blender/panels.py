@@ -101,10 +101,10 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
             row.operator("object.rumple_unshade", text="", icon="X")
             column.prop(settings, "gpu_preview")
         else:
-            for name in ("source", "detail", "attachment"):
+            for name in ("source", "detail", "attachment", "keep_length"):
                 column.prop(settings, name)
         column.separator()
-        for name in ("wavelength", "strength", "irregularity", "seed", "profile"):
+        for name in ("wavelength", "strength", "dissolve", "irregularity", "seed", "profile"):
             column.prop(settings, name)
         curve = field_curve.node(obj) if settings.profile == "CURVE" else None
         if curve is not None:
@@ -199,7 +199,7 @@ class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
         column, obj = property_column(self.layout), context.object
         for name in ("bake_start", "bake_end", "bake_samples", "bake_folder"):
             column.prop(obj.rumple, name)
-        if properties.settings_of(obj, context.scene).adapts:
+        if properties.settings_of(obj, context.scene).sees_ahead:
             column.prop(obj.rumple, "bake_whole_clip")
         row = column.row(align=True)
         row.operator("object.rumple_bake", icon="RENDER_ANIMATION")
@@ -234,8 +234,8 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in picture.milliseconds.items())
         lines.append((f"Milliseconds: {times}" + (" (stored frame)" if picture.replayed else ""), "TIME"))
         lines += [(line, "BLANK1") for line in fine.status(picture)]
-    late = bake_state.late_in_renders(obj)
-    return lines + [(note, "INFO") for note in (*entry.notes, *([late] if late else []))]
+    notes = [*entry.notes, bake_state.late_in_renders(obj), entry.unplayed]
+    return lines + [(note, "INFO") for note in notes if note]
 
 
 def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:

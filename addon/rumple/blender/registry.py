@@ -15,6 +15,7 @@ import numpy as np
 
 from ..core import engine
 from ..core.body import Body
+from ..core.surroundings import Surroundings
 from . import versions
 
 # Handlers run in the render job's thread while the window's thread draws: one at a time. Never "skip if busy",
@@ -34,10 +35,12 @@ class Inputs:
     frame_rate: float  # frames a second
     stands_in: bool = False  # solved for a mesh that only stands in for what the viewport draws (preview.py)
     body: Body | None = None
+    surroundings: Surroundings = Surroundings()  # read where the cloth swings
 
     def same_as(self, other: "Inputs | None") -> bool:
         return (other is not None and self.frame == other.frame and self.settings == other.settings
                 and (self.frame_rate, self.stands_in) == (other.frame_rate, other.stands_in)
+                and self.surroundings == other.surroundings
                 and (other.body is None if self.body is None else self.body.same_as(other.body))
                 and self.paint.keys() == other.paint.keys()
                 and all(np.array_equal(self.paint[key], other.paint[key]) for key in self.paint)
@@ -51,6 +54,7 @@ class Messages:
 
     message: str = ""  # what is wrong with this frame
     refusal: str = ""  # what is wrong with the meshes and settings: stays until they change
+    unplayed: str = ""  # that this frame was reached by a jump, where it shows
     notes: list[str] = field(default_factory=list)
 
 
@@ -126,6 +130,13 @@ def refuse(entry: Messages, text: str) -> None:
     """Set the message on the structure; empty when it is right again."""
     _print_new(text, entry.refusal)
     entry.refusal = text
+
+
+def note_unplayed(entry: Messages, text: str, rendering: bool) -> None:
+    """Set what is said of a frame that was reached by a jump; of renders a new one goes to the console."""
+    if rendering:
+        _print_new(text, entry.unplayed)
+    entry.unplayed = text
 
 
 def _print_new(text: str, former: str) -> None:

@@ -2,7 +2,7 @@
 """The base cloth for whoever has arrays: the coarse mesh becomes cloth around its animation. Never imports bpy."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,11 @@ import numpy as np
 from .. import native
 from .body import Body
 from .settings import ClothSettings
+from .surroundings import Surroundings
 
 GRAVITY = 9.81  # m/s^2
+AIR = 1.2  # kg/m^3
+THIRTIETH = 1.0 / 30.0  # s: what substeps divide
 DOLL, GIANT = 0.4, 3.0  # metres, diagonal of a garment: smaller and larger ones hang as these do, to scale
 
 
@@ -31,10 +34,24 @@ class ClothFrame:
     body_hint: np.ndarray  # (n,) int32: a triangle of the body near it, or -1; (0,) without a body
     state: Any
     report: Any
+    moment: "SwingMoment | None" = None  # of cloth that swings
 
     @property
     def nbytes(self) -> int:
         return self.positions.nbytes + self.gap.nbytes + self.body_hint.nbytes + self.state.nbytes
+
+    def woken(self) -> "ClothFrame | None":
+        """For a solve with other settings: what hangs starts anew, what swings keeps its motion."""
+        return replace(self, state=self.state.woken()) if self.moment is not None else None
+
+
+@dataclass
+class SwingMoment:
+    """When and where cloth that swings was solved."""
+
+    seconds: float
+    world_from_object: np.ndarray  # (3, 3) float64
+    location: np.ndarray  # (3,) float64 of the object, world units
 
 
 class BaseCloth:
@@ -51,15 +68,21 @@ class BaseCloth:
         self._up = ""
 
     def solve(self, positions: np.ndarray, settings: ClothSettings, paint: dict[str, np.ndarray],
-              object_from_world: np.ndarray, body: Body | None, before: ClothFrame | None) -> ClothFrame:
+              object_from_world: np.ndarray, body: Body | None, before: ClothFrame | None, seconds: float = 0.0,
+              surroundings: Surroundings = Surroundings()) -> ClothFrame:
         """One frame. positions: (n, 3) float32, animated, object space. object_from_world: (3, 3) float64, for the
-        direction of gravity. before: the frame before, or None. Raises ValueError."""
+        direction of gravity. before: the frame before, or None. seconds: since frame 0; surroundings: both are read
+        where it swings. Raises ValueError."""
         if paint is not self._painted or settings.up != self._up:
             self._take_paint(paint, settings.up)
-        collider = self.collider(body)
-        return ClothFrame(*native.load().solve_base_cloth(
-            self.model, self._native_settings(settings, object_from_world), self._paint, positions, collider,
-            body.positions if body is not None else None, before.state if before is not None else None))
+        options = self._native_settings(settings, object_from_world)
+        frame = (self._paint, positions, self.collider(body), body.positions if body is not None else None,
+                 before.state if before is not None else None)
+        if settings.base_cloth != "SWING":
+            return ClothFrame(*native.load().solve_base_cloth(self.model, options, *frame))
+        moment = SwingMoment(seconds, np.linalg.inv(object_from_world), np.array(surroundings.location, np.float64))
+        swing = self._swing(settings, object_from_world, moment, surroundings, before.moment if before else None)
+        return ClothFrame(*native.load().swing_base_cloth(self.model, options, swing, *frame), moment)
 
     def collider(self, body: Body | None) -> Any:
         """The native collider of a body, built once for its triangles; None for none."""
@@ -83,6 +106,24 @@ class BaseCloth:
         values = paint if "follow" in paint else {**paint, "follow": self.follow(up)}
         self._paint, self._painted, self._up = native.load().BaseClothPaint(self.model, values), paint, up
 
+    def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingMoment,
+               surroundings: Surroundings, before: SwingMoment | None) -> Any:
+        """As the native solver takes it. The stiffness is per mass: mass counts against the air only."""
+        options = native.load().BaseClothSwing()
+        options.longest_step = THIRTIETH / settings.substeps
+        options.damping, options.locomotion = settings.swing_damping, settings.locomotion
+        to_scale = self.size_factor / self.unit_scale
+        options.drag = AIR * settings.drag / (2.0 * settings.mass * to_scale)
+        options.wind = tuple(float(v) for v in to_scale * _into_object(object_from_world, np.array(surroundings.wind)))
+        if before is None:
+            return options
+        options.seconds = max(now.seconds - before.seconds, 0.0)
+        if not (np.array_equal(before.world_from_object, now.world_from_object)
+                and np.array_equal(before.location, now.location)):
+            shift = object_from_world @ (before.location - now.location)
+            options.place((object_from_world @ before.world_from_object).tolist(), shift.tolist())
+        return options
+
     def _native_settings(self, settings: ClothSettings, object_from_world: np.ndarray) -> Any:
         """Metres into object units. A doll's cloth, and a giant's, hang as a person's do: lengths to scale."""
         options = native.load().BaseClothSettings()
@@ -95,6 +136,15 @@ class BaseCloth:
         length = float(np.linalg.norm(down))
         gravity = GRAVITY * settings.gravity * to_scale * (down / length if length > 0.0 else down)
         options.gravity = tuple(float(g) for g in gravity)
+        if settings.base_cloth == "OFF":
+            options.steps = options.start_steps = 0  # the animated mesh, out of the body
         options.slack, options.room = settings.slack, settings.room / self.unit_scale
         options.thickness = self.thickness(settings)
         return options
+
+
+def _into_object(object_from_world: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """(3,) in the direction that a vector of the world has in object space, as long as it was."""
+    turned = object_from_world @ vector
+    length = float(np.linalg.norm(turned))
+    return turned * (np.linalg.norm(vector) / length) if length > 0.0 else np.zeros(3)

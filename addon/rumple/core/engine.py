@@ -8,15 +8,18 @@ from __future__ import annotations
 import hashlib
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from .. import native
 from .body import Body
+from .cloth import ClothFrame
 from .frame_result import COMMON_ATTRIBUTES, Attribute, Picture, Sketch
 from .history import Entry, History
+from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
+from .surroundings import Surroundings
 
 MOST_VERTICES = 4_000_000
 
@@ -67,6 +70,9 @@ class Moment:
     next_seconds: float = 0.0  # of the frame to come ...
     next_positions: np.ndarray | None = None  # ... where it is known
     body: Body | None = None  # what cloth stays outside of
+    animated: np.ndarray | None = None  # (n, 3) what the shown mesh is embedded in
+    cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
+    surroundings: Surroundings = Surroundings()  # where the system reads them
 
     def in_time(self) -> dict[str, Any]:
         """As native solves take it."""
@@ -84,10 +90,13 @@ class Wrinkles:
     FITTING = "wavelength"  # the setting that suits the mesh when wrinkles are added: see fitting_length()
     HAS_CURVES = False  # whether curves() has something to say
 
-    def __init__(self, base: BaseMesh, source: BaseMesh, model: Any, warnings: list[str], unit_scale: float) -> None:
-        """source: what the shown mesh inherits from: the base, or an artist's own mesh."""
+    def __init__(self, base: BaseMesh, source: BaseMesh, surface: Any, model: Any, warnings: list[str],
+                 unit_scale: float) -> None:
+        """source: what the shown mesh inherits from: the base, or an artist's own mesh. surface: native, of the
+        base."""
         self.name = base.name
         self.base = base
+        self.surface = surface
         self.model = model
         self.warnings = warnings
         self.unit_scale = unit_scale  # metres per object unit
@@ -98,6 +107,8 @@ class Wrinkles:
         self.strayed: set[float] = set()  # frames that came with another pose than the clip that was looked at
         self._source_vertices, self._source_corners = len(source.positions), len(source.corner_vertex)
         self._paint: Any = None
+        self._stage: Stage | None = None
+        self._cloth_paint: dict[str, np.ndarray] = {}
 
     # --- the shown mesh, for whoever makes the carrier
     @property
@@ -151,30 +162,36 @@ class Wrinkles:
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
                     start: int, world_from_object: np.ndarray | None = None, frame_rate: float = 24.0,
                     following: tuple[float, np.ndarray] | None = None, sketched: bool = False,
-                    body: Body | None = None) -> Picture | Sketch:
+                    body: Body | None = None, surroundings: Surroundings = Surroundings()) -> Picture | Sketch:
         """The picture of a frame: replayed when it is stored for the same input, else solved and stored.
 
         positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
         start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. following: frame
         and positions of the next one, where they are known: a rest shape that adapts looks ahead. sketched: a Sketch is
-        enough. body: what cloth stays outside of in this frame. Raises Refused.
+        enough. body: what cloth stays outside of in this frame. surroundings: what cloth that swings meets. Raises
+        Refused.
         """
         try:
             return self._solve_frame(frame, positions, settings, paint, start, world_from_object, frame_rate,
-                                     following if settings.adapts else None, sketched, body)
+                                     following if settings.sees_ahead else None, sketched, body, surroundings)
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None, frame_rate: float,
-                     following: tuple[float, np.ndarray] | None, sketched: bool, body: Body | None) -> Picture | Sketch:
-        chosen = self._take_inputs(frame, settings, paint, start, frame_rate if self._reads_time(settings) else 0.0)
-        world = self._reads_world(settings) and world_from_object is not None
+                     following: tuple[float, np.ndarray] | None, sketched: bool, body: Body | None,
+                     surroundings: Surroundings) -> Picture | Sketch:
+        swings = settings.swings
+        timed = swings or self._reads_time(settings)
+        chosen = self._take_inputs(frame, settings, paint, start, frame_rate if timed else 0.0)
+        world = (self._reads_world(settings) or settings.base_cloth != "OFF") and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
         labels = self._seen(frame, positions)
         coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
-        moment = Moment(frame, frame / frame_rate, matrix, labels, *coming, body)
-        digest = _digest(chosen, positions, matrix, labels, moment.next_positions, *(body.arrays() if body else ()))
+        moment = Moment(frame, frame / frame_rate, matrix, labels, *coming, body, positions,
+                        surroundings=surroundings if swings else Surroundings())
+        digest = _digest(chosen, positions, matrix, labels, moment.next_positions, *(body.arrays() if body else ()),
+                         *([surroundings.array()] if swings else ()))
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
         entry = self.history.get(frame)
@@ -182,20 +199,65 @@ class Wrinkles:
         replayed = entry is not None and entry.inputs == digest and (entry.final or not final)
         if not replayed:
             state = before.state if before is not None else None
-            state, report = self._solve(settings, positions, state, before is not None and before.chosen == chosen,
-                                        moment)
+            state, report = self._solve_over(settings, positions, state,
+                                             before is not None and before.chosen == chosen, moment)
             entry = Entry(state, digest, chosen, final, report)
             self.history.put(frame, entry)
         solved = time.perf_counter()
-        picture = (self._sketch if sketched else self._show)(settings, positions, entry.state, moment)
+        moment = replace(moment, cloth=cloth_of(entry.state))
+        picture = (self._sketch if sketched else self._show)(settings, self.solved_over(frame, positions),
+                                                             system_state(entry.state), moment)
         picture.report, picture.replayed = entry.report, replayed
         picture.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
+        picture.unplayed = swings and not entry.final
         return picture
 
     def state_of(self, frame: float) -> Any:
-        """The stored state of a frame, or None."""
+        """The stored state of a frame, or None. With a base cloth: an OnCloth."""
         entry = self.history.get(frame)
         return entry.state if entry is not None else None
+
+    def wrinkles_of(self, frame: float) -> Any:
+        """The system's own state of a stored frame, or None."""
+        return system_state(self.state_of(frame))
+
+    def solved_over(self, frame: float, positions: np.ndarray) -> np.ndarray:
+        """(n, 3) float32, object space: what the wrinkles of a stored frame lie on, the base cloth. Without one: the
+        animated positions, which are given."""
+        cloth = cloth_of(self.state_of(frame))
+        return positions if cloth is None else cloth.positions
+
+    # --- the base cloth
+    def _solve_over(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
+                    moment: Moment) -> tuple[Any, Any]:
+        """The base cloth, or what keeps the animated mesh out of a body, then the system over it. Everything as _solve()
+        has it."""
+        own = system_state(before)
+        if settings.base_cloth == "OFF" and moment.body is None:
+            return self._solve(settings, positions, own, same_settings, moment)
+        cloth = cloth_of(before)
+        if cloth is not None and not same_settings:
+            cloth = cloth.woken()
+        cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, moment.world_from_object, moment.body,
+                                         cloth, not self._keeps_off_bodies(), moment.seconds, moment.surroundings)
+        state, report = self._solve(settings, cloth.positions, own, same_settings, replace(moment, cloth=cloth))
+        return OnCloth(cloth, state), OnClothReport(cloth.report, report, moment.body is not None)
+
+    def _base_cloth(self) -> Stage:
+        if self._stage is None:
+            self._stage = Stage(self.surface, self.base.diagonal(), self.unit_scale)
+        return self._stage
+
+    def suggested_follow(self, settings: Any) -> np.ndarray:
+        """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
+        from."""
+        return self._base_cloth().cloth.follow(settings.up)
+
+    def _picture(self, shown: Any, moment: Moment, **own: np.ndarray) -> Picture:
+        """From a native picture of a frame: what was solved over the base cloth is embedded in the animated mesh."""
+        if moment.cloth is not None:
+            native.load().embed_frame(self.surface, self.model.shown, moment.animated, shown)
+        return Picture.of(shown, **own)
 
     def _frame_before(self, frame: float) -> Entry | None:
         """The stored whole frame that a frame goes on from: the one before it, or the one a subframe is in."""
@@ -214,7 +276,8 @@ class Wrinkles:
         chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
         repainted = self._paint is None or painted.digest() != self._painted
         if repainted:
-            self._paint = self._take_paint(paint)
+            self._cloth_paint = {name: paint[name] for name in PAINTED if name in paint}
+            self._paint = self._take_paint({name: paint[name] for name in paint if name not in PAINTED})
         # Another rate tells stored frames to be of other times.
         if repainted or (chosen != self._chosen and frame == self._frame) or frame_rate != self._frame_rate:
             self.history.clear()
@@ -227,12 +290,13 @@ class Wrinkles:
         all of it at once, not frame by frame. An empty clip: forget it. Stored frames are forgotten.
 
         clip: (n, 3) float32 positions by whole frame, ascending. A frame that is solved with other positions is solved
-        as live, and noted in `strayed`; a subframe goes by the whole frame that it leads to. Raises Refused. Cost: per
-        frame and 1,000 triangles about 1 ms; half a megabyte while it is cut, at most 250; a kilobyte afterwards.
+        as live, and noted in `strayed`; a subframe goes by the whole frame that it leads to. With a base cloth nothing
+        is seen ahead: what it will be is not known. Raises Refused. Cost: per frame and 1,000 triangles about 1 ms;
+        half a megabyte while it is cut, at most 250; a kilobyte afterwards.
         """
         self.history.clear()
         self._clip, self.strayed = {}, set()
-        if not clip or not settings.adapts:
+        if not clip or not settings.sees_ahead:
             return
         times = np.array([frame / frame_rate for frame in clip], np.float64)
         try:
@@ -270,11 +334,26 @@ class Wrinkles:
 
     def status(self, picture: Picture) -> list[str]:
         """How the solve of a picture went, in lines for the artist."""
+        report = picture.report
+        if not isinstance(report, OnClothReport):
+            return self._status(report)
+        return [*self._status(report.wrinkles), *report.lines(self.name, self.unit_scale)]
+
+    def _status(self, report: Any) -> list[str]:
+        """Of what the system reports."""
         raise NotImplementedError
 
+    def unplayed(self, frame: float, start: int) -> str:
+        """What to say of a picture that is `unplayed`."""
+        return (f"{self.name}: frame {frame:g} was reached by a jump, so its cloth hangs and does not swing: play from "
+                f"frame {start}, or bake")
+
     def worn_surface(self, frame: float) -> Body | None:
-        """What another garment lies on in a stored frame, object space; None: on the coarse mesh."""
-        return None
+        """What another garment lies on in a stored frame, object space; None: on the animated coarse mesh."""
+        cloth = cloth_of(self.state_of(frame))
+        if cloth is None:
+            return None
+        return Body(cloth.positions, self.base.corner_vertex[self.base.triangle_corner])
 
     def curves(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
         """The folds of a solved frame as curves (see curve_rows.py). positions: as they were solved."""
@@ -283,6 +362,10 @@ class Wrinkles:
     def curve_points(self, settings: Any) -> float:
         """About how many points its curves have when it is folded all over."""
         raise NotImplementedError
+
+    def _keeps_off_bodies(self) -> bool:
+        """Whether it sees itself to what is worn under the base cloth."""
+        return False
 
     def _reads_world(self, settings: Any) -> bool:
         """Whether the solve depends on where the object stands in the world."""
@@ -302,7 +385,8 @@ class Wrinkles:
 
     def _solve(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
-        """(state, report) from the state of the frame before; same_settings: it was solved with these."""
+        """(state, report) from the state of the frame before; same_settings: it was solved with these. positions: what
+        the wrinkles lie on."""
         raise NotImplementedError
 
     def _show(self, settings: Any, positions: np.ndarray, state: Any, moment: Moment) -> Picture:

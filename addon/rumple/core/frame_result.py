@@ -40,6 +40,7 @@ class Picture:
     report: Any = None
     milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
     replayed: bool = False
+    unplayed: bool = False  # it was reached by a jump, and its cloth would swing
 
     @classmethod
     def of(cls, shown: Any, **own: np.ndarray) -> "Picture":
@@ -76,6 +77,7 @@ class Sketch:
     report: Any = None
     milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
     replayed: bool = False
+    unplayed: bool = False  # as a Picture's
 
     def shows_the_same(self, other: "Picture | Sketch") -> bool:
         """Whether a carrier would hold the same bits."""

@@ -76,6 +76,12 @@ class AdaptiveRest:
         """Whether what is measured against changes with time. Frames on their own have no time: rest pose."""
         return self.rest_shape == "ADAPTIVE" and not self.stateless
 
+    @property
+    def sees_ahead(self) -> bool:
+        """Whether a bake may look at the whole clip first. What a base cloth will be is not known before it is
+        solved."""
+        return self.adapts and self.base_cloth == "OFF"
+
     def fill_reference(self, options: Any) -> None:
         """Set what native settings have of it."""
         for name in ("window", "relaxation", "growth"):
@@ -84,9 +90,12 @@ class AdaptiveRest:
 
 
 BASE_CLOTHS = (
-    ("OFF", "Off", "The animated mesh is the cloth: for simulated garments, skin and tight clothes"),
+    ("OFF", "Off", "The animated mesh is the cloth, kept out of the body: for simulated garments, skin and tight "
+     "clothes"),
     ("HANG", "Hang", "The coarse mesh itself becomes cloth around its animation: it sags, pulls taut and rests on the "
      "body. No inertia, nothing to wait for"),
+    ("SWING", "Swing", "As Hang, with inertia and wind: it lags behind, sways and settles. Play it through from the "
+     "first frame, or bake"),
 )
 LAYERS = (
     ("ONE", "One", "One fine mesh with folds of one size, as in the paper"),
@@ -113,6 +122,23 @@ class ClothSettings:
                       "painted, the highest opening is pinned", choices=UPS)
     thickness: float = setting(0.003, "Thickness", "How far the cloth stays off the body", low=0.0, high=1.0,
                                unit="LENGTH")
+    # Of Swing
+    mass: float = setting(0.2, "Mass", "Kilograms of a square metre: silk 0.06, cotton 0.15, denim 0.4. Heavier cloth "
+                          "gives less to wind and air", low=0.01, high=10.0, soft=1.0)
+    swing_damping: float = setting(10.0, "Damping", "How fast swaying dies away, per second. 0: only what the solver "
+                                   "loses", low=0.0, high=1000.0, soft=50.0)
+    substeps: int = setting(2, "Substeps", "Time steps of the solver in a thirtieth of a second, whatever the frame "
+                            "rate. More: livelier and slower", low=1, high=20)
+    locomotion: float = setting(0.2, "Locomotion", "Share of the motion of the garment as a whole that its inertia "
+                                "feels. 1: as it is. 0: walks, turns and stops do not move the cloth on the body",
+                                low=0.0, high=1.0, unit="FACTOR")
+    drag: float = setting(1.0, "Drag", "How much wind and still air push the cloth. 1: a sheet across the wind",
+                          low=0.0, high=10.0, soft=3.0)
+
+    @property
+    def swings(self) -> bool:
+        """Whether the base cloth depends on time. Frames on their own have no time: they hang."""
+        return self.base_cloth == "SWING" and not self.stateless
 
 
 @dataclass
@@ -212,7 +238,7 @@ STARTS = (
 
 
 @dataclass
-class FieldSettings(AdaptiveRest):
+class FieldSettings(AdaptiveRest, ClothSettings):
     """Settings of one Wrinkle Field. Lengths are metres in world scale unless the unit says otherwise."""
 
     output: str = setting("SHADING", "Output", "What shows the waves", choices=OUTPUTS, affects="MESH")
@@ -221,6 +247,10 @@ class FieldSettings(AdaptiveRest):
                                 "height with it", low=0.0001, high=10.0, unit="LENGTH")
     strength: float = setting(1.0, "Strength", "Height of the folds over the height that keeps the length of the cloth",
                               low=0.0, high=10.0, soft=2.0)
+    keep_length: bool = setting(True, "Keep Length", "As geometry, folds are no higher than the cloth there allows, "
+                                "whatever the strength: across them it is as long as at rest, not longer")
+    dissolve: bool = setting(True, "Dissolve Forks", "Waves sink where they fork or run across one another, instead of "
+                             "breaking into scales")
     profile: str = setting("SINE", "Profile", "The shape of a fold", choices=PROFILES,
                            affects="MESH")
     irregularity: float = setting(0.0, "Irregularity", "0 is tidy cloth, 1 is disturbed like skin: direction and width "
@@ -279,7 +309,7 @@ PATH_PROFILES = (
 
 
 @dataclass
-class PathsSettings(AdaptiveRest):
+class PathsSettings(AdaptiveRest, ClothSettings):
     """Settings of the Wrinkle Paths. Lengths are metres in world scale unless the unit says otherwise."""
 
     # Where folds are (chapters 4 and 5 of the thesis)

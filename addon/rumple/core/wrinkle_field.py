@@ -60,10 +60,9 @@ class WrinkleField(Wrinkles):
                 most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
             raise Refused(f"{base.name}: {error}") from error
-        return cls(base, base, model, warnings, unit_scale)
+        return cls(base, base, surface, model, warnings, unit_scale)
 
-    def status(self, picture: Picture) -> list[str]:
-        report = picture.report
+    def _status(self, report: Any) -> list[str]:
         lines = [f"{report.wrinkled} of {self.model.vertex_count} vertices wrinkle",
                  f"Phases are off by {360.0 * report.misfit_after:.0f} degrees on average"]
         if report.collapsed:
@@ -100,7 +99,7 @@ class WrinkleField(Wrinkles):
               moment: Moment) -> Picture:
         shown = native.load().show_wrinkle_field(self.model, self._native_settings(settings),
                                                  native_profile(settings.profile, self._drawn), self._paint, positions,
-                                                 state)
+                                                 state, None if moment.cloth is None else moment.cloth.gap)
         own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
         nothing = np.zeros((len(self.corner_vertex), 3), np.float32)
         corners = {PHASE: shown.corner_phase, WEIGHT: shown.corner_weight,
@@ -108,11 +107,11 @@ class WrinkleField(Wrinkles):
                    U_GRADIENT: shown.corner_u_gradient, V_GRADIENT: shown.corner_v_gradient}
         # Displaced in shape, or without a UV map: nothing left for the shader to do.
         own.update({name: values if len(values) else nothing for name, values in corners.items()})
-        return Picture.of(shown, **own)
+        return self._picture(shown, moment, **own)
 
     def _native_settings(self, settings: FieldSettings) -> Any:
         options = native.load().WrinkleFieldSettings()
-        for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed"):
+        for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed", "keep_length", "dissolve"):
             setattr(options, name, getattr(settings, name))
         options.aligned_start = settings.start == "ALIGNED"
         options.wavelength = settings.wavelength / self.unit_scale

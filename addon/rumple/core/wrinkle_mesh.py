@@ -10,8 +10,9 @@ import numpy as np
 
 from .. import native
 from .body import Body
-from .cloth import BaseCloth, ClothFrame, size_factor
+from .cloth import size_factor
 from .engine import MOST_VERTICES, BaseMesh, Moment, Picture, Refused, Wrinkles, checked_surface
+from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
 
 MOST_LEVEL = 5
@@ -48,7 +49,6 @@ def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
 
 
-LEAST_UNDER = 0.02  # of the vertices that have the body under them: with less something is wrong
 CLOTH_WAVELENGTH = 0.04  # metres: the finest folds of a cotton garment that an adult wears
 LEAST_OPENINGS = 2  # of a garment: a head has one
 
@@ -87,31 +87,6 @@ def is_dense(base: BaseMesh) -> bool:
     return 4 * len(base.corner_vertex) > MOST_PLAYABLE
 
 
-@dataclass
-class OnCloth:
-    """The state of a frame that has a base cloth, or layers."""
-
-    cloth: ClothFrame | None
-    wrinkles: Any  # native: of the one fine mesh, or of the layers
-
-    @property
-    def nbytes(self) -> int:
-        return self.wrinkles.nbytes + (self.cloth.nbytes if self.cloth is not None else 0)
-
-    def woken(self) -> "OnCloth":
-        """For a solve with other settings: nothing is held, the base cloth starts anew."""
-        return OnCloth(None, self.wrinkles.woken())
-
-
-@dataclass
-class MeshReport:
-    """How a frame with a base cloth, or layers, was solved."""
-
-    cloth: Any  # native, or None
-    layers: list[Any]  # native, coarse first
-    has_body: bool = False  # whether it was worn over something
-
-
 class WrinkleMesh(Wrinkles):
     """A fine mesh that is solved over the base: one, or several layers, over a base cloth or the animated mesh."""
 
@@ -143,11 +118,11 @@ class WrinkleMesh(Wrinkles):
             warnings += [f"{own.name}: {w}" for w in own_surface.warnings]
             if attached is not None and not attached.all():
                 warnings.append(f"{own.name}: {int((~attached.astype(bool)).sum())} vertices are not attached")
-        mesh = cls(base, own if own_surface is not None else base, model, warnings, unit_scale)
+        mesh = cls(base, own if own_surface is not None else base, surface, model, warnings, unit_scale)
         mesh.layer_count = level + 1 if settings.layered else 0
         edges = model.local_edge(level) if settings.layered else model.local_edge
         mesh.edge_mean, mesh.level = float(edges.mean()) * unit_scale, level
-        mesh._surface, mesh._cloth, mesh._finest = surface, None, None
+        mesh._finest = None
         return mesh
 
     @staticmethod
@@ -158,21 +133,13 @@ class WrinkleMesh(Wrinkles):
     def solve_vertex_count(self) -> int:
         return self.model.solved_vertex_count
 
-    def status(self, picture: Picture) -> list[str]:
-        report = picture.report
+    def _status(self, report: Any) -> list[str]:
         lines = [f"{self.solve_vertex_count} vertices are solved", f"Fine edge {1000.0 * self.edge_mean:.2f} mm"]
-        if isinstance(report, MeshReport):
-            if report.cloth is not None:
-                offset = 1000.0 * self.unit_scale * report.cloth.offset_mean
-                lines.append(f"Base cloth: {offset:.1f} mm from the animation on average, "
-                             f"{100.0 * report.cloth.body_known:.0f} % has the body under it")
-                if report.has_body and report.cloth.body_known < LEAST_UNDER:
-                    lines.append(f"{self.name}: its body does not lie under it: see that the normals of both point "
-                                 "outwards, or choose another body")
-            kept = sum(layer.kept_apart for layer in report.layers)
-            if kept:
-                lines.append(f"{kept} {'vertex' if kept == 1 else 'vertices'} kept from crossing the garment itself")
-            report = report.layers[-1]
+        layers = report if isinstance(report, list) else [report]
+        kept = sum(layer.kept_apart for layer in layers)
+        if kept:
+            lines.append(f"{kept} {'vertex' if kept == 1 else 'vertices'} kept from crossing the garment itself")
+        report = layers[-1]
         before, after = 100.0 * report.error_before, 100.0 * report.error_after
         lines.append(f"Edge length error {before:.1f} % before, {after:.1f} % after {report.iterations} iterations")
         if report.collapsed_triangles:
@@ -183,23 +150,24 @@ class WrinkleMesh(Wrinkles):
         """Edge errors, areas and violations of a stored frame; None when it is not stored, or has a base cloth or
         layers."""
         entry = self.history.get(frame)
-        if entry is None or self._paint is None or isinstance(entry.state, OnCloth):
+        if entry is None or self._paint is None or isinstance(entry.state, OnCloth) or self.layer_count:
             return None
         return native.load().measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
                                                   entry.state)
 
     def worn_surface(self, frame: float) -> Body | None:
-        """What another garment lies on: the cloth of a stored frame, object space. None where it is not stored or has
-        no layers."""
-        state = self.state_of(frame)
-        if not isinstance(state, OnCloth) or not self.layer_count:
-            return None
+        state = self.wrinkles_of(frame)
+        if state is None or not self.layer_count:
+            return super().worn_surface(frame)
         if self._finest is None:
             self._finest = self.model.finest_triangles
-        return Body(state.wrinkles.solved, self._finest)
+        return Body(state.solved, self._finest)
+
+    def _keeps_off_bodies(self) -> bool:
+        return self.layer_count > 0
 
     def _reads_world(self, settings: MeshSettings) -> bool:
-        return settings.offset_space == "WORLD" or settings.base_cloth != "OFF"
+        return settings.offset_space == "WORLD"
 
     def _reads_time(self, settings: MeshSettings) -> bool:
         return settings.adapts
@@ -208,7 +176,6 @@ class WrinkleMesh(Wrinkles):
         return native_settings(settings)
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        self._cloth_paint = {name: paint[name] for name in ("follow", "room") if name in paint}
         words = layer_words(self.layer_count) if self.layer_count else []
         ours = {name: values for name, values in paint.items()
                 if name in ("radius", "prestretch", "bending", "inside", *words)}
@@ -220,74 +187,38 @@ class WrinkleMesh(Wrinkles):
                moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
-        if settings.base_cloth == "OFF" and not self.layer_count:
-            plain = before.wrinkles if isinstance(before, OnCloth) else before
-            return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                                    plain, moment.world_from_object, **moment.in_time())
-        before = before if isinstance(before, OnCloth) else OnCloth(None, before)
-        return self._solve_on_cloth(settings, positions, before, moment)
-
-    def _solve_on_cloth(self, settings: MeshSettings, positions: np.ndarray, before: OnCloth,
-                        moment: Moment) -> tuple[OnCloth, MeshReport]:
-        cloth, contact = None, {}
-        if settings.base_cloth != "OFF":
-            cloth = self._hang(settings, positions, before.cloth, moment)
-            positions, contact = cloth.positions, dict(gap=cloth.gap)
-            collider = self._cloth.collider(moment.body)
-            if collider is not None:
-                contact.update(collider=collider, body_positions=moment.body.positions, body_hint=cloth.body_hint,
-                               thickness=self._cloth.thickness(settings))
         if not self.layer_count:
-            state, report = native.load().solve_wrinkle_mesh(
-                self.model, native_settings(settings), self._paint, positions, before.wrinkles,
-                moment.world_from_object, **moment.in_time())
-            return OnCloth(cloth, state), MeshReport(cloth.report, [report], moment.body is not None)
-        state, reports = native.load().solve_wrinkle_layers(
-            self.model, layer_settings(settings, self.layer_count), self._paint, positions, state=before.wrinkles,
-            **contact)
-        return OnCloth(cloth, state), MeshReport(cloth.report if cloth is not None else None, reports,
-                                                 moment.body is not None)
+            return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
+                                                    before, moment.world_from_object, **moment.in_time())
+        return native.load().solve_wrinkle_layers(self.model, layer_settings(settings, self.layer_count), self._paint,
+                                                  positions, state=before, **self._contact(settings, moment))
 
-    def _base_cloth(self) -> BaseCloth:
-        if self._cloth is None:
-            self._cloth = BaseCloth(self._surface, self.base.diagonal(), self.unit_scale)
-        return self._cloth
-
-    def _hang(self, settings: MeshSettings, positions: np.ndarray, before: ClothFrame | None,
-              moment: Moment) -> ClothFrame:
-        return self._base_cloth().solve(positions, settings, self._cloth_paint,
-                                        _inverse(moment.world_from_object), moment.body, before)
-
-    def suggested_follow(self, settings: MeshSettings) -> np.ndarray:
-        """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
-        from."""
-        return self._base_cloth().follow(settings.up)
+    def _contact(self, settings: MeshSettings, moment: Moment) -> dict[str, Any]:
+        """What keeps layers off what is worn under the base cloth."""
+        cloth = moment.cloth
+        if cloth is None:
+            return {}
+        base_cloth = self._base_cloth().cloth
+        collider = base_cloth.collider(moment.body)
+        if collider is None:
+            return dict(gap=cloth.gap)
+        return dict(gap=cloth.gap, collider=collider, body_positions=moment.body.positions, body_hint=cloth.body_hint,
+                    thickness=base_cloth.thickness(settings))
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
-        if not isinstance(state, OnCloth):
-            return Picture.of(native.load().show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
-                                                              moment.world_from_object))
-        solved = state.cloth.positions if state.cloth is not None else positions
         if self.layer_count:
-            return Picture.of(native.load().show_wrinkle_layers(self.model, positions, solved, state.wrinkles))
-        shown = native.load().show_wrinkle_mesh(self.model, native_settings(settings), solved, state.wrinkles,
+            return Picture.of(native.load().show_wrinkle_layers(self.model, moment.animated, positions, state))
+        shown = native.load().show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
                                                 moment.world_from_object)
-        native.load().embed_frame(self._surface, self.model.shown, positions, shown)
-        return Picture.of(shown)
-
-
-def _inverse(world_from_object: np.ndarray | None) -> np.ndarray:
-    """(3, 3) float64; that of an object without a size is the identity."""
-    if world_from_object is None or abs(np.linalg.det(world_from_object)) < 1e-12:
-        return np.eye(3)
-    return np.linalg.inv(world_from_object.astype(np.float64))
+        return self._picture(shown, moment)
 
 
 def native_settings(settings: MeshSettings) -> Any:
     """The native solver's settings: the fields of the same name."""
     options = native.load().WrinkleMeshSettings()
-    for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "buckling_threshold", "compression_limit",
-                 "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge", "seed"):
+    for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "buckling_threshold",
+                 "compression_limit", "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge",
+                 "seed"):
         setattr(options, name, getattr(settings, name))
     settings.fill_reference(options)
     return options

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .. import native
+from .cloth import size_factor
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Moment, Picture, Refused, Sketch, \
     Wrinkles, checked_surface
 from .settings import PathsSettings
@@ -27,6 +28,16 @@ def fitting_width(base: BaseMesh, unit_scale: float) -> float:
     """Width of the tightest folds, in metres, that suits a mesh as it is; two significant digits."""
     edge = base.mean_edge() * unit_scale
     return float(f"{0.7 * edge:.2g}") if edge > 0.0 else PathsSettings.width
+
+
+CLOTH_WIDTH = 0.025  # metres, on a person: folds of a garment that are seen at arm's length
+CLOTH_THRESHOLD = 1.1  # a base cloth spreads what skinning crushes in one place: less compression is a fold
+
+
+def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
+    """Settings of a garment that becomes cloth, beside those of the base cloth. Two significant digits."""
+    width = max(fitting_width(base, unit_scale), CLOTH_WIDTH * size_factor(base.diagonal(), unit_scale))
+    return dict(threshold=CLOTH_THRESHOLD, width=float(f"{width:.2g}"))
 
 
 class WrinklePaths(Wrinkles):
@@ -50,10 +61,9 @@ class WrinklePaths(Wrinkles):
                 longest_edge=longest / unit_scale, most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
             raise Refused(f"{base.name}: {error}") from error
-        return cls(base, base, model, warnings, unit_scale)
+        return cls(base, base, surface, model, warnings, unit_scale)
 
-    def status(self, picture: Picture) -> list[str]:
-        report = picture.report
+    def _status(self, report: Any) -> list[str]:
         lines = [f"{report.paths} folds; {report.born} born and {report.died} gone in this frame",
                  f"{report.compressed} of {self.model.triangle_count} triangles are being compressed, "
                  f"{report.stretched} stretched"]
@@ -62,13 +72,13 @@ class WrinklePaths(Wrinkles):
         return lines
 
     def curves(self, frame: float, positions: np.ndarray, settings: PathsSettings) -> Any:
-        return native.load().ride_wrinkle_paths(self.model, self._native_settings(settings), positions,
-                                                self.state_of(frame))
+        return native.load().ride_wrinkle_paths(self.model, self._native_settings(settings),
+                                                self.solved_over(frame, positions), self.wrinkles_of(frame), positions)
 
     def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
         1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
-        state = self.state_of(frame)
+        state, positions = self.wrinkles_of(frame), self.solved_over(frame, positions)
         corners = positions[self.base.corner_vertex[self.base.triangle_corner]]
         return corners, state.labels, native.load().wrinkle_path_ellipses(self.model, positions, state)
 
@@ -95,11 +105,12 @@ class WrinklePaths(Wrinkles):
     def _show(self, settings: PathsSettings, positions: np.ndarray, state: Any,
               moment: Moment) -> Picture:
         shown = native.load().show_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
-        return Picture.of(shown, rumple_height=shown.height)
+        return self._picture(shown, moment, rumple_height=shown.height)
 
     def _sketch(self, settings: PathsSettings, positions: np.ndarray, state: Any, moment: Moment) -> Sketch:
         drawing = native.load().draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
-        return Sketch(drawing, drawing.stand_in)
+        off = positions - moment.animated if moment.cloth is not None else np.float32(0.0)
+        return Sketch(drawing, drawing.stand_in + off)
 
     def _native_settings(self, settings: PathsSettings) -> Any:
         options = native.load().WrinklePathsSettings()

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The base cloth: the coarse mesh itself becomes cloth around its animation, so that what wrinkles hangs,
 // pulls taut and rests on the body. Mueller and Chentanez 2010, section 4.3: a simulated base whose edges
-// hardly resist compression. Solved for the equilibrium of each pose (no inertia) by Newton's method with
-// conjugate gradients. docs/base_cloth.md has the energy.
+// hardly resist compression. Here: the equilibrium of each pose, without inertia (Hang), by Newton's method
+// with conjugate gradients; swing.h has inertia. docs/base_cloth.md has the energy.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -62,17 +63,36 @@ struct Model {
 };
 std::shared_ptr<const Model> build(Surface surface);
 
+// How cloth that swings moved when its frame was solved (swing.h). Per welded vertex, object space of that
+// frame.
+struct Motion {
+    std::vector<Vec3> position;         // object units
+    std::vector<Vec3> velocity;         // object units / s, beside the locomotion that is not felt
+    std::vector<Vec3> animated;         // object units
+    std::vector<Vec3> animated_before;  // in the frame before that
+    float seconds = 0.0f;               // between these two
+    float fastest = std::numeric_limits<float>::max();  // speed in the frame, object units / s; unknown: most
+    Vec3 gravity{0.0f};                                 // that acted, object units / s^2
+    Vec3 wind{0.0f};                                    // that blew, object units / s
+
+    size_t values() const {
+        return position.size() + velocity.size() + animated.size() + animated_before.size();
+    }
+};
+
 // What lives from frame to frame.
 struct State {
-    std::vector<Vec3> offset;      // per welded vertex, in the tangent frame of the animated vertex
+    std::vector<Vec3> offset;  // per welded vertex, in the tangent frame of the animated vertex; not of Swing
     std::vector<float> length;     // of every spring in the pose that was solved
     std::vector<float> clearance;  // likewise
     float moved = 0.0f;            // farthest way of a vertex in the last step, object units
     std::vector<Index> body_hint;  // speed only
     std::vector<Index> contact_hint;
+    Motion motion;  // of Swing only
 
     size_t bytes() const {
-        return offset.size() * sizeof(Vec3) + (length.size() + clearance.size()) * sizeof(float) +
+        return (offset.size() + motion.values()) * sizeof(Vec3) +
+               (length.size() + clearance.size()) * sizeof(float) +
                (body_hint.size() + contact_hint.size()) * sizeof(Index);
     }
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The static equilibrium of the energy of docs/base_cloth.md: Newton's method, each step by preconditioned
-// conjugate gradients (Shewchuk 1994, B3).
+// The least energy of docs/base_cloth.md: Newton's method, each step by preconditioned conjugate gradients
+// (Shewchuk 1994, B3).
 #include "surface/cloth/equilibrium.h"
 
 #include <algorithm>
@@ -57,7 +57,7 @@ struct Hessian {
 
 // The forces at x; the Hessian too, where one is asked for.
 void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, Hessian* hessian) {
-    const auto& [model, settings, pose, planes] = cloth;
+    const auto& [model, settings, pose, planes, inertia] = cloth;
     for (size_t v = 0; v < x.size(); ++v) {
         const Vec3 away = x[v] - pose.animated[v];
         const float share = pose.room[v] > 0.0f ? glm::dot(away, away) / (pose.room[v] * pose.room[v]) : 0.0f;
@@ -65,12 +65,14 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
         const float inward = -height_above(planes[v], x[v]);
         const float contact = inward > 0.0f ? model.area[v] * std::max(kContact, pose.follow[v]) : 0.0f;
         out[v] = model.area[v] * settings.gravity - back * away + contact * inward * planes[v].normal;
+        if (inertia) out[v] += inertia->push[v] - inertia->resist[v] * (x[v] - inertia->from[v]);
         if (!hessian) continue;
         const float growth = 4.0f * model.area[v] * pose.follow[v] * kWall * share;
         const Vec3 wall = share > 0.0f ? std::sqrt(growth) / pose.room[v] * away : Vec3(0.0f);
         hessian->vertices[v] = {back, wall, contact};
         hessian->inverse_diagonal[v] = glm::mat3(back) + glm::outerProduct(wall, wall) +
                                        contact * glm::outerProduct(planes[v].normal, planes[v].normal);
+        if (inertia) hessian->inverse_diagonal[v] += inertia->resist[v];
     }
     for (size_t s = 0; s < model.springs.size(); ++s) {
         const auto& [a, b, rest, weight, diagonal] = model.springs[s];
@@ -100,6 +102,7 @@ void multiply(const Cloth& cloth, const Hessian& hessian, std::span<const Vec3> 
         const auto& [back, wall, contact] = hessian.vertices[v];
         const Vec3& n = cloth.planes[v].normal;
         out[v] = back * p[v] + glm::dot(wall, p[v]) * wall + contact * glm::dot(n, p[v]) * n;
+        if (cloth.inertia) out[v] += cloth.inertia->resist[v] * p[v];
     }
     for (size_t s = 0; s < hessian.springs.size(); ++s) {
         const Model::Spring& spring = cloth.model.springs[s];

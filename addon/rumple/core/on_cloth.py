@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The stage before every system: the base cloth of a garment, and what a frame over it consists of. Never imports
+bpy."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .. import native
+from .body import Body
+from .cloth import BaseCloth, ClothFrame
+from .settings import ClothSettings
+from .surroundings import Surroundings
+
+PAINTED = ("follow", "room")  # what is painted for the base cloth itself
+HIDDEN = 0.02  # metres, on a person: what is deeper inside a body is hidden there on purpose
+LEAST_UNDER = 0.02  # of the vertices that have the body under them: with less something is wrong
+
+
+@dataclass
+class OnCloth:
+    """The state of a frame that has a base cloth."""
+
+    cloth: ClothFrame
+    wrinkles: Any  # of the system
+
+    @property
+    def nbytes(self) -> int:
+        return self.cloth.nbytes + self.wrinkles.nbytes
+
+
+@dataclass
+class OnClothReport:
+    """How a frame that has a base cloth was solved."""
+
+    cloth: Any  # native
+    wrinkles: Any  # what the system reports
+    has_body: bool  # whether it was worn over something
+
+    @property
+    def layers(self) -> list[Any]:
+        """What the system reports of each layer, coarse first."""
+        return self.wrinkles if isinstance(self.wrinkles, list) else [self.wrinkles]
+
+    def lines(self, name: str, unit_scale: float) -> list[str]:
+        """For the artist. name: of the object; unit_scale: metres per object unit."""
+        offset = 1000.0 * unit_scale * self.cloth.offset_mean
+        lines = [f"Base cloth: {offset:.1f} mm from the animation on average, "
+                 f"{100.0 * self.cloth.body_known:.0f} % has the body under it"]
+        if self.has_body and self.cloth.body_known < LEAST_UNDER:
+            lines.append(f"{name}: its body does not lie under it: see that the normals of both point outwards, or "
+                         "choose another body")
+        return lines
+
+
+def system_state(state: Any) -> Any:
+    """A system's own part of a stored state, or None."""
+    return state.wrinkles if isinstance(state, OnCloth) else state
+
+
+def cloth_of(state: Any) -> ClothFrame | None:
+    """The base cloth of a stored state; None where it has none."""
+    return state.cloth if isinstance(state, OnCloth) else None
+
+
+class Stage:
+    """The base cloth of one garment, whatever lies on it. No state: frames are handed in and out."""
+
+    def __init__(self, surface: Any, diagonal: float, unit_scale: float) -> None:
+        """As BaseCloth() has it."""
+        self.cloth = BaseCloth(surface, diagonal, unit_scale)
+        self._cover: Any = None
+
+    def solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
+              world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None, covers: bool,
+              seconds: float = 0.0, surroundings: Surroundings = Surroundings()) -> ClothFrame:
+        """One frame. Everything as BaseCloth.solve() has it; world_from_object: (3, 3). covers: the smooth surface of
+        the cloth stays off the body as well, for what lies on it knows none. Raises ValueError."""
+        frame = self.cloth.solve(positions, settings, paint, _inverse(world_from_object), body, before, seconds,
+                                 surroundings)
+        collider = self.cloth.collider(body)
+        if covers and collider is not None:
+            self._lift(frame, settings, collider, body)
+        return frame
+
+    def _lift(self, frame: ClothFrame, settings: ClothSettings, collider: Any, body: Body) -> None:
+        """Out of the body, where the smooth surface cuts through it between the vertices."""
+        native_ = native.load()
+        if self._cover is None:
+            self._cover = native_.build_cloth_cover(self.cloth.surface)
+        lifts = native_.cover_bodies(self.cloth.surface, self._cover, collider, body.positions, frame.positions,
+                                     frame.body_hint, self.cloth.thickness(settings),
+                                     HIDDEN * self.cloth.size_factor / self.cloth.unit_scale)
+        frame.positions = frame.positions + lifts
+        frame.gap = frame.gap + np.linalg.norm(lifts, axis=1)
+
+
+def _inverse(world_from_object: np.ndarray | None) -> np.ndarray:
+    """(3, 3) float64; that of an object without a size is the identity."""
+    if world_from_object is None or abs(np.linalg.det(world_from_object)) < 1e-12:
+        return np.eye(3)
+    return np.linalg.inv(world_from_object.astype(np.float64))

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Laws of the stage before every system: what lies on a base cloth is what the system makes of its positions."""
+from __future__ import annotations
+
+import unittest
+from dataclasses import replace
+from typing import Any
+from unittest import mock
+
+import numpy as np
+from meshes import rotated, tube
+from rumple import native
+from rumple.core.body import Body
+from rumple.core.engine import Picture, Wrinkles
+from rumple.core.settings import FieldSettings, PathsSettings
+from rumple.core.systems import SYSTEMS
+
+FRAMES = range(1, 9)
+CLOTH = dict(base_cloth="HANG", room=0.02, thickness=0.002)
+FIELD = FieldSettings(output="GEOMETRY", wavelength=0.05, detail=4)
+SHADED = replace(FIELD, output="SHADING")
+PATHS = PathsSettings(width=0.02, detail=2, threshold=1.1, reference="STATIC_REST", smoothing=0.0)
+KINDS = {"FIELD": FIELD, "SHADED": SHADED, "PATHS": PATHS}
+WEIGHTLESS = dict(gravity=0.0, slack=1.0)
+
+
+def on_cloth(settings: Any, **values: Any) -> Any:
+    return replace(settings, **{**CLOTH, **values})
+
+
+def bent(positions: np.ndarray, squeeze: float) -> np.ndarray:
+    """A tube along z that is squeezed, and squeezed more on one side."""
+    share = squeeze + (1.0 - squeeze) * 4.0 * (positions[:, :1] + 0.05)
+    return np.ascontiguousarray(np.c_[positions[:, :2], positions[:, 2:] * share], np.float32)
+
+
+class OnCloth(unittest.TestCase):
+
+    def setUp(self) -> None:
+        self.base = tube(14, 10)
+        self.clip = {f: bent(self.base.positions, 1.0 - 0.06 * min(f - 1, 9 - f)) for f in FRAMES}
+
+    def build(self, settings: Any) -> Wrinkles:
+        method = "PATHS" if isinstance(settings, PathsSettings) else "FIELD"
+        return SYSTEMS[method].wrinkles.build(self.base, settings)
+
+    def solve(self, fine: Wrinkles, frame: int, settings: Any, positions: np.ndarray | None = None,
+              paint: dict | None = None, **options: Any) -> Picture:
+        options = {"world_from_object": np.eye(3, dtype=np.float32), **options}
+        return fine.solve_frame(float(frame), self.clip[frame] if positions is None else positions, settings,
+                                paint or {}, start=1, **options)
+
+    def same(self, one: Picture, other: Picture, offsets: bool = True) -> None:
+        np.testing.assert_array_equal(one.positions, other.positions)
+        if offsets:
+            np.testing.assert_array_equal(one.local_offset, other.local_offset)
+        for name, values in one.attributes.items():
+            np.testing.assert_array_equal(values, other.attributes[name], name)
+
+    # --- off
+    def test_without_a_base_cloth_it_is_what_the_kernel_makes_of_the_animation(self) -> None:
+        """Body, gravity's direction and what is painted for the cloth change no bit."""
+        tall = Body(4.0 * np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], np.int32))
+        turned = np.ascontiguousarray(rotated(np.eye(3), 50.0) - rotated(np.zeros((1, 3)), 50.0))
+        paint = {name: np.full(len(self.base.positions), 0.5, np.float32) for name in ("follow", "room")}
+        for name, settings in KINDS.items():
+            fine, other = self.build(settings), self.build(settings)
+            for frame in FRAMES:
+                plain = self.solve(fine, frame, settings)
+                self.same(plain, self.solve(other, frame, settings, paint=paint, body=tall, world_from_object=turned))
+            state = fine.state_of(8.0)
+            if name == "PATHS":
+                shown = native.load().show_wrinkle_paths(fine.model, fine._native_settings(settings), self.clip[8],
+                                                         state)
+            else:
+                shown = native.load().show_wrinkle_field(
+                    fine.model, fine._native_settings(settings), native.load().WrinkleFieldProfile("SINE"),
+                    fine._paint, self.clip[8], state)
+            np.testing.assert_array_equal(shown.local_offset, plain.local_offset, name)
+
+    # --- on
+    def test_it_is_what_the_system_makes_of_the_cloths_positions(self) -> None:
+        for name, settings in KINDS.items():
+            fine, apart, moved = self.build(settings), self.build(settings), 0.0
+            for frame in FRAMES:
+                picture = self.solve(fine, frame, on_cloth(settings))
+                cloth = fine.solved_over(float(frame), self.clip[frame])
+                moved = max(moved, float(np.abs(cloth - self.clip[frame]).max()))
+                gap = {} if name != "FIELD" else {"gap": fine.state_of(float(frame)).cloth.gap}
+                expected = self.solve(apart, frame, settings, cloth)
+                if gap:  # its waves go no farther inwards than the cloth stands off
+                    self.assertGreater(float(picture.positions.ptp()), 0.0)
+                    lower = np.linalg.norm(picture.offset, axis=1) - np.linalg.norm(expected.offset, axis=1)
+                    self.assertLess(float(lower.max()), 1e-6)
+                else:
+                    self.same(picture, expected, offsets=False)
+                if name != "SHADED":
+                    self.assertFalse(np.array_equal(picture.local_offset, expected.local_offset))
+            self.assertGreater(moved, 3e-3, name)
+
+    def test_what_is_shown_is_embedded_in_the_animated_mesh(self) -> None:
+        """Each shown vertex is as far from its place on the animated triangle as its stored offset is long."""
+        for name, settings in KINDS.items():
+            fine = self.build(settings)
+            picture = self.solve(fine, 5, on_cloth(settings))
+            corners = self.clip[5][fine.triangle_vertex]
+            weights = np.c_[1.0 - fine.barycentric.sum(1), fine.barycentric]
+            way = picture.positions - np.einsum("dk,dki->di", weights, corners)
+            np.testing.assert_allclose(np.linalg.norm(picture.local_offset, axis=1), np.linalg.norm(way, axis=1),
+                                       atol=1e-6, err_msg=name)
+            self.assertGreater(float(np.linalg.norm(way, axis=1).mean()), 1e-3, name)
+
+    def test_curves_and_stand_ins_ride_on_the_animated_mesh(self) -> None:
+        fine, apart = self.build(PATHS), self.build(PATHS)
+        for frame in FRAMES:
+            sketch = self.solve(fine, frame, on_cloth(PATHS), sketched=True)
+            cloth = fine.solved_over(float(frame), self.clip[frame])
+            expected = self.solve(apart, frame, PATHS, cloth, sketched=True)
+            np.testing.assert_allclose(sketch.stand_in + self.clip[frame], expected.stand_in + cloth, atol=1e-6)
+        self.solve(fine, 5, on_cloth(PATHS))
+        curves = fine.curves(5.0, self.clip[5], on_cloth(PATHS))
+        over = apart.curves(5.0, fine.solved_over(5.0, self.clip[5]), PATHS)
+        self.assertGreater(len(curves.id), 0)
+        np.testing.assert_array_equal(curves.positions, over.positions)
+        p0, p1, p2 = (self.clip[5][curves.corners[:, k]] for k in range(3))
+        on_triangle = p0 + curves.weights[:, :1] * (p1 - p0) + curves.weights[:, 1:] * (p2 - p0)
+        np.testing.assert_allclose(np.linalg.norm(curves.local_offset, axis=1),
+                                   np.linalg.norm(curves.positions - on_triangle, axis=1), atol=1e-6)
+
+    def test_at_rest_without_weight_and_slack_there_is_no_fold(self) -> None:
+        for name, settings in KINDS.items():
+            picture = self.solve(self.build(settings), 1, on_cloth(settings, **WEIGHTLESS), self.base.positions)
+            folded = picture.attributes["rumple_height" if name == "PATHS" else "rumple_amplitude"]
+            self.assertLess(float(np.abs(folded).max()), 2e-6 if name == "PATHS" else 2e-4, name)
+            self.assertLess(float(np.abs(picture.positions - fine_at_rest(self, settings)).max()), 2e-4, name)
+
+    def test_waves_stand_where_the_cloth_is_compressed_and_nowhere_else(self) -> None:
+        fine, settings = self.build(SHADED), on_cloth(SHADED)
+        self.solve(fine, 1, settings, self.base.positions)
+        cloth = fine.solved_over(1.0, self.base.positions)
+        waves = native.load().shown_waves_wrinkle_field(
+            fine.model, fine._native_settings(settings), native.load().WrinkleFieldProfile("SINE"), fine._paint, cloth,
+            fine.wrinkles_of(1.0))
+        amplitude = self.solve(fine, 1, settings, self.base.positions).attributes["rumple_amplitude"]
+        np.testing.assert_allclose(amplitude, waves.height, atol=1e-9)
+        self.assertGreater(float((waves.height > 0.0).mean()), 0.05)
+        self.assertFalse((waves.height[waves.compression >= 1.0] > 0.0).any())
+
+    def test_rigid_motion_carries_everything_along(self) -> None:
+        turn = np.ascontiguousarray(rotated(np.eye(3), 70.0) - rotated(np.zeros((1, 3)), 70.0), np.float32)
+        for name, settings in KINDS.items():
+            here, there = (self.build(settings) for _ in range(2))
+            for frame in FRAMES:
+                one = self.solve(here, frame, on_cloth(settings))
+                # The object is turned, and the garment in it back: the world, and its gravity, stay where they are.
+                other = self.solve(there, frame, on_cloth(settings), rotated(self.clip[frame], 70.0),
+                                   world_from_object=turn)
+                np.testing.assert_allclose(other.positions, rotated(one.positions, 70.0), atol=3e-4, err_msg=name)
+
+    def test_however_a_frame_was_reached_it_is_the_same_when_played_through(self) -> None:
+        for name, settings in KINDS.items():
+            settings = on_cloth(settings)
+            fine, other = self.build(settings), self.build(settings)
+            played = [self.solve(fine, f, settings) for f in FRAMES]
+            for frame in (6, 3, 8):
+                picture = self.solve(fine, frame, settings)
+                self.assertTrue(picture.replayed)
+                self.same(picture, played[frame - 1])
+            self.solve(other, 6, settings)
+            self.assertEqual(other.history.frames(), [(6.0, False)])
+            for frame in (7, 2, 8):
+                self.solve(other, frame, settings)
+            for frame in FRAMES:
+                self.same(self.solve(other, frame, settings), played[frame - 1])
+            alone = replace(settings, stateless=True)
+            forward = [self.solve(fine, f, alone) for f in FRAMES]
+            for frame in reversed(FRAMES):
+                self.same(self.solve(other, frame, alone), forward[frame - 1])
+
+    def test_the_status_and_the_surface_that_others_lie_on_are_those_of_the_cloth(self) -> None:
+        for settings in KINDS.values():
+            fine = self.build(settings)
+            self.assertIsNone(fine.worn_surface(5.0))
+            picture = self.solve(fine, 5, on_cloth(settings))
+            self.assertTrue(any("Base cloth" in line for line in fine.status(picture)))
+            self.assertEqual(len(fine.status(self.solve(self.build(settings), 5, settings))) + 1,
+                             len(fine.status(picture)))
+            np.testing.assert_array_equal(fine.worn_surface(5.0).positions, fine.solved_over(5.0, self.clip[5]))
+
+    def test_the_smooth_cloth_stays_off_a_body_that_it_would_cut_through(self) -> None:
+        """The body has ridges half-way between the rings of the cloth, whose vertices know nothing of them."""
+        body = tube(96, 20)  # a ring at every ring of the cloth, and one between them
+        ridge = np.arange(len(body.positions)) // 96 % 2 == 1
+        body.positions[:, :2] *= np.where(ridge, 0.0503, 0.046)[:, None] / 0.05
+        worn = Body(body.positions, np.ascontiguousarray(body.corner_vertex[body.triangle_corner]))
+        settings = on_cloth(replace(FIELD, strength=0.0), gravity=0.0)
+        least = {}
+        for covered in (True, False):
+            fine = self.build(settings)
+            with mock.patch.object(fine, "_keeps_off_bodies", lambda: not covered):
+                shown = self.solve(fine, 1, settings, self.base.positions, body=worn).positions
+            on_ridge = (np.abs(shown[:, 2] % 0.03 - 0.015) < 1e-3) & (shown[:, 2] > 0.04) & (shown[:, 2] < 0.26)
+            least[covered] = float(np.linalg.norm(shown[on_ridge, :2], axis=1).min())
+        self.assertLess(least[False], 0.0503)
+        self.assertGreater(least[True], 0.0503 + 1e-3)
+
+
+def fine_at_rest(case: OnCloth, settings: Any) -> np.ndarray:
+    """What is shown of the rest pose without a base cloth."""
+    return case.solve(case.build(settings), 1, settings, case.base.positions).positions
+
+
+if __name__ == "__main__":
+    unittest.main()

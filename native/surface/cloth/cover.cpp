@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/cloth/cover.h"
+
+#include <algorithm>
+
+#include "base/expect.h"
+#include "base/tolerances.h"
+#include "surface/shown_mesh.h"
+
+namespace rumple {
+namespace {
+
+constexpr int kPasses = 2;
+
+// A body is looked for at this distance: one that is farther away than the thickness lifts nothing.
+float reach(const CoverSettings& settings) {
+    return settings.depth + settings.thickness;
+}
+
+std::array<Index, 3> vertices_of(const Surface& surface, Index triangle) {
+    std::array<Index, 3> out;
+    for (int k = 0; k < 3; ++k) out[k] = surface.welded.corner_vertex[surface.triangles[triangle].corner[k]];
+    return out;
+}
+
+// Of a corner whose weight is less a sample says nothing.
+constexpr float kLeastWeight = 1e-3f;
+
+// How far a point of the surface has to go outwards.
+float lift_of(const CoverSettings& settings, const PosedCollider& bodies, const Vec3& point,
+              const Vec3& normal, Index hint) {
+    const float length = glm::length(normal);
+    if (length < kShortestNormal) return 0.0f;
+    const BodyContact body = bodies.closest(point, normal / length, reach(settings), hint);
+    if (body.triangle == kNone || body.distance < -settings.depth) return 0.0f;
+    return body.weight * std::max(settings.thickness - body.distance, 0.0f);
+}
+
+}  // namespace
+
+CoverModel build_cover(const Surface& surface) {
+    FineSource source;
+    source.level = 1;
+    return {attach_refined(surface, source, refine(surface, source), AttachmentKind::kLimit)};
+}
+
+std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
+                             const PosedCollider& bodies, std::span<const Vec3> positions,
+                             std::span<const Index> hints) {
+    expect_count("positions", positions.size(), surface.display.vertex_count, "vertices");
+    expect_count("hints", hints.size(), surface.display.vertex_count, "values");
+    const size_t vertices = surface.welded.vertex_count, samples = model.samples.places.size();
+    std::vector<Vec3> at(vertices), normals(vertices), points(samples);
+    std::vector<Vec3> lifts(positions.size(), Vec3(0.0f));
+    // Of the pass before. Where nothing rose nothing is missing: the next pass leaves it out.
+    std::vector<float> before(vertices, 1.0f);
+    weld_positions(surface, positions, at);
+    for (int pass = 0; pass < kPasses; ++pass) {
+        vertex_normals(surface, at, normals);
+        attach(surface, model.samples, at, normals, points, 0, samples);
+        std::vector<float> more(vertices, 0.0f);
+        for (size_t s = 0; s < samples; ++s) {
+            const SurfacePoint& place = model.samples.places[s];
+            if (place.triangle == kNone) continue;
+            const std::array<Index, 3> corners = vertices_of(surface, place.triangle);
+            if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0.0f) continue;
+            Index hint = kNone;
+            for (const Index v : display_vertices(surface, place.triangle)) hint = std::max(hint, hints[v]);
+            if (hint == kNone) continue;
+            const float lift =
+                lift_of(settings, bodies, points[s], interpolate(surface, place, normals), hint);
+            const float weights[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
+            for (int k = 0; k < 3; ++k)
+                if (weights[k] > kLeastWeight) more[corners[k]] = std::max(more[corners[k]], lift);
+        }
+        for (size_t v = 0; v < vertices; ++v) at[v] += more[v] * normals[v];
+        before = more;
+        for (size_t v = 0; v < lifts.size(); ++v)
+            lifts[v] += more[surface.welded_of[v]] * normals[surface.welded_of[v]];
+    }
+    return lifts;
+}
+
+}  // namespace rumple

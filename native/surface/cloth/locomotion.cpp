@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/cloth/locomotion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rumple::base_cloth {
+namespace {
+
+constexpr int kTurns = 60;        // most iterations; a turn of 20 degrees takes four
+constexpr double kTurned = 1e-9;  // radians: no more is left to turn
+
+// The rotation in a sum of outer products `to x from`: M. Mueller, J. Bender, N. Chentanez and M. Macklin, "A
+// Robust Method to Extract the Rotational Part of Deformations", MIG 2016. Starts from no turn,
+// so that what the sum leaves open (cloth along a line) is not turned.
+glm::dquat rotation_of(const glm::dmat3& sum) {
+    glm::dquat turn(1.0, 0.0, 0.0, 0.0);
+    for (int i = 0; i < kTurns; ++i) {
+        const glm::dmat3 r = glm::mat3_cast(turn);
+        glm::dvec3 axis(0.0);
+        double along = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            axis += glm::cross(r[k], sum[k]);
+            along += glm::dot(r[k], sum[k]);
+        }
+        axis /= std::abs(along) + 1e-30;
+        const double angle = glm::length(axis);
+        if (angle < kTurned) break;
+        turn = glm::normalize(glm::angleAxis(angle, axis / angle) * turn);
+    }
+    return turn;
+}
+
+}  // namespace
+
+RigidMotion rigid_motion(std::span<const float> area, std::span<const Vec3> from, std::span<const Vec3> to) {
+    RigidMotion out;
+    glm::dvec3 centre_to(0.0);
+    double sum = 0.0;
+    for (size_t v = 0; v < area.size(); ++v) {
+        sum += double(area[v]);
+        out.centre += double(area[v]) * glm::dvec3(from[v]);
+        centre_to += double(area[v]) * glm::dvec3(to[v]);
+    }
+    if (sum <= 0.0) return {};
+    out.centre /= sum;
+    centre_to /= sum;
+    out.way = centre_to - out.centre;
+    glm::dmat3 products(0.0);
+    for (size_t v = 0; v < area.size(); ++v) {
+        products += glm::outerProduct(double(area[v]) * (glm::dvec3(to[v]) - centre_to),
+                                      glm::dvec3(from[v]) - out.centre);
+    }
+    out.turn = rotation_of(products);
+    return out;
+}
+
+RigidMotion part_of(const RigidMotion& motion, double share) {
+    RigidMotion out = motion;
+    out.way *= share;
+    // The shorter way round.
+    const glm::dquat turn = motion.turn.w < 0.0 ? -motion.turn : motion.turn;
+    const glm::dvec3 axis(turn.x, turn.y, turn.z);
+    const double sine = glm::length(axis);
+    const double angle = 2.0 * std::atan2(sine, turn.w) * share;
+    out.turn = sine > 0.0 ? glm::angleAxis(angle, axis / sine) : glm::dquat(1.0, 0.0, 0.0, 0.0);
+    return out;
+}
+
+}  // namespace rumple::base_cloth

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One frame, as the solvers of the base cloth see it: where it is animated, and what it stays outside of.
+// Internal to the base cloth.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "surface/cloth/base_cloth.h"
+#include "surface/deformation.h"
+
+namespace rumple::base_cloth {
+
+// The plane that stands for the inner surface near a vertex.
+struct Plane {
+    Vec3 point{0.0f};
+    Vec3 normal{0.0f};
+};
+
+inline float height_above(const Plane& plane, const Vec3& p) {
+    return glm::dot(p - plane.point, plane.normal);
+}
+
+// One frame, as the solver sees it. Per welded vertex.
+struct Pose {
+    std::vector<Vec3> animated;
+    std::vector<Vec3> normal;
+    std::vector<TriangleFrame> frame;  // tangent frames: rigid motion carries them along
+    std::vector<Vec3> inner;           // the inner surface: what cloth stays outside of
+    struct Ball {
+        Vec3 centre;
+        float radius;
+    };
+    std::vector<Ball> ball;  // around every triangle of the inner surface
+    std::vector<float> clearance;
+    float body_known = 0.0f;    // share of the vertices that have a body under them
+    std::vector<float> length;  // of every spring
+    std::vector<float> follow;  // 1/s^2
+    std::vector<float> room;
+
+    // How far a vertex leaves its animated place at most: the way out of a body is always free.
+    float farthest(size_t v) const { return std::max(room[v], -clearance[v]); }
+};
+
+// body_hint: as of clearance(). Throws InvalidInput.
+Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
+               std::span<const Vec3> positions, const PosedCollider* bodies, std::vector<Index>& body_hint);
+
+// The pose with its vertices, and its inner surface with them, moved elsewhere; nothing turned.
+Pose moved_to(const Model& model, const Pose& pose, std::vector<Vec3> animated);
+
+// The plane of every vertex. hints: per vertex the triangle that was nearest before, or kNone (loose); gets
+// the one that is now.
+void look_for_contacts(const Model& model, const Pose& pose, std::span<const Vec3> positions,
+                       std::vector<Index>& hints, std::vector<Plane>& planes);
+
+// Puts the vertices outside of the inner surface and within their room, and fills in what is handed out.
+void finish(const Model& model, const Settings& settings, const Pose& pose, std::span<const Plane> planes,
+            bool has_bodies, std::span<Vec3> x, Result& out);
+
+}  // namespace rumple::base_cloth

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/cloth/swing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/expect.h"
+#include "base/tolerances.h"
+#include "surface/cloth/equilibrium.h"
+#include "surface/cloth/locomotion.h"
+
+namespace rumple::base_cloth {
+namespace {
+
+constexpr double kStepSlack = 1e-3;    // a time step may be longer than the longest by this share of it
+constexpr float kTurning = 1.0f / 30;  // what gains a speed within such a time is as fast: it only turns, s
+constexpr double kMostSteps = 64;      // of a frame: at less than a frame a second they become longer
+
+bool fits(const Model& model, const State* state) {
+    return state && state->motion.position.size() == model.area.size() &&
+           state->length.size() == model.springs.size() && state->clearance.size() == model.area.size();
+}
+
+// ---------------------------------------------------------------- locomotion
+// The motion of the frame before in the object space of this one, after the part of the garment's own motion
+// that the inertia does not feel: in these coordinates Newton's laws hold for the whole frame.
+Motion carried(const Model& model, const Swing& swing, const Pose& pose, Motion motion) {
+    for (size_t v = 0; v < motion.position.size(); ++v) {
+        motion.position[v] = swing.placement.of_point(motion.position[v]);
+        motion.animated[v] = swing.placement.of_point(motion.animated[v]);
+        motion.animated_before[v] = swing.placement.of_point(motion.animated_before[v]);
+        motion.velocity[v] = swing.placement.matrix * motion.velocity[v];
+    }
+    const RigidMotion part =
+        part_of(rigid_motion(model.area, motion.animated, pose.animated), 1.0 - double(swing.locomotion));
+    for (size_t v = 0; v < motion.position.size(); ++v) {
+        motion.position[v] = part.of_point(motion.position[v]);
+        motion.animated[v] = part.of_point(motion.animated[v]);
+        motion.animated_before[v] = part.of_point(motion.animated_before[v]);
+        motion.velocity[v] = part.of_direction(motion.velocity[v]);
+    }
+    return motion;
+}
+
+double mean_length(const Model& model) {
+    double sum = 0.0;
+    for (const Model::Spring& spring : model.springs) sum += double(spring.rest);
+    return sum / double(std::max<size_t>(model.springs.size(), 1));
+}
+
+// Whether nothing that acts on the cloth changed, but for rounding, and it had come to rest: then it stays to
+// the bit.
+bool holds(const Model& model, const Settings& settings, const Swing& swing, const Pose& pose,
+           const Motion& was, const State& state) {
+    const float length = static_cast<float>(mean_length(model)), still = kHeldStrain * length;
+    if (was.fastest > kStillSwing * length) return false;
+    if (was.gravity != settings.gravity || was.wind != swing.wind) return false;
+    for (size_t s = 0; s < model.springs.size(); ++s) {
+        if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
+    }
+    for (size_t v = 0; v < pose.clearance.size(); ++v) {
+        if (std::abs(pose.clearance[v] - state.clearance[v]) > still) return false;
+        if (glm::distance(pose.animated[v], was.animated[v]) > still) return false;
+    }
+    return true;
+}
+
+// ---------------------------------------------------------------- a time step
+// Per vertex: what the air takes from its velocity, area / s. A triangle is pushed along its normal by the
+// square of the speed at which the air meets it; one of the two speeds is that at the beginning of the step.
+std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, std::span<const Vec3> x,
+                               std::span<const Vec3> velocity) {
+    std::vector<glm::mat3> out(x.size(), glm::mat3(0.0f));
+    if (swing.drag <= 0.0f) return out;
+    for (const Triangle& triangle : model.surface.triangles) {
+        Index v[3];
+        for (int k = 0; k < 3; ++k) v[k] = model.surface.welded.corner_vertex[triangle.corner[k]];
+        const Vec3 normal = glm::cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]]);
+        const float twice_area = glm::length(normal);
+        if (twice_area < kShortestEdge * kShortestEdge) continue;
+        const Vec3 n = normal / twice_area;
+        const Vec3 met = swing.wind - (velocity[v[0]] + velocity[v[1]] + velocity[v[2]]) / 3.0f;
+        const float share = twice_area / 6.0f * swing.drag * std::abs(glm::dot(met, n));
+        const glm::mat3 along = share * glm::outerProduct(n, n);
+        for (const Index corner : v) out[corner] += along;
+    }
+    return out;
+}
+
+// How far inertia takes every vertex; the edge of the room takes what it would do beyond.
+std::vector<Vec3> inertial_ways(const Pose& pose, const Motion& motion, float h) {
+    std::vector<Vec3> out;
+    for (size_t v = 0; v < motion.position.size(); ++v) {
+        const Vec3 way = h * motion.velocity[v], away = motion.position[v] + way - pose.animated[v];
+        const float length = std::sqrt(glm::dot(away, away)), most = pose.farthest(v);
+        const Vec3 edge = pose.animated[v] + away * (most / std::max(length, kShortestEdge));
+        out.push_back(length > most ? edge - motion.position[v] : way);
+    }
+    return out;
+}
+
+// What is pinned goes with the animation, what is free where inertia takes it: else conjugate gradients would
+// spend themselves on the pins.
+std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<const Vec3> way, float h) {
+    std::vector<Vec3> out;
+    for (size_t v = 0; v < way.size(); ++v) {
+        const float pull = pose.follow[v] * h * h;
+        const Vec3 animated_way = pose.animated[v] - motion.animated[v];
+        out.push_back(motion.position[v] + (way[v] + pull * animated_way) / (1.0f + pull));
+    }
+    return out;
+}
+
+// Half of A |x - y|^2 / h^2, y = from + way (Gast 2015), and what takes velocity, as functions
+// whose slope is the force at the end of the step: damping A d / (2 h) |(x - from) - (way of the
+// animation)|^2, air h / 2 u . D u, u = wind - (x - from) / h.
+Inertia inertia_of(const Model& model, const Swing& swing, const Pose& pose, const Motion& motion,
+                   std::span<const Vec3> way, float h) {
+    Inertia out{motion.position, {}, drag_of(model, swing, motion.position, motion.velocity)};
+    for (size_t v = 0; v < way.size(); ++v) {
+        const float share = model.area[v] / h;
+        const Vec3 animated_way = pose.animated[v] - motion.animated[v];
+        out.push.push_back(share * (way[v] / h + swing.damping * animated_way) + out.resist[v] * swing.wind);
+        out.resist[v] = glm::mat3(share * (1.0f / h + swing.damping)) + out.resist[v] / h;
+    }
+    return out;
+}
+
+// One time step of the length h. motion: becomes that of its end. Returns the speed that tells rest.
+float step(const Model& model, const Settings& settings, const Swing& swing, const Pose& pose, float h,
+           Motion& motion, std::vector<Plane>& planes, Result& out) {
+    const std::vector<Vec3> way = inertial_ways(pose, motion, h);
+    std::vector<Vec3> x = first_guess(pose, motion, way, h);
+    look_for_contacts(model, pose, x, out.state.contact_hint, planes);
+    const Inertia inertia = inertia_of(model, swing, pose, motion, way, h);
+    for (int newton = 0; newton < swing.newton_steps; ++newton)
+        newton_step({model, settings, pose, planes, &inertia}, x, out.report);
+    float fastest = 0.0f;
+    for (size_t v = 0; v < x.size(); ++v) {
+        const Vec3 velocity = (x[v] - motion.position[v]) / h;
+        const Vec3 gained = (velocity - motion.velocity[v]) * (kTurning / h);
+        fastest = std::max({fastest, glm::length(velocity), glm::length(gained)});
+        out.report.moved = std::max(out.report.moved, h * glm::length(velocity));
+        motion.velocity[v] = velocity;
+    }
+    out.report.steps += swing.newton_steps;
+    motion.position = std::move(x);
+    motion.animated = pose.animated;
+    return fastest;
+}
+
+// The animation at a share of the way to a pose: the parabola through it and the two frames before. Straight
+// lines would jerk the cloth at every frame, at 24 frames a second more than at 60.
+std::vector<Vec3> animated_at(const Pose& pose, const Motion& was, float seconds, float share) {
+    const float before = was.seconds > 0.0f ? was.seconds / seconds : 1.0f;
+    std::vector<Vec3> out;
+    for (size_t v = 0; v < was.animated.size(); ++v) {
+        const Vec3 way = pose.animated[v] - was.animated[v];
+        const Vec3 way_before = (was.animated[v] - was.animated_before[v]) / before;
+        out.push_back(was.animated[v] + share * way +
+                      share * (share - 1.0f) / (1.0f + before) * (way - way_before));
+    }
+    return out;
+}
+
+// The time steps of a frame. was: carried. Returns the motion at its end.
+Motion step_through(const Model& model, const Settings& settings, const Swing& swing, const Pose& pose,
+                    const Motion& was, std::vector<Plane>& planes, Result& out) {
+    const double wanted = std::ceil(double(swing.seconds) / double(swing.longest_step) - kStepSlack);
+    const int steps = int(std::min(wanted, kMostSteps));
+    const float h = swing.seconds / float(std::max(steps, 1));
+    Motion motion = was;
+    motion.fastest = 0.0f;
+    for (int i = 1; i < steps; ++i) {
+        const float share = float(i) / float(steps);
+        const Pose on_the_way = moved_to(model, pose, animated_at(pose, was, swing.seconds, share));
+        motion.fastest =
+            std::max(motion.fastest, step(model, settings, swing, on_the_way, h, motion, planes, out));
+    }
+    if (steps > 0)
+        motion.fastest = std::max(motion.fastest, step(model, settings, swing, pose, h, motion, planes, out));
+    return motion;
+}
+
+// ---------------------------------------------------------------- a frame
+// The equilibrium of the pose, at rest.
+Result from_rest(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
+                 std::span<const Vec3> positions, const PosedCollider* bodies) {
+    Result out = solve(model, settings, paint, positions, bodies, nullptr);
+    const Pose pose = make_pose(model, settings, paint, positions, bodies, out.state.body_hint);
+    Motion& motion = out.state.motion;
+    motion.position = motion.animated = motion.animated_before = pose.animated;
+    motion.velocity.assign(pose.animated.size(), Vec3(0.0f));
+    motion.gravity = settings.gravity;
+    motion.wind = swing.wind;
+    for (size_t v = 0; v < pose.animated.size(); ++v)
+        motion.position[v] += pose.frame[v].to_object(out.state.offset[v]);
+    out.state.offset.clear();
+    return out;
+}
+
+}  // namespace
+
+void check(const Swing& swing) {
+    expect_within("seconds", swing.seconds, 0.0, 1e9);
+    expect_within("longest_step", swing.longest_step, 1e-5, 1e3);
+    expect_within("newton_steps", swing.newton_steps, 1, 1e6);
+    expect_within("damping", swing.damping, 0.0, 1e6);
+    expect_within("locomotion", swing.locomotion, 0.0, 1.0);
+    expect_within("drag", swing.drag, 0.0, 1e9);
+    const Vec3 finite[] = {swing.wind, swing.placement.shift, swing.placement.matrix[0],
+                           swing.placement.matrix[1], swing.placement.matrix[2]};
+    expect_finite<Vec3>("wind and placement", finite, "vector");
+}
+
+Result swing(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
+             std::span<const Vec3> positions, const PosedCollider* bodies, const State* before) {
+    check(settings);
+    check(swing);
+    if (!fits(model, before)) return from_rest(model, settings, swing, paint, positions, bodies);
+    Result out;
+    out.state.body_hint = before->body_hint;
+    const Pose pose = make_pose(model, settings, paint, positions, bodies, out.state.body_hint);
+    out.state.contact_hint = before->contact_hint;
+    const Motion was = carried(model, swing, pose, before->motion);
+    std::vector<Plane> planes(model.area.size());
+    const bool held = holds(model, settings, swing, pose, was, *before);
+    Motion motion = held ? was : step_through(model, settings, swing, pose, was, planes, out);
+    look_for_contacts(model, pose, motion.position, out.state.contact_hint, planes);
+    out.state.length = held ? before->length : pose.length;
+    out.state.clearance = held ? before->clearance : pose.clearance;
+    motion.animated_before = was.animated;
+    motion.seconds = swing.seconds;
+    motion.gravity = settings.gravity;
+    motion.wind = swing.wind;
+    out.state.motion = std::move(motion);
+    std::vector<Vec3> x = out.state.motion.position;
+    finish(model, settings, pose, planes, bodies != nullptr, x, out);
+    return out;
+}
+
+}  // namespace rumple::base_cloth

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The waves as they are drawn, one texel per welded vertex: lower where they disagree with those around them.
+//   waves      wave vector and h, as "Crush" left them
+// out_waves: the same with the h that is left.
+
+void main() {
+    int v = THIS_TEXEL(vertices);
+    vec4 vertex = TEXEL(vertices, v);
+    vec4 wave = TEXEL(waves, v);
+    float phase = TEXEL(phases, v).x;
+    float sum = 1.0, weights = 1.0;
+    for (int i = int(vertex.x); i < int(vertex.x) + int(vertex.y); ++i) {
+        vec4 link = TEXEL(links, i);
+        int n = int(link.x);
+        sum += link.y * agreement(wave.xyz, TEXEL(waves, n).xyz, Link(link.z, link.w), phase, TEXEL(phases, n).x);
+        weights += link.y;
+    }
+    out_waves = vec4(wave.xyz, wave.w * kept_at_fork(sum / weights));
+}
