@@ -54,11 +54,13 @@ void Bounds::project(size_t v, Vec3& p) const {
 
 void Bounds::keep_off_own(size_t v, Vec3& p) const {
     const Vec3 &a = pose_.attachment[v], &normal = pose_.normal[v];
-    if (slide_ > 0.0f) {
-        const Vec3 off = glm::dot(p - a, normal) * normal, along = p - a - off;
-        const float slid = std::sqrt(glm::dot(along, along)), most = slide_ * pose_.heights[v];
-        if (slid > most) p = a + off + along * (most / slid);
-    }
+    const auto along = [&] { return p - a - glm::dot(p - a, normal) * normal; };
+    // By how much the way along the surface is too long: 1 where it is not.
+    const auto slide_scale = [&] {
+        const float slid = glm::length(along()), most = slide_ * pose_.heights[v];
+        return slide_ > 0.0f && slid > most ? most / slid : 1.0f;
+    };
+    p -= (1.0f - slide_scale()) * along();
     if (apart_ > 0.0f && pose_.own[v].towards != Vec3(0.0f)) {
         // Where what faces it lies behind the vertex the two may have passed each other already, and neither
         // way is the safe one.
@@ -67,10 +69,12 @@ void Bounds::keep_off_own(size_t v, Vec3& p) const {
         if (way > left) p -= (way - left) * side.towards;
         if (!side.outside && way < -left) p -= (way + left) * side.towards;
     }
-    if (collision_ != Collision::kPlane) return;
-    // Back above the plane, straight to the attachment: that keeps all the other bounds.
+    // What that broke is mended straight towards the attachment, which breaks nothing: all bounds hold at
+    // once, so a held vertex is not pushed again in every frame.
+    float scale = slide_scale();
     const float height = glm::dot(p - a, normal);
-    if (height < -depth_[v]) p = a + (p - a) * (-depth_[v] / height);
+    if (collision_ == Collision::kPlane && height < -depth_[v]) scale = std::min(scale, -depth_[v] / height);
+    if (scale < 1.0f) p = a + scale * (p - a);
 }
 
 bool Bounds::kept_apart(size_t v, const Vec3& p) const {
