@@ -184,6 +184,23 @@ TEST(SelfDistance, AVertexGoesAShareOfTheWay) {
     EXPECT_GT(farthest(free), kGap);
 }
 
+// Bounds that were projected one after the other, each breaking the one before, pushed held vertices a little
+// in every frame: a held pose took more than half a second to rest.
+TEST(SelfDistance, AHeldPoseRestsAtOnceThoughItsBoundsAreNew) {
+    const U u;
+    std::vector<Report> reports;
+    const LayersState free = u.solve(0.0f, reports);
+    const auto settings = u.settings(0.3f);
+    const std::vector<Paint> paint(settings.size());
+    // Held, but for the bounds that it was not solved with: each layer is pushed once, coarse first.
+    LayersState state = free;
+    for (size_t layer = 0; layer <= settings.size(); ++layer)
+        state = wrinkle_mesh::solve(*u.layers, settings, paint, {u.pose}, &state, reports);
+    EXPECT_FALSE(same_bits(free.layers[0].offset, state.layers[0].offset));
+    const LayersState next = wrinkle_mesh::solve(*u.layers, settings, paint, {u.pose}, &state, reports);
+    EXPECT_TRUE(same_bits(state.layers[0].offset, next.layers[0].offset));
+}
+
 TEST(SelfDistance, ThreadsAndRepetitionChangeNoBit) {
     const U u;
     std::vector<Report> reports;
