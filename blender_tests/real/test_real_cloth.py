@@ -26,6 +26,8 @@ EVERY = 5  # of the shown points that are asked how deep they are
 # armpit of the shirt, where skinning stretches coarse edges to 15 times their length: there 3.07 in 3 of 45 frames.
 LONGEST = 3.25
 REST = 15  # frames after which a held pose has come to rest
+EVERY_CROSSING = 6  # frames
+MORE_CROSSINGS = 1.1  # times the crossing pairs of the bare garment: without the bound of the layers 1.6 times and more
 STILL = 3  # frames for which it is then looked at
 
 
@@ -88,6 +90,17 @@ class ClothClip(Clip):
                     self.spike(shown, picture), int(both.sum()), int((over < -DEEP).sum()),
                     int((over_bare < -DEEP).sum()), beside, -1e3 * float(over.min()), -1e3 * float(over_bare.min()),
                     cloth.body_known, 1e3 * cloth.offset_mean, took)
+
+    def crossings(self, positions: np.ndarray) -> int:
+        """Pairs of polygons that pass through each other and share no vertex."""
+        starts, corners = self.fine.polygon_start, self.fine.corner_vertex
+        polygons = corners.reshape(-1, 4)
+        assert (np.diff(starts) == 4).all()
+        tree = BVHTree.FromPolygons(positions.tolist(), polygons.tolist())
+        pairs = np.array(tree.overlap(tree), np.int32).reshape(-1, 2)
+        pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+        first, second = polygons[pairs[:, 0]], polygons[pairs[:, 1]]
+        return int((first[:, :, None] != second[:, None, :]).all(axis=(1, 2)).sum())
 
     def heights(self, positions: np.ndarray) -> np.ndarray:
         """Above the body, metres, of every so many points; NaN where they do not lie on it."""
@@ -159,6 +172,17 @@ class Worn:
 
     def test_it_is_not_deeper_in_the_body_than_the_bare_garment(self) -> None:
         self.for_every_frame(lambda s: s.comparable > 1000 and s.deep <= s.deep_bare + MORE_DEEP * s.comparable)
+
+    def test_folds_cross_the_garment_no_more_than_it_is_crossed_bare(self) -> None:
+        # The base cloth moves crossings that skinning made: frame by frame some are a few pairs up, so the sum counts.
+        pairs = {}
+        for frame in self.frames[::EVERY_CROSSING]:
+            shown = self.clip.show(frame).copy()
+            bare = shown - registry.runtime(self.clip.garment).picture.offset
+            pairs[frame] = self.clip.crossings(shown), self.clip.crossings(bare)
+        shown_sum, bare_sum = np.sum(list(pairs.values()), axis=0)
+        self.assertGreater(bare_sum, 100, "nothing is crossed: the law says nothing")
+        self.assertLessEqual(shown_sum, MORE_CROSSINGS * bare_sum, f"(shown, bare) by frame: {pairs}")
 
     def test_replayed_in_any_order_to_the_bit(self) -> None:
         for index in (-1, 0, 7, 3, len(self.seen) // 2):

@@ -76,7 +76,7 @@ class FrameLaws(unittest.TestCase):
     def test_a_stored_frame_is_replayed_for_the_same_body_only(self) -> None:
         triangle = np.array([[0, 1, 2]], np.int32)
         here, there, turned = (Body(np.eye(3, dtype=np.float32) + place, order) for place, order in (
-            (np.float32(0.0), triangle), (np.float32(1.0), triangle), (np.float32(0.0), triangle[:, ::-1])))
+            (np.float32(0.0), triangle), (np.float32(1.0), triangle), (np.float32(0.0), triangle[:, ::-1].copy())))
         replayed = []
         for body in (None, None, here, Body(here.positions.copy(), triangle.copy()), there, turned, None):
             picture = self.mesh.solve_frame(1.0, self.clip[1], SETTINGS, {}, start=1, body=body)
@@ -217,6 +217,28 @@ class FineMesh(unittest.TestCase):
         attached[:3] = False
         mesh = WrinkleMesh.build(base, replace(SETTINGS, source="OBJECT"), own=own, attached=attached)
         self.assertIn("Tube: 3 vertices are not attached", mesh.warnings)
+
+
+def bent_to_a_u(positions: np.ndarray, gap: float) -> np.ndarray:
+    """A sheet in the xy plane bent about its middle, its two sides gap metres apart and a tenth shorter."""
+    size = np.ptp(positions[:, 0])
+    along, turn = positions[:, 0] - 0.5 * size, 0.2 * size
+    radius, angle = turn / np.pi, np.clip(along / (0.5 * turn), -1.0, 1.0) * np.pi / 2.0
+    left = np.maximum(np.abs(along) - 0.5 * turn, 0.0)
+    height = np.where(left > 0.0, 0.5 * gap, radius) * np.sin(angle)
+    bent = np.stack([radius * np.cos(angle) - left, positions[:, 1], height], 1)
+    return np.ascontiguousarray(0.9 * bent, np.float32)
+
+
+class KeptApart(unittest.TestCase):
+    def test_the_status_counts_what_was_kept_from_crossing(self) -> None:
+        base = sheet(20, 6, size=0.4)
+        settings = MeshSettings(density="LEVEL", level=2, layers="CLOTH", prestretch=1.1)
+        mesh = WrinkleMesh.build(base, settings)
+        for positions, kept in ((base.positions, False), (bent_to_a_u(base.positions, 0.004), True)):
+            picture = mesh.solve_frame(1.0 + kept, positions, settings, {}, start=1)
+            status = "\n".join(mesh.status(picture))
+            (self.assertRegex if kept else self.assertNotRegex)(status, r"\d+ vertices kept from crossing")
 
 
 class BadInput(unittest.TestCase):

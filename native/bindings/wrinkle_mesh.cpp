@@ -155,6 +155,10 @@ void bind_settings(py::module_& module) {
         .def_readwrite("tangential_pull", &Settings::tangential_pull,
                        "share of its way along the surface that a pass pulls a vertex back, 0..1")
         .def_readwrite("normal_pull", &Settings::normal_pull, "the same off the surface, 0..1")
+        .def_readwrite("apart", &Settings::apart,
+                       "share of the distance to its own cloth that a vertex may go towards it, 0..0.5")
+        .def_readwrite("slide", &Settings::slide,
+                       "share of the heights of its triangles that a vertex may go along the surface, 0..0.5")
         .def_readwrite("nudge", &Settings::nudge,
                        "size of the random push of unbuckled vertices, in fine edges")
         .def_readwrite("seed", &Settings::seed, "of that push")
@@ -234,7 +238,8 @@ void bind_wrinkle_mesh(py::module_& module) {
         .def_readonly("error_after", &Report::error_after, "RMS relative length error, solved")
         .def_readonly("largest_error", &Report::largest_error)
         .def_readonly("active", &Report::active, "share of vertices that were solved, 0..1")
-        .def_readonly("collapsed_triangles", &Report::collapsed_triangles);
+        .def_readonly("collapsed_triangles", &Report::collapsed_triangles)
+        .def_readonly("kept_apart", &Report::kept_apart, "vertices that its own cloth kept from going on");
     py::class_<Measures>(module, "WrinkleMeshMeasures", "How good a frame is.")
         .def_readonly("edge_error_before_rms", &Measures::edge_error_before_rms)
         .def_readonly("edge_error_before_max", &Measures::edge_error_before_max)

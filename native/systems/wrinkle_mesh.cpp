@@ -226,6 +226,7 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
         const bool pushed = held && bounds.push_back(v, positions[v]);
         const bool kept = held && !pushed;
         state.offset[v] = kept ? before->offset[v] : frames.stored(v, positions[v] - pose.attachment[v]);
+        report.kept_apart += bounds.kept_apart(v, positions[v]);
     }
     const LengthError after = length_error(model.distance, targets.distance, positions);
     report.error_after = after.rms;
@@ -250,6 +251,8 @@ void check(const Settings& settings) {
     expect_within("damping", settings.damping, 0.0, 1.0);
     expect_within("tangential_pull", settings.tangential_pull, 0.0, 1.0);
     expect_within("normal_pull", settings.normal_pull, 0.0, 1.0);
+    expect_within("apart", settings.apart, 0.0, 0.5);
+    expect_within("slide", settings.slide, 0.0, 0.5);
     expect_within("nudge", settings.nudge, 0.0, 1e3);
     expect_within("threads", settings.threads, 0, 1024);
     check_reference(settings.rest);

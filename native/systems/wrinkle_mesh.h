@@ -42,6 +42,9 @@ struct Settings {
     // the paper.)
     float tangential_pull = 0.0f;
     float normal_pull = 0.0f;
+    // Only layers have these two (wrinkle_mesh_layers); 0: no bound, 0..0.5. (Not in the paper.)
+    float apart = 0.0f;      // share of the distance to its own cloth that a vertex may go towards it
+    float slide = 0.0f;      // share of the heights of its triangles that a vertex may go along the surface
     float nudge = 0.02f;     // size of the random push of unbuckled vertices, in fine edges, >= 0
     std::uint32_t seed = 0;  // of that push
     int threads = 0;         // 0: chosen by size; the result does not depend on it
@@ -152,6 +155,7 @@ struct Report {
     float largest_error = 0.0f;  // largest relative length error after
     float active = 0.0f;         // share of the vertices that were solved; the rest was held
     Index collapsed_triangles = 0;  // base triangles without area in this pose
+    Index kept_apart = 0;           // vertices that would have come too near to their own cloth
 };
 
 // Section 4.1. Solves one frame from `state` (the frame before), or from the

@@ -20,6 +20,8 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
     : model_(model),
       pose_(pose),
       collision_(settings.collision),
+      apart_(pose.own.empty() ? 0.0f : settings.apart),
+      slide_(pose.heights.empty() ? 0.0f : settings.slide),
       tangential_pull_(settings.tangential_pull),
       normal_pull_(settings.normal_pull),
       radii_(attachment_radii(model, settings, paint)) {
@@ -44,9 +46,39 @@ void Bounds::project(size_t v, Vec3& p) const {
         const Side side = side_of(v, p);
         if (side.height < floor_[v]) p += (floor_[v] - side.height) * side.normal;
     }
+    if (apart_ > 0.0f || slide_ > 0.0f) keep_off_own(v, p);
     const Vec3 offset = p - a;
     const float length = std::sqrt(glm::dot(offset, offset));
     if (length > radii_[v]) p = a + offset * (radii_[v] / length);  // (7)
+}
+
+void Bounds::keep_off_own(size_t v, Vec3& p) const {
+    const Vec3 &a = pose_.attachment[v], &normal = pose_.normal[v];
+    if (slide_ > 0.0f) {
+        const Vec3 off = glm::dot(p - a, normal) * normal, along = p - a - off;
+        const float slid = std::sqrt(glm::dot(along, along)), most = slide_ * pose_.heights[v];
+        if (slid > most) p = a + off + along * (most / slid);
+    }
+    if (apart_ > 0.0f && pose_.own[v].towards != Vec3(0.0f)) {
+        // Where what faces it lies behind the vertex the two may have passed each other already, and neither
+        // way is the safe one.
+        const OwnSide& side = pose_.own[v];
+        const float way = glm::dot(p - a, side.towards), left = apart_ * side.distance;
+        if (way > left) p -= (way - left) * side.towards;
+        if (!side.outside && way < -left) p -= (way + left) * side.towards;
+    }
+    if (collision_ != Collision::kPlane) return;
+    // Back above the plane, straight to the attachment: that keeps all the other bounds.
+    const float height = glm::dot(p - a, normal);
+    if (height < -depth_[v]) p = a + (p - a) * (-depth_[v] / height);
+}
+
+bool Bounds::kept_apart(size_t v, const Vec3& p) const {
+    if (apart_ <= 0.0f || pose_.own[v].towards == Vec3(0.0f) || radii_[v] <= 0.0f) return false;
+    const float way = glm::dot(p - pose_.attachment[v], pose_.own[v].towards);
+    const float left = apart_ * pose_.own[v].distance;
+    const float nearly = left - kHeldOutside * radii_[v];
+    return way > nearly || (!pose_.own[v].outside && way < -nearly);
 }
 
 bool Bounds::push_back(size_t v, Vec3& p) const {

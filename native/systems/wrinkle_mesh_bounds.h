@@ -26,6 +26,9 @@ class Bounds {
         p -= tangential_pull_ * (away - off) + normal_pull_ * off;
     }
 
+    // Whether its own cloth keeps a vertex from going on.
+    bool kept_apart(size_t v, const Vec3& p) const;
+
     // project() for a vertex that should rather stay: only when it is outside by more than a rounding. Says
     // whether it was.
     bool push_back(size_t v, Vec3& p) const;
@@ -38,9 +41,14 @@ class Bounds {
     // Signed distance to the closest of the base triangles around the vertex.
     Side side_of(size_t v, const Vec3& p) const;
 
+    // The bounds by the own cloth.
+    void keep_off_own(size_t v, Vec3& p) const;
+
     const Model& model_;
     const Pose& pose_;
     Collision collision_;
+    float apart_;
+    float slide_;
     float tangential_pull_;
     float normal_pull_;
     std::vector<float> radii_;

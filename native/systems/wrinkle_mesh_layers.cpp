@@ -67,6 +67,26 @@ class Chain {
     std::vector<Index> body_hint_;
 };
 
+// below: what the layer before found for its vertices, empty for the first one. Where that found nothing
+// within its wider reach, there is nothing to look for.
+void look_at_own(const OwnSurface& own, const Model& layer, const Settings& settings, const Paint& paint,
+                 std::span<const OwnSide> below, Pose& pose) {
+    if (settings.apart <= 0.0f && settings.slide <= 0.0f) return;
+    std::vector<float> reach = attachment_radii(layer, settings, paint);
+    // Farther away the share is more than the radius: the bound begins where it does nothing.
+    const float radii = settings.apart > 0.0f ? 1.0f / settings.apart : 0.0f;
+    for (float& r : reach) r *= radii;
+    for (size_t v = 0; v < reach.size() && !below.empty(); ++v) {
+        bool faced = false;
+        for (const Index u : display_vertices(layer.base, layer.attachments.places[v].triangle))
+            faced |= below[u].towards != Vec3(0.0f);
+        if (!faced) reach[v] = 0.0f;
+    }
+    const PosedOwnSurface posed(own, pose.attachment);
+    pose.own = posed.facing(reach);
+    pose.heights = posed.heights();
+}
+
 void check_counts(const Layers& layers, size_t settings, size_t paint) {
     expect_count("settings", settings, layers.layers.size(), "layers");
     expect_count("paint", paint, layers.layers.size(), "layers");
@@ -98,6 +118,7 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
         const AttachmentKind kind = level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear;
         out->layers.push_back(build(std::move(on), source, kind, 0));
     }
+    for (const auto& layer : out->layers) out->own.emplace_back(layer->positions_rest, layer->triangles);
     const Model& finest = *out->layers.back();
     out->shown = show_fine(out->base, out->base, fine, display_steps, finest.positions_rest);
     out->stretch = build_stretch(out->base);
@@ -125,11 +146,15 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     reports.assign(layers.layers.size(), {});
     LayersState out;
     Chain chain(input);
+    std::vector<OwnSide> below;
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
-        const Pose pose = make_pose(layer, chain.input());
+        check(layer, paint[k]);
+        Pose pose = make_pose(layer, chain.input());
+        look_at_own(layers.own[k], layer, settings[k], paint[k], below, pose);
         out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,
                                         state ? &state->layers[k] : nullptr, reports[k]));
+        below = pose.own;
         chain.ride_on(pose, solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]));
     }
     out.solved = chain.take_positions();

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "surface/contact/self_distance.h"
 #include "systems/wrinkle_mesh.h"
 
 namespace rumple::wrinkle_mesh {
@@ -15,6 +16,7 @@ namespace rumple::wrinkle_mesh {
 struct Layers {
     Surface base;
     std::vector<std::shared_ptr<const Model>> layers;  // coarse first; a layer's base is the one before it
+    std::vector<OwnSurface> own;                       // the solved triangles of each layer
     ShownMesh shown;                                   // of the finest, embedded in the base
     StretchModel stretch;
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/tolerances.h"
+#include "surface/contact/self_distance.h"
 #include "systems/wrinkle_mesh.h"
 
 namespace rumple::wrinkle_mesh {
@@ -20,6 +21,8 @@ struct Pose {
     std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
     std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
     std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
+    std::vector<OwnSide> own;           // what of the own cloth faces each attachment; empty: no bound
+    std::vector<float> heights;         // PosedOwnSurface::heights() at the attachments; empty: no bound
     Index collapsed = 0;
 };
 

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from .. import native
+from .base_mesh import BaseMesh, Refused, checked_surface
 from .body import Body
 from .cloth import size_factor
-from .engine import MOST_VERTICES, BaseMesh, Moment, Picture, Refused, Wrinkles, checked_surface
+from .engine import MOST_VERTICES, Moment, Picture, Wrinkles
 from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
 
@@ -135,7 +136,11 @@ class WrinkleMesh(Wrinkles):
 
     def _status(self, report: Any) -> list[str]:
         lines = [f"{self.solve_vertex_count} vertices are solved", f"Fine edge {1000.0 * self.edge_mean:.2f} mm"]
-        report = report[-1] if isinstance(report, list) else report
+        layers = report if isinstance(report, list) else [report]
+        kept = sum(layer.kept_apart for layer in layers)
+        if kept:
+            lines.append(f"{kept} {'vertex' if kept == 1 else 'vertices'} kept from crossing the garment itself")
+        report = layers[-1]
         before, after = 100.0 * report.error_before, 100.0 * report.error_after
         lines.append(f"Edge length error {before:.1f} % before, {after:.1f} % after {report.iterations} iterations")
         if report.collapsed_triangles:
@@ -230,6 +235,8 @@ def layer_words(count: int) -> list[str]:
 WIDEST_RADIUS = 0.6  # of the base mesh itself, over that of the others
 LAYER_INSIDE = 1.5  # inward room over that of one layer: the body bounds it
 TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
+APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
+SLIDE = 0.25  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
 LOOSER = 1.5  # slack of the layers over that of the base cloth: cloth that is pulled taut has no folds
 
@@ -243,6 +250,7 @@ def layer_settings(settings: MeshSettings, count: int) -> list[Any]:
         options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
         options.hem_rings = min(settings.hem_rings, number + 1)
         options.tangential_pull, options.normal_pull = TANGENTIAL_PULL, NORMAL_PULL
+        options.apart, options.slide = APART, SLIDE
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
             options.prestretch = settings.prestretch * (1.0 + LOOSER * (settings.slack - 1.0))

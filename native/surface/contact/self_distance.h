@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How far a cloth is from itself: what bounds the way of its vertices, so that folds do not pass through one
+// another. After Chen and others 2025, Offset Geometric Contact: a vertex moves at most a share of its
+// distance to what it is not adjacent to. docs/wrinkle_mesh.md (Layers) says where we leave them.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "base/array.h"
+
+namespace rumple {
+
+// The triangles of a cloth and a bounding volume hierarchy over them. Built once, then immutable.
+class OwnSurface {
+  public:
+    // positions: at rest, object units; every index of triangles is one of them. May have no triangle.
+    // Cost: O(n log^2 n).
+    OwnSurface(std::span<const Vec3> positions, std::vector<std::array<Index, 3>> triangles);
+
+  private:
+    friend class PosedOwnSurface;
+
+    struct Node {
+        Index first;  // leaf: first of triangles_; else: the left child, the right one follows it
+        Index count;  // triangles of a leaf; 0 for an inner node
+    };
+
+    void split(Index node, Index begin, Index end, std::span<const Vec3> centre, std::vector<Index>& order);
+
+    std::vector<std::array<Index, 3>> triangles_;  // leaf by leaf
+    std::vector<Node> nodes_;                      // children after their parents
+};
+
+// The nearest point of the cloth that faces a vertex: on a triangle that it is no corner of, and whose normal
+// points against that of the vertex.
+struct OwnSide {
+    Vec3 towards{0.0f};  // unit: from the vertex to that point; zero: nothing faces it
+    float distance = std::numeric_limits<float>::infinity();  // object units
+    bool outside = false;  // whether the point lies on the side that the vertex's normal points to
+};
+
+// A cloth in the pose of one frame.
+class PosedOwnSurface {
+  public:
+    // Both must outlive it. positions: finite, as many as the cloth was built with. Cost: O(triangles), a few
+    // nanoseconds each.
+    PosedOwnSurface(const OwnSurface& surface, std::span<const Vec3> positions);
+
+    // Of every vertex what faces it within its reach (object units, >= 0; 0: nothing is looked for), or the
+    // vertex that it faces as a corner of a triangle, whichever is nearer: so both sides of a gap know of it.
+    // Cost: about 1 us a vertex with a reach of two edges.
+    std::vector<OwnSide> facing(std::span<const float> reach) const;
+
+    // Of every vertex the smallest height of its triangles above their opposite sides, object units; infinity
+    // where it has none. As long as no vertex moves farther than half of it along the surface, none of them
+    // turns over.
+    std::vector<float> heights() const;
+
+  private:
+    struct Box {
+        Vec3 low{std::numeric_limits<float>::max()};
+        Vec3 high{std::numeric_limits<float>::lowest()};
+
+        void add(const Box& other) {
+            low = glm::min(low, other.low);
+            high = glm::max(high, other.high);
+        }
+        void add(const Vec3& p) { add(Box{p, p}); }
+    };
+
+    void refit();
+    // The side that faces a vertex, and the triangle that it is on.
+    OwnSide nearest(Index vertex, float reach, Index& triangle) const;
+
+    const OwnSurface& surface_;
+    std::span<const Vec3> positions_;
+    std::vector<Vec3> normals_;       // per vertex, unit or zero
+    std::vector<Vec3> face_normals_;  // per triangle, unit or zero
+    std::vector<Box> boxes_;          // per node: of its corners
+    std::vector<Box> facings_;        // per node: of its triangles' normals
+};
+
+}  // namespace rumple
