@@ -236,7 +236,7 @@ WIDEST_RADIUS = 0.6  # of the base mesh itself, over that of the others
 LAYER_INSIDE = 1.5  # inward room over that of one layer: the body bounds it
 TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
 APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
-SLIDE = 0.25  # share of the heights of its triangles that a vertex may go along the surface
+SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
 LOOSER = 1.5  # slack of the layers over that of the base cloth: cloth that is pulled taut has no folds
 
