@@ -57,7 +57,7 @@ def stage(engine):
     if engine == "EEVEE":
         scene.eevee.taa_render_samples = 4
         scene.world = bpy.data.worlds.new("World")
-        if hasattr(scene.world, "probe_resolution"):    # 4.2 on: each picture draws the world around it, half of its time
+        if hasattr(scene.world, "probe_resolution"):    # from 4.2 on half of the time of a picture
             scene.world.probe_resolution = "128"
     with sleeve.context():
         bpy.context.view_layer.update()

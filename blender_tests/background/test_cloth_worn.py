@@ -12,6 +12,9 @@ import sleeve
 from cloths import Cloth, depth, difference, dressed, final, forget, garment, hang, off_animation, pictures, played
 from rumple.blender import handlers, modifier, panels, properties, registry
 
+# Frames in which the arm bends so slowly that the sleeve does not face itself: which of two equally near sides of it
+# bounds a fold is a matter of rounding.
+GENTLE = 60
 DEEPER = 1e-4  # metres that shown cloth may stand deeper inside the body than the bare garment
 
 
@@ -100,8 +103,11 @@ class Gravity(Cloth):
         np.testing.assert_allclose(seen, sleeve.shown(obj), atol=1e-6)
 
     def test_a_scene_in_centimetres_hangs_as_one_in_metres(self) -> None:
-        right = played(garment(), 8)
+        obj = garment()
+        sleeve.bend_until(GENTLE)
+        right = played(obj, 8)
         obj = sleeve.scene(wrinkles=False)
+        sleeve.bend_until(GENTLE)
         obj.data.flip_normals()
         bpy.context.scene.unit_settings.scale_length = 0.01
         for part in (obj, bpy.data.objects["Arm"]):
@@ -155,6 +161,7 @@ class Painted(Cloth):
 
     def test_a_new_group_of_a_layer_changes_nothing_and_zero_takes_the_layer_away(self) -> None:
         self.obj.rumple.mesh.level = 2
+        sleeve.bend_until(GENTLE)
         sleeve.at(1)
         names = ("drape", "folds", "detail")
         first = played(self.obj)[20]

@@ -76,7 +76,7 @@ class FrameLaws(unittest.TestCase):
     def test_a_stored_frame_is_replayed_for_the_same_body_only(self) -> None:
         triangle = np.array([[0, 1, 2]], np.int32)
         here, there, turned = (Body(np.eye(3, dtype=np.float32) + place, order) for place, order in (
-            (np.float32(0.0), triangle), (np.float32(1.0), triangle), (np.float32(0.0), triangle[:, ::-1])))
+            (np.float32(0.0), triangle), (np.float32(1.0), triangle), (np.float32(0.0), triangle[:, ::-1].copy())))
         replayed = []
         for body in (None, None, here, Body(here.positions.copy(), triangle.copy()), there, turned, None):
             picture = self.mesh.solve_frame(1.0, self.clip[1], SETTINGS, {}, start=1, body=body)

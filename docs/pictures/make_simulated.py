@@ -58,4 +58,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    bpy.app.timers.register(main)    # Blender 3.4 crashes where a script quits before the first redraw

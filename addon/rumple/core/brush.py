@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .. import native
-from .engine import Refused
+from .base_mesh import Refused
 from .wrinkle_field import WrinkleField
 
 SPACING = 0.25  # of the brush's radius, from dab to dab

@@ -12,7 +12,7 @@ from typing import Any, Sequence
 import numpy as np
 
 from .. import native
-from .engine import Refused
+from .base_mesh import Refused
 
 FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
 TRACKED = ("HEAD", "TAIL", "BOTH")

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from .. import native
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Moment, Picture, Refused, Wrinkles, \
-    checked_surface
+from .base_mesh import BaseMesh, Refused, checked_surface
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Wrinkles
 from .settings import FieldSettings
 
 # What the shader node group reads (../blender/field_nodes.py).

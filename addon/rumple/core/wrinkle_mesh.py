@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from .. import native
+from .base_mesh import BaseMesh, Refused, checked_surface
 from .body import Body
 from .cloth import size_factor
-from .engine import MOST_VERTICES, BaseMesh, Moment, Picture, Refused, Wrinkles, checked_surface
+from .engine import MOST_VERTICES, Moment, Picture, Wrinkles
 from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
 

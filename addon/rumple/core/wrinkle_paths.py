@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from .. import native
+from .base_mesh import BaseMesh, Refused, checked_surface
 from .cloth import size_factor
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, BaseMesh, Moment, Picture, Refused, Sketch, \
-    Wrinkles, checked_surface
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Sketch, Wrinkles
 from .settings import PathsSettings
 
 MOST_LEVEL = 5

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How far a Wrinkle Mesh may go inwards over a body.
+#include <gtest/gtest.h>
+
+#include "systems/wrinkle_mesh_pose.h"
+#include "tests/contact_bodies.h"
+#include "tests/meshes.h"
+
+namespace rumple::tests {
+namespace {
+
+using namespace wrinkle_mesh;
+
+// Skin that ends under a shirt showed as a slit: the vertices beside its end went in as far as where there is
+// no body, and the cloth between them cut through it.
+TEST(WrinkleMeshBody, TheEndOfABodyStaysBelowTheClothBetweenItsVertices) {
+    const MeshData mesh = grid(12, 4, 0.02f);
+    Source source;
+    source.level = 1;
+    const auto model = wrinkle_mesh::build(tests::build(mesh), source, AttachmentKind::kLimit, 0);
+    Body body = body_of(grid(10, 10, 0.05f));  // ends at x = 0.1, 8 mm below
+    for (Vec3& p : body.positions) p += Vec3(-0.4f, -0.2f, -0.008f);
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    const std::vector<float> gap(mesh.positions.size(), 0.03f);
+    const std::vector<Index> hint(mesh.positions.size(), 0);
+    Input input{mesh.positions};
+    input.gap = gap;
+    input.bodies = &posed;
+    input.body_hint = hint;
+    input.thickness = 0.003f;
+    const Pose pose = make_pose(*model, input);
+    int over = 0, within = 0, beyond = 0;
+    for (size_t v = 0; v < pose.gap.size(); ++v) {
+        const float edge = model->local_edge[v], beside = pose.attachment[v].x - 0.1f;
+        const float reach = 2.0f * edge + input.thickness;
+        if (std::hypot(std::max(beside, 0.0f), 0.008f) > 0.99f * reach) continue;
+        const float cone = std::max(beside - edge, 0.0f);
+        EXPECT_NEAR(pose.gap[v], 0.005f + cone, 1e-6f) << beside;
+        ++(beside <= 0.0f ? over : cone > 0.0f ? beyond : within);
+    }
+    for (const int count : {over, within, beyond}) EXPECT_GT(count, 4);
+}
+
+}  // namespace
+}  // namespace rumple::tests
