@@ -16,6 +16,10 @@ struct Bounds {
         low = glm::min(low, p);
         high = glm::max(high, p);
     }
+    void add(const Bounds& other) {
+        low = glm::min(low, other.low);
+        high = glm::max(high, other.high);
+    }
 };
 
 inline double squared_distance(const Bounds& box, const glm::dvec3& p) {

@@ -4,14 +4,11 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
-#include <numeric>
 
 #include "base/tolerances.h"
 
 namespace rumple {
 namespace {
-
-constexpr Index kLeafTriangles = 4;
 
 struct Corners {
     glm::dvec3 a, b, c;
@@ -73,74 +70,36 @@ TrianglePoint closest_point(const Surface& surface, Index triangle, const Vec3& 
     return {{triangle, static_cast<float>(w.x), static_cast<float>(w.y)}, glm::dot(d, d)};
 }
 
-TriangleTree::TriangleTree(const Surface& surface) : surface_(surface), order_(surface.triangles.size()) {
-    assert(!order_.empty());
-    std::iota(order_.begin(), order_.end(), 0);
-    std::vector<Bounds> boxes(order_.size());
+TriangleTree::TriangleTree(const Surface& surface) : surface_(surface) {
+    assert(!surface.triangles.empty());
+    std::vector<Bounds> boxes(surface.triangles.size());
+    std::vector<Vec3> centres;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
         const Corners t = corners_of(surface, static_cast<Index>(i));
         for (const glm::dvec3& x : {t.a, t.b, t.c}) boxes[i].include(x);
+        centres.emplace_back(0.5 * (boxes[i].low + boxes[i].high));
     }
-    nodes_.emplace_back();
-    split(0, 0, static_cast<Index>(order_.size()), boxes);
-}
-
-// Halves the triangles at the median of their centres along the longest axis:
-// always balanced, so the depth is log2 of the count whatever the mesh.
-void TriangleTree::split(Index node, Index begin, Index end, const std::vector<Bounds>& boxes) {
-    Bounds bounds, centres;
-    const auto centre = [&](Index t) { return 0.5 * (boxes[t].low + boxes[t].high); };
-    for (Index i = begin; i < end; ++i) {
-        bounds.include(boxes[order_[i]].low);
-        bounds.include(boxes[order_[i]].high);
-        centres.include(centre(order_[i]));
-    }
-    nodes_[node].bounds = bounds;
-    if (end - begin <= kLeafTriangles) {
-        nodes_[node].first = begin;
-        nodes_[node].count = end - begin;
-        return;
-    }
-    const glm::dvec3 extent = centres.high - centres.low;
-    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-    const Index middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](Index s, Index t) {
-                         const double x = centre(s)[axis], y = centre(t)[axis];
-                         return x < y || (x == y && s < t);
-                     });
-    const Index left = static_cast<Index>(nodes_.size());
-    nodes_[node].first = left;
-    nodes_.resize(nodes_.size() + 2);
-    split(left, begin, middle, boxes);
-    split(left + 1, middle, end, boxes);
+    hierarchy_ = build_hierarchy(centres);
+    bounds_ = volumes_of<Bounds>(
+        hierarchy_, [&](Bounds& bounds, Index place) { bounds.add(boxes[hierarchy_.order[place]]); });
 }
 
 TrianglePoint TriangleTree::closest(const Vec3& p) const {
     TrianglePoint best;
     best.squared_distance = std::numeric_limits<double>::infinity();
     const glm::dvec3 query(p);
-    Index stack[64];  // at most one sibling a level waits, and the depth is log2 of the triangles
-    int top = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-        const Node& node = nodes_[stack[--top]];
-        if (squared_distance(node.bounds, query) > best.squared_distance * (1.0 + kTieSlack)) continue;
-        for (Index i = node.first; i < node.first + node.count; ++i) {
-            const TrianglePoint point = closest_point(surface_, order_[i], p);
+    const auto distance = [&](Index node) { return squared_distance(bounds_[node], query); };
+    visit_nearest_first(
+        hierarchy_, distance,
+        [&](Index node) { return distance(node) > best.squared_distance * (1.0 + kTieSlack); },
+        [&](Index place) {
+            const TrianglePoint point = closest_point(surface_, hierarchy_.order[place], p);
             const bool tie = point.squared_distance == best.squared_distance;
             if (point.squared_distance < best.squared_distance ||
                 (tie && point.place.triangle < best.place.triangle)) {
                 best = point;
             }
-        }
-        if (node.count > 0) continue;
-        // The nearer child is looked at first, so it goes on the stack last.
-        const double left = squared_distance(nodes_[node.first].bounds, query);
-        const double right = squared_distance(nodes_[node.first + 1].bounds, query);
-        stack[top++] = left <= right ? node.first + 1 : node.first;
-        stack[top++] = left <= right ? node.first : node.first + 1;
-    }
+        });
     return best;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "surface/bounds.h"
+#include "surface/hierarchy.h"
 #include "surface/refinement.h"
 
 namespace rumple {
@@ -25,17 +26,9 @@ class TriangleTree {
     TrianglePoint closest(const Vec3& p) const;
 
   private:
-    struct Node {
-        Bounds bounds;
-        Index first = 0;  // leaf: first of order_; else: the left child, the right one follows it
-        Index count = 0;  // triangles of a leaf; 0 for an inner node
-    };
-
-    void split(Index node, Index begin, Index end, const std::vector<Bounds>& boxes);
-
     const Surface& surface_;
-    std::vector<Node> nodes_;
-    std::vector<Index> order_;  // triangles, leaf by leaf
+    Hierarchy hierarchy_;         // of the triangles
+    std::vector<Bounds> bounds_;  // per node
 };
 
 }  // namespace rumple

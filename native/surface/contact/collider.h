@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "base/array.h"
+#include "surface/contact/posed_triangles.h"
+#include "surface/hierarchy.h"
 
 namespace rumple {
 
@@ -24,20 +26,13 @@ class Collider {
   private:
     friend class PosedCollider;
 
-    struct Node {
-        Index first;  // leaf: first of order_; else: the left child, the right one follows it
-        Index count;  // triangles of a leaf; 0 for an inner node
-    };
-
-    void split(Index node, Index begin, Index end, std::span<const Vec3> centre);
     void mark_borders();
 
     Index vertex_count_ = 0;
     std::vector<std::array<Index, 3>> triangles_;
     std::vector<std::uint8_t> border_edges_;  // per triangle: bit k, the edge from corner k is a border
     std::vector<std::uint8_t> border_vertex_;
-    std::vector<Node> nodes_;   // children after their parents
-    std::vector<Index> order_;  // triangles, leaf by leaf
+    Hierarchy hierarchy_;  // of the triangles
 };
 
 // The nearest place of a body.
@@ -65,26 +60,19 @@ class PosedCollider {
     BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const;
 
   private:
-    struct Box {
-        Vec3 low;
-        Vec3 high;
-    };
     struct Best {
         float squared;
         Index triangle = kNone;
         Vec3 weights{0.0f};
     };
 
-    void refit();
     void look_at(Index triangle, const Vec3& p, const Vec3& normal, Best& best) const;
     bool on_border(Index triangle, const Vec3& weights) const;
-    static float squared_distance(const Box& box, const Vec3& p);
 
     const Collider& collider_;
     std::vector<Vec3> positions_;
-    std::vector<Vec3> normals_;       // per vertex, unit or zero
-    std::vector<Vec3> face_normals_;  // per triangle, unit or zero
-    std::vector<Box> boxes_;          // per node
+    TriangleNormals normals_;
+    std::vector<Box> boxes_;  // per node
 };
 
 }  // namespace rumple

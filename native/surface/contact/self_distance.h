@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "base/array.h"
+#include "surface/contact/posed_triangles.h"
+#include "surface/hierarchy.h"
 
 namespace rumple {
 
@@ -18,20 +20,13 @@ class OwnSurface {
   public:
     // positions: at rest, object units; every index of triangles is one of them. May have no triangle.
     // Cost: O(n log^2 n).
-    OwnSurface(std::span<const Vec3> positions, std::vector<std::array<Index, 3>> triangles);
+    OwnSurface(std::span<const Vec3> positions, const std::vector<std::array<Index, 3>>& triangles);
 
   private:
     friend class PosedOwnSurface;
 
-    struct Node {
-        Index first;  // leaf: first of triangles_; else: the left child, the right one follows it
-        Index count;  // triangles of a leaf; 0 for an inner node
-    };
-
-    void split(Index node, Index begin, Index end, std::span<const Vec3> centre, std::vector<Index>& order);
-
     std::vector<std::array<Index, 3>> triangles_;  // leaf by leaf
-    std::vector<Node> nodes_;                      // children after their parents
+    Hierarchy hierarchy_;
 };
 
 // The nearest point of the cloth that faces a vertex: on a triangle that it is no corner of, and whose normal
@@ -60,27 +55,14 @@ class PosedOwnSurface {
     std::vector<float> heights() const;
 
   private:
-    struct Box {
-        Vec3 low{std::numeric_limits<float>::max()};
-        Vec3 high{std::numeric_limits<float>::lowest()};
-
-        void add(const Box& other) {
-            low = glm::min(low, other.low);
-            high = glm::max(high, other.high);
-        }
-        void add(const Vec3& p) { add(Box{p, p}); }
-    };
-
-    void refit();
     // The side that faces a vertex, and the triangle that it is on.
     OwnSide nearest(Index vertex, float reach, Index& triangle) const;
 
     const OwnSurface& surface_;
     std::span<const Vec3> positions_;
-    std::vector<Vec3> normals_;       // per vertex, unit or zero
-    std::vector<Vec3> face_normals_;  // per triangle, unit or zero
-    std::vector<Box> boxes_;          // per node: of its corners
-    std::vector<Box> facings_;        // per node: of its triangles' normals
+    TriangleNormals normals_;
+    std::vector<Box> boxes_;    // per node: of its corners
+    std::vector<Box> facings_;  // per node: of its triangles' normals
 };
 
 }  // namespace rumple
