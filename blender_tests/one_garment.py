@@ -35,8 +35,6 @@ class PlayedOnce:
         for name, value in cls.settings.items():
             setattr(getattr(cls.garment.rumple, cls.method.lower()), name, value)
         assert bpy.ops.object.rumple_add(method=cls.method) == {"FINISHED"}, cls.garment.rumple.message
-        if cls.settings.get("base_cloth") == "OFF":
-            cls.garment.rumple.body = cls.garment.rumple.body_collection = None
         cls.fine = registry.runtime(cls.garment).fine
         cls.seen = [cls.look(frame) for frame in cls.frames]
         OUT.mkdir(parents=True, exist_ok=True)

@@ -15,6 +15,8 @@ class FirstClick(unittest.TestCase):
     def setUp(self) -> None:
         self.obj = sleeve.scene(wrinkles=False)
         self.obj.data.flip_normals()
+        for name in ("base_cloth", "layers"):  # the click says
+            self.obj.rumple.mesh.property_unset(name)
 
     def found(self) -> str:
         sleeve.make_active(self.obj)
@@ -42,6 +44,18 @@ class FirstClick(unittest.TestCase):
     def test_another_garment_is_better_than_nothing(self) -> None:
         sleeve.under(self.obj, "Shirt", 0.9)
         self.assertEqual(self.found(), "Shirt")
+
+    def test_what_is_no_cloth_is_worn_over_nothing(self) -> None:
+        # A face would be put out of the teeth, by the thickness of a cloth.
+        sleeve.under(self.obj)
+        self.obj.rumple.mesh.base_cloth = "OFF"
+        self.assertEqual(self.found(), "")
+
+    def test_a_simulated_one_is_worn_over_its_body(self) -> None:
+        sleeve.under(self.obj)
+        self.obj.modifiers.new("Cloth", "CLOTH")
+        self.assertEqual(self.found(), "Human")
+        self.assertEqual(self.obj.rumple.mesh.base_cloth, "OFF")
 
     def test_placed_alike(self) -> None:
         body = sleeve.under(self.obj)

@@ -92,12 +92,11 @@ class Swing(Cloth):
         scene.collection.objects.link(camera)
         scene.camera, scene.frame_current = camera, 1
         scene.frame_set(9)
-        registry.runtime(self.obj).unplayed = ""
-        registry.runtime(self.obj).forget_written()
-        said = io.StringIO()
-        with contextlib.redirect_stdout(said):
-            bpy.ops.render.render()
-        self.assertIn(JUMPED, said.getvalue())
+        for times in (1, 0):  # solved by the viewport already; the second render of it says nothing new
+            said = io.StringIO()
+            with contextlib.redirect_stdout(said):
+                bpy.ops.render.render()
+            self.assertEqual(said.getvalue().count(JUMPED), times)
 
     def test_independent_frames_hang(self) -> None:
         self.obj.rumple.mesh.stateless = True

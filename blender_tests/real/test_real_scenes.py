@@ -57,7 +57,6 @@ def add_wrinkles(garment: bpy.types.Object) -> None:
     bpy.context.view_layer.objects.active = garment
     garment.rumple.mesh.base_cloth = "OFF"  # the fine mesh alone: test_real_cloth.py plays them as cloth
     assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}, garment.rumple.message
-    garment.rumple.body = garment.rumple.body_collection = None
 
 
 class Clip:

@@ -13,8 +13,7 @@ import bpy
 import numpy as np
 
 from ..core import engine
-from . import bake_files, bake_state, modifier, operators, path_curves, preview, properties, registry, structure, \
-    versions
+from . import bake_files, bake_state, modifier, operators, path_curves, preview, registry, structure, versions
 
 FOLDER = "//rumple"
 SUFFIX = ".clip"
@@ -35,7 +34,7 @@ class Playback:
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
         self.run_up = list(range(min(self.scene.frame_start, start), start))
-        self.looks = obj.rumple.bake_whole_clip and properties.settings_of(obj, context.scene).sees_ahead
+        self.looks = obj.rumple.bake_whole_clip and bake_state.sees_ahead(obj, context.scene)
         self.count = len(self.run_up) + (end - start) * samples + 1
         if self.looks:
             self.count += len(self.run_up) + end - start + 1

@@ -21,12 +21,17 @@ def clip_path(obj: bpy.types.Object) -> Path | None:
     return Path(bpy.path.abspath(cache.filepath, library=player.library))
 
 
+def sees_ahead(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
+    """Whether a bake of it may look at the whole clip first: over a body what is solved is not known before."""
+    return properties.settings_of(obj, scene).sees_ahead and not bodies.of(obj)
+
+
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame."""
     digest = hashlib.sha1(structure.sources(obj).shape.encode())
     settings = properties.settings_of(obj, scene)
     digest.update(repr((settings, scene.frame_start)).encode())
-    if settings.sees_ahead:
+    if sees_ahead(obj, scene):
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
     for key, weights in sorted(mesh_io.paint(obj, settings).items()):
         digest.update(key.encode() + weights.tobytes())

@@ -50,6 +50,11 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
     return {name: values[name] for name in ("base_cloth", "up", "room", "thickness")} | of_folds
 
 
+def is_cloth(obj: bpy.types.Object) -> bool:
+    """Whether it is worn over something: a base cloth is on, or it is simulated. Skin and heads are not."""
+    return properties.group_of(obj).base_cloth != "OFF" or is_simulated(obj)
+
+
 def is_simulated(obj: bpy.types.Object) -> bool:
     keys = obj.data.shape_keys
     return (keys is not None and not keys.use_relative) or any(

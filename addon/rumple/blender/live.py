@@ -188,12 +188,13 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
         return False
     if inputs.same_as(entry.inputs) and entry.carrier_key == versions.session_key(held.data):
         registry.say(entry, "")  # what was wrong in between is as it was before
+        registry.note_unplayed(entry, entry.unplayed, depsgraph.mode == "RENDER")
         return False
     picture = _solve(entry, inputs, scene, inputs.stands_in)
     entry.inputs = inputs
     registry.say(entry, "")
-    late = entry.fine.unplayed(inputs.frame, scene.frame_start) if picture.unplayed else ""
-    registry.note_unplayed(entry, late, depsgraph.mode == "RENDER")
+    unplayed = entry.fine.unplayed_message(inputs.frame, scene.frame_start) if picture.unplayed else ""
+    registry.note_unplayed(entry, unplayed, depsgraph.mode == "RENDER")
     if entry.fine.HAS_CURVES:
         path_curves.write(obj, entry)
     return _show(held, entry, picture, depsgraph.mode == "VIEWPORT")

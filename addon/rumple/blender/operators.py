@@ -82,7 +82,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         registry.forget(obj)
         lengths = self._set_defaults(context, obj)
         cloth_defaults.apply(obj, context.scene, lengths)
-        self._find_body(context, obj)
+        if cloth_defaults.is_cloth(obj):
+            self._find_body(context, obj)
         with structure.half_done():
             ours = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.

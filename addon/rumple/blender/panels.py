@@ -199,7 +199,7 @@ class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
         column, obj = property_column(self.layout), context.object
         for name in ("bake_start", "bake_end", "bake_samples", "bake_folder"):
             column.prop(obj.rumple, name)
-        if properties.settings_of(obj, context.scene).sees_ahead:
+        if bake_state.sees_ahead(obj, context.scene):
             column.prop(obj.rumple, "bake_whole_clip")
         row = column.row(align=True)
         row.operator("object.rumple_bake", icon="RENDER_ANIMATION")

@@ -55,6 +55,7 @@ class Messages:
     message: str = ""  # what is wrong with this frame
     refusal: str = ""  # what is wrong with the meshes and settings: stays until they change
     unplayed: str = ""  # that this frame was reached by a jump, where it shows
+    unplayed_in_renders: str = ""  # the last of these that a render has said
     notes: list[str] = field(default_factory=list)
 
 
@@ -134,9 +135,10 @@ def refuse(entry: Messages, text: str) -> None:
 
 def note_unplayed(entry: Messages, text: str, rendering: bool) -> None:
     """Set what is said of a frame that was reached by a jump; of renders a new one goes to the console."""
-    if rendering:
-        _print_new(text, entry.unplayed)
     entry.unplayed = text
+    if rendering:
+        _print_new(text, entry.unplayed_in_renders)
+        entry.unplayed_in_renders = text
 
 
 def _print_new(text: str, former: str) -> None:

@@ -139,7 +139,8 @@ class Wrinkles:
         """
         try:
             return self._solve_frame(frame, positions, settings, paint, start, world_from_object, frame_rate,
-                                     following if settings.sees_ahead else None, sketched, body, surroundings)
+                                     following if settings.sees_ahead and body is None else None, sketched, body,
+                                     surroundings)
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
 
@@ -152,7 +153,7 @@ class Wrinkles:
         chosen = self._take_inputs(frame, settings, paint, start, frame_rate if timed else 0.0)
         world = (self._reads_world(settings) or settings.base_cloth != "OFF") and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
-        labels = self._seen(frame, positions)
+        labels = self._seen(frame, positions) if body is None else None
         coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
         moment = Moment(frame, frame / frame_rate, matrix, labels, *coming, body, positions,
                         surroundings=surroundings if swings else Surroundings())
@@ -207,7 +208,8 @@ class Wrinkles:
         cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, moment.world_from_object, moment.body,
                                          cloth, not self._keeps_off_bodies(), moment.seconds, moment.surroundings)
         state, report = self._solve(settings, cloth.positions, own, same_settings, replace(moment, cloth=cloth))
-        return OnCloth(cloth, state), OnClothReport(cloth.report, report, moment.body is not None)
+        return OnCloth(cloth, state), OnClothReport(cloth.report, report, moment.body is not None,
+                                              settings.base_cloth != "OFF")
 
     def _base_cloth(self) -> Stage:
         if self._stage is None:
@@ -256,9 +258,9 @@ class Wrinkles:
         all of it at once, not frame by frame. An empty clip: forget it. Stored frames are forgotten.
 
         clip: (n, 3) float32 positions by whole frame, ascending. A frame that is solved with other positions is solved
-        as live, and noted in `strayed`; a subframe goes by the whole frame that it leads to. With a base cloth nothing
-        is seen ahead: what it will be is not known. Raises Refused. Cost: per frame and 1,000 triangles about 1 ms;
-        half a megabyte while it is cut, at most 250; a kilobyte afterwards.
+        as live, and noted in `strayed`; a subframe goes by the whole frame that it leads to. Over a base cloth or a body
+        nothing is seen ahead: what it will be is not known. Raises Refused. Cost: per frame and 1,000 triangles about
+        1 ms; half a megabyte while it is cut, at most 250; a kilobyte afterwards.
         """
         self.history.clear()
         self._clip, self.strayed = {}, set()
@@ -309,7 +311,7 @@ class Wrinkles:
         """Of what the system reports."""
         raise NotImplementedError
 
-    def unplayed(self, frame: float, start: int) -> str:
+    def unplayed_message(self, frame: float, start: int) -> str:
         """What to say of a picture that is `unplayed`."""
         return (f"{self.name}: frame {frame:g} was reached by a jump, so its cloth hangs and does not swing: play from "
                 f"frame {start}, or bake")

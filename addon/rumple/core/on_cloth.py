@@ -38,6 +38,7 @@ class OnClothReport:
     cloth: Any  # native
     wrinkles: Any  # what the system reports
     has_body: bool  # whether it was worn over something
+    is_free: bool = True  # whether there is a base cloth, and not only a body that the animated mesh is kept out of
 
     @property
     def layers(self) -> list[Any]:
@@ -47,8 +48,9 @@ class OnClothReport:
     def lines(self, name: str, unit_scale: float) -> list[str]:
         """For the artist. name: of the object; unit_scale: metres per object unit."""
         offset = 1000.0 * unit_scale * self.cloth.offset_mean
-        lines = [f"Base cloth: {offset:.1f} mm from the animation on average, "
-                 f"{100.0 * self.cloth.body_known:.0f} % has the body under it"]
+        moved = f"Base cloth: {offset:.1f} mm from the animation on average" if self.is_free else \
+            f"Body: it moves the mesh by {offset:.1f} mm on average"
+        lines = [f"{moved}, {100.0 * self.cloth.body_known:.0f} % has the body under it"]
         if self.has_body and self.cloth.body_known < LEAST_UNDER:
             lines.append(f"{name}: its body does not lie under it: see that the normals of both point outwards, or "
                          "choose another body")
