@@ -114,8 +114,8 @@ class ClothSettings:
     base_cloth: str = setting("OFF", "Base Cloth", "What the wrinkles lie on", choices=BASE_CLOTHS)
     slack: float = setting(1.01, "Slack", "How much wider the cloth is cut than the garment is modelled. Above 1 it "
                            "has folds at rest too; below 1 it is tight", low=0.8, high=1.5)
-    gravity: float = setting(1.0, "Gravity", "Of the scene's direction down. 0 for cloth that does not sag", low=0.0,
-                             high=10.0)
+    gravity: float = setting(1.0, "Gravity", "Share of the earth's gravity, towards -Z of the world. 0 for cloth that "
+                             "does not sag", low=0.0, high=10.0)
     room: float = setting(0.03, "Room", "How far the cloth may leave its animated place", low=0.0, high=10.0,
                           unit="LENGTH")
     up: str = setting("Z", "Up At Rest", "Axis of the garment's own mesh that points up at rest: where nothing is "
@@ -125,8 +125,8 @@ class ClothSettings:
     # Of Swing
     mass: float = setting(0.2, "Mass", "Kilograms of a square metre: silk 0.06, cotton 0.15, denim 0.4. Heavier cloth "
                           "gives less to wind and air", low=0.01, high=10.0, soft=1.0)
-    swing_damping: float = setting(10.0, "Damping", "How fast swaying dies away, per second. 0: only what the solver "
-                                   "loses", low=0.0, high=1000.0, soft=50.0)
+    swing_damping: float = setting(10.0, "Swing Damping", "How fast swaying dies away, per second. 0: only what "
+                                   "the solver loses", low=0.0, high=1000.0, soft=50.0)
     substeps: int = setting(2, "Substeps", "Time steps of the solver in a thirtieth of a second, whatever the frame "
                             "rate. More: livelier and slower", low=1, high=20)
     locomotion: float = setting(0.2, "Locomotion", "Share of the motion of the garment as a whole that its inertia "
@@ -188,8 +188,9 @@ class MeshSettings(AdaptiveRest, ClothSettings):
     stretch_relief: float = setting(0.3, "Stretch Relief", "Share of the stretch of the mesh that the cloth gives in "
                                     "to. 0 pulls diagonal folds strongest, 1 never pulls", low=0.0, high=1.0,
                                     unit="FACTOR")
-    buckling_threshold: float = setting(0.0, "Buckling Threshold", "Compression of the mesh that bears no folds. A "
-                                        "simulated garment is a little compressed everywhere", low=0.0, high=1.0,
+    buckling_threshold: float = setting(0.0, "Buckling Threshold", "Share of its length by which the mesh may be "
+                                        "compressed before folds form. A simulated garment is a little compressed "
+                                        "everywhere", low=0.0, high=1.0,
                                         soft=0.1, unit="FACTOR")
     compression_limit: float = setting(1.3, "Fullness Limit", "The most cloth that folds are made from, per length "
                                        "of the compressed mesh. Tames collapsed knees and elbows", low=1.0, high=10.0)
@@ -247,8 +248,8 @@ class FieldSettings(AdaptiveRest, ClothSettings):
                                 "height with it", low=0.0001, high=10.0, unit="LENGTH")
     strength: float = setting(1.0, "Strength", "Height of the folds over the height that keeps the length of the cloth",
                               low=0.0, high=10.0, soft=2.0)
-    keep_length: bool = setting(True, "Keep Length", "As geometry, folds are no higher than the cloth there allows, "
-                                "whatever the strength: across them it is as long as at rest, not longer")
+    keep_length: bool = setting(True, "Keep Length", "Geometry only: limits the height, so that the cloth across the "
+                                "folds is no longer than at rest")
     dissolve: bool = setting(True, "Dissolve Forks", "Waves sink where they fork or run across one another, instead of "
                              "breaking into scales")
     profile: str = setting("SINE", "Profile", "The shape of a fold", choices=PROFILES,
