@@ -258,9 +258,9 @@ class Wrinkles:
         all of it at once, not frame by frame. An empty clip: forget it. Stored frames are forgotten.
 
         clip: (n, 3) float32 positions by whole frame, ascending. A frame that is solved with other positions is solved
-        as live, and noted in `strayed`; a subframe goes by the whole frame that it leads to. Over a base cloth or a body
-        nothing is seen ahead: what it will be is not known. Raises Refused. Cost: per frame and 1,000 triangles about
-        1 ms; half a megabyte while it is cut, at most 250; a kilobyte afterwards.
+        as live, and noted in `strayed`; a subframe goes by the whole frame that it leads to. Over a base cloth or a
+        body nothing is seen ahead: what it will be is not known. Raises Refused. Cost: per frame and 1,000 triangles
+        about 1 ms; half a megabyte while it is cut, at most 250; a kilobyte afterwards.
         """
         self.history.clear()
         self._clip, self.strayed = {}, set()
