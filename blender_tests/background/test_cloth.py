@@ -38,6 +38,7 @@ class FirstClick(Cloth):
 
     def test_a_sleeve_becomes_cloth_in_layers(self) -> None:
         self.assertEqual(self.click(), ("HANG", "CLOTH"))
+        self.assertEqual(self.obj.rumple.mesh.hem_rings, 0)
         report = sleeve.picture(self.obj).report
         self.assertIsNotNone(report.cloth)
         self.assertEqual(len(report.layers), registry.runtime(self.obj).fine.level + 1)

@@ -13,7 +13,7 @@ from . import mesh_io, properties, registry, structure
 # Their result is cloth already: its small compressions are the simulation's own.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
 SIMULATION_NODE = "GeometryNodeSimulationInput"  # the start of a simulation zone, from Blender 3.6 on
-CHOICES = ("base_cloth", "layers", "up", "buckling_threshold", "threshold")  # what is no length
+CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "threshold")  # what is no length
 STEPS = 20  # of the weights that a group starts from
 
 

@@ -67,7 +67,9 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest."""
     scale = size_factor(base.diagonal(), unit_scale)
     finest = max(CLOTH_WAVELENGTH * scale, fitting_wavelength(base, unit_scale) if is_dense(base) else 0.0)
-    return dict(base_cloth="HANG", layers="CLOTH", up=upward_axis(world_from_object), wavelength=float(f"{finest:.2g}"),
+    # The base cloth holds collars and cuffs; a hem that bears no folds is a ring, with folds gathered above it.
+    return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
+                wavelength=float(f"{finest:.2g}"),
                 room=float(f"{ClothSettings.room * scale:.2g}"),
                 thickness=float(f"{ClothSettings.thickness * scale:.2g}"))
 
