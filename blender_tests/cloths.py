@@ -15,6 +15,8 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from rumple.blender import registry
 
+DEEPER = 1e-4  # metres that shown cloth may stand deeper inside the body than the bare garment
+
 
 def hang(obj: bpy.types.Object, level: int = 1, **values: Any) -> bpy.types.Object:
     """Cloth in layers by one click, with some settings. It becomes the active object."""
@@ -54,6 +56,14 @@ def two() -> tuple[bpy.types.Object, bpy.types.Object]:
     outer.rumple.body = inner
     bpy.context.view_layer.update()
     return outer, inner
+
+
+def bared(obj: bpy.types.Object) -> bpy.types.Object:
+    """It shows the animated garment from now on: no cloth, no folds, no body."""
+    settings = obj.rumple.mesh
+    settings.base_cloth, settings.layers, settings.radius = "OFF", "ONE", 0.0
+    obj.rumple.body = None
+    return obj
 
 
 def forget(obj: bpy.types.Object) -> None:
@@ -102,7 +112,17 @@ def depth(body: bpy.types.Object, positions: np.ndarray) -> float:
     return deepest
 
 
+def depths(obj: bpy.types.Object, body: bpy.types.Object, frames: Iterable[float]) -> dict[float, float]:
+    """depth() of what is shown at these times, one after the other."""
+    return {frame: depth(body, pictures(obj, (frame,))[frame]) for frame in frames}
+
+
 class Cloth(unittest.TestCase):
+
+    def check_no_deeper(self, found: dict[float, float], bare: dict[float, float], message: object = "") -> None:
+        """depths() of what was shown and of the bare garment."""
+        for frame, deep in found.items():
+            self.assertLess(deep, DEEPER + bare[frame], f"{message}, frame {frame}")
 
     def same(self, one: dict[float, np.ndarray], other: dict[float, np.ndarray]) -> None:
         """At the times that both have."""

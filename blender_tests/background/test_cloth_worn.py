@@ -9,13 +9,13 @@ import bpy
 import cloths
 import numpy as np
 import sleeve
-from cloths import Cloth, depth, difference, dressed, final, forget, garment, hang, off_animation, pictures, played
+from cloths import (DEEPER, Cloth, bared, depth, depths, difference, dressed, final, forget, garment, hang,
+                    off_animation, pictures, played)
 from rumple.blender import handlers, modifier, panels, properties, registry
 
 # Frames in which the arm bends so slowly that the sleeve does not face itself: which of two equally near sides of it
 # bounds a fold is a matter of rounding.
 GENTLE = 60
-DEEPER = 1e-4  # metres that shown cloth may stand deeper inside the body than the bare garment
 
 
 class OverABody(Cloth):
@@ -23,14 +23,8 @@ class OverABody(Cloth):
     def test_no_vertex_is_deeper_inside_than_the_bare_sleeve(self) -> None:
         for radius in (0.8, 0.95):
             obj, body = dressed(radius, level=2)
-            found = {frame: depth(body, seen) for frame, seen in
-                     ((frame, pictures(obj, (frame,))[frame]) for frame in range(1, 21))}
-            settings = obj.rumple.mesh
-            settings.base_cloth, settings.layers, settings.radius = "OFF", "ONE", 0.0
-            obj.rumple.body = None
-            for frame in found:
-                sleeve.at(frame)
-                self.assertLess(found[frame], DEEPER + depth(body, sleeve.shown(obj)), f"{radius}, frame {frame}")
+            found = depths(obj, body, range(1, 21))
+            self.check_no_deeper(found, depths(bared(obj), body, found), radius)
 
     def test_without_a_body_it_would_be(self) -> None:
         obj, body = dressed()

@@ -10,7 +10,7 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from cloths import Cloth, difference, dressed, final, garment, pictures, played
+from cloths import Cloth, bared, depths, difference, dressed, final, garment, pictures, played
 from rumple.blender import panels, registry
 
 JUMPED = "reached by a jump"
@@ -192,11 +192,13 @@ class Swing(Cloth):
             self.assertLess(difference(positions.reshape(-1, 3), shown[frame]), 1e-5)
 
     def test_it_stays_off_the_body(self) -> None:
-        obj, body = dressed(0.8, base_cloth="SWING")
-        sleeve.bend_until(6)
-        played(obj, 10)
-        self.assertEqual(obj.rumple.message, "")
-        self.assertGreater(sleeve.picture(obj).report.cloth.body_known, 0.5)
+        for radius in (0.8, 0.95):
+            obj, body = dressed(radius, base_cloth="SWING", level=2)
+            sleeve.bend_until(6)
+            found = depths(obj, body, range(1, 11))
+            self.assertEqual(obj.rumple.message, "")
+            self.assertGreater(sleeve.picture(obj).report.cloth.body_known, 0.5)
+            self.check_no_deeper(found, depths(bared(obj), body, found), radius)
 
 
 if __name__ == "__main__":

@@ -68,11 +68,13 @@ class BaseCloth:
         self._up = ""
 
     def solve(self, positions: np.ndarray, settings: ClothSettings, paint: dict[str, np.ndarray],
-              object_from_world: np.ndarray, body: Body | None, before: ClothFrame | None, seconds: float = 0.0,
-              surroundings: Surroundings = Surroundings()) -> ClothFrame:
-        """One frame. positions: (n, 3) float32, animated, object space. object_from_world: (3, 3) float64, for the
-        direction of gravity. before: the frame before, or None. seconds: since frame 0; surroundings: both are read
-        where it swings. Raises ValueError."""
+              world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None,
+              seconds: float = 0.0, surroundings: Surroundings = Surroundings()) -> ClothFrame:
+        """One frame. positions: (n, 3) float32, animated, object space. world_from_object: (3, 3), for the direction
+        of gravity; None: the identity. before: the frame before, or None. seconds: since frame 0; surroundings: both
+        are read where it swings. Raises ValueError."""
+        world_from_object = _invertible(world_from_object)
+        object_from_world = np.linalg.inv(world_from_object)
         if paint is not self._painted or settings.up != self._up:
             self._take_paint(paint, settings.up)
         options = self._native_settings(settings, object_from_world)
@@ -80,7 +82,7 @@ class BaseCloth:
                  before.state if before is not None else None)
         if settings.base_cloth != "SWING":
             return ClothFrame(*native.load().solve_base_cloth(self.model, options, *frame))
-        moment = SwingMoment(seconds, np.linalg.inv(object_from_world), np.array(surroundings.location, np.float64))
+        moment = SwingMoment(seconds, world_from_object, np.array(surroundings.location, np.float64))
         swing = self._swing(settings, object_from_world, moment, surroundings, before.moment if before else None)
         return ClothFrame(*native.load().swing_base_cloth(self.model, options, swing, *frame), moment)
 
@@ -101,6 +103,10 @@ class BaseCloth:
     def thickness(self, settings: ClothSettings) -> float:
         """Of the cloth, object units."""
         return settings.thickness / self.unit_scale
+
+    def hidden_depth(self) -> float:
+        """Object units: what is deeper inside a body is hidden there on purpose."""
+        return self._settings_to_scale().depth
 
     def _take_paint(self, paint: dict[str, np.ndarray], up: str) -> None:
         values = paint if "follow" in paint else {**paint, "follow": self.follow(up)}
@@ -124,14 +130,20 @@ class BaseCloth:
             options.place((object_from_world @ before.world_from_object).tolist(), shift.tolist())
         return options
 
-    def _native_settings(self, settings: ClothSettings, object_from_world: np.ndarray) -> Any:
-        """Metres into object units. A doll's cloth, and a giant's, hang as a person's do: lengths to scale."""
+    def _settings_to_scale(self) -> Any:
+        """The solver's own settings, metres into object units. A doll's cloth, and a giant's, hang as a person's do:
+        lengths to scale."""
         options = native.load().BaseClothSettings()
         to_scale = self.size_factor / self.unit_scale
         for name in ("stretch", "shear", "compression", "folded", "smoothing"):
             setattr(options, name, getattr(options, name) * to_scale**2)
         for name in ("unknown", "reach", "depth", "spread"):
             setattr(options, name, getattr(options, name) * to_scale)
+        return options
+
+    def _native_settings(self, settings: ClothSettings, object_from_world: np.ndarray) -> Any:
+        options = self._settings_to_scale()
+        to_scale = self.size_factor / self.unit_scale
         down = object_from_world @ np.array((0.0, 0.0, -1.0))
         length = float(np.linalg.norm(down))
         gravity = GRAVITY * settings.gravity * to_scale * (down / length if length > 0.0 else down)
@@ -141,6 +153,13 @@ class BaseCloth:
         options.slack, options.room = settings.slack, settings.room / self.unit_scale
         options.thickness = self.thickness(settings)
         return options
+
+
+def _invertible(world_from_object: np.ndarray | None) -> np.ndarray:
+    """(3, 3) float64; that of an object without a size is the identity."""
+    if world_from_object is None or abs(np.linalg.det(world_from_object)) < 1e-12:
+        return np.eye(3)
+    return world_from_object.astype(np.float64)
 
 
 def _into_object(object_from_world: np.ndarray, vector: np.ndarray) -> np.ndarray:

@@ -15,7 +15,6 @@ from .settings import ClothSettings
 from .surroundings import Surroundings
 
 PAINTED = ("follow", "room")  # what is painted for the base cloth itself
-HIDDEN = 0.02  # metres, on a person: what is deeper inside a body is hidden there on purpose
 LEAST_UNDER = 0.02  # of the vertices that have the body under them: with less something is wrong
 
 
@@ -78,10 +77,9 @@ class Stage:
     def solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
               world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None, covers: bool,
               seconds: float = 0.0, surroundings: Surroundings = Surroundings()) -> ClothFrame:
-        """One frame. Everything as BaseCloth.solve() has it; world_from_object: (3, 3). covers: the smooth surface of
-        the cloth stays off the body as well, for what lies on it knows none. Raises ValueError."""
-        frame = self.cloth.solve(positions, settings, paint, _inverse(world_from_object), body, before, seconds,
-                                 surroundings)
+        """One frame. Everything as BaseCloth.solve() has it. covers: the smooth surface of the cloth stays off the body
+        as well, for what lies on it knows none. Raises ValueError."""
+        frame = self.cloth.solve(positions, settings, paint, world_from_object, body, before, seconds, surroundings)
         collider = self.cloth.collider(body)
         if covers and collider is not None:
             self._lift(frame, settings, collider, body)
@@ -93,14 +91,7 @@ class Stage:
         if self._cover is None:
             self._cover = native_.build_cloth_cover(self.cloth.surface)
         lifts = native_.cover_bodies(self.cloth.surface, self._cover, collider, body.positions, frame.positions,
-                                     frame.body_hint, self.cloth.thickness(settings),
-                                     HIDDEN * self.cloth.size_factor / self.cloth.unit_scale)
+                                     frame.body_hint, self.cloth.thickness(settings), self.cloth.hidden_depth())
         frame.positions = frame.positions + lifts
         frame.gap = frame.gap + np.linalg.norm(lifts, axis=1)
 
-
-def _inverse(world_from_object: np.ndarray | None) -> np.ndarray:
-    """(3, 3) float64; that of an object without a size is the identity."""
-    if world_from_object is None or abs(np.linalg.det(world_from_object)) < 1e-12:
-        return np.eye(3)
-    return np.linalg.inv(world_from_object.astype(np.float64))
