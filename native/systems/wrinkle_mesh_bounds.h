@@ -47,8 +47,8 @@ class Bounds {
     // The bounds by the own cloth.
     void keep_off_own(size_t v, Vec3& p) const;
 
-    // Straight towards the attachment until it is above its floor, but for the slack: the floor is no plane, so
-    // the other bounds hold after it, and it not after them.
+    // Straight towards the attachment until it is above its floor, but for the slack: the floor is no plane,
+    // so the other bounds hold after it, and it not after them.
     void keep_above_floor(size_t v, float slack, Vec3& p) const;
 
     const Model& model_;
