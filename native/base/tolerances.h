@@ -119,4 +119,16 @@ inline constexpr float kTouching = 1e-2f;
 // Unit: metres. A point so near to a body lies on it: the way there is a rounding, and has no direction.
 inline constexpr float kOnBody = 1e-5f;
 
+// Unit: none (cosine). Surfaces face one another when their normals are this far apart: a right angle, as
+// around the edge of a box or along a seam that stands up, and six degrees more for what wavers about it.
+inline constexpr float kFacingNormals = -0.1f;
+
+// Unit: reaches (about two edges: centimetres). Nearer than this, the way between two points is mostly the
+// rounding of their positions (1e-6 m at 10 m from the origin): the normal of what is met takes its place.
+inline constexpr float kSamePlace = 1e-4f;
+
+// Unit: none (barycentric weight). Samples of a cover lie on corners and in the middle of sides and polygons:
+// a weight is 0, or far above this. What lies between is a rounding of 0, and says nothing of its corner.
+inline constexpr float kLeastWeight = 1e-3f;
+
 }  // namespace rumple

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A sleeve of 1,500 coarse vertices that bends over a body of 20,000 triangles, by stage: what is under it,
-// the base cloth, and the wide layers on it (Drape and Folds). All on one core.
-#include "surface/cloth/base_cloth.h"
-
+// the base cloth (Hang, Swing), and the wide layers on it (Drape and Folds) without and with the bound by
+// their own cloth. All on one core.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "surface/cloth/swing.h"
 #include "systems/wrinkle_mesh_layers.h"
 #include "tests/meshes.h"
 
@@ -57,13 +57,17 @@ struct Scene {
     }
 };
 
-enum Stage { kBody, kBase, kWideLayers };
+enum Stage { kBody, kHang, kSwing, kWideLayers, kBoundLayers };
+
+wrinkle_mesh::Settings layer_settings(Stage stage) {
+    wrinkle_mesh::Settings out{.inside = 0.6f, .tangential_pull = 0.2f, .normal_pull = 0.02f, .threads = 1};
+    if (stage == kBoundLayers) out.apart = out.slide = 0.45f;
+    return out;
+}
 
 void frames(benchmark::State& bench, Stage until) {
     const Scene scene;
-    const std::vector<wrinkle_mesh::Settings> settings(
-        scene.layers->layers.size(),
-        {.inside = 0.6f, .tangential_pull = 0.2f, .normal_pull = 0.02f, .threads = 1});
+    const std::vector<wrinkle_mesh::Settings> settings(scene.layers->layers.size(), layer_settings(until));
     const std::vector<wrinkle_mesh::Paint> paint(settings.size());
     base_cloth::State cloth_state;
     wrinkle_mesh::LayersState layers_state;
@@ -74,10 +78,12 @@ void frames(benchmark::State& bench, Stage until) {
         const PosedCollider bodies(*scene.collider, scene.body_poses[at]);
         benchmark::DoNotOptimize(&bodies);
         if (until == kBody) continue;
+        const base_cloth::State* before = first ? nullptr : &cloth_state;
         base_cloth::Result cloth =
-            base_cloth::solve(*scene.cloth, {}, {}, scene.poses[at], &bodies, first ? nullptr : &cloth_state);
+            until == kSwing ? base_cloth::swing(*scene.cloth, {}, {}, {}, scene.poses[at], &bodies, before)
+                            : base_cloth::solve(*scene.cloth, {}, {}, scene.poses[at], &bodies, before);
         cloth_state = std::move(cloth.state);
-        if (until == kWideLayers) {
+        if (until >= kWideLayers) {
             wrinkle_mesh::Input input{cloth.positions};
             input.gap = cloth.gap;
             input.bodies = &bodies;
@@ -92,8 +98,10 @@ void frames(benchmark::State& bench, Stage until) {
 }
 
 BENCHMARK_CAPTURE(frames, body, kBody)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(frames, body_and_base_cloth, kBase)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frames, body_and_base_cloth, kHang)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frames, body_and_base_cloth_that_swings, kSwing)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(frames, body_base_cloth_and_wide_layers, kWideLayers)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frames, body_base_cloth_and_bound_layers, kBoundLayers)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace rumple

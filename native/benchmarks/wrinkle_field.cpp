@@ -21,8 +21,9 @@ struct Scene {
     std::vector<Vec3> pose;
     Settings settings;
 
-    Scene(Index nx, Index ny, int threads) : mesh(tests::triangulated(tests::grid(nx, ny, 0.01f))) {
-        model = wrinkle_field::build(tests::build(mesh), {});
+    Scene(Index nx, Index ny, int threads, const Plan& plan = {})
+        : mesh(tests::triangulated(tests::grid(nx, ny, 0.01f))) {
+        model = wrinkle_field::build(tests::build(mesh), plan);
         pose = mesh.positions;
         for (Vec3& p : pose) p = Vec3(0.7f * p.x, p.y, 0.02f * std::sin(6.0f * p.x));
         settings.threads = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
@@ -56,10 +57,53 @@ void relax_step(benchmark::State& bench) {
     report(bench, scene);
 }
 
+// As the add-on has it: keep_length and dissolve are on. The field, or the fine mesh too.
+void shown_frame(benchmark::State& bench, bool fine_mesh) {
+    Plan plan;
+    plan.output = Output::kGeometry;
+    plan.fine.level = fine_mesh ? 2 : 0;
+    const Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)), plan);
+    Report unused;
+    const State state = solve(*scene.model, scene.settings, {}, scene.pose, nullptr, unused);
+    for (auto _ : bench) {
+        if (fine_mesh) {
+            const Picture picture = show(*scene.model, scene.settings, sine(), {}, scene.pose, state);
+            benchmark::DoNotOptimize(picture.positions.data());
+        } else {
+            const Waves waves = shown_waves(*scene.model, scene.settings, sine(), {}, scene.pose, state);
+            benchmark::DoNotOptimize(waves.height.data());
+        }
+    }
+    report(bench, scene);
+}
+void shown_waves_frame(benchmark::State& bench) {
+    shown_frame(bench, false);
+}
+void show_geometry(benchmark::State& bench) {
+    shown_frame(bench, true);
+}
+
+// What of it keep_length() takes.
+void keep_length_step(benchmark::State& bench) {
+    const Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)));
+    const Waves asked = crush(*scene.model, scene.settings, {}, scene.pose, {});
+    Waves waves = asked;
+    for (auto _ : bench) {
+        waves.height = asked.height;
+        keep_length(sine(), waves);
+        benchmark::DoNotOptimize(waves.height.data());
+    }
+    report(bench, scene);
+}
+
 void one_thread(benchmark::internal::Benchmark* bench) {
     bench->Unit(benchmark::kMicrosecond);
     for (const auto& [nx, ny] : {std::pair{12, 34}, {42, 138}, {315, 316}, {999, 999}})
         bench->Args({nx, ny, 1});
+}
+void fine_mesh(benchmark::internal::Benchmark* bench) {
+    bench->Unit(benchmark::kMicrosecond);
+    for (const auto& [nx, ny] : {std::pair{12, 34}, {42, 138}}) bench->Args({nx, ny, 1});
 }
 void all_threads(benchmark::internal::Benchmark* bench) {
     bench->Unit(benchmark::kMicrosecond)->UseRealTime();
@@ -70,6 +114,9 @@ BENCHMARK(crush_step)->Name("WrinkleField/Crush/OneThread")->Apply(one_thread);
 BENCHMARK(crush_step)->Name("WrinkleField/Crush/AllThreads")->Apply(all_threads);
 BENCHMARK(relax_step)->Name("WrinkleField/RelaxOneRound/OneThread")->Apply(one_thread);
 BENCHMARK(relax_step)->Name("WrinkleField/RelaxOneRound/AllThreads")->Apply(all_threads);
+BENCHMARK(keep_length_step)->Name("WrinkleField/KeepLength/OneThread")->Apply(one_thread);
+BENCHMARK(shown_waves_frame)->Name("WrinkleField/ShownWaves/OneThread")->Apply(fine_mesh);
+BENCHMARK(show_geometry)->Name("WrinkleField/ShowGeometry/OneThread")->Apply(fine_mesh);
 
 }  // namespace
 }  // namespace rumple

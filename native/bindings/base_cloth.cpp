@@ -182,16 +182,14 @@ void bind_settings(py::module_& module) {
         .def_readwrite("gradients", &Settings::gradients, "most conjugate gradients of a step");
 }
 
-}  // namespace
-
-void bind_base_cloth(py::module_& module) {
+void bind_collider(py::module_& module) {
     py::class_<Collider, std::shared_ptr<Collider>>(module, "Collider", "Bodies that cloth stays outside of.")
         .def(py::init(&make_collider), py::arg("positions"), py::arg("triangles"),
              "positions: (b, 3) float32, any pose. triangles: (t, 3) int32, counter-clockwise from outside.")
         .def_property_readonly("vertex_count", &Collider::vertex_count);
-    bind_settings(module);
-    bind_cover(module);
-    bind_swing(module);
+}
+
+void bind_model(py::module_& module) {
     py::class_<Model, std::shared_ptr<Model>>(module, "BaseClothModel", "Made by build_base_cloth.");
     module.def(
         "build_base_cloth",
@@ -214,16 +212,14 @@ void bind_base_cloth(py::module_& module) {
     py::class_<Paint>(module, "BaseClothPaint", "Painted factors.")
         .def(py::init(&make_paint), py::arg("model"), py::arg("painted") = py::dict(),
              "painted: follow, room -> (n,) float32, 0..1; other names are left alone.");
+}
+
+void bind_state_and_report(py::module_& module) {
     py::class_<State>(module, "BaseClothState", "What lives from frame to frame.")
         .def_property_readonly("offset", [](const State& s) { return to_numpy(s.offset); })
         .def_property_readonly("clearance", [](const State& s) { return to_numpy<float>(s.clearance, 0); })
-        .def(
-            "woken",
-            [](State s) {
-                s.motion.fastest = Motion{}.fastest;
-                return s;
-            },
-            "A copy that is not held, for a solve with other settings. Of cloth that swings.")
+        .def("woken", &woken,
+             "A copy that is not held, for a solve with other settings. Of cloth that swings.")
         .def_property_readonly(
             "velocity", [](const State& s) { return to_numpy(s.motion.velocity); },
             "(w, 3) float32, object units / s; (0, 3) where it does not swing")
@@ -237,6 +233,9 @@ void bind_base_cloth(py::module_& module) {
         .def_readonly("taut", &Report::taut, "share of the springs that are longer than at rest")
         .def_readonly("touching", &Report::touching, "share of the vertices that rest on the inner surface")
         .def_readonly("body_known", &Report::body_known, "share of the vertices that have a body under them");
+}
+
+void bind_frames(py::module_& module) {
     module.def(
         "solve_base_cloth", &solve_frame, py::arg("model"), py::arg("settings"), py::arg("paint"),
         py::arg("positions"), py::arg("collider") = nullptr, py::arg("body_positions") = py::none(),
@@ -252,6 +251,18 @@ void bind_base_cloth(py::module_& module) {
                py::arg("body_positions") = py::none(), py::arg("state") = nullptr,
                "One frame of cloth with inertia; as solve_base_cloth. Without a state that swings: its "
                "equilibrium,\nat rest.");
+}
+
+}  // namespace
+
+void bind_base_cloth(py::module_& module) {
+    bind_collider(module);
+    bind_settings(module);
+    bind_cover(module);
+    bind_swing(module);
+    bind_model(module);
+    bind_state_and_report(module);
+    bind_frames(module);
 }
 
 }  // namespace rumple::bindings

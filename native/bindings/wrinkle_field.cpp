@@ -376,10 +376,14 @@ void bind_wrinkle_field(py::module_& module) {
         "shown_waves_wrinkle_field",
         [](const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
            const py::array& positions, const State& state) {
-            return shown_waves(model, settings, profile, paint, vectors(positions, "positions"), state);
+            const auto deformed = vectors(positions, "positions");
+            const py::gil_scoped_release release;
+            return shown_waves(model, settings, profile, paint, deformed, state);
         },
         py::arg("model"), py::arg("settings"), py::arg("profile"), py::arg("paint"), py::arg("positions"),
-        py::arg("state"), "The waves that show_wrinkle_field draws.");
+        py::arg("state"),
+        "The waves that show_wrinkle_field draws. positions: (n, 3) float32, deformed base, object space.\n"
+        "Its arrays have a row for every one of the w welded vertices.");
     module.def(
         "show_wrinkle_field",
         [](const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,

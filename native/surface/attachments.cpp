@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/attachments.h"
 
+#include <algorithm>
+
 #include "base/formulas.h"
 #include "base/tolerances.h"
 
@@ -58,6 +60,30 @@ void attach(const Surface& surface, const Attachments& attachments, std::span<co
             out[i] = sum;
         }
     }
+}
+
+std::vector<float> gaps_at(const Surface& surface, const Attachments& attachments,
+                           std::span<const float> gap) {
+    std::vector<float> out(attachments.places.size(), 0.0f);
+    if (attachments.kind == AttachmentKind::kLimit) {
+        std::vector<float> welded;
+        for (const Index v : surface.representative) welded.push_back(gap[v]);
+        apply<float>(attachments.limit, welded, out);
+        for (float& g : out) g = std::max(g, 0.0f);
+        return out;
+    }
+    for (size_t v = 0; v < out.size(); ++v) {
+        const SurfacePoint& place = attachments.places[v];
+        if (place.triangle == kNone) continue;
+        const auto [a, b, c] = display_vertices(surface, place.triangle);
+        out[v] = (1.0f - place.b0 - place.b1) * gap[a] + place.b0 * gap[b] + place.b1 * gap[c];
+    }
+    return out;
+}
+
+Index hint_at(const Surface& surface, Index triangle, std::span<const Index> hints) {
+    const auto [a, b, c] = display_vertices(surface, triangle);
+    return std::max({hints[a], hints[b], hints[c]});
 }
 
 }  // namespace rumple

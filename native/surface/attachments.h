@@ -44,4 +44,15 @@ inline Vec3 interpolate(const Surface& surface, const SurfacePoint& place, std::
     return (1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2);
 }
 
+// How far what is attached may go inwards, of how far the vertices of the base may: object units, per place,
+// as the attachments lie over the vertices. The smooth surface (kLimit) is lower than a crest by as much as
+// its gap, and weights of its rows may be below zero, gaps not. gap: per display vertex. Unattached vertices
+// get 0. Cost: O(places).
+std::vector<float> gaps_at(const Surface& surface, const Attachments& attachments,
+                           std::span<const float> gap);
+
+// Where to look for a body near a triangle: the largest of its vertices' hints, so kNone where none has one.
+// hints: per display vertex.
+Index hint_at(const Surface& surface, Index triangle, std::span<const Index> hints);
+
 }  // namespace rumple

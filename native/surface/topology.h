@@ -94,6 +94,13 @@ NearTriangles near_triangles(const Surface& surface);
 // The corners of a triangle, as the artist has them.
 std::array<Index, 3> display_vertices(const Surface& surface, Index triangle);
 
+// The same corners, as they are solved. Inline, for loops over the triangles around a vertex.
+inline std::array<Index, 3> welded_vertices(const Surface& surface, Index triangle) {
+    const Index* corner = surface.triangles[triangle].corner;
+    const std::vector<Index>& vertex = surface.welded.corner_vertex;
+    return {vertex[corner[0]], vertex[corner[1]], vertex[corner[2]]};
+}
+
 // Deformed positions of the display vertices -> of the welded vertices: the mean
 // of those that were joined (equal ones give themselves to the bit).
 void weld_positions(const Surface& surface, std::span<const Vec3> display, std::span<Vec3> welded);

@@ -37,8 +37,9 @@ Profile drawn(std::span<const float> height);
 
 // The length of a wave s f(x) over that of its base, for slopes s: the mean of sqrt(1 + (s df/dphi)^2) over a
 // period. 1 for s = 0; of the sine 2/pi sqrt(1 + s^2) E(s^2 / (1 + s^2)), a complete elliptic integral.
-double wave_length(const Profile& profile, double s);
-// Its inverse: the s at which the wave is `ratio` times as long as its base; 0 for a ratio of at most 1.
+double length_ratio(const Profile& profile, double s);
+// Its inverse: the s at which the wave is `ratio` times as long as its base; 0 for a ratio of at most 1,
+// infinite for a flat profile. Cost: about 1 us.
 double steepness(const Profile& profile, double ratio);
 
 struct Settings {

@@ -11,17 +11,7 @@
 namespace rumple::wrinkle_field {
 namespace {
 
-struct Corners {
-    Index vertex[3];
-};
-
-Corners corners_of(const Surface& surface, Index triangle) {
-    Corners out;
-    for (int k = 0; k < 3; ++k) {
-        out.vertex[k] = surface.welded.corner_vertex[surface.triangles[triangle].corner[k]];
-    }
-    return out;
-}
+using Corners = std::array<Index, 3>;  // welded vertices
 
 // The plane wave of a vertex at a point of the deformed surface, radians.
 float phase_at(const Waves& waves, std::span<const float> phase, Index vertex, const Vec3& point) {
@@ -42,7 +32,7 @@ Weights weights_of(const SurfacePoint& place) {
 
 Vec3 point_at(const Corners& corners, const Weights& weights, std::span<const Vec3> values) {
     Vec3 sum(0.0f);
-    for (int k = 0; k < 3; ++k) sum += weights.of[k] * values[corners.vertex[k]];
+    for (int k = 0; k < 3; ++k) sum += weights.of[k] * values[corners[k]];
     return sum;
 }
 
@@ -51,7 +41,7 @@ Height height_at(const Waves& waves, const Profile& profile, std::span<const flo
                  const Corners& corners, const Weights& weights, const Vec3& point) {
     Height out{0.0f, Vec3(0.0f)};
     for (int k = 0; k < 3; ++k) {
-        const Index v = corners.vertex[k];
+        const Index v = corners[k];
         const formulas::ProfilePlace at = formulas::profile_place(phase_at(waves, phase, v, point));
         const float weight = weights.of[k] * waves.height[v];
         out.height += weight * between(profile.height, at);
@@ -63,23 +53,23 @@ Height height_at(const Waves& waves, const Profile& profile, std::span<const flo
 void fill_corners(const Model& model, const Waves& waves, std::span<const float> phase, Picture& picture) {
     const Index triangles = static_cast<Index>(model.base.triangles.size());
     for (Index t = 0; t < triangles; ++t) {
-        const Corners corners = corners_of(model.base, t);
+        const Corners corners = welded_vertices(model.base, t);
         Vec3 turns;  // whole turns that shaders need not carry
         for (int wave = 0; wave < 3; ++wave) {
             float sum = 0.0f;
-            for (const Index v : corners.vertex) {
-                sum += phase_at(waves, phase, corners.vertex[wave], waves.positions[v]);
+            for (const Index v : corners) {
+                sum += phase_at(waves, phase, corners[wave], waves.positions[v]);
             }
             turns[wave] = formulas::kTwoPi * std::floor(sum / 3.0f / formulas::kTwoPi + 0.5f);
         }
         for (int corner = 0; corner < 3; ++corner) {
             Vec3 phases, weight(0.0f);
             for (int wave = 0; wave < 3; ++wave) {
-                const Vec3& point = waves.positions[corners.vertex[corner]];
-                phases[wave] = phase_at(waves, phase, corners.vertex[wave], point) - turns[wave];
-                picture.corner_wave_vector[wave].push_back(waves.wave_vector[corners.vertex[wave]]);
+                const Vec3& point = waves.positions[corners[corner]];
+                phases[wave] = phase_at(waves, phase, corners[wave], point) - turns[wave];
+                picture.corner_wave_vector[wave].push_back(waves.wave_vector[corners[wave]]);
             }
-            weight[corner] = waves.height[corners.vertex[corner]];
+            weight[corner] = waves.height[corners[corner]];
             picture.corner_phase.push_back(phases);
             picture.corner_weight.push_back(weight);
         }
@@ -94,9 +84,9 @@ void fill_uv_gradients(const Model& model, std::span<const Vec3> positions, Pict
     std::vector<float> area_sum(model.uv.size(), 0.0f);
     const Index triangles = static_cast<Index>(model.base.triangles.size());
     for (Index t = 0; t < triangles; ++t) {
-        const Corners corners = corners_of(model.base, t);
-        const Vec3 b = positions[corners.vertex[1]] - positions[corners.vertex[0]];
-        const Vec3 c = positions[corners.vertex[2]] - positions[corners.vertex[0]];
+        const Corners corners = welded_vertices(model.base, t);
+        const Vec3 b = positions[corners[1]] - positions[corners[0]];
+        const Vec3 c = positions[corners[2]] - positions[corners[0]];
         const formulas::UvSlopes slopes = formulas::uv_slopes(b, c, model.uv[3 * t + 1] - model.uv[3 * t],
                                                               model.uv[3 * t + 2] - model.uv[3 * t]);
         for (int k = 0; k < 3; ++k) {
@@ -113,22 +103,17 @@ void fill_uv_gradients(const Model& model, std::span<const Vec3> positions, Pict
     }
 }
 
-// How far the waves may go inwards at a place, of what is so for the base's vertices as the artist has them.
-float gap_at(const Model& model, std::span<const float> gap, const SurfacePoint& place) {
-    if (gap.empty()) return std::numeric_limits<float>::infinity();
-    const auto [a, b, c] = display_vertices(model.base, place.triangle);
-    return (1.0f - place.b0 - place.b1) * gap[a] + place.b0 * gap[b] + place.b1 * gap[c];
-}
-
-// The fine mesh: attached, then moved along the interpolated normal by equation (5).
+// The fine mesh: attached, then moved along the interpolated normal by equation (5). gap: as of show().
 void displace(const Model& model, const Waves& waves, const Profile& profile, std::span<const float> phase,
               std::span<const float> gap, Picture& picture) {
     const size_t fine = model.attachments.places.size();
     std::vector<Vec3> positions(fine), offset(fine, Vec3(0.0f));
     attach(model.base, model.attachments, waves.positions, waves.normals, positions, 0, fine);
+    std::vector<float> inwards(fine, std::numeric_limits<float>::infinity());
+    if (!gap.empty()) inwards = gaps_at(model.base, model.attachments, gap);
     for (size_t v = 0; v < fine; ++v) {
         const SurfacePoint& place = model.attachments.places[v];
-        const Corners corners = corners_of(model.base, place.triangle);
+        const Corners corners = welded_vertices(model.base, place.triangle);
         const Weights weights = weights_of(place);
         const Vec3 normal = point_at(corners, weights, waves.normals);
         const float length = glm::length(normal);
@@ -136,7 +121,7 @@ void displace(const Model& model, const Waves& waves, const Profile& profile, st
         // At the attachment, not at the point of the flat triangle: on an irregular mesh a smooth surface has
         // it elsewhere, and straight crests would wobble.
         const Height at = height_at(waves, profile, phase, corners, weights, positions[v]);
-        offset[v] = std::max(at.height, -gap_at(model, gap, place)) / length * normal;
+        offset[v] = std::max(at.height, -inwards[v]) / length * normal;
         positions[v] += offset[v];
     }
     std::vector<TriangleFrame> frames(model.base.triangles.size());
@@ -153,15 +138,15 @@ void fill_points(const Model& model, const Waves& waves, std::span<const float> 
             picture.phase.push_back(0.0f);
             continue;
         }
-        const Corners corners = corners_of(model.base, place.triangle);
+        const Corners corners = welded_vertices(model.base, place.triangle);
         const Weights weights = weights_of(place);
         int nearest = 0;
         float amplitude = 0.0f;
         for (int k = 0; k < 3; ++k) {
-            amplitude += weights.of[k] * waves.height[corners.vertex[k]];
+            amplitude += weights.of[k] * waves.height[corners[k]];
             if (weights.of[k] > weights.of[nearest]) nearest = k;
         }
-        const Index v = corners.vertex[nearest];
+        const Index v = corners[nearest];
         picture.amplitude.push_back(amplitude);
         picture.direction.push_back(waves.direction[v].x * model.tangent_rest[v] +
                                     waves.direction[v].y * model.bitangent_rest[v]);
@@ -174,7 +159,7 @@ void fill_points(const Model& model, const Waves& waves, std::span<const float> 
 
 Height evaluate(const Model& model, const Waves& waves, const Profile& profile, std::span<const float> phase,
                 const SurfacePoint& place) {
-    const Corners corners = corners_of(model.base, place.triangle);
+    const Corners corners = welded_vertices(model.base, place.triangle);
     const Weights weights = weights_of(place);
     return height_at(waves, profile, phase, corners, weights, point_at(corners, weights, waves.positions));
 }

@@ -14,6 +14,12 @@ Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
     return w.x * a + w.y * b + w.z * c;
 }
 
+// Secants from a vertex below its floor to the attachment: one where the floor is flat.
+constexpr int kFloorSteps = 4;
+
+// Of squared distances, relative: a rounding.
+constexpr float kEquallyNear = 1e-4f;
+
 }  // namespace
 
 Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose)
@@ -37,19 +43,37 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
 }
 
 void Bounds::project(size_t v, Vec3& p) const {
+    put_within(v, 0.25f * kHeldOutside * radii_[v], p);
+}
+
+void Bounds::put_within(size_t v, float slack, Vec3& p) const {
     if (!model_.attached[v]) return;
     const Vec3& a = pose_.attachment[v];
+    const bool own = apart_ > 0.0f || slide_ > 0.0f;
     if (collision_ == Collision::kPlane) {
         const float height = glm::dot(p - a, pose_.normal[v]);
         if (height < -depth_[v]) p += (-depth_[v] - height) * pose_.normal[v];
     } else if (collision_ == Collision::kNeighbourhood) {
         const Side side = side_of(v, p);
-        if (side.height < floor_[v]) p += (floor_[v] - side.height) * side.normal;
+        // What keep_above_floor() left is above it.
+        if (side.height < floor_[v] - (own ? slack : 0.0f)) p += (floor_[v] - side.height) * side.normal;
     }
-    if (apart_ > 0.0f || slide_ > 0.0f) keep_off_own(v, p);
+    if (own) keep_off_own(v, p);
     const Vec3 offset = p - a;
     const float length = std::sqrt(glm::dot(offset, offset));
     if (length > radii_[v]) p = a + offset * (radii_[v] / length);  // (7)
+    if (own && collision_ == Collision::kNeighbourhood) keep_above_floor(v, slack, p);
+}
+
+void Bounds::keep_above_floor(size_t v, float slack, Vec3& p) const {
+    const Vec3& a = pose_.attachment[v];
+    const float top = side_of(v, a).height;
+    for (int i = 0; i < kFloorSteps; ++i) {
+        const float height = side_of(v, p).height;
+        if (height >= floor_[v] - slack) return;
+        p = a + (top - floor_[v]) / (top - height) * (p - a);
+    }
+    if (side_of(v, p).height < floor_[v] - slack) p = a;
 }
 
 void Bounds::keep_off_own(size_t v, Vec3& p) const {
@@ -70,7 +94,7 @@ void Bounds::keep_off_own(size_t v, Vec3& p) const {
         if (!side.outside && way < -left) p -= (way + left) * side.towards;
     }
     // What that broke is mended straight towards the attachment, which breaks nothing: all bounds hold at
-    // once, so a held vertex is not pushed again in every frame.
+    // once, so a held vertex is not pushed again in every frame. (kNeighbourhood: keep_above_floor().)
     float scale = slide_scale();
     const float height = glm::dot(p - a, normal);
     if (collision_ == Collision::kPlane && height < -depth_[v]) scale = std::min(scale, -depth_[v] / height);
@@ -87,7 +111,7 @@ bool Bounds::kept_apart(size_t v, const Vec3& p) const {
 
 bool Bounds::push_back(size_t v, Vec3& p) const {
     Vec3 inside = p;
-    project(v, inside);
+    put_within(v, 0.5f * kHeldOutside * radii_[v], inside);
     if (glm::distance(inside, p) <= kHeldOutside * radii_[v]) return false;
     p = inside;
     return true;
@@ -102,10 +126,14 @@ Bounds::Side Bounds::side_of(size_t v, const Vec3& p) const {
         const Index* corner = model_.base.triangles[t].corner;
         const auto at = [&](int i) { return pose_.base[model_.base.welded.corner_vertex[corner[i]]]; };
         const Vec3 from = p - closest_on_triangle(p, at(0), at(1), at(2));
-        const float distance = glm::dot(from, from);
-        if (best >= 0.0f && distance >= best) continue;
-        best = distance;
-        side = {glm::dot(from, pose_.frames[t].normal), pose_.frames[t].normal};
+        const float distance = glm::dot(from, from), height = glm::dot(from, pose_.frames[t].normal);
+        // Triangles that meet in the nearest point are equally near: the one that faces the vertex most says
+        // on which side it is (Baerentzen, Aanaes 2005), not a rounding.
+        const bool nearer = best < 0.0f || distance < (1.0f - kEquallyNear) * best;
+        if (!nearer && (distance > (1.0f + kEquallyNear) * best || std::abs(height) <= std::abs(side.height)))
+            continue;
+        best = nearer ? distance : std::min(best, distance);
+        side = {height, pose_.frames[t].normal};
     }
     return side;
 }

@@ -41,8 +41,15 @@ class Bounds {
     // Signed distance to the closest of the base triangles around the vertex.
     Side side_of(size_t v, const Vec3& p) const;
 
+    // project(); with kNeighbourhood and bounds by the own cloth a vertex may be so far below its floor.
+    void put_within(size_t v, float slack, Vec3& p) const;
+
     // The bounds by the own cloth.
     void keep_off_own(size_t v, Vec3& p) const;
+
+    // Straight towards the attachment until it is above its floor, but for the slack: the floor is no plane,
+    // so the other bounds hold after it, and it not after them.
+    void keep_above_floor(size_t v, float slack, Vec3& p) const;
 
     const Model& model_;
     const Pose& pose_;

@@ -40,25 +40,12 @@ void keep_outside(const Model& model, const Input& input, Pose& pose) {
         expect_count("body_hint", input.body_hint.size(), model.base.display.vertex_count, "values");
     pose.gap.assign(pose.attachment.size(), 0.0f);
     if (input.bodies) pose.body.assign(pose.attachment.size(), kNone);
-    // As the attachments lie over the vertices: the smooth surface is lower than a crest by as much as its
-    // gap.
-    std::vector<float> smooth;
-    if (model.attachments.kind == AttachmentKind::kLimit) {
-        std::vector<float> welded;
-        for (const Index v : model.base.representative) welded.push_back(input.gap[v]);
-        smooth.resize(pose.attachment.size());
-        apply<float>(model.attachments.limit, welded, smooth);
-    }
+    const std::vector<float> gaps = gaps_at(model.base, model.attachments, input.gap);
     for (size_t v = 0; v < pose.attachment.size(); ++v) {
         const SurfacePoint& place = model.attachments.places[v];
         if (place.triangle == kNone) continue;
-        const auto [a, b, c] = display_vertices(model.base, place.triangle);
-        float gap =
-            (1.0f - place.b0 - place.b1) * input.gap[a] + place.b0 * input.gap[b] + place.b1 * input.gap[c];
-        if (!smooth.empty()) gap = std::max(smooth[v], 0.0f);
-        Index hint = kNone;
-        if (input.bodies)
-            hint = std::max(input.body_hint[a], std::max(input.body_hint[b], input.body_hint[c]));
+        float gap = gaps[v];
+        const Index hint = input.bodies ? hint_at(model.base, place.triangle, input.body_hint) : kNone;
         if (hint != kNone) {
             const float reach = kBodyReach * model.local_edge[v] + input.thickness;
             const BodyContact body = input.bodies->closest(pose.attachment[v], pose.normal[v], reach, hint);

@@ -38,7 +38,7 @@ struct Wrapped {
         for (size_t v = 0; v < out.size(); ++v) out[v] += lifts[v];
         return out;
     }
-    // The lowest point of the smooth surface over the ball, and how much of it is inside, seen finely.
+    // Height of the lowest point of the smooth surface over the ball, sampled finely: below 0 inside of it.
     float lowest(const Points& at) const {
         FineSource source;
         source.level = 4;
@@ -83,6 +83,8 @@ TEST(BaseClothCover, WhatDoesNotFitIsNamed) {
     expect_refused([&] { wrapped.covered(); }, {"hints"});
     wrapped.positions.pop_back();
     expect_refused([&] { wrapped.covered(); }, {"positions"});
+    expect_refused([] { Wrapped().covered({.thickness = -1e-3f}); }, {"thickness"});
+    expect_refused([] { Wrapped().covered({.depth = 0.0f}); }, {"depth"});
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 // Cloth that swings, frame by frame.
 #pragma once
 
-#include <limits>
-
 #include "surface/cloth/swing.h"
 #include "tests/base_cloth_rig.h"
 
@@ -52,7 +50,7 @@ struct Swinging {
     const base_cloth::Motion& motion() const { return now.state.motion; }
     // To be changed: what was at rest is so no more.
     base_cloth::Motion& disturbed() {
-        now.state.motion.fastest = std::numeric_limits<float>::max();
+        now.state = base_cloth::woken(std::move(now.state));
         return now.state.motion;
     }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where a vertex of the Wrinkle Mesh may be: within its radius, before its plane, and nowhere that is not a
 // number.
+#include "systems/wrinkle_mesh_bounds.h"
+
 #include <gtest/gtest.h>
 
+#include "base/random.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
 namespace rumple::tests {
@@ -135,6 +138,42 @@ TEST(WrinkleMeshBounds, NeighbourhoodCollisionStaysAboveItsFloor) {
         deepest = std::min(deepest, state.offset[v].z);
     }
     EXPECT_LT(deepest, 0.0f);
+}
+
+// The bound by the own cloth pushes vertices below their floor; were they left there, a held vertex would be
+// pushed to and fro in every frame.
+TEST(WrinkleMeshBounds, AVertexPutWithinItsBoundsIsWithinAllOfThem) {
+    const Cloth cloth(tube(12, 10, 0.1f, 0.5f));
+    const Model& model = *cloth.model;
+    const OwnSurface own(model.positions_rest, model.triangles);
+    Settings settings;
+    settings.apart = settings.slide = 0.45f;
+    for (const Collision collision : {Collision::kPlane, Collision::kNeighbourhood}) {
+        settings.collision = collision;
+        int moved = 0;
+        for (const Pose3& base :
+             {cloth.squeezed(0.6f, 2.0f), cloth.folded(0.25f, 2.6f), cloth.folded(0.25f, -2.0f)}) {
+            Pose pose = make_pose(model, {base});
+            const PosedOwnSurface posed(own, pose.attachment);
+            std::vector<float> reach = attachment_radii(model, settings, {});
+            for (float& r : reach) r /= settings.apart;
+            pose.own = posed.facing(reach);
+            pose.heights = posed.heights();
+            const Bounds bounds(model, settings, {}, pose);
+            for (size_t v = 0; v < pose.attachment.size(); ++v) {
+                for (std::uint32_t n = 0; n < 20; ++n) {
+                    const auto random = [&](std::uint32_t axis) { return noise(axis, 20 * Index(v) + n); };
+                    const Vec3 asked = pose.attachment[v] +
+                                       1.2f * model.local_edge[v] * Vec3(random(0), random(1), random(2));
+                    Vec3 p = asked;
+                    bounds.project(v, p);
+                    moved += p != asked;
+                    ASSERT_FALSE(bounds.push_back(v, p)) << v << ", " << n;
+                }
+            }
+        }
+        EXPECT_GT(moved, 1000);
+    }
 }
 
 TEST(WrinkleMeshBounds, WithoutCollisionFoldsGoToBothSidesAlike) {

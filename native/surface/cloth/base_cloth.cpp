@@ -14,8 +14,7 @@ namespace {
 constexpr int kContactEvery = 2;  // warm Newton steps between two looks for the nearest inner surface
 
 bool fits(const Model& model, const State* state) {
-    return state && state->offset.size() == model.area.size() &&
-           state->length.size() == model.springs.size() && state->clearance.size() == model.area.size();
+    return state && state->offset.size() == model.area.size() && matches(model, *state);
 }
 
 // Whether the pose is the one that the state was solved for, but for rounding: then it stays to the bit.
@@ -57,10 +56,16 @@ Result solve(const Model& model, const Settings& settings, const Paint& paint,
              std::span<const Vec3> positions, const PosedCollider* bodies, const State* before) {
     check(settings);
     if (!fits(model, before)) before = nullptr;
+    std::vector<Index> body_hint = before ? before->body_hint : std::vector<Index>();
+    const Pose pose = make_pose(model, settings, paint, positions, bodies, body_hint);
+    return solve_pose(model, settings, pose, bodies != nullptr, std::move(body_hint), before);
+}
+
+Result solve_pose(const Model& model, const Settings& settings, const Pose& pose, bool has_bodies,
+                  std::vector<Index> body_hint, const State* before) {
     const size_t vertices = model.area.size();
     Result out;
-    if (before) out.state.body_hint = before->body_hint;
-    const Pose pose = make_pose(model, settings, paint, positions, bodies, out.state.body_hint);
+    out.state.body_hint = std::move(body_hint);
     out.state.contact_hint = before ? before->contact_hint : model.triangle_of;
     std::vector<Vec3> x = pose.animated;
     for (size_t v = 0; before && v < vertices; ++v) x[v] += pose.frame[v].to_object(before->offset[v]);
@@ -85,7 +90,7 @@ Result solve(const Model& model, const Settings& settings, const Paint& paint,
     out.state.moved = out.report.moved;
     // The state keeps the equilibrium: what went on from a projected one would leave its balance in every
     // frame.
-    finish(model, settings, pose, planes, bodies != nullptr, x, out);
+    finish(model, settings, pose, planes, has_bodies, x, out);
     return out;
 }
 

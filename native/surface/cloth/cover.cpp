@@ -17,15 +17,6 @@ float reach(const CoverSettings& settings) {
     return settings.depth + settings.thickness;
 }
 
-std::array<Index, 3> vertices_of(const Surface& surface, Index triangle) {
-    std::array<Index, 3> out;
-    for (int k = 0; k < 3; ++k) out[k] = surface.welded.corner_vertex[surface.triangles[triangle].corner[k]];
-    return out;
-}
-
-// Of a corner whose weight is less a sample says nothing.
-constexpr float kLeastWeight = 1e-3f;
-
 // How far a point of the surface has to go outwards.
 float lift_of(const CoverSettings& settings, const PosedCollider& bodies, const Vec3& point,
               const Vec3& normal, Index hint) {
@@ -47,6 +38,8 @@ CoverModel build_cover(const Surface& surface) {
 std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
                              const PosedCollider& bodies, std::span<const Vec3> positions,
                              std::span<const Index> hints) {
+    expect_within("thickness", settings.thickness, 0.0, 1e9);
+    expect_within("depth", settings.depth, 1e-9, 1e9);
     expect_count("positions", positions.size(), surface.display.vertex_count, "vertices");
     expect_count("hints", hints.size(), surface.display.vertex_count, "values");
     const size_t vertices = surface.welded.vertex_count, samples = model.samples.places.size();
@@ -62,10 +55,9 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
         for (size_t s = 0; s < samples; ++s) {
             const SurfacePoint& place = model.samples.places[s];
             if (place.triangle == kNone) continue;
-            const std::array<Index, 3> corners = vertices_of(surface, place.triangle);
+            const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
             if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0.0f) continue;
-            Index hint = kNone;
-            for (const Index v : display_vertices(surface, place.triangle)) hint = std::max(hint, hints[v]);
+            const Index hint = hint_at(surface, place.triangle, hints);
             if (hint == kNone) continue;
             const float lift =
                 lift_of(settings, bodies, points[s], interpolate(surface, place, normals), hint);

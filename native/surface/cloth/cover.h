@@ -25,7 +25,8 @@ struct CoverSettings {
 // The vertices of a triangle rise by what its deepest sample needs; twice, for the smooth surface rises less
 // than its cage.
 //   positions: of the base's vertices as the artist has them. hints: a triangle of the bodies near each, or
-//   kNone: none is looked for there. Throws InvalidInput when they do not match the surface.
+//   kNone: none is looked for there. Throws InvalidInput when they do not match the surface, or a setting is
+//   out of its range.
 // Cost: about 1 us a sample with a hint.
 std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, const CoverSettings& settings,
                              const PosedCollider& bodies, std::span<const Vec3> positions,

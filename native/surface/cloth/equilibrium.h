@@ -28,4 +28,9 @@ struct Cloth {
 // Hessian. Returns the farthest way of a vertex.
 float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report);
 
+// solve() in a pose that is made (base_cloth.cpp). body_hint: that make_pose() found. before: of this model,
+// or none.
+Result solve_pose(const Model& model, const Settings& settings, const Pose& pose, bool has_bodies,
+                  std::vector<Index> body_hint, const State* before);
+
 }  // namespace rumple::base_cloth

@@ -9,7 +9,7 @@
 
 namespace rumple::base_cloth {
 
-// A turn about the garment's centre, and the way of the centre.
+// A turn about the garment's centre, and the way of the centre: object space, object units.
 struct RigidMotion {
     glm::dquat turn{1.0, 0.0, 0.0, 0.0};
     glm::dvec3 centre{0.0};
@@ -20,6 +20,8 @@ struct RigidMotion {
 };
 
 // The rigid motion that is nearest to what moved `from` to `to`, in the least squares weighted by area.
+//   area: per vertex, object units^2, >= 0; none above 0: the identity. from, to: as many vertices, one
+//   space, object units. Not checked.
 // Equal poses give the identity to the bit. Cost: O(vertices).
 RigidMotion rigid_motion(std::span<const float> area, std::span<const Vec3> from, std::span<const Vec3> to);
 

@@ -32,13 +32,14 @@ float painted(const std::vector<float>& values, Index display_vertex, float unpa
 void enclose_triangles(const Surface& surface, Pose& pose) {
     pose.ball.clear();
     pose.ball.reserve(surface.triangles.size());
-    for (const Triangle& triangle : surface.triangles) {
-        const auto at = [&](int k) -> const Vec3& {
-            return pose.inner[surface.welded.corner_vertex[triangle.corner[k]]];
-        };
-        const Vec3 centre = (at(0) + at(1) + at(2)) / 3.0f;
+    for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
+        const auto [a, b, c] = welded_vertices(surface, t);
+        const Vec3 centre = (pose.inner[a] + pose.inner[b] + pose.inner[c]) / 3.0f;
         float square = 0.0f;
-        for (int k = 0; k < 3; ++k) square = std::max(square, glm::dot(at(k) - centre, at(k) - centre));
+        for (const Index v : {a, b, c}) {
+            const Vec3 from_centre = pose.inner[v] - centre;
+            square = std::max(square, glm::dot(from_centre, from_centre));
+        }
         pose.ball.push_back({centre, std::sqrt(square)});
     }
 }
@@ -46,15 +47,13 @@ void enclose_triangles(const Surface& surface, Pose& pose) {
 // ---------------------------------------------------------------- contact
 // The point of the inner surface nearest to p, found by walking from triangle to triangle.
 Plane nearest_plane(const Model& model, const Pose& pose, const Vec3& p, Index& triangle) {
-    const auto vertex = [&](Index t, int k) {
-        return model.surface.welded.corner_vertex[model.surface.triangles[t].corner[k]];
-    };
     const auto weights_of = [&](Index t) {
-        return closest_weights(p, pose.inner[vertex(t, 0)], pose.inner[vertex(t, 1)],
-                               pose.inner[vertex(t, 2)]);
+        const auto [a, b, c] = welded_vertices(model.surface, t);
+        return closest_weights(p, pose.inner[a], pose.inner[b], pose.inner[c]);
     };
     const auto mix = [&](Index t, const Vec3& w, const std::vector<Vec3>& values) {
-        return w.x * values[vertex(t, 0)] + w.y * values[vertex(t, 1)] + w.z * values[vertex(t, 2)];
+        const auto [a, b, c] = welded_vertices(model.surface, t);
+        return w.x * values[a] + w.y * values[b] + w.z * values[c];
     };
     Index best = triangle;
     Vec3 weights = weights_of(best);
@@ -113,6 +112,10 @@ void describe(const Model& model, const Settings& settings, const Pose& pose, st
 
 }  // namespace
 
+bool matches(const Model& model, const State& state) {
+    return state.length.size() == model.springs.size() && state.clearance.size() == model.area.size();
+}
+
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                std::span<const Vec3> positions, const PosedCollider* bodies, std::vector<Index>& body_hint) {
     const Surface& surface = model.surface;
@@ -147,12 +150,11 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     return pose;
 }
 
-Pose moved_to(const Model& model, const Pose& pose, std::vector<Vec3> animated) {
-    Pose out = pose;
-    for (size_t v = 0; v < animated.size(); ++v) out.inner[v] += animated[v] - pose.animated[v];
-    out.animated = std::move(animated);
-    enclose_triangles(model.surface, out);
-    return out;
+void move_to(const Model& model, const Pose& pose, std::vector<Vec3> animated, Pose& moved) {
+    for (size_t v = 0; v < animated.size(); ++v)
+        moved.inner[v] = pose.inner[v] + (animated[v] - pose.animated[v]);
+    moved.animated = std::move(animated);
+    enclose_triangles(model.surface, moved);
 }
 
 void look_for_contacts(const Model& model, const Pose& pose, std::span<const Vec3> positions,

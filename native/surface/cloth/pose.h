@@ -21,33 +21,39 @@ inline float height_above(const Plane& plane, const Vec3& p) {
     return glm::dot(p - plane.point, plane.normal);
 }
 
-// One frame, as the solver sees it. Per welded vertex.
+// One frame, as the solver sees it. Per welded vertex, unless it is said; lengths in object units, places in
+// object space.
 struct Pose {
     std::vector<Vec3> animated;
-    std::vector<Vec3> normal;
+    std::vector<Vec3> normal;          // unit, or zero
     std::vector<TriangleFrame> frame;  // tangent frames: rigid motion carries them along
     std::vector<Vec3> inner;           // the inner surface: what cloth stays outside of
     struct Ball {
         Vec3 centre;
         float radius;
     };
-    std::vector<Ball> ball;  // around every triangle of the inner surface
-    std::vector<float> clearance;
-    float body_known = 0.0f;    // share of the vertices that have a body under them
-    std::vector<float> length;  // of every spring
-    std::vector<float> follow;  // 1/s^2
-    std::vector<float> room;
+    std::vector<Ball> ball;        // around every triangle of the inner surface
+    std::vector<float> clearance;  // Clearance::inwards: object units, negative inside a body
+    float body_known = 0.0f;       // share of the vertices that have a body under them
+    std::vector<float> length;     // of every spring between the animated vertices, object units
+    std::vector<float> follow;     // 1/s^2
+    std::vector<float> room;       // Settings::room times paint, object units, >= 0
 
     // How far a vertex leaves its animated place at most: the way out of a body is always free.
     float farthest(size_t v) const { return std::max(room[v], -clearance[v]); }
 };
 
+// Whether a state has as many springs and vertices as the model. Where its vertices are Hang and Swing say
+// differently: each looks at that itself.
+bool matches(const Model& model, const State& state);
+
 // body_hint: as of clearance(). Throws InvalidInput.
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                std::span<const Vec3> positions, const PosedCollider* bodies, std::vector<Index>& body_hint);
 
-// The pose with its vertices, and its inner surface with them, moved elsewhere; nothing turned.
-Pose moved_to(const Model& model, const Pose& pose, std::vector<Vec3> animated);
+// The pose with its vertices, and its inner surface with them, moved elsewhere; nothing turned. moved: a copy
+// of the pose, which may have been moved before.
+void move_to(const Model& model, const Pose& pose, std::vector<Vec3> animated, Pose& moved);
 
 // The plane of every vertex. hints: per vertex the triangle that was nearest before, or kNone (loose); gets
 // the one that is now.

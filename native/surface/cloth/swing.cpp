@@ -14,11 +14,10 @@ namespace {
 
 constexpr double kStepSlack = 1e-3;    // a time step may be longer than the longest by this share of it
 constexpr float kTurning = 1.0f / 30;  // what gains a speed within such a time is as fast: it only turns, s
-constexpr double kMostSteps = 64;      // of a frame: at less than a frame a second they become longer
+constexpr double kMostSteps = 64;      // of a frame: of one that lasts longer than so many, all are longer
 
 bool fits(const Model& model, const State* state) {
-    return state && state->motion.position.size() == model.area.size() &&
-           state->length.size() == model.springs.size() && state->clearance.size() == model.area.size();
+    return state && state->motion.position.size() == model.area.size() && matches(model, *state);
 }
 
 // ---------------------------------------------------------------- locomotion
@@ -72,9 +71,8 @@ std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, std::span
                                std::span<const Vec3> velocity) {
     std::vector<glm::mat3> out(x.size(), glm::mat3(0.0f));
     if (swing.drag <= 0.0f) return out;
-    for (const Triangle& triangle : model.surface.triangles) {
-        Index v[3];
-        for (int k = 0; k < 3; ++k) v[k] = model.surface.welded.corner_vertex[triangle.corner[k]];
+    for (Index t = 0; t < static_cast<Index>(model.surface.triangles.size()); ++t) {
+        const std::array<Index, 3> v = welded_vertices(model.surface, t);
         const Vec3 normal = glm::cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]]);
         const float twice_area = glm::length(normal);
         if (twice_area < kShortestEdge * kShortestEdge) continue;
@@ -171,9 +169,10 @@ Motion step_through(const Model& model, const Settings& settings, const Swing& s
     const float h = swing.seconds / float(std::max(steps, 1));
     Motion motion = was;
     motion.fastest = 0.0f;
+    Pose on_the_way = steps > 1 ? pose : Pose{};
     for (int i = 1; i < steps; ++i) {
         const float share = float(i) / float(steps);
-        const Pose on_the_way = moved_to(model, pose, animated_at(pose, was, swing.seconds, share));
+        move_to(model, pose, animated_at(pose, was, swing.seconds, share), on_the_way);
         motion.fastest =
             std::max(motion.fastest, step(model, settings, swing, on_the_way, h, motion, planes, out));
     }
@@ -184,10 +183,9 @@ Motion step_through(const Model& model, const Settings& settings, const Swing& s
 
 // ---------------------------------------------------------------- a frame
 // The equilibrium of the pose, at rest.
-Result from_rest(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
-                 std::span<const Vec3> positions, const PosedCollider* bodies) {
-    Result out = solve(model, settings, paint, positions, bodies, nullptr);
-    const Pose pose = make_pose(model, settings, paint, positions, bodies, out.state.body_hint);
+Result from_rest(const Model& model, const Settings& settings, const Swing& swing, const Pose& pose,
+                 bool has_bodies, std::vector<Index> body_hint) {
+    Result out = solve_pose(model, settings, pose, has_bodies, std::move(body_hint), nullptr);
     Motion& motion = out.state.motion;
     motion.position = motion.animated = motion.animated_before = pose.animated;
     motion.velocity.assign(pose.animated.size(), Vec3(0.0f));
@@ -213,14 +211,21 @@ void check(const Swing& swing) {
     expect_finite<Vec3>("wind and placement", finite, "vector");
 }
 
+State woken(State state) {
+    state.motion.fastest = Motion{}.fastest;
+    return state;
+}
+
 Result swing(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
              std::span<const Vec3> positions, const PosedCollider* bodies, const State* before) {
     check(settings);
     check(swing);
-    if (!fits(model, before)) return from_rest(model, settings, swing, paint, positions, bodies);
+    if (!fits(model, before)) before = nullptr;
+    std::vector<Index> body_hint = before ? before->body_hint : std::vector<Index>();
+    const Pose pose = make_pose(model, settings, paint, positions, bodies, body_hint);
+    if (!before) return from_rest(model, settings, swing, pose, bodies != nullptr, std::move(body_hint));
     Result out;
-    out.state.body_hint = before->body_hint;
-    const Pose pose = make_pose(model, settings, paint, positions, bodies, out.state.body_hint);
+    out.state.body_hint = std::move(body_hint);
     out.state.contact_hint = before->contact_hint;
     const Motion was = carried(model, swing, pose, before->motion);
     std::vector<Plane> planes(model.area.size());

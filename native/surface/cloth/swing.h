@@ -30,8 +30,11 @@ struct Swing {
 // Throws InvalidInput naming the first setting out of its range.
 void check(const Swing& swing);
 
+// The same state, which swing() does not hold: for other settings than it was solved with.
+State woken(State state);
+
 // One frame. As solve(); without a state that swings it is the equilibrium of the pose, with no velocity.
-// Cost: about that of solve() for two time steps.
+// Cost: about 0.7 of that of solve() from a state, for each time step.
 Result swing(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
              std::span<const Vec3> positions, const PosedCollider* bodies, const State* state);
 

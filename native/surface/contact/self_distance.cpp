@@ -8,15 +8,6 @@
 #include "surface/contact/closest_point.h"
 
 namespace rumple {
-namespace {
-
-// Cosine between two normals: below it the surfaces face one another.
-constexpr float kFacing = -0.1f;
-
-// Share of the reach: nearer than this the way between two points says nothing, and a normal takes its place.
-constexpr float kSamePlace = 1e-4f;
-
-}  // namespace
 
 OwnSurface::OwnSurface(std::span<const Vec3> positions, const std::vector<std::array<Index, 3>>& triangles)
     : hierarchy_(build_hierarchy(centres_of(positions, triangles))) {
@@ -40,7 +31,7 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
     found = kNone;
     Vec3 way(0.0f);
     const auto look_at = [&](Index t) {
-        if (glm::dot(normals_.of_face[t], normal) > kFacing) return;
+        if (glm::dot(normals_.of_face[t], normal) > kFacingNormals) return;
         const auto& corner = surface_.triangles_[t];
         if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex) return;
         const Vec3 &a = positions_[corner[0]], &b = positions_[corner[1]], &c = positions_[corner[2]];
@@ -55,7 +46,7 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
     // No triangle of the node faces the vertex: so it is with all that lies flat around it.
     const auto faces_away = [&](Index node) {
         const Vec3 least = glm::min(normal * facings_[node].low, normal * facings_[node].high);
-        return least.x + least.y + least.z > kFacing;
+        return least.x + least.y + least.z > kFacingNormals;
     };
     visit_nearest_first(
         surface_.hierarchy_, [&](Index node) { return boxes_[node].squared_distance(p); },
