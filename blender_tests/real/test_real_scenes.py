@@ -54,8 +54,10 @@ def digest(positions: np.ndarray) -> str:
 
 
 def add_wrinkles(garment: bpy.types.Object) -> None:
+    """The fine mesh alone, as in the paper: test_real_cloth.py plays garments as cloth over their bodies."""
     bpy.context.view_layer.objects.active = garment
-    garment.rumple.mesh.base_cloth = "OFF"  # the fine mesh alone: test_real_cloth.py plays them as cloth
+    garment.rumple.mesh.base_cloth = "OFF"
+    garment.rumple.body = None  # set: none is looked for
     assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}, garment.rumple.message
 
 
