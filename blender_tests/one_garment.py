@@ -20,6 +20,7 @@ class PlayedOnce:
     file: str
     name: str
     method: str
+    variant = ""  # in the name of the file of what was measured
     settings: dict = {"base_cloth": "OFF"}  # set before the click: the system alone, over the animated mesh
 
     @classmethod
@@ -39,7 +40,7 @@ class PlayedOnce:
         cls.seen = [cls.look(frame) for frame in cls.frames]
         OUT.mkdir(parents=True, exist_ok=True)
         common = dict(file=cls.file, garment=cls.name, blender=bpy.app.version_string, frames=len(cls.seen))
-        path = OUT / f"{cls.method.lower()}_{cls.file}_{cls.name}.json"
+        path = OUT / f"{cls.method.lower()}{cls.variant}_{cls.file}_{cls.name}.json"
         path.write_text(json.dumps({**common, **cls.summary()}, indent=1))
 
     @classmethod

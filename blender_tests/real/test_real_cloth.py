@@ -23,12 +23,13 @@ NEAR = 0.05  # metres: what lies farther from the body does not lie on it
 MORE_DEEP = 0.003  # share of the points that may be deep beside those of the bare garment
 EVERY = 5  # of the shown points that are asked how deep they are
 # No shown edge is longer than this many times the same edge on the bare garment, or at rest. 3 everywhere but in the
-# armpit of the shirt, where skinning stretches coarse edges to 15 times their length: there 3.07 in 3 of 45 frames.
+# armpit of the shirt, where skinning stretches coarse edges to 15 times their length: there above 3 in 3 of 45
+# frames, 3.248 in one.
 LONGEST = 3.25
-REST = 15  # frames after which a held pose has come to rest
 EVERY_CROSSING = 6  # frames
 MORE_CROSSINGS = 1.1  # times the crossing pairs of the bare garment: without the bound of the layers 1.6 times and more
-STILL = 3  # frames for which it is then looked at
+REST = 15  # frames after which a held pose has come to rest ...
+STILL = 3  # ... and for which it is then looked at
 
 
 @dataclass
@@ -173,7 +174,7 @@ class Worn:
     def test_it_is_not_deeper_in_the_body_than_the_bare_garment(self) -> None:
         self.for_every_frame(lambda s: s.comparable > 1000 and s.deep <= s.deep_bare + MORE_DEEP * s.comparable)
 
-    def test_folds_cross_the_garment_no_more_than_it_is_crossed_bare(self) -> None:
+    def test_at_most_a_tenth_more_polygons_cross_each_other_than_of_the_bare_garment(self) -> None:
         # The base cloth moves crossings that skinning made: frame by frame some are a few pairs up, so the sum counts.
         pairs = {}
         for frame in self.frames[::EVERY_CROSSING]:
@@ -215,14 +216,14 @@ class Trousers(Worn, unittest.TestCase):
 
 
 class Simulated(unittest.TestCase):
-    """A simulation is compressed by a percent everywhere: all of that showed as crumbs on the folds it had."""
+    """A simulation is compressed by a percent everywhere: all of that showed as small random folds on those it had."""
 
     frames = range(50, 61)
 
-    def crumbs(self, **settings: str | float) -> float:
+    def noise(self, file: str, name: str, **settings: str | float) -> float:
         """How far the folds of a point differ from those of its neighbours, mean of the last frame, metres."""
-        bpy.ops.wm.open_mainfile(filepath=str(DATA / "S3_skirt_sim.blend"))
-        self.garment = bpy.data.objects["skirt"]
+        bpy.ops.wm.open_mainfile(filepath=str(DATA / f"{file}.blend"))
+        self.garment = bpy.data.objects[name]
         bpy.context.view_layer.objects.active = self.garment
         self.assertEqual(bpy.ops.object.rumple_add(method="MESH"), {"FINISHED"}, self.garment.rumple.message)
         for name, value in settings.items():
@@ -239,13 +240,22 @@ class Simulated(unittest.TestCase):
             np.add.at(count, one, 1.0)
         return float(np.linalg.norm(offset - around / count[:, None], axis=1).mean())
 
-    def test_one_click_gives_folds_and_no_crumbs(self) -> None:
-        clicked = self.crumbs()
-        settings = self.garment.rumple.mesh
+    def clicked(self, file: str, name: str) -> float:
+        """noise() of what one click made."""
+        found, settings = self.noise(file, name), self.garment.rumple.mesh
         self.assertEqual((settings.base_cloth, settings.layers), ("OFF", "CLOTH"))
+        return found
+
+    def test_one_click_gives_a_skirt_folds_without_noise(self) -> None:
+        skirt = "S3_skirt_sim", "skirt"
+        clicked = self.clicked(*skirt)
         self.assertGreater(np.linalg.norm(registry.runtime(self.garment).picture.offset, axis=1).max(), 0.005)
-        self.assertLess(clicked, 0.9 * self.crumbs(buckling_threshold=0.0))
-        self.assertLess(clicked, 0.65 * self.crumbs(buckling_threshold=0.0, layers="ONE"))
+        self.assertLess(clicked, 0.9 * self.noise(*skirt, buckling_threshold=0.0))
+        self.assertLess(clicked, 0.65 * self.noise(*skirt, buckling_threshold=0.0, layers="ONE"))
+
+    def test_one_click_gives_a_flag_less_noise_than_without_the_threshold(self) -> None:
+        flag = "S5_flag", "flag"
+        self.assertLess(self.clicked(*flag), 0.9 * self.noise(*flag, buckling_threshold=0.0))
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ MOST_AREA = 1.06  # over that at rest: what the base is stretched across its wav
 
 class OnCloth(PlayedOnce):
     settings: dict = {}
+    variant = "_on_cloth"
     most_change = 2.0  # mm, 99th percentile from frame to frame, mean of the clip
 
     @classmethod
@@ -32,10 +33,8 @@ class OnCloth(PlayedOnce):
         picture, cloth = entry.picture, cls.fine.solved_over(float(frame), entry.inputs.positions)
         area = cls.area(picture.positions) / cls.area(cls.fine.positions_rest)
         return dict(frame=frame, message=cls.garment.rumple.message, finite=bool(np.isfinite(shown).all()),
-                    digest=digest(shown), area=area, offset=picture.offset.copy() if not cls.measured else None,
+                    digest=digest(shown), area=area, offset=picture.offset.copy(),
                     hangs=1e3 * float(np.linalg.norm(cloth - entry.inputs.positions, axis=1).mean()))
-
-    measured = False  # later looks need no offsets
 
     @classmethod
     def area(cls, positions: np.ndarray) -> float:
@@ -49,7 +48,6 @@ class OnCloth(PlayedOnce):
                        for before, after in zip(cls.seen, cls.seen[1:])]
         for seen in cls.seen:
             del seen["offset"]
-        cls.measured = True
         return dict(change_99_mean=float(np.mean(cls.changes)), change_99_worst=max(cls.changes),
                     area=[min(s["area"] for s in cls.seen), max(s["area"] for s in cls.seen)],
                     hangs_mm=float(np.mean([s["hangs"] for s in cls.seen])))
