@@ -35,6 +35,8 @@ class PlayedOnce:
         cls.scene.frame_set(cls.frames[0])
         for name, value in cls.settings.items():
             setattr(getattr(cls.garment.rumple, cls.method.lower()), name, value)
+        if cls.settings.get("base_cloth") == "OFF":
+            cls.garment.rumple.body = None  # set: none is looked for
         assert bpy.ops.object.rumple_add(method=cls.method) == {"FINISHED"}, cls.garment.rumple.message
         cls.fine = registry.runtime(cls.garment).fine
         cls.seen = [cls.look(frame) for frame in cls.frames]

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import sleeve
 from case import WindowCase
-from rumple.blender import preview
+from rumple.blender import preview, registry
 
 
 class PreviewCase(WindowCase):
@@ -61,6 +61,12 @@ class PreviewCase(WindowCase):
     def held(self) -> preview._OnGpu:
         (held,) = preview._on_gpu.values()
         return held
+
+    def until_drawn(self, frame: float) -> Iterator[float]:
+        """Until the GPU holds what was solved last, of this frame."""
+        yield from self.until(lambda: preview._on_gpu and self.held().inputs is not None
+                              and self.held().inputs is registry.runtime(self.obj).inputs
+                              and self.held().inputs.frame == frame)
 
     def refuse(self, drawer: ModuleType) -> list[int]:
         """Until the test ends a driver that compiles nothing of a gpu module. Counts how often it was asked."""

@@ -81,7 +81,7 @@ class Drawn(PreviewCase):
         for frame in range(2, sleeve.LAST + 1):
             sleeve.at(frame)
             self.area.tag_redraw()
-            yield from self.until(lambda: self.held().inputs.frame == frame)
+            yield from self.until_drawn(frame)
             expected = registry.runtime(self.obj).fine.state_of(float(frame)).phase
             off = (self.held().drawing.waves.read_phase() - expected + math.pi) % (2.0 * math.pi) - math.pi
             # Where nothing is compressed k is of no direction, and rounding chooses it.
@@ -94,7 +94,7 @@ class Drawn(PreviewCase):
         self.assertEqual(begun, [])
         sleeve.at(5)
         self.area.tag_redraw()
-        yield from self.until(lambda: self.held().inputs.frame == 5)
+        yield from self.until_drawn(5)
         self.assertEqual(begun, [1])
 
     def test_it_follows_a_rest_shape_that_adapts(self) -> Iterator[float]:
@@ -108,8 +108,7 @@ class Drawn(PreviewCase):
         for frame in (10, 11, 12, 18):
             sleeve.at(frame)
             self.area.tag_redraw()
-            yield from self.until(lambda: preview._on_gpu and self.held().inputs is not None
-                                  and self.held().inputs.frame == frame)
+            yield from self.until_drawn(frame)
             self.assertFalse(self.held().refused)  # drawn while it was made anew
             entry = registry.runtime(self.obj)
             expected = native.crush_wrinkle_field(
@@ -236,7 +235,7 @@ class Exact(PreviewCase):
         self.obj.data.materials[0] = image_of_itself()
         registry.runtime(self.obj).forget_written()
         sleeve.at(3)
-        yield from self.until(lambda: self.held().inputs.frame == 3.0)
+        yield from self.until_drawn(3.0)
         shading = SimpleNamespace(light="FLAT", color_type="TEXTURE", show_backface_culling=False,
                                   show_specular_highlight=False)
         view = Matrix.Rotation(-0.5, 4, "X") @ Matrix.Translation((-0.5, -0.5, 0.0))
