@@ -117,6 +117,10 @@ void bind_settings(py::module_& module) {
         .def_readwrite("radius", &Settings::radius,
                        "r in mean lengths of the fine edges around a vertex, >= 0")
         .def_readwrite("prestretch", &Settings::prestretch, "s: rest length over measured length, > 0")
+        .def_readwrite("slack", &Settings::slack,
+                       "of layers: length over rest length at which the base pulls taut, > 0")
+        .def_readwrite("taut_range", &Settings::taut_range,
+                       "of layers: over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere")
         .def_readwrite("bending", &Settings::bending, "k_bending, 0..1")
         .def_property(
             "collision",

@@ -193,12 +193,13 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
     check(model, paint);
     const OffsetFrames frames(model, settings, input, pose);
     if (!fits(model, before)) before = nullptr;
-    const std::vector<float> lengths = attachment_lengths(model, pose);
+    const std::vector<float> lengths = pair_lengths(model, pose.attachment);
     State state{std::vector<Vec3>(pose.attachment.size(), Vec3(0.0f)), lengths,
                 adapt_rest(model, settings, input, pose, before)};
     const std::vector<float> scales = rest_scales(model, settings, state.reference, pose, lengths);
     for (size_t i = 0; i < scales.size(); ++i) state.solved_length[i] /= std::max(scales[i], kShortestEdge);
-    const Targets targets = make_targets(model, settings, paint, lengths, scales);
+    const Targets targets =
+        make_targets(model, settings, paint, lengths, pair_lengths(model, pose.unwrinkled), scales);
     const std::vector<float> active = before ? activity(model, state.solved_length, *before)
                                              : std::vector<float>(pose.attachment.size(), 1.0f);
 
@@ -240,6 +241,8 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
 void check(const Settings& settings) {
     expect_within("radius", settings.radius, 0.0, 1e6);
     expect_within("prestretch", settings.prestretch, 1e-3, 1e3);
+    expect_within("slack", settings.slack, 1e-3, 1e3);
+    expect_within("taut_range", settings.taut_range, 0.0, 1e3);
     expect_within("bending", settings.bending, 0.0, 1.0);
     expect_within("inside", settings.inside, 0.0, 1.0);
     expect_within("stretch_relief", settings.stretch_relief, 0.0, 1.0);

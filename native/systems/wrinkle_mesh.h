@@ -42,7 +42,10 @@ struct Settings {
     // the paper.)
     float tangential_pull = 0.0f;
     float normal_pull = 0.0f;
-    // Only layers have these two (wrinkle_mesh_layers); 0: no bound, 0..0.5. (Not in the paper.)
+    // Only layers have these (wrinkle_mesh_layers). (Not in the paper.)
+    float slack = 1.0f;  // length over rest length at which the base pulls taut, > 0
+    float taut_range =
+        0.0f;                // over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere taut
     float apart = 0.0f;      // share of the distance to its own cloth that a vertex may go towards it
     float slide = 0.0f;      // share of the heights of its triangles that a vertex may go along the surface
     float nudge = 0.02f;     // size of the random push of unbuckled vertices, in fine edges, >= 0

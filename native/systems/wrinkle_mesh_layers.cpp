@@ -25,6 +25,14 @@ Surface surface_of(const Model& layer) {
         {layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false});
 }
 
+// Where a layer has its vertices, without folds of its own, over positions of the base or of the layer below.
+std::vector<Vec3> attached_over(const Model& layer, std::span<const Vec3> below) {
+    std::vector<Vec3> welded(layer.base.welded.vertex_count), out(layer.attached.size());
+    weld_positions(layer.base, below, welded);
+    attach(layer.base, layer.attachments, welded, {}, out, 0, out.size());
+    return out;
+}
+
 // How far the next layer may go inwards: what the vertices of this one have left.
 std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
     std::vector<float> gap;
@@ -147,10 +155,12 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     LayersState out;
     Chain chain(input);
     std::vector<OwnSide> below;
+    std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
         check(layer, paint[k]);
         Pose pose = make_pose(layer, chain.input());
+        pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
         look_at_own(layers.own[k], layer, settings[k], paint[k], below, pose);
         out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,
                                         state ? &state->layers[k] : nullptr, reports[k]));
@@ -165,7 +175,7 @@ void show(const Layers& layers, std::span<const Vec3> animated, std::span<const 
           const LayersState& state, Picture& picture) {
     expect_count("state", state.solved.size(), layers.layers.back()->attached.size(), "positions");
     std::vector<Vec3> bare(animated.begin(), animated.end());
-    for (const auto& layer : layers.layers) bare = make_pose(*layer, {bare}).attachment;
+    for (const auto& layer : layers.layers) bare = attached_over(*layer, bare);
     std::vector<Vec3> offset(state.solved);
     for (size_t v = 0; v < offset.size(); ++v) offset[v] -= bare[v];
     std::vector<Vec3> base(layers.base.welded.vertex_count);

@@ -9,11 +9,19 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
+// s of a pair. Cloth that is pulled taut has nothing to spare along the pull, and folds across it (tension
+// field theory: Wagner 1929): where the base is taut along the pair, s is what the base has itself.
+float pre_stretch(const Settings& settings, float paint, float strain) {
+    const float s = 1.0f + (settings.prestretch - 1.0f) * paint;
+    if (settings.taut_range <= 0.0f) return s;
+    return glm::mix(s, std::min(s, settings.slack),
+                    smooth_step(settings.slack - settings.taut_range, settings.slack, strain));
+}
+
 // The length that a pair is asked to keep in this pose. The paper asks for s l0
 // always; we give in to a part of the stretch of the base and to a small compression, and make no more cloth
 // from a collapsed base than compression_limit allows.
-float target_length(const Settings& settings, float prestretch_paint, float rest, float at_attachments) {
-    const float s = 1.0f + (settings.prestretch - 1.0f) * prestretch_paint;
+float target_length(const Settings& settings, float s, float rest, float at_attachments) {
     float target = s * rest;
     target += settings.stretch_relief * std::max(at_attachments - target, 0.0f);
     target -= std::clamp(target - at_attachments, 0.0f, settings.buckling_threshold * target);
@@ -150,28 +158,32 @@ std::vector<float> attachment_radii(const Model& model, const Settings& settings
     return radii;
 }
 
-std::vector<float> attachment_lengths(const Model& model, const Pose& pose) {
+std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positions) {
     std::vector<float> lengths;
+    if (positions.empty()) return lengths;
     lengths.reserve(model.distance.size() + model.bending.size());
     for (const Pairs* pairs : {&model.distance, &model.bending}) {
         for (size_t i = 0; i < pairs->size(); ++i) {
-            lengths.push_back(glm::distance(pose.attachment[pairs->a[i]], pose.attachment[pairs->b[i]]));
+            lengths.push_back(glm::distance(positions[pairs->a[i]], positions[pairs->b[i]]));
         }
     }
     return lengths;
 }
 
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
-                     std::span<const float> lengths, const std::vector<float>& rest_scales) {
+                     std::span<const float> lengths, std::span<const float> unwrinkled,
+                     const std::vector<float>& rest_scales) {
     Targets targets;
     const auto both = [](const std::vector<float>& values, Index a, Index b) {
         return 0.5f * (painted(values, a) + painted(values, b));
     };
     const auto fill = [&](const Pairs& pairs, size_t first, std::vector<float>& out) {
         for (size_t i = 0; i < pairs.size(); ++i) {
-            out.push_back(target_length(settings, both(paint.prestretch, pairs.a[i], pairs.b[i]),
-                                        scale_of(rest_scales, first + i) * pairs.rest[i],
-                                        lengths[first + i]));
+            const float rest = scale_of(rest_scales, first + i) * pairs.rest[i];
+            const float strain =
+                unwrinkled.empty() ? 0.0f : unwrinkled[first + i] / std::max(rest, kShortestEdge);
+            const float s = pre_stretch(settings, both(paint.prestretch, pairs.a[i], pairs.b[i]), strain);
+            out.push_back(target_length(settings, s, rest, lengths[first + i]));
         }
     };
     fill(model.distance, 0, targets.distance);

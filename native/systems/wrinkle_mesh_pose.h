@@ -18,6 +18,7 @@ struct Pose {
     std::vector<Vec3> base_normals;
     std::vector<TriangleFrame> frames;  // per base triangle
     std::vector<Vec3> attachment;       // a_i
+    std::vector<Vec3> unwrinkled;       // where layers without folds would have them; empty: no layers
     std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
     std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
     std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
@@ -69,8 +70,8 @@ inline float painted(const std::vector<float>& paint, size_t v) {
 // r_i (section 3.1), object units: relative to the local edge, painted, faded at hems.
 std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint);
 
-// Length at the attachments of every pair: distance, then bending.
-std::vector<float> attachment_lengths(const Model& model, const Pose& pose);
+// Length of every pair: distance, then bending. Empty positions: empty.
+std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positions);
 
 // Where the pairs lie on the base. Cost: O(pairs).
 Adaptive place_pairs(const Model& model);
@@ -82,14 +83,15 @@ ReferenceState adapt_rest(const Model& model, const Settings& settings, const In
 // By how much the reference triangles scale the rest length of every pair e; empty, which means 1, for an
 // empty reference. From the rest pose: |F e| / |e|, F from rest to reference. Without one (kFirstFrame) the
 // rest pose's lengths mean nothing: the length in this pose times |F e| / |F' e|, F' from rest to this pose.
-// lengths: attachment_lengths().
+// lengths: pair_lengths() of the attachments.
 std::vector<float> rest_scales(const Model& model, const Settings& settings, const ReferenceState& reference,
                                const Pose& pose, std::span<const float> lengths);
 inline float scale_of(const std::vector<float>& scales, size_t pair) {
     return scales.empty() ? 1.0f : scales[pair];
 }
 
-// What every pair is asked for in this pose.
+// What every pair is asked for in this pose, of its lengths at the attachments and without folds (empty: no
+// layers).
 struct Targets {
     std::vector<float> distance;
     std::vector<float> bending;
@@ -97,7 +99,8 @@ struct Targets {
 };
 
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
-                     std::span<const float> lengths, const std::vector<float>& rest_scales);
+                     std::span<const float> lengths, std::span<const float> unwrinkled,
+                     const std::vector<float>& rest_scales);
 
 // Relative errors of the lengths of pairs.
 struct LengthError {

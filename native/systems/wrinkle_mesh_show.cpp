@@ -74,7 +74,7 @@ Measures measure(const Model& model, const Settings& settings, const Paint& pain
     }
     std::vector<float> wanted(model.distance.rest);
     const std::vector<float> scales =
-        rest_scales(model, settings, state.reference, pose, attachment_lengths(model, pose));
+        rest_scales(model, settings, state.reference, pose, pair_lengths(model, pose.attachment));
     for (size_t i = 0; i < wanted.size(); ++i) wanted[i] *= settings.prestretch * scale_of(scales, i);
     const LengthError before = length_error(model.distance, wanted, pose.attachment);
     const LengthError after = length_error(model.distance, wanted, positions);

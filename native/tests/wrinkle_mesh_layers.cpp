@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/contact_bodies.h"
 #include "tests/refusals.h"
 #include "tests/wrinkle_mesh_cloth.h"
@@ -322,6 +324,57 @@ TEST(WrinkleMeshLayers, BadInputIsNamed) {
     expect_refused([&] { stack.solve(input, alike(3)); }, {"gap", "25", "7"});
     expect_refused([&] { build_layers(tests::build(stack.mesh), -1, 0, 1000); }, {"levels"});
     expect_refused([&] { build_layers(tests::build(stack.mesh), 6, 0, 1000); }, {"1000"});
+}
+
+// ---------------------------------------------------------------- taut cloth
+Settings wide(float taut_range) {
+    Settings settings;
+    settings.prestretch = 1.08f;
+    settings.slack = 1.02f;
+    settings.taut_range = taut_range;
+    settings.tangential_pull = 0.2f;
+    settings.start_iterations = 60;
+    settings.hem_rings = 0;
+    return settings;
+}
+
+// A base that is as long as its slack lets it be is taut both ways: layers that are cut wider have no folds.
+TEST(WrinkleMeshLayers, TautClothHasNoFolds) {
+    const Stack stack(grid(8, 6, 0.05f));
+    const auto highest = [&](float stretch, float taut_range) {
+        const Pose3 pose = stack.moved([=](const Vec3& p) { return p * stretch; });
+        const LayersState state = stack.solve({pose}, alike(stack.count(), wide(taut_range)));
+        float most = 0.0f;
+        for (const Vec3& p : state.solved) most = std::max(most, std::abs(p.z));
+        return most;
+    };
+    EXPECT_LT(highest(1.02f, 0.03f), 1e-5f);
+    EXPECT_LT(highest(1.05f, 0.03f), 1e-5f);
+    EXPECT_GT(highest(1.02f, 0.0f), 2e-3f);
+    EXPECT_GT(highest(0.99f, 0.03f), 2e-3f);
+}
+
+// Taut along y, slack along x: lines along y stay as straight as they were, lines across them fold.
+TEST(WrinkleMeshLayers, FoldsRunAlongThePull) {
+    const Stack stack(grid(8, 6, 0.05f), 1);
+    const Pose3 pose = stack.moved([](const Vec3& p) { return p * Vec3(0.98f, 1.02f, 1.0f); });
+    const auto slopes = [&](float taut_range) {
+        const LayersState state = stack.solve({pose}, alike(stack.count(), wide(taut_range)));
+        const Model& finest = *stack.layers->layers.back();
+        std::array<double, 2> sum{};  // of squares: along x, along y
+        for (size_t i = 0; i < finest.distance.size(); ++i) {
+            const Index a = finest.distance.a[i], b = finest.distance.b[i];
+            const Vec3 rest = finest.positions_rest[b] - finest.positions_rest[a];
+            const double climb = state.solved[b].z - state.solved[a].z;
+            if (std::abs(rest.y) < 1e-4f) sum[0] += climb * climb;
+            if (std::abs(rest.x) < 1e-4f) sum[1] += climb * climb;
+        }
+        return sum;
+    };
+    const auto everywhere = slopes(0.0f), along = slopes(0.03f);
+    EXPECT_GT(everywhere[1], 0.2 * everywhere[0]);
+    EXPECT_LT(along[1], 0.15 * along[0]);
+    EXPECT_GT(along[0], 0.8 * everywhere[0]);
 }
 
 // ---------------------------------------------------------------- the pull back

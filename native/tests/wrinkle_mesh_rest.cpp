@@ -50,7 +50,7 @@ struct AdaptiveCloth : Cloth {
     }
     std::vector<float> scales(const State& state, const Pose3& positions) const {
         const wrinkle_mesh::Pose pose = make_pose(*model, {positions});
-        return rest_scales(*model, settings, state.reference, pose, attachment_lengths(*model, pose));
+        return rest_scales(*model, settings, state.reference, pose, pair_lengths(*model, pose.attachment));
     }
     // ... from the rest pose: whatever the pose.
     std::vector<float> scales(const State& state) const { return scales(state, mesh.positions); }

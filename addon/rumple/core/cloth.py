@@ -14,6 +14,7 @@ from .surroundings import Surroundings
 
 GRAVITY = 9.81  # m/s^2
 AIR = 1.2  # kg/m^3
+FOLLOW = 150.0  # 1/s^2: gravity sags cloth by 2 cm, so that it hangs from the shoulders and not from its animation
 THIRTIETH = 1.0 / 30.0  # s: what substeps divide
 DOLL, GIANT = 0.4, 3.0  # metres, diagonal of a garment: smaller and larger ones hang as these do, to scale
 
@@ -150,6 +151,7 @@ class BaseCloth:
         options.gravity = tuple(float(g) for g in gravity)
         if settings.base_cloth == "OFF":
             options.steps = options.start_steps = 0  # the animated mesh, out of the body
+        options.follow = FOLLOW
         options.slack, options.room = settings.slack, settings.room / self.unit_scale
         options.thickness = self.thickness(settings)
         return options

@@ -112,7 +112,7 @@ class ClothSettings:
     """The base cloth (section 4.3 of the Wrinkle Meshes' paper)."""
 
     base_cloth: str = setting("OFF", "Base Cloth", "What the wrinkles lie on", choices=BASE_CLOTHS)
-    slack: float = setting(1.01, "Slack", "How much wider the cloth is cut than the garment is modelled. Above 1 it "
+    slack: float = setting(1.02, "Slack", "How much wider the cloth is cut than the garment is modelled. Above 1 it "
                            "has folds at rest too; below 1 it is tight", low=0.8, high=1.5)
     gravity: float = setting(1.0, "Gravity", "Share of the earth's gravity, towards -Z of the world. 0 for cloth that "
                              "does not sag", low=0.0, high=10.0)

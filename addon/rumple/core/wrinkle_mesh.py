@@ -240,7 +240,9 @@ TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
 APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
 SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
-LOOSER = 1.5  # slack of the layers over that of the base cloth: cloth that is pulled taut has no folds
+LOOSER = 4.0  # slack of the layers over that of the base cloth, where that is not taut
+TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
+LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
 
 
 def layer_settings(settings: MeshSettings, count: int) -> list[Any]:
@@ -251,10 +253,12 @@ def layer_settings(settings: MeshSettings, count: int) -> list[Any]:
         options.radius = settings.radius * getattr(settings, word) * (WIDEST_RADIUS if number == 0 else 1.0)
         options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
         options.hem_rings = min(settings.hem_rings, number + 1)
+        options.bending = LAYER_BENDING * settings.bending
         options.tangential_pull, options.normal_pull = TANGENTIAL_PULL, NORMAL_PULL
         options.apart, options.slide = APART, SLIDE
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
             options.prestretch = settings.prestretch * (1.0 + LOOSER * (settings.slack - 1.0))
+            options.slack, options.taut_range = settings.slack, TAUT_RANGE
         out.append(options)
     return out

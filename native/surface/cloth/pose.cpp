@@ -12,7 +12,7 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr float kPinned = 1e4f;  // follow of a pinned vertex, times that of a free one
+constexpr float kPinned = 4e6f;  // follow of a pinned vertex, 1/s^2: 2.5 um under gravity
 
 TriangleFrame tangent_frame(const Vec3& normal, const Vec3& towards) {
     TriangleFrame frame;
@@ -133,7 +133,7 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                                  ? TriangleFrame{}
                                  : tangent_frame(pose.normal[v], pose.animated[to] - pose.animated[v]));
         const float pinned = painted(paint.follow, surface.representative[v], 0.0f);
-        pose.follow.push_back(settings.follow * (1.0f + (kPinned - 1.0f) * pinned * pinned * pinned));
+        pose.follow.push_back(settings.follow + (kPinned - settings.follow) * pinned * pinned * pinned);
         pose.room.push_back(settings.room * painted(paint.room, surface.representative[v], 1.0f));
     }
     std::vector<Vec3> smooth(vertices);
