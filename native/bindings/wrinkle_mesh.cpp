@@ -243,7 +243,8 @@ void bind_wrinkle_mesh(py::module_& module) {
         .def_readonly("largest_error", &Report::largest_error)
         .def_readonly("active", &Report::active, "share of vertices that were solved, 0..1")
         .def_readonly("collapsed_triangles", &Report::collapsed_triangles)
-        .def_readonly("kept_apart", &Report::kept_apart, "vertices that its own cloth kept from going on");
+        .def_readonly("kept_apart", &Report::kept_apart,
+                      "vertices that its own cloth or a body in front kept from going on");
     py::class_<Measures>(module, "WrinkleMeshMeasures", "How good a frame is.")
         .def_readonly("edge_error_before_rms", &Measures::edge_error_before_rms)
         .def_readonly("edge_error_before_max", &Measures::edge_error_before_max)

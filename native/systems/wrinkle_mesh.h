@@ -158,7 +158,7 @@ struct Report {
     float largest_error = 0.0f;  // largest relative length error after
     float active = 0.0f;         // share of the vertices that were solved; the rest was held
     Index collapsed_triangles = 0;  // base triangles without area in this pose
-    Index kept_apart = 0;           // vertices that would have come too near to their own cloth
+    Index kept_apart = 0;           // vertices that would have come too near to their own cloth or a body
 };
 
 // Section 4.1. Solves one frame from `state` (the frame before), or from the

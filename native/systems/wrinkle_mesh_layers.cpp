@@ -75,6 +75,13 @@ class Chain {
     std::vector<Index> body_hint_;
 };
 
+// Whether the layer before found something at the triangle that a vertex lies on.
+bool is_faced(const Model& layer, size_t vertex, std::span<const OwnSide> below) {
+    for (const Index u : display_vertices(layer.base, layer.attachments.places[vertex].triangle))
+        if (below[u].towards != Vec3(0.0f)) return true;
+    return false;
+}
+
 // below: what the layer before found for its vertices, empty for the first one. Where that found nothing
 // within its wider reach, there is nothing to look for.
 void look_at_own(const OwnSurface& own, const Model& layer, const Settings& settings, const Paint& paint,
@@ -85,14 +92,29 @@ void look_at_own(const OwnSurface& own, const Model& layer, const Settings& sett
     const float radii = settings.apart > 0.0f ? 1.0f / settings.apart : 0.0f;
     for (float& r : reach) r *= radii;
     for (size_t v = 0; v < reach.size() && !below.empty(); ++v) {
-        bool faced = false;
-        for (const Index u : display_vertices(layer.base, layer.attachments.places[v].triangle))
-            faced |= below[u].towards != Vec3(0.0f);
-        if (!faced) reach[v] = 0.0f;
+        if (!is_faced(layer, v, below)) reach[v] = 0.0f;
     }
     const PosedOwnSurface posed(own, pose.attachment);
     pose.own = posed.facing(reach);
     pose.heights = posed.heights();
+}
+
+// What of a body is ahead bounds a vertex as its own cloth does, but for the share: a body does not give way.
+// Looked for where look_at_own() looks, for both find what is in front of the layer below.
+void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings& settings, const Paint& paint,
+                float thickness, std::span<const OwnSide> below, Pose& pose) {
+    if (settings.apart <= 0.0f) return;
+    const std::vector<float> radii = attachment_radii(layer, settings, paint);
+    for (size_t v = 0; v < radii.size(); ++v) {
+        if (radii[v] <= 0.0f || !(below.empty() || is_faced(layer, v, below))) continue;
+        const Vec3& a = pose.attachment[v];
+        const float reach = radii[v] / settings.apart + thickness;  // as far as the layers above get
+        const BodyAhead body = bodies.ahead(a, pose.normal[v], reach, thickness);
+        if (body.triangle == kNone) continue;
+        const float before = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
+        if (before / settings.apart < pose.own[v].distance)
+            pose.own[v] = {-body.normal, before / settings.apart, true};
+    }
 }
 
 void check_counts(const Layers& layers, size_t settings, size_t paint) {
@@ -162,6 +184,8 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
         Pose pose = make_pose(layer, chain.input());
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
         look_at_own(layers.own[k], layer, settings[k], paint[k], below, pose);
+        if (input.bodies)
+            look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, below, pose);
         out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,
                                         state ? &state->layers[k] : nullptr, reports[k]));
         below = pose.own;

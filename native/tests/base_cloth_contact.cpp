@@ -165,5 +165,28 @@ TEST(BaseClothContact, WithoutBodiesTheClothSinksByTheUnknownClearanceOnly) {
     EXPECT_EQ(result.report.body_known, 0.0f);
 }
 
+// An arm that is pressed against the flank of a shirt: the shirt stays on its side, and gives way when the
+// arm comes nearer.
+TEST(BaseClothContact, ClothStaysBeforeABodyInFront) {
+    const Garment garment(grid(10, 10, 0.03f));
+    Settings settings = loose();
+    settings.gravity = Vec3(0.0f, 0.0f, 9.81f);
+    const float thickness = settings.clearance.thickness;
+    Result result;
+    for (const float height : {0.012f, 0.008f, 0.002f}) {
+        const Body body = ceiling(height);
+        const Collider collider = body.collider();
+        const PosedCollider posed(collider, body.positions);
+        result = garment.solve(settings, garment.mesh.positions, &result.state, {}, &posed);
+        EXPECT_GT(result.report.steps, 0) << height;
+        ASSERT_GT(garment.settle(settings, garment.mesh.positions, result, {}, &posed), 0) << height;
+        // Nearer than the thickness the garment is as it is animated.
+        const float before = std::max(height - thickness, 0.0f);
+        for (const Vec3& p : result.positions) EXPECT_NEAR(p.z, before, 1e-5f) << height;
+    }
+    const Result free = garment.solve(settings, garment.mesh.positions);
+    for (const Vec3& p : free.positions) EXPECT_GT(p.z, 0.015f);
+}
+
 }  // namespace
 }  // namespace rumple::tests

@@ -57,4 +57,13 @@ inline Body sphere(Index rings, Index around, float radius, float bumps = 0.0f, 
     return body;
 }
 
+// A plane across z at that height that faces down, wider than half a metre about (x, y) = (0.15, 0.15).
+inline Body ceiling(float height) {
+    Body body;
+    for (const auto& [x, y] : {std::pair{-0.5f, -0.5f}, {-0.5f, 0.8f}, {0.8f, 0.8f}, {0.8f, -0.5f}})
+        body.positions.push_back({x, y, height});
+    body.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return body;
+}
+
 }  // namespace rumple::tests

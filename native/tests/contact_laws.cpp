@@ -373,5 +373,29 @@ TEST(Clearance, TheSameBitsWithAndWithoutHints) {
     EXPECT_GT(std::count(none.begin(), none.end(), kNone), 10);
 }
 
+// ---------------------------------------------------------------- a body in front
+TEST(BodyAhead, IsTheNearestPointThatFacesTheCloth) {
+    const Body body = sphere(64, 96, 0.1f);
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    const Vec3 towards(-1.0f, 0.0f, 0.0f);
+    const BodyAhead found = posed.ahead({0.15f, 0.0f, 0.0f}, towards, 0.1f, 0.0f);
+    ASSERT_NE(found.triangle, kNone);
+    EXPECT_LT(glm::distance(found.point, Vec3(0.1f, 0.0f, 0.0f)), 2e-4f);
+    EXPECT_GT(found.normal.x, 0.999f);
+    // Worn over the ball, too far away, and inside it deeper than asked.
+    EXPECT_EQ(posed.ahead({0.15f, 0.0f, 0.0f}, -towards, 0.04f, 0.0f).triangle, kNone);
+    EXPECT_EQ(posed.ahead({0.15f, 0.0f, 0.0f}, towards, 0.04f, 0.0f).triangle, kNone);
+    EXPECT_EQ(posed.ahead({0.09f, 0.0f, 0.0f}, towards, 0.04f, 0.003f).triangle, kNone);
+    EXPECT_NE(posed.ahead({0.09f, 0.0f, 0.0f}, towards, 0.04f, 0.02f).triangle, kNone);
+}
+
+TEST(BodyAhead, WhereTheBodyEndsNothingIsAhead) {
+    const Body body = sphere(64, 96, 0.1f, 0.0f, 16);  // no lowest quarter
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    EXPECT_EQ(posed.ahead({0.0f, 0.0f, -0.12f}, {0.3f, 0.0f, 1.0f}, 0.2f, 0.0f).triangle, kNone);
+}
+
 }  // namespace
 }  // namespace rumple::tests

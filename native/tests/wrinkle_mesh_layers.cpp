@@ -252,6 +252,34 @@ TEST(WrinkleMeshLayers, NoLayerOnTheFirstIsInsideABody) {
     EXPECT_GT(deepest(nullptr), 1e-3f);
 }
 
+TEST(WrinkleMeshLayers, NoLayerIsBehindABodyInFront) {
+    const Body body = ceiling(0.004f);
+    const Collider collider = body.collider();
+    const PosedCollider bodies(collider, body.positions);
+    const Stack stack(grid(10, 8, 0.04f));
+    const Pose3 pose = stack.squeezed(0.8f);
+    const std::vector<float> gap(pose.size(), 0.02f);
+    const std::vector<Index> hint(pose.size(), kNone);  // nothing is worn under it
+    Settings settings;
+    settings.apart = settings.slide = 0.45f;
+    const auto highest = [&](const PosedCollider* known) {
+        Input input{pose};
+        input.gap = gap;
+        input.thickness = 0.001f;
+        if (known) {
+            input.bodies = known;
+            input.body_hint = hint;
+        }
+        LayersState state = stack.solve(input, alike(3, settings));
+        state = stack.solve(input, alike(3, settings), &state);
+        float most = 0.0f;
+        for (const Vec3& p : state.solved) most = std::max(most, p.z);
+        return most;
+    };
+    EXPECT_LT(highest(&bodies), 0.003f + 1e-4f);
+    EXPECT_GT(highest(nullptr), 0.006f);
+}
+
 TEST(WrinkleMeshLayers, AnUnpaintedRadiusLeavesItsLayerFlat) {
     const Stack stack(tube(12, 8, 0.1f, 0.5f));
     const Pose3 pose = stack.squeezed(0.8f);

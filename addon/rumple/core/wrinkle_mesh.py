@@ -141,7 +141,8 @@ class WrinkleMesh(Wrinkles):
         layers = report if isinstance(report, list) else [report]
         kept = sum(layer.kept_apart for layer in layers)
         if kept:
-            lines.append(f"{kept} {'vertex' if kept == 1 else 'vertices'} kept from crossing the garment itself")
+            lines.append(f"{kept} {'vertex' if kept == 1 else 'vertices'} kept from crossing the garment or a body in "
+                         "front of it")
         report = layers[-1]
         before, after = 100.0 * report.error_before, 100.0 * report.error_after
         lines.append(f"Edge length error {before:.1f} % before, {after:.1f} % after {report.iterations} iterations")

@@ -23,8 +23,10 @@ bool holds(const Model& model, const Settings& settings, const Pose& pose, const
     for (size_t s = 0; s < model.springs.size(); ++s) {
         if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
     }
+    const float still = kHeldStrain * settings.room;
     for (size_t v = 0; v < pose.clearance.size(); ++v) {
-        if (std::abs(pose.clearance[v] - state.clearance[v]) > kHeldStrain * settings.room) return false;
+        if (std::abs(pose.clearance[v] - state.clearance[v]) > still) return false;
+        if (std::abs(pose.before[v] - state.before[v]) > still) return false;
     }
     return true;
 }
@@ -87,6 +89,7 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     }
     out.state.length = held ? before->length : pose.length;
     out.state.clearance = held ? before->clearance : pose.clearance;
+    out.state.before = held ? before->before : pose.before;
     out.state.moved = out.report.moved;
     // The state keeps the equilibrium: what went on from a projected one would leave its balance in every
     // frame.

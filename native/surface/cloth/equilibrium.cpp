@@ -48,7 +48,8 @@ struct Hessian {
     struct Vertex {
         float back;     // times identity
         Vec3 wall;      // times itself: the pull back grows along the way
-        float contact;  // times normal x normal
+        float contact;  // times normal x normal, of what is worn under it
+        float ahead;    // the same of what is ahead
     };
     std::vector<Spring> springs;
     std::vector<Vertex> vertices;
@@ -62,16 +63,19 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
         const Vec3 away = x[v] - pose.animated[v];
         const float share = pose.room[v] > 0.0f ? glm::dot(away, away) / (pose.room[v] * pose.room[v]) : 0.0f;
         const float back = model.area[v] * pose.follow[v] * (1.0f + kWall * share * share);
-        const float inward = -height_above(planes[v], x[v]);
-        const float contact = inward > 0.0f ? model.area[v] * std::max(kContact, pose.follow[v]) : 0.0f;
-        out[v] = model.area[v] * settings.gravity - back * away + contact * inward * planes[v].normal;
+        const float firm = model.area[v] * std::max(kContact, pose.follow[v]);
+        const float inward = -height_above(planes[v], x[v]), beyond = -height_above(pose.ahead[v], x[v]);
+        const float contact = inward > 0.0f ? firm : 0.0f, ahead = beyond > 0.0f ? firm : 0.0f;
+        out[v] = model.area[v] * settings.gravity - back * away + contact * inward * planes[v].normal +
+                 ahead * beyond * pose.ahead[v].normal;
         if (inertia) out[v] += inertia->push[v] - inertia->resist[v] * (x[v] - inertia->from[v]);
         if (!hessian) continue;
         const float growth = 4.0f * model.area[v] * pose.follow[v] * kWall * share;
         const Vec3 wall = share > 0.0f ? std::sqrt(growth) / pose.room[v] * away : Vec3(0.0f);
-        hessian->vertices[v] = {back, wall, contact};
+        hessian->vertices[v] = {back, wall, contact, ahead};
         hessian->inverse_diagonal[v] = glm::mat3(back) + glm::outerProduct(wall, wall) +
-                                       contact * glm::outerProduct(planes[v].normal, planes[v].normal);
+                                       contact * glm::outerProduct(planes[v].normal, planes[v].normal) +
+                                       ahead * glm::outerProduct(pose.ahead[v].normal, pose.ahead[v].normal);
         if (inertia) hessian->inverse_diagonal[v] += inertia->resist[v];
     }
     for (size_t s = 0; s < model.springs.size(); ++s) {
@@ -99,9 +103,10 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
 
 void multiply(const Cloth& cloth, const Hessian& hessian, std::span<const Vec3> p, std::span<Vec3> out) {
     for (size_t v = 0; v < p.size(); ++v) {
-        const auto& [back, wall, contact] = hessian.vertices[v];
-        const Vec3& n = cloth.planes[v].normal;
-        out[v] = back * p[v] + glm::dot(wall, p[v]) * wall + contact * glm::dot(n, p[v]) * n;
+        const auto& [back, wall, contact, ahead] = hessian.vertices[v];
+        const Vec3 &n = cloth.planes[v].normal, &m = cloth.pose.ahead[v].normal;
+        out[v] = back * p[v] + glm::dot(wall, p[v]) * wall + contact * glm::dot(n, p[v]) * n +
+                 ahead * glm::dot(m, p[v]) * m;
         if (cloth.inertia) out[v] += cloth.inertia->resist[v] * p[v];
     }
     for (size_t s = 0; s < hessian.springs.size(); ++s) {

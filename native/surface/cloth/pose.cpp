@@ -81,8 +81,26 @@ Plane nearest_plane(const Model& model, const Pose& pose, const Vec3& p, Index& 
     return {mix(best, weights, pose.inner), length > kShortestNormal ? normal / length : Vec3(0.0f)};
 }
 
-// Stays outside of the inner surface and within the room around the animated place.
+// Of every vertex the plane that keeps it before a body in front: an arm beside a flank. The animated garment
+// is never behind it, so that cloth that has to come out of both sides has a place.
+void look_ahead(const Settings& settings, const PosedCollider* bodies, Pose& pose) {
+    pose.ahead.assign(pose.animated.size(), {Vec3(0.0f), Vec3(0.0f)});
+    pose.before = pose.room;
+    if (!bodies) return;
+    const float thickness = settings.clearance.thickness;
+    for (size_t v = 0; v < pose.ahead.size(); ++v) {
+        const Vec3& a = pose.animated[v];
+        const BodyAhead body = bodies->ahead(a, pose.normal[v], pose.room[v] + thickness, thickness);
+        if (body.triangle == kNone) continue;
+        pose.before[v] = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
+        pose.ahead[v] = {a - pose.before[v] * body.normal, body.normal};
+    }
+}
+
+// Stays outside of the inner surface, before what is ahead, and within the room around the animated place.
 void project(const Pose& pose, const Plane& plane, size_t v, Vec3& p) {
+    const float below = height_above(pose.ahead[v], p);
+    if (below < 0.0f) p -= below * pose.ahead[v].normal;
     const float height = height_above(plane, p);
     if (height < 0.0f) p -= height * plane.normal;
     const Vec3 away = p - pose.animated[v];
@@ -113,7 +131,8 @@ void describe(const Model& model, const Settings& settings, const Pose& pose, st
 }  // namespace
 
 bool matches(const Model& model, const State& state) {
-    return state.length.size() == model.springs.size() && state.clearance.size() == model.area.size();
+    return state.length.size() == model.springs.size() && state.clearance.size() == model.area.size() &&
+           state.before.size() == model.area.size();
 }
 
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
@@ -144,6 +163,7 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     for (size_t v = 0; v < vertices; ++v)
         pose.inner.push_back(pose.animated[v] - pose.clearance[v] * pose.normal[v]);
     enclose_triangles(model.surface, pose);
+    look_ahead(settings, bodies, pose);
     pose.length.reserve(model.springs.size());
     for (const Model::Spring& spring : model.springs)
         pose.length.push_back(glm::distance(pose.animated[spring.a], pose.animated[spring.b]));
@@ -151,8 +171,11 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
 }
 
 void move_to(const Model& model, const Pose& pose, std::vector<Vec3> animated, Pose& moved) {
-    for (size_t v = 0; v < animated.size(); ++v)
-        moved.inner[v] = pose.inner[v] + (animated[v] - pose.animated[v]);
+    for (size_t v = 0; v < animated.size(); ++v) {
+        const Vec3 way = animated[v] - pose.animated[v];
+        moved.inner[v] = pose.inner[v] + way;
+        moved.ahead[v].point = pose.ahead[v].point + way;
+    }
     moved.animated = std::move(animated);
     enclose_triangles(model.surface, moved);
 }

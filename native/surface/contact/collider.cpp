@@ -90,35 +90,53 @@ bool PosedCollider::on_border(Index triangle, const Vec3& weights) const {
     return false;
 }
 
-void PosedCollider::look_at(Index triangle, const Vec3& p, const Vec3& normal, Best& best) const {
-    if (glm::dot(normals_.of_face[triangle], normal) < kFacing) return;
-    const auto& t = collider_.triangles_[triangle];
-    const Vec3 w = closest_weights(p, positions_[t[0]], positions_[t[1]], positions_[t[2]]);
-    const Vec3 to = p - (w.x * positions_[t[0]] + w.y * positions_[t[1]] + w.z * positions_[t[2]]);
-    const float squared = glm::dot(to, to);
-    if (squared > best.squared || (squared == best.squared && triangle >= best.triangle)) return;
-    best = {squared, triangle, w};
+Vec3 PosedCollider::point_of(const Best& best) const {
+    const auto& t = collider_.triangles_[best.triangle];
+    const Vec3& w = best.weights;
+    return w.x * positions_[t[0]] + w.y * positions_[t[1]] + w.z * positions_[t[2]];
 }
 
-BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const {
-    Best best{reach * reach};
-    if (hint >= 0 && hint < collider_.triangle_count()) look_at(hint, p, normal, best);
+Vec3 PosedCollider::normal_of(const Best& best) const {
+    const auto& t = collider_.triangles_[best.triangle];
+    const Vec3& w = best.weights;
+    const std::vector<Vec3>& normal = normals_.of_vertex;
+    return unit_or_zero(w.x * normal[t[0]] + w.y * normal[t[1]] + w.z * normal[t[2]]);
+}
+
+void PosedCollider::look_at(Index triangle, const Vec3& p, Best& best) const {
+    const auto& t = collider_.triangles_[triangle];
+    Best found{0.0f, triangle, closest_weights(p, positions_[t[0]], positions_[t[1]], positions_[t[2]])};
+    const Vec3 to = p - point_of(found);
+    found.squared = glm::dot(to, to);
+    if (found.squared > best.squared || (found.squared == best.squared && triangle >= best.triangle)) return;
+    best = found;
+}
+
+// The nearest triangle that counts.
+template <typename Counts>
+void PosedCollider::search(const Vec3& p, const Counts& counts, Best& best) const {
     visit_nearest_first(
         collider_.hierarchy_, [&](Index node) { return boxes_[node].squared_distance(p); },
         [&](Index node) { return boxes_[node].squared_distance(p) > best.squared; },
-        [&](Index place) { look_at(collider_.hierarchy_.order[place], p, normal, best); });
+        [&](Index place) {
+            const Index triangle = collider_.hierarchy_.order[place];
+            if (counts(triangle)) look_at(triangle, p, best);
+        });
+}
+
+BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const {
+    const auto counts = [&](Index triangle) {
+        return glm::dot(normals_.of_face[triangle], normal) >= kFacing;
+    };
+    Best best{reach * reach};
+    if (hint >= 0 && hint < collider_.triangle_count() && counts(hint)) look_at(hint, p, best);
+    search(p, counts, best);
     BodyContact contact;
     if (best.triangle == kNone) return contact;
-    const auto& t = collider_.triangles_[best.triangle];
-    const Vec3& w = best.weights;
     contact.triangle = best.triangle;
-    contact.point = w.x * positions_[t[0]] + w.y * positions_[t[1]] + w.z * positions_[t[2]];
-    contact.border = on_border(best.triangle, w);
-    const auto corner_normal = [&](int k) { return normals_.of_vertex[t[k]]; };
-    contact.normal =
-        contact.border
-            ? normal
-            : unit_or_zero(w.x * corner_normal(0) + w.y * corner_normal(1) + w.z * corner_normal(2));
+    contact.point = point_of(best);
+    contact.border = on_border(best.triangle, best.weights);
+    contact.normal = contact.border ? normal : normal_of(best);
     const Vec3 to = p - contact.point;
     const float length = std::sqrt(glm::dot(to, to));
     contact.distance = glm::dot(to, contact.normal);
@@ -126,6 +144,20 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
     const float cosine = (std::abs(contact.distance) + kOnBody) / (length + kOnBody);
     contact.weight = std::clamp((cosine - kBeside) / (kAbove - kBeside), 0.0f, 1.0f);
     return contact;
+}
+
+BodyAhead PosedCollider::ahead(const Vec3& p, const Vec3& normal, float reach, float behind) const {
+    Best best{reach * reach};
+    search(
+        p,
+        [&](Index triangle) {
+            const Vec3& corner = positions_[collider_.triangles_[triangle][0]];
+            const Vec3& facing = normals_.of_face[triangle];
+            return glm::dot(facing, normal) <= -kFacing && glm::dot(p - corner, facing) >= -behind;
+        },
+        best);
+    if (best.triangle == kNone || on_border(best.triangle, best.weights)) return {};
+    return {best.triangle, point_of(best), normal_of(best)};
 }
 
 }  // namespace rumple

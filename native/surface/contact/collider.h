@@ -46,6 +46,13 @@ struct BodyContact {
     bool border = false;    // the body ends there
 };
 
+// The nearest place of a body in front of cloth: an arm beside a flank, a thigh beside the other.
+struct BodyAhead {
+    Index triangle = kNone;  // kNone: none within reach
+    Vec3 point{0.0f};
+    Vec3 normal{0.0f};  // interpolated, unit
+};
+
 // A collider in the pose of one frame.
 class PosedCollider {
   public:
@@ -59,6 +66,10 @@ class PosedCollider {
     // ties.
     BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const;
 
+    // The nearest point of the body that faces the cloth, in front of it or at most so far behind. Where the
+    // body ends nothing is found. reach, behind: object units, >= 0. Cost: about 1 us.
+    BodyAhead ahead(const Vec3& p, const Vec3& normal, float reach, float behind) const;
+
   private:
     struct Best {
         float squared;
@@ -66,7 +77,11 @@ class PosedCollider {
         Vec3 weights{0.0f};
     };
 
-    void look_at(Index triangle, const Vec3& p, const Vec3& normal, Best& best) const;
+    void look_at(Index triangle, const Vec3& p, Best& best) const;
+    template <typename Counts>
+    void search(const Vec3& p, const Counts& counts, Best& best) const;
+    Vec3 point_of(const Best& best) const;
+    Vec3 normal_of(const Best& best) const;
     bool on_border(Index triangle, const Vec3& weights) const;
 
     const Collider& collider_;
