@@ -365,10 +365,8 @@ void bind_wrinkle_field(py::module_& module) {
         py::arg("next_positions") = py::none(), py::arg("next_time") = 0.0,
         "Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.\n"
         "state: of the frame before, or None for the canonical start. The rest is for a rest shape that "
-        "adapts:\n"
-        "time: seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to come, to "
-        "look\n"
-        "ahead when labels are cut.");
+        "adapts:\ntime: seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to "
+        "come, to look\nahead when labels are cut.");
     bind_label_clip<Model, Settings>(
         module, [](const Model& m) -> const ReferenceModel& { return m.triangles; },
         [](Settings& s) -> ReferenceSettings& { return s.rest; });
@@ -396,8 +394,7 @@ void bind_wrinkle_field(py::module_& module) {
         py::arg("model"), py::arg("settings"), py::arg("profile"), py::arg("paint"), py::arg("positions"),
         py::arg("state"), py::arg("gap") = py::none(),
         "The shown mesh for a frame and its state, and the waves for shaders. gap: (n,) float32, how far "
-        "the\n"
-        "waves of a fine mesh may go inwards, object units; None: as far as outwards.");
+        "the\nwaves of a fine mesh may go inwards, object units; None: as far as outwards.");
 }
 
 }  // namespace rumple::bindings

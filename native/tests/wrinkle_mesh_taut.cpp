@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What gives folds their direction and their place: cloth that is taut, and the pull back to the attachments.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/wrinkle_mesh_stack.h"
+
+namespace rumple::tests {
+namespace {
+
+using namespace wrinkle_mesh;
+
+// ---------------------------------------------------------------- taut cloth
+Settings wide(float taut_range) {
+    Settings settings;
+    settings.prestretch = 1.08f;
+    settings.slack = 1.02f;
+    settings.taut_range = taut_range;
+    settings.tangential_pull = 0.2f;
+    settings.start_iterations = 60;
+    settings.hem_rings = 0;
+    return settings;
+}
+
+// A base that is as long as its slack lets it be is taut both ways: layers that are cut wider have no folds.
+TEST(WrinkleMeshLayers, TautClothHasNoFolds) {
+    const Stack stack(grid(8, 6, 0.05f));
+    const auto highest = [&](float stretch, float taut_range) {
+        const Pose3 pose = stack.moved([=](const Vec3& p) { return p * stretch; });
+        const LayersState state = stack.solve({pose}, alike(stack.count(), wide(taut_range)));
+        float most = 0.0f;
+        for (const Vec3& p : state.solved) most = std::max(most, std::abs(p.z));
+        return most;
+    };
+    EXPECT_LT(highest(1.02f, 0.03f), 1e-5f);
+    EXPECT_LT(highest(1.05f, 0.03f), 1e-5f);
+    EXPECT_GT(highest(1.02f, 0.0f), 2e-3f);
+    EXPECT_GT(highest(0.99f, 0.03f), 2e-3f);
+}
+
+// Taut along y, slack along x: lines along y stay as straight as they were, lines across them fold.
+TEST(WrinkleMeshLayers, FoldsRunAlongThePull) {
+    const Stack stack(grid(8, 6, 0.05f), 1);
+    const Pose3 pose = stack.moved([](const Vec3& p) { return p * Vec3(0.98f, 1.02f, 1.0f); });
+    const auto slopes = [&](float taut_range) {
+        const LayersState state = stack.solve({pose}, alike(stack.count(), wide(taut_range)));
+        const Model& finest = *stack.layers->layers.back();
+        std::array<double, 2> sum{};  // of squares: along x, along y
+        for (size_t i = 0; i < finest.distance.size(); ++i) {
+            const Index a = finest.distance.a[i], b = finest.distance.b[i];
+            const Vec3 rest = finest.positions_rest[b] - finest.positions_rest[a];
+            const double climb = state.solved[b].z - state.solved[a].z;
+            if (std::abs(rest.y) < 1e-4f) sum[0] += climb * climb;
+            if (std::abs(rest.x) < 1e-4f) sum[1] += climb * climb;
+        }
+        return sum;
+    };
+    const auto everywhere = slopes(0.0f), along = slopes(0.03f);
+    EXPECT_GT(everywhere[1], 0.2 * everywhere[0]);
+    EXPECT_LT(along[1], 0.15 * along[0]);
+    EXPECT_GT(along[0], 0.8 * everywhere[0]);
+}
+
+// ---------------------------------------------------------------- the pull back
+// Compressed cloth solved from two starts that lie apart along the surface, within the radius.
+TEST(WrinkleMeshPull, FoldsFromTwoStartsComeNearer) {
+    const Cloth cloth(grid(10, 8, 0.04f));
+    const Pose3 pose = cloth.squeezed(0.85f);
+    const auto apart_after = [&](float tangential, float normal) {
+        Settings settings;
+        settings.tangential_pull = tangential;
+        settings.normal_pull = normal;
+        State a = cloth.solve(pose, settings), b = a;
+        for (size_t v = 0; v < b.offset.size(); ++v)
+            b.offset[v] += 0.4f * cloth.model->local_edge[v] * Vec3(0.5f, 0.8f, 0.0f);
+        for (int frame = 0; frame < 10; ++frame) {
+            for (State* state : {&a, &b}) {
+                const State awake = woken(*state);
+                *state = cloth.solve(pose, settings, &awake);
+            }
+        }
+        double sum = 0.0;
+        for (size_t v = 0; v < b.offset.size(); ++v) {
+            const double d = glm::distance(a.offset[v], b.offset[v]) / cloth.model->local_edge[v];
+            sum += d * d;
+        }
+        return std::sqrt(sum / double(b.offset.size()));
+    };
+    const double without = apart_after(0.0f, 0.0f);
+    EXPECT_LT(apart_after(0.1f, 0.0f), 0.7 * without);
+    EXPECT_LT(apart_after(0.1f, 0.1f), 0.5 * without);
+}
+
+// All vertices moved alike: no pair changes its length, so that the pull alone moves them.
+TEST(WrinkleMeshPull, TakesItsShareOfTheWayInEveryPass) {
+    const Cloth cloth(grid(4, 4, 0.1f), 0, AttachmentKind::kLinear);
+    Settings settings;
+    settings.hem_rings = 0;
+    settings.damping = 0.0f;
+    settings.iterations = 1;
+    settings.tangential_pull = 0.25f;
+    settings.normal_pull = 0.5f;
+    settings.offset_space = OffsetSpace::kWorld;
+    const Vec3 away(0.004f, 0.002f, 0.003f);
+    State state = cloth.solve(cloth.mesh.positions, settings);
+    for (Vec3& o : state.offset) o = away;
+    state = woken(state);
+    for (const Vec3& o : cloth.solve(cloth.mesh.positions, settings, &state).offset)
+        EXPECT_LT(glm::distance(o, away * Vec3(0.75f, 0.75f, 0.5f)), kRounding);
+}
+
+}  // namespace
+}  // namespace rumple::tests
