@@ -24,7 +24,7 @@ class House(unittest.TestCase):
                 for included in re.findall(r'#include "(\w+)/', file.read_text()):
                     self.assertIn(included, FLOORS[:height + 1], f"{file} includes {included}")
 
-    def test_sisters_never_include_one_another(self) -> None:
+    def test_systems_never_include_one_another(self) -> None:
         for file in sources("native/systems"):
             home = next((s for s in SISTERS if file.name.startswith(s)), None)
             self.assertIsNotNone(home, f"{file} belongs to no system")

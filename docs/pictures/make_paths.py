@@ -15,7 +15,7 @@ import bpy
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE)]
-from make_sisters import FIRST, FRAME, ROOT, compose, look, rumple  # noqa: E402
+from make_systems import FIRST, FRAME, ROOT, compose, look, rumple  # noqa: E402
 from rumple.blender import curves_tree, path_curves, versions  # noqa: E402
 from rumple.core.presets import PATHS_PRESETS  # noqa: E402
 

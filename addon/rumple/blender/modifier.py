@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modifier, "Wrinkle Mesh" and its sisters: adding, finding and removing it, and its carrier object."""
+"""The modifier, "Wrinkle Mesh" or another system: adding, finding and removing it, and its carrier object."""
 from __future__ import annotations
 
 from typing import Iterator

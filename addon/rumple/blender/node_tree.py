@@ -68,7 +68,7 @@ def is_ours(group: bpy.types.NodeTree | None) -> bool:
 
 def system(group: bpy.types.NodeTree) -> System:
     """The system that one of our node groups shows."""
-    return SYSTEMS[group.get(METHOD_KEY, "MESH")]  # files from before there were sisters have no key
+    return SYSTEMS[group.get(METHOD_KEY, "MESH")]  # files from before there was another system have no key
 
 
 def ensure(method: str) -> bpy.types.NodeTree:

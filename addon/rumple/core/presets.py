@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cloths to choose from, for every system that has some. The tooltips give the reasons.
 
-A preset sets what any of its sisters sets, so that one takes back what another did; all other settings are the
+A preset sets what any preset of its system sets, so that one takes back what another did; all other settings are the
 artist's. Never imports bpy.
 """
 from __future__ import annotations
@@ -16,7 +16,7 @@ class Preset:
 
     label: str
     tip: str
-    values: dict[str, Any] = field(default_factory=dict)  # of the settings; defaults where a sister says more
+    values: dict[str, Any] = field(default_factory=dict)  # of the settings; defaults where another preset says more
     fold_width: float = 1.0  # of its folds over cotton's: the length that the artist set is scaled by it
 
 

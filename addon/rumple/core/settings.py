@@ -2,7 +2,7 @@
 """Everything an artist can set: default, range, unit and tooltip, once.
 
 The Blender properties are made from these fields (blender/properties.py) and the native settings are
-filled from them (core/wrinkle_mesh.py and its sisters), so a setting is written in one place.
+filled from them (core/wrinkle_mesh.py and the other systems), so a setting is written in one place.
 """
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sister systems by the name of their method: the one list that Blender's side goes by."""
+"""The systems by the name of their method: the one list that Blender's side goes by."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field

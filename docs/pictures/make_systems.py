@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sisters side by side on a jump of ../shared/data: s2_sisters.jpg beside this file.
+"""The systems side by side on a jump of ../shared/data: s2_systems.jpg beside this file.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
-        --python docs/pictures/make_sisters.py
+        --python docs/pictures/make_systems.py
 """
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def main() -> None:
             look(tiles[-1][1])
         compose([tiles[i] for i in (0, 2, 1, 3)], 2, Path(folder) / "sheet.png")  # it fills columns
         from PIL import Image
-        Image.open(Path(folder) / "sheet.png").save(HERE / "s2_sisters.jpg", quality=88, optimize=True)
+        Image.open(Path(folder) / "sheet.png").save(HERE / "s2_systems.jpg", quality=88, optimize=True)
 
 
 if __name__ == "__main__":
