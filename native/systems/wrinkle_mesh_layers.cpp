@@ -75,42 +75,64 @@ class Chain {
     std::vector<Index> body_hint_;
 };
 
-// Whether the layer before found something at the triangle that a vertex lies on.
-bool is_faced(const Model& layer, size_t vertex, std::span<const OwnSide> below) {
-    for (const Index u : display_vertices(layer.base, layer.attachments.places[vertex].triangle))
-        if (below[u].towards != Vec3(0.0f)) return true;
-    return false;
+// Where the layer below looked for something in front of it, within a wider reach, and found nothing: there
+// the next layer need not look. Per vertex; empty before the first layer.
+class Clear {
+  public:
+    // Goes on to a layer: clear where all corners are of the triangle that a vertex lies on.
+    void refine(const Model& layer) {
+        const std::vector<std::uint8_t> below = std::move(clear_);
+        clear_.assign(layer.attached.size(), 0);
+        for (size_t v = 0; v < clear_.size() && !below.empty(); ++v) {
+            const auto [a, b, c] = display_vertices(layer.base, layer.attachments.places[v].triangle);
+            clear_[v] = below[a] && below[b] && below[c];
+        }
+    }
+    bool at(size_t vertex) const { return clear_[vertex] != 0; }
+    void mark(size_t vertex) { clear_[vertex] = 1; }
+
+  private:
+    std::vector<std::uint8_t> clear_;
+};
+
+// How far a layer looks for what bounds it, object units: a share of that is its radius. 0 where it cannot
+// go.
+std::vector<float> reaches(const Model& layer, const Settings& settings, const Paint& paint) {
+    std::vector<float> reach = attachment_radii(layer, settings, paint);
+    for (float& r : reach) r *= settings.apart > 0.0f ? 1.0f / settings.apart : 0.0f;
+    return reach;
 }
 
-// below: what the layer before found for its vertices, empty for the first one. Where that found nothing
-// within its wider reach, there is nothing to look for.
 void look_at_own(const OwnSurface& own, const Model& layer, const Settings& settings, const Paint& paint,
-                 std::span<const OwnSide> below, Pose& pose) {
+                 Clear& clear, Pose& pose) {
+    clear.refine(layer);
     if (settings.apart <= 0.0f && settings.slide <= 0.0f) return;
-    std::vector<float> reach = attachment_radii(layer, settings, paint);
-    // Farther away the share is more than the radius: the bound begins where it does nothing.
-    const float radii = settings.apart > 0.0f ? 1.0f / settings.apart : 0.0f;
-    for (float& r : reach) r *= radii;
-    for (size_t v = 0; v < reach.size() && !below.empty(); ++v) {
-        if (!is_faced(layer, v, below)) reach[v] = 0.0f;
+    std::vector<float> reach = reaches(layer, settings, paint);
+    for (size_t v = 0; v < reach.size(); ++v) {
+        if (clear.at(v)) reach[v] = 0.0f;
     }
     const PosedOwnSurface posed(own, pose.attachment);
     pose.own = posed.facing(reach);
     pose.heights = posed.heights();
+    for (size_t v = 0; v < reach.size(); ++v) {
+        if (reach[v] > 0.0f && pose.own[v].towards == Vec3(0.0f)) clear.mark(v);
+    }
 }
 
 // What of a body is ahead bounds a vertex as its own cloth does, but for the share: a body does not give way.
-// Looked for where look_at_own() looks, for both find what is in front of the layer below.
 void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings& settings, const Paint& paint,
-                float thickness, std::span<const OwnSide> below, Pose& pose) {
+                float thickness, Clear& clear, Pose& pose) {
+    clear.refine(layer);
     if (settings.apart <= 0.0f) return;
-    const std::vector<float> radii = attachment_radii(layer, settings, paint);
-    for (size_t v = 0; v < radii.size(); ++v) {
-        if (radii[v] <= 0.0f || !(below.empty() || is_faced(layer, v, below))) continue;
+    const std::vector<float> reach = reaches(layer, settings, paint);
+    for (size_t v = 0; v < reach.size(); ++v) {
+        if (reach[v] <= 0.0f || clear.at(v)) continue;
         const Vec3& a = pose.attachment[v];
-        const float reach = radii[v] / settings.apart + thickness;  // as far as the layers above get
-        const BodyAhead body = bodies.ahead(a, pose.normal[v], reach, thickness);
-        if (body.triangle == kNone) continue;
+        const BodyAhead body = bodies.ahead(a, pose.normal[v], reach[v] + thickness, thickness);
+        if (body.triangle == kNone) {
+            clear.mark(v);
+            continue;
+        }
         const float before = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
         if (before / settings.apart < pose.own[v].distance)
             pose.own[v] = {-body.normal, before / settings.apart, true};
@@ -176,19 +198,18 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     reports.assign(layers.layers.size(), {});
     LayersState out;
     Chain chain(input);
-    std::vector<OwnSide> below;
+    Clear own_cloth, body_ahead;
     std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
         check(layer, paint[k]);
         Pose pose = make_pose(layer, chain.input());
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
-        look_at_own(layers.own[k], layer, settings[k], paint[k], below, pose);
+        look_at_own(layers.own[k], layer, settings[k], paint[k], own_cloth, pose);
         if (input.bodies)
-            look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, below, pose);
+            look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, body_ahead, pose);
         out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,
                                         state ? &state->layers[k] : nullptr, reports[k]));
-        below = pose.own;
         chain.ride_on(pose, solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]));
     }
     out.solved = chain.take_positions();

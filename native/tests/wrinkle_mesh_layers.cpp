@@ -208,6 +208,7 @@ TEST(WrinkleMeshLayers, NoLayerIsBehindABodyInFront) {
     const std::vector<Index> hint(pose.size(), kNone);  // nothing is worn under it
     Settings settings;
     settings.apart = settings.slide = 0.45f;
+    std::vector<Settings> all = alike(3, settings);
     const auto highest = [&](const PosedCollider* known) {
         Input input{pose};
         input.gap = gap;
@@ -216,12 +217,15 @@ TEST(WrinkleMeshLayers, NoLayerIsBehindABodyInFront) {
             input.bodies = known;
             input.body_hint = hint;
         }
-        LayersState state = stack.solve(input, alike(3, settings));
-        state = stack.solve(input, alike(3, settings), &state);
+        LayersState state = stack.solve(input, all);
+        state = stack.solve(input, all, &state);
         float most = 0.0f;
         for (const Vec3& p : state.solved) most = std::max(most, p.z);
         return most;
     };
+    EXPECT_LT(highest(&bodies), 0.003f + 1e-4f);
+    EXPECT_GT(highest(nullptr), 0.006f);
+    all[0].radius = 0.0f;  // a layer that cannot move finds nothing: the next ones look all the same
     EXPECT_LT(highest(&bodies), 0.003f + 1e-4f);
     EXPECT_GT(highest(nullptr), 0.006f);
 }
