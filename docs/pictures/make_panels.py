@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the panel with everything open, panel_<version>.png, of the other systems' panels and of the viewport (3.4).
+"""Pictures of the panel with everything open, panel_<version>.png, of the other systems' and of the viewport (3.4).
 
     scripts/demo                                   # makes out/demo/wrinkled.blend
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
