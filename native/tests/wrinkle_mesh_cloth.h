@@ -18,6 +18,13 @@ using Pose3 = std::vector<Vec3>;
 // Metres: roundings of single precision on bodies of about a metre.
 inline constexpr float kRounding = 2e-6f;
 
+// Every position moved.
+template <typename Move>
+Pose3 each_moved(Pose3 pose, Move&& move) {
+    for (Vec3& p : pose) p = move(p);
+    return pose;
+}
+
 struct Cloth {
     MeshData mesh;
     std::shared_ptr<const wrinkle_mesh::Model> model;
@@ -47,9 +54,7 @@ struct Cloth {
 
     template <typename Move>
     Pose3 moved(Move&& move) const {
-        Pose3 pose = mesh.positions;
-        for (Vec3& p : pose) p = move(p);
-        return pose;
+        return each_moved(mesh.positions, move);
     }
     // The base squeezed along x and bent about z.
     Pose3 squeezed(float factor, float bend = 0.0f) const {

@@ -161,6 +161,21 @@ TEST(WrinkleMeshLayers, WithoutAGapNoLayerGoesBelowTheBase) {
               -1e-3f);
 }
 
+// Two frames of one pose over bodies, or none, a millimetre thick.
+Pose3 solved_over(const Stack& stack, const std::vector<Settings>& settings, const Pose3& pose,
+                  const std::vector<float>& gap, const PosedCollider* bodies,
+                  const std::vector<Index>& hint) {
+    Input input{pose};
+    input.gap = gap;
+    input.thickness = 0.001f;
+    if (bodies) {
+        input.bodies = bodies;
+        input.body_hint = hint;
+    }
+    const LayersState state = stack.solve(input, settings);
+    return stack.solve(input, settings, &state).solved;
+}
+
 // A tube over a tube: squeezed along, it may not fold into the body.
 TEST(WrinkleMeshLayers, NoLayerOnTheFirstIsInsideABody) {
     const Body body = body_of(tube(96, 60, 0.095f, 1.0f));
@@ -178,17 +193,8 @@ TEST(WrinkleMeshLayers, NoLayerOnTheFirstIsInsideABody) {
         ASSERT_NE(hint[v], kNone);
     }
     const auto deepest = [&](const PosedCollider* known) {
-        Input input{pose};
-        input.gap = gap;
-        input.thickness = 0.001f;
-        if (known) {
-            input.bodies = known;
-            input.body_hint = hint;
-        }
-        LayersState state = stack.solve(input, alike(3));
-        state = stack.solve(input, alike(3), &state);
         float most = -1.0f;
-        for (const Vec3& p : state.solved) {
+        for (const Vec3& p : solved_over(stack, alike(3), pose, gap, known, hint)) {
             const Vec3 out = glm::normalize(Vec3(0.0f, p.y, p.z));
             most = std::max(most, -bodies.closest(p, out, 0.1f, kNone).distance);
         }
@@ -210,17 +216,8 @@ TEST(WrinkleMeshLayers, NoLayerIsBehindABodyInFront) {
     settings.apart = settings.slide = 0.45f;
     std::vector<Settings> all = alike(3, settings);
     const auto highest = [&](const PosedCollider* known) {
-        Input input{pose};
-        input.gap = gap;
-        input.thickness = 0.001f;
-        if (known) {
-            input.bodies = known;
-            input.body_hint = hint;
-        }
-        LayersState state = stack.solve(input, all);
-        state = stack.solve(input, all, &state);
         float most = 0.0f;
-        for (const Vec3& p : state.solved) most = std::max(most, p.z);
+        for (const Vec3& p : solved_over(stack, all, pose, gap, known, hint)) most = std::max(most, p.z);
         return most;
     };
     EXPECT_LT(highest(&bodies), 0.003f + 1e-4f);

@@ -34,9 +34,7 @@ struct Stack {
     }
     template <typename Move>
     Pose3 moved(Move&& move) const {
-        Pose3 pose = mesh.positions;
-        for (Vec3& p : pose) p = move(p);
-        return pose;
+        return each_moved(mesh.positions, move);
     }
     Pose3 squeezed(float factor) const {
         return moved([=](const Vec3& p) { return p * Vec3(factor, 1.0f, 1.0f); });

@@ -26,7 +26,7 @@ bool holds(const Model& model, const Settings& settings, const Pose& pose, const
     const float still = kHeldStrain * settings.room;
     for (size_t v = 0; v < pose.clearance.size(); ++v) {
         if (std::abs(pose.clearance[v] - state.clearance[v]) > still) return false;
-        if (std::abs(pose.before[v] - state.before[v]) > still) return false;
+        if (std::abs(pose.ahead_height[v] - state.ahead_height[v]) > still) return false;
     }
     return true;
 }
@@ -89,7 +89,7 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     }
     out.state.length = held ? before->length : pose.length;
     out.state.clearance = held ? before->clearance : pose.clearance;
-    out.state.before = held ? before->before : pose.before;
+    out.state.ahead_height = held ? before->ahead_height : pose.ahead_height;
     out.state.moved = out.report.moved;
     // The state keeps the equilibrium: what went on from a projected one would leave its balance in every
     // frame.

@@ -83,17 +83,17 @@ struct Motion {
 // What lives from frame to frame.
 struct State {
     std::vector<Vec3> offset;  // per welded vertex, in the tangent frame of the animated vertex; not of Swing
-    std::vector<float> length;     // of every spring in the pose that was solved
-    std::vector<float> clearance;  // likewise
-    std::vector<float> before;     // likewise
-    float moved = 0.0f;            // farthest way of a vertex in the last step, object units
-    std::vector<Index> body_hint;  // speed only
+    std::vector<float> length;        // of every spring in the pose that was solved
+    std::vector<float> clearance;     // likewise
+    std::vector<float> ahead_height;  // likewise
+    float moved = 0.0f;               // farthest way of a vertex in the last step, object units
+    std::vector<Index> body_hint;     // speed only
     std::vector<Index> contact_hint;
     Motion motion;  // of Swing only
 
     size_t bytes() const {
         return (offset.size() + motion.values()) * sizeof(Vec3) +
-               (length.size() + clearance.size() + before.size()) * sizeof(float) +
+               (length.size() + clearance.size() + ahead_height.size()) * sizeof(float) +
                (body_hint.size() + contact_hint.size()) * sizeof(Index);
     }
 };

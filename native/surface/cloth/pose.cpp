@@ -85,15 +85,15 @@ Plane nearest_plane(const Model& model, const Pose& pose, const Vec3& p, Index& 
 // is never behind it, so that cloth that has to come out of both sides has a place.
 void look_ahead(const Settings& settings, const PosedCollider* bodies, Pose& pose) {
     pose.ahead.assign(pose.animated.size(), {Vec3(0.0f), Vec3(0.0f)});
-    pose.before = pose.room;
+    pose.ahead_height = pose.room;
     if (!bodies) return;
     const float thickness = settings.clearance.thickness;
     for (size_t v = 0; v < pose.ahead.size(); ++v) {
         const Vec3& a = pose.animated[v];
         const BodyAhead body = bodies->ahead(a, pose.normal[v], pose.room[v] + thickness, thickness);
         if (body.triangle == kNone) continue;
-        pose.before[v] = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
-        pose.ahead[v] = {a - pose.before[v] * body.normal, body.normal};
+        pose.ahead_height[v] = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
+        pose.ahead[v] = {a - pose.ahead_height[v] * body.normal, body.normal};
     }
 }
 
@@ -132,7 +132,7 @@ void describe(const Model& model, const Settings& settings, const Pose& pose, st
 
 bool matches(const Model& model, const State& state) {
     return state.length.size() == model.springs.size() && state.clearance.size() == model.area.size() &&
-           state.before.size() == model.area.size();
+           state.ahead_height.size() == model.area.size();
 }
 
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,

@@ -32,14 +32,14 @@ struct Pose {
         Vec3 centre;
         float radius;
     };
-    std::vector<Ball> ball;        // around every triangle of the inner surface
-    std::vector<float> clearance;  // Clearance::inwards: object units, negative inside a body
-    std::vector<Plane> ahead;      // of a body in front of it, which it stays before; normal zero: none
-    std::vector<float> before;     // how far the animated place is before that, object units; none: its room
-    float body_known = 0.0f;       // share of the vertices that have a body under them
-    std::vector<float> length;     // of every spring between the animated vertices, object units
-    std::vector<float> follow;     // 1/s^2
-    std::vector<float> room;       // Settings::room times paint, object units, >= 0
+    std::vector<Ball> ball;           // around every triangle of the inner surface
+    std::vector<float> clearance;     // Clearance::inwards: object units, negative inside a body
+    std::vector<Plane> ahead;         // of a body in front of it, which it stays before; normal zero: none
+    std::vector<float> ahead_height;  // of the animated place above that plane, object units; none: its room
+    float body_known = 0.0f;          // share of the vertices that have a body under them
+    std::vector<float> length;        // of every spring between the animated vertices, object units
+    std::vector<float> follow;        // 1/s^2
+    std::vector<float> room;          // Settings::room times paint, object units, >= 0
 
     // How far a vertex leaves its animated place at most: the way out of a body is always free.
     float farthest(size_t v) const { return std::max(room[v], -clearance[v]); }

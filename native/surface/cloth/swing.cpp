@@ -59,7 +59,7 @@ bool holds(const Model& model, const Settings& settings, const Swing& swing, con
     }
     for (size_t v = 0; v < pose.clearance.size(); ++v) {
         if (std::abs(pose.clearance[v] - state.clearance[v]) > still) return false;
-        if (std::abs(pose.before[v] - state.before[v]) > still) return false;
+        if (std::abs(pose.ahead_height[v] - state.ahead_height[v]) > still) return false;
         if (glm::distance(pose.animated[v], was.animated[v]) > still) return false;
     }
     return true;
@@ -235,7 +235,7 @@ Result swing(const Model& model, const Settings& settings, const Swing& swing, c
     look_for_contacts(model, pose, motion.position, out.state.contact_hint, planes);
     out.state.length = held ? before->length : pose.length;
     out.state.clearance = held ? before->clearance : pose.clearance;
-    out.state.before = held ? before->before : pose.before;
+    out.state.ahead_height = held ? before->ahead_height : pose.ahead_height;
     motion.animated_before = was.animated;
     motion.seconds = swing.seconds;
     motion.gravity = settings.gravity;

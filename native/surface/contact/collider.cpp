@@ -76,8 +76,13 @@ PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> pos
     : collider_(collider),
       positions_(checked(collider, positions)),
       normals_(positions_, collider.triangles_),
-      boxes_(volumes_of<Box>(collider.hierarchy_, [&](Box& box, Index place) {
-          for (const Index v : collider.triangles_[collider.hierarchy_.order[place]]) box.add(positions_[v]);
+      boxes_(volumes_of<Box>(collider.hierarchy_,
+                             [&](Box& box, Index place) {
+                                 for (const Index v : collider.triangles_[collider.hierarchy_.order[place]])
+                                     box.add(positions_[v]);
+                             })),
+      facings_(volumes_of<Box>(collider.hierarchy_, [&](Box& box, Index place) {
+          box.add(normals_.of_face[collider.hierarchy_.order[place]]);
       })) {}
 
 bool PosedCollider::on_border(Index triangle, const Vec3& weights) const {
@@ -112,12 +117,12 @@ void PosedCollider::look_at(Index triangle, const Vec3& p, Best& best) const {
     best = found;
 }
 
-// The nearest triangle that counts.
-template <typename Counts>
-void PosedCollider::search(const Vec3& p, const Counts& counts, Best& best) const {
+// The nearest triangle that counts. skip(node): whether none of its triangles does.
+template <typename Skip, typename Counts>
+void PosedCollider::search(const Vec3& p, const Skip& skip, const Counts& counts, Best& best) const {
     visit_nearest_first(
         collider_.hierarchy_, [&](Index node) { return boxes_[node].squared_distance(p); },
-        [&](Index node) { return boxes_[node].squared_distance(p) > best.squared; },
+        [&](Index node) { return boxes_[node].squared_distance(p) > best.squared || skip(node); },
         [&](Index place) {
             const Index triangle = collider_.hierarchy_.order[place];
             if (counts(triangle)) look_at(triangle, p, best);
@@ -130,7 +135,8 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
     };
     Best best{reach * reach};
     if (hint >= 0 && hint < collider_.triangle_count() && counts(hint)) look_at(hint, p, best);
-    search(p, counts, best);
+    search(
+        p, [](Index) { return false; }, counts, best);
     BodyContact contact;
     if (best.triangle == kNone) return contact;
     contact.triangle = best.triangle;
@@ -149,11 +155,11 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
 BodyAhead PosedCollider::ahead(const Vec3& p, const Vec3& normal, float reach, float behind) const {
     Best best{reach * reach};
     search(
-        p,
+        p, [&](Index node) { return facings_[node].least_along(normal) > kFacingNormals; },
         [&](Index triangle) {
             const Vec3& corner = positions_[collider_.triangles_[triangle][0]];
             const Vec3& facing = normals_.of_face[triangle];
-            return glm::dot(facing, normal) <= -kFacing && glm::dot(p - corner, facing) >= -behind;
+            return glm::dot(facing, normal) <= kFacingNormals && glm::dot(p - corner, facing) >= -behind;
         },
         best);
     if (best.triangle == kNone || on_border(best.triangle, best.weights)) return {};

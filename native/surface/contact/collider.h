@@ -78,8 +78,8 @@ class PosedCollider {
     };
 
     void look_at(Index triangle, const Vec3& p, Best& best) const;
-    template <typename Counts>
-    void search(const Vec3& p, const Counts& counts, Best& best) const;
+    template <typename Skip, typename Counts>
+    void search(const Vec3& p, const Skip& skip, const Counts& counts, Best& best) const;
     Vec3 point_of(const Best& best) const;
     Vec3 normal_of(const Best& best) const;
     bool on_border(Index triangle, const Vec3& weights) const;
@@ -87,7 +87,8 @@ class PosedCollider {
     const Collider& collider_;
     std::vector<Vec3> positions_;
     TriangleNormals normals_;
-    std::vector<Box> boxes_;  // per node
+    std::vector<Box> boxes_;    // per node: of its corners
+    std::vector<Box> facings_;  // per node: of its triangles' normals
 };
 
 }  // namespace rumple

@@ -26,6 +26,11 @@ struct Box {
         const Vec3 outside = glm::max(glm::max(low - p, p - high), Vec3(0.0f));
         return glm::dot(outside, outside);
     }
+    // Of all its points the least way along a direction.
+    float least_along(const Vec3& direction) const {
+        const Vec3 least = glm::min(direction * low, direction * high);
+        return least.x + least.y + least.z;
+    }
 };
 
 inline Vec3 unit_or_zero(const Vec3& v) {

@@ -44,10 +44,7 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
         way = to;
     };
     // No triangle of the node faces the vertex: so it is with all that lies flat around it.
-    const auto faces_away = [&](Index node) {
-        const Vec3 least = glm::min(normal * facings_[node].low, normal * facings_[node].high);
-        return least.x + least.y + least.z > kFacingNormals;
-    };
+    const auto faces_away = [&](Index node) { return facings_[node].least_along(normal) > kFacingNormals; };
     visit_nearest_first(
         surface_.hierarchy_, [&](Index node) { return boxes_[node].squared_distance(p); },
         [&](Index node) { return boxes_[node].squared_distance(p) > best || faces_away(node); }, look_at);
