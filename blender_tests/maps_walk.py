@@ -5,7 +5,7 @@ import face
 import numpy as np
 import sleeve
 from random_walk import RandomWalk
-from rumple.blender import maps_geometry, maps_rig, maps_tree, modifier, properties, structure, versions
+from rumple.blender import maps_geometry, maps_rig, maps_tree, modifier, properties, scheduler, versions
 from rumple.core.poses import PoseComparison, strengths
 
 ROUNDING = 2e-4  # of a mask, where the gain is 1: nodes count in single precision
@@ -24,7 +24,7 @@ class Walk(RandomWalk):
 
     # --- the law
     def check(self):
-        structure.settle_all()
+        scheduler.sync_all()
         self.do_pose()
         shown = [(obj, ours) for obj, ours in maps_tree.mapped_objects() if obj.name in bpy.context.view_layer.objects]
         owned = [ours.node_group for _, ours in shown]

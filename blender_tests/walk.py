@@ -6,7 +6,7 @@ import numpy as np
 import sleeve
 import wires
 from random_walk import MOST_OBJECTS, RandomWalk
-from rumple.blender import bodies, mesh_io, modifier, path_curves, properties, registry, structure
+from rumple.blender import bodies, mesh_io, modifier, path_curves, properties, registry, scheduler
 from rumple.core import engine
 
 PAINT = "Rumple Radius"
@@ -43,7 +43,7 @@ class Walk(RandomWalk):
     # --- the law
     def check(self):
         sleeve.at(self.random.randint(1, sleeve.LAST))
-        structure.settle_all()
+        scheduler.sync_all()
         sleeve.at(self.random.randint(1, sleeve.LAST))
         carriers = set()
         for obj, ours in list(modifier.wrinkled_objects()):

@@ -69,10 +69,10 @@ def add_wrinkles(garment: bpy.types.Object, method: str) -> bpy.types.Modifier:
 
 def play(garment: bpy.types.Object, frames: range) -> Report:
     """Every frame once, in order, measured."""
-    from rumple.blender import properties, registry, structure
+    from rumple.blender import properties, registry, units
     scene = bpy.context.scene
     fine = registry.runtime(garment).fine
-    scale = structure.metres_per_unit(garment, scene)
+    scale = units.metres_per_unit(garment, scene)
     report = Report(dict(object=garment.name, method=garment.rumple.method, blender=bpy.app.version_string,
                          base_vertices=len(garment.data.vertices), shown_vertices=fine.vertex_count,
                          units="metres, milliseconds, shares of 1"), scale)

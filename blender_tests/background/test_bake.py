@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import sleeve
 import stranger
-from rumple.blender import bake_state, handlers, modifier, registry, structure
+from rumple.blender import bake_state, handlers, modifier, registry, scheduler
 from rumple.core import engine
 
 ATTRIBUTES = tuple(attribute.name for attribute in engine.COMMON_ATTRIBUTES)
@@ -118,7 +118,7 @@ class Baked(unittest.TestCase):
         bpy.ops.object.rumple_bake()
         bpy.ops.object.duplicate()
         copy = bpy.context.object
-        structure.settle_all()
+        scheduler.sync_all()
         sleeve.at(17)
         np.testing.assert_array_equal(sleeve.shown(copy), sleeve.shown(self.obj))
         first = self.player()

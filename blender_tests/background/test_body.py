@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import shots
 import sleeve
-from rumple.blender import bake_state, bodies, modifier, registry, structure, versions
+from rumple.blender import bake_state, bodies, modifier, registry, scheduler, versions
 from rumple.core.body import Body
 from worn import outward, placed, posed, solved_body, Worn
 
@@ -120,7 +120,7 @@ class Places(Worn):
         sleeve.make_active(twin)
         bpy.ops.object.mode_set(mode="EDIT")
         registry.runtime(self.obj).stale = True
-        structure.settle_all()
+        scheduler.sync_all()
         self.assertEqual(self.obj.rumple.message, "")
         bpy.ops.object.mode_set(mode="OBJECT")
         sleeve.at(6)

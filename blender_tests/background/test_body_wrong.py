@@ -8,7 +8,7 @@ from unittest import mock
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import bodies, modifier, node_tree, registry, structure, versions
+from rumple.blender import bodies, modifier, node_tree, registry, scheduler, versions
 from worn import solved_body, Worn
 
 
@@ -106,7 +106,7 @@ class OlderTree(Worn):
         carrier = sleeve.carrier(self.obj)
         self.make_older(group)
         self.assertFalse(modifier.can_name_bodies(modifier.find(self.obj)))
-        structure.settle_all()
+        scheduler.sync_all()
         self.assertEqual(sleeve.carrier(self.obj), carrier)
         self.body.hide_viewport = True
         self.obj.rumple.body = self.body

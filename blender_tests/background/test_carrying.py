@@ -5,8 +5,7 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import carrier as carriers
-from rumple.blender import mesh_io, modifier, registry, structure, versions
+from rumple.blender import carrier as carriers, mesh_io, modifier, registry, structure, versions
 
 
 class Carrying(unittest.TestCase):

@@ -14,7 +14,7 @@ import shots
 import sleeve
 import solved_apart
 from cloths import Cloth, difference, dressed, final, forget, garment, pictures, played
-from rumple.blender import live, modifier, registry, structure
+from rumple.blender import live, modifier, registry, scheduler
 
 
 # ---------------------------------------------------------------- the first click
@@ -323,7 +323,7 @@ class Kept(Cloth):
         obj, _body = dressed()
         bpy.ops.object.duplicate()
         copy = bpy.context.object
-        structure.settle_all()
+        scheduler.sync_all()
         first = played(obj, 6)
         self.same(first, played(copy, 6))
         copy.rumple.mesh.gravity = 4.0
@@ -339,7 +339,7 @@ class Kept(Cloth):
                 wanted.objects = ["Sleeve"]
             obj, = wanted.objects
             bpy.context.scene.collection.objects.link(obj)
-            structure.settle_all()
+            scheduler.sync_all()
             self.same(right, played(obj, 5))
             self.assertEqual(obj.rumple.message, "")
         sleeve.empty_file()
@@ -352,7 +352,7 @@ class OneLayer(Cloth):
     def check(self, obj: bpy.types.Object, **values: Any) -> None:
         for name, value in values.items():
             setattr(obj.rumple.mesh, name, value)
-        structure.settle_all()
+        scheduler.sync_all()
         first = played(obj, 8)
         self.assertEqual(obj.rumple.message, "")
         report = sleeve.picture(obj).report

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import sleeve
 import waves_rendered
-from rumple.blender import field_curve, field_nodes, mesh_io, modifier, registry, structure, versions
+from rumple.blender import changes, field_curve, field_nodes, mesh_io, modifier, registry, scheduler, versions
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT
 
 
@@ -108,7 +108,7 @@ class Settings(unittest.TestCase):
         for scale in (1.0, 0.5):
             obj.scale = (scale,) * 3
             registry.runtime(obj).stale = True  # the scale is read when something is made anew
-            structure.settle_all()
+            scheduler.sync_all()
             sleeve.at(19)
             sleeve.at(20)
             k = registry.runtime(obj).picture.attributes[VECTORS[0]]
@@ -118,7 +118,7 @@ class Settings(unittest.TestCase):
     def test_the_profile_changes_the_group_of_the_materials(self) -> None:
         obj = waving()
         obj.rumple.field.profile = "ACCORDION"
-        structure.settle_all()
+        scheduler.sync_all()
         groups = {n.node_tree[field_nodes.PROFILE_KEY] for m in obj.data.materials for n in m.node_tree.nodes
                   if n.type == "GROUP"}
         self.assertEqual(groups, {"ACCORDION"})
@@ -134,19 +134,19 @@ class Settings(unittest.TestCase):
         for point in mapping.curves[0].points:
             point.location = (point.location[0], 0.25)
         mapping.update()
-        structure.note_drawn_profile(obj)
-        structure.settle_all()
+        changes.note_drawn_profile(obj)
+        scheduler.sync_all()
         np.testing.assert_allclose(field_curve.heights(obj), -0.5, atol=1e-4)
         keys = {group[field_nodes.PROFILE_KEY] for group in bpy.data.node_groups if field_nodes.is_ours(group)}
         self.assertEqual(keys, {field_curve.key(obj)})
         obj.rumple.field.output = "GEOMETRY"  # a flat profile: every point at half the amplitude below the surface
-        structure.settle_all()
+        scheduler.sync_all()
         sleeve.at(19)
         sleeve.at(20)
         offset = np.sqrt((sleeve.attribute(obj, "rumple_offset")**2).sum(1))
         np.testing.assert_allclose(offset, 0.5 * sleeve.attribute(obj, "rumple_amplitude")[:, 0], atol=1e-6)
         bpy.ops.object.duplicate()
-        structure.settle_all()
+        scheduler.sync_all()
         self.assertNotEqual(bpy.context.object.rumple.profile_curve, obj.rumple.profile_curve)
 
     def test_mask_by_vertex_group_and_by_attribute(self) -> None:
@@ -164,7 +164,7 @@ class Settings(unittest.TestCase):
         attribute = obj.data.attributes.new("Rumple Mask", "FLOAT", "POINT")
         attribute.data.foreach_set("value", np.full(len(obj.data.vertices), 0.25, np.float32))
         obj.data.update()
-        structure.settle_all()
+        scheduler.sync_all()
         sleeve.at(19)
         sleeve.at(20)
         np.testing.assert_allclose(sleeve.attribute(obj, "rumple_amplitude"), 0.25 * full, atol=1e-6)
@@ -175,7 +175,7 @@ class Settings(unittest.TestCase):
         painted[:, 0] = 0.6
         versions.write_attribute(obj.data, mesh_io.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
         obj.data.update()
-        structure.settle_all()
+        scheduler.sync_all()
         sleeve.at(2)
         sleeve.at(1)
         shrunk = 1.0 - 0.6**2
@@ -191,7 +191,7 @@ class Settings(unittest.TestCase):
         painted[7, 1] = 1.5
         versions.write_attribute(obj.data, mesh_io.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
         obj.data.update()
-        structure.settle_all()
+        scheduler.sync_all()
         sleeve.at(20)
         self.assertEqual(obj.rumple.message, "Sleeve: rest_wrinkle: vertex 7 has length 1.500000, expected below 1")
         np.testing.assert_array_equal(sleeve.attribute(obj, "rumple_amplitude"), before)
@@ -234,7 +234,7 @@ class Materials(unittest.TestCase):
         obj = waving()
         with sleeve.context():
             bpy.ops.object.duplicate()
-            structure.settle_all()
+            scheduler.sync_all()
             bpy.ops.object.rumple_remove()
         self.assertTrue(any(n.type == "GROUP" for m in obj.data.materials for n in m.node_tree.nodes))
 

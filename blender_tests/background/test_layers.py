@@ -9,7 +9,7 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import bake_state, node_tree, panels, registry, structure
+from rumple.blender import bake_state, node_tree, panels, registry, scheduler
 
 FRAMES = (2, 6, 7, 15, 20)
 
@@ -21,7 +21,7 @@ class Follower:
     def setUp(self):
         self.sleeve = sleeve.scene()
         self.cuff = sleeve.cuff(self.sleeve, self.follow, "Cuff")
-        structure.settle_all()
+        scheduler.sync_all()
 
     def pose(self):
         """The coarse cuff as the second pass has it."""
@@ -73,7 +73,7 @@ class Follower:
         seen = self.settled(7)
         self.sleeve = sleeve.scene()
         self.cuff = sleeve.cuff(self.sleeve, self.follow, "Zzz")
-        structure.settle_all()
+        scheduler.sync_all()
         self.settled(6)
         np.testing.assert_array_equal(self.settled(7), seen)
 

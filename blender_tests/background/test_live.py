@@ -9,8 +9,8 @@ import bmesh
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import carrier as carriers
-from rumple.blender import handlers, live, maps_live, modifier, node_tree, registry, structure
+from rumple.blender import (carrier as carriers, changes, handlers, live, maps_live, modifier, node_tree, registry,
+                            scheduler)
 
 
 class Frames(unittest.TestCase):
@@ -71,7 +71,8 @@ class Frames(unittest.TestCase):
         freed memory, and crashed at the next file."""
         sleeve.scene()
         calls = mock.Mock()
-        with mock.patch.multiple(live, note_updates=calls.note, process=calls.work), \
+        with mock.patch.object(changes, "note_updates", calls.note), \
+                mock.patch.object(live, "process", calls.work), \
                 mock.patch.multiple(maps_live, note_updates=calls.note, process=calls.work):
             for handler in (handlers._on_frame, handlers._on_update):
                 calls.reset_mock()
@@ -130,11 +131,11 @@ class Settings(unittest.TestCase):
         settings = obj.rumple.mesh
         settings.density, settings.wavelength = "WAVELENGTH", 0.03
         chosen = settings.wavelength
-        structure.settle_all()
+        scheduler.sync_all()
         level = registry.runtime(obj).fine.level
         for preset, width in (("DENIM", 2.0), ("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("COTTON", 1.0)):
             bpy.ops.object.rumple_preset(preset=preset)
-            structure.settle_all()
+            scheduler.sync_all()
             self.assertEqual(settings.wavelength, width * chosen)
             self.assertEqual(registry.runtime(obj).fine.level, level - (width == 2.0), preset)
 
@@ -194,7 +195,7 @@ class Copies(unittest.TestCase):
         bpy.ops.object.delete()
         sleeve.at(20)
         self.assertEqual(obj.rumple.message, "")
-        structure.settle_all()
+        scheduler.sync_all()
         self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve", "Sleeve.wrinkles"])
 
     def test_renaming(self):

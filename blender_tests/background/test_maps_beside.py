@@ -11,7 +11,7 @@ import face
 import numpy as np
 import sleeve
 import stranger
-from rumple.blender import handlers, maps_carriers, maps_live, maps_tree, modifier, structure, versions
+from rumple.blender import handlers, maps_carriers, maps_live, maps_tree, modifier, scheduler, versions
 from test_maps_render import Renders
 
 ROUNDING = 1e-4  # of a mask
@@ -80,7 +80,7 @@ class Beside(unittest.TestCase):
         self.check(6)
         before = len(sleeve.shown(self.obj))
         self.obj.rumple.mesh.level = 2
-        structure.settle_all()
+        scheduler.sync_all()
         self.check(7)
         self.assertGreater(len(sleeve.shown(self.obj)), 2 * before)
 
@@ -93,7 +93,7 @@ class Beside(unittest.TestCase):
         bpy.context.scene.collection.objects.link(own)
         self.obj.rumple.mesh.source, self.obj.rumple.own_mesh = "OBJECT", own
         add_wrinkles(self.obj, "MESH")
-        structure.settle_all()
+        scheduler.sync_all()
         self.check(6)
         self.assertEqual(len(sleeve.shown(self.obj)), len(self.obj.data.vertices))
         modifier.find(self.obj).show_viewport = False

@@ -9,7 +9,7 @@ import bpy
 import face
 import numpy as np
 import sleeve
-from rumple.blender import maps_carriers, maps_live, maps_nodes, maps_tree, structure
+from rumple.blender import maps_carriers, maps_live, maps_nodes, maps_tree, scheduler
 
 
 class Wrong(unittest.TestCase):
@@ -147,5 +147,5 @@ class Files(unittest.TestCase):
 
     def test_deleted_by_blenders_own_button_the_carrier_goes(self):
         self.obj.modifiers.remove(maps_tree.find(self.obj))
-        structure.settle_all()
+        scheduler.sync_all()
         self.assertFalse([o for o in bpy.data.objects if maps_carriers.KEY in o])

@@ -6,7 +6,7 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import modifier, node_tree, versions
+from rumple.blender import handlers, modifier, node_tree, scheduler, versions
 
 
 class Stack(unittest.TestCase):
@@ -75,8 +75,7 @@ class Stack(unittest.TestCase):
         sleeve.at(15)
         bpy.ops.object.modifier_apply(modifier="Wrinkle Mesh")
         bpy.context.view_layer.update()
-        from rumple.blender import structure
-        structure.settle_all()
+        scheduler.sync_all()
         self.assertEqual(obj.rumple.method, "NONE")
         self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve"])
         left = [a.name for a in obj.data.attributes if a.name.startswith("rumple_base")]
@@ -130,7 +129,6 @@ class Embedding(unittest.TestCase):
         self.assertLess(np.abs(shown - sleeve.shown(obj)).max(), 0.02)
 
     def without_handlers(self):
-        from rumple.blender import handlers
         handlers.unregister()
         return handlers.register
 

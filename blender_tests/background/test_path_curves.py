@@ -14,7 +14,7 @@ import shots
 import sleeve
 import stranger
 import wires
-from rumple.blender import bake_files, curves_tree, handlers, modifier, path_curves, registry, structure, versions
+from rumple.blender import bake_files, curves_tree, handlers, modifier, path_curves, registry, scheduler, versions
 from rumple.core import curve_rows
 
 
@@ -126,11 +126,11 @@ class Rows(unittest.TestCase):
         obj, child = curved()
         sleeve.at(1)
         path_curves._make_room(child.data, 16)
-        with mock.patch.object(structure, "allowed_now", return_value=False):  # as while it renders
+        with mock.patch.object(scheduler, "allowed_now", return_value=False):  # as while it renders
             sleeve.play()
             self.assertRegex(obj.rumple.message, "Sleeve.curves has no room for [0-9]+ of [0-9]+ paths")
             self.assertEqual(path_curves.room(child.data), 16, "topology changed while it renders")
-        structure.settle_all()
+        scheduler.sync_all()
         sleeve.at(20)
         self.assertGreater(wires.same(self, obj, child), 3)
         self.assertEqual(obj.rumple.message, "")
@@ -144,7 +144,7 @@ class Lives(unittest.TestCase):
             obj, _ = curved()
             sleeve.at(5)
             remove()
-            structure.settle_all()
+            scheduler.sync_all()
             self.assertEqual([o for o in sleeve.names(bpy.data.objects) if o != "Sleeve"], ["Arm"])
             self.assertFalse(any(curves_tree.is_ours(group) for group in bpy.data.node_groups))
             self.assertLessEqual(sleeve.names(bpy.data.meshes), ["Sleeve"])
@@ -153,7 +153,7 @@ class Lives(unittest.TestCase):
         _, child = curved()
         ours = path_curves.find(child)
         versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")["Garment"], None)
-        structure.settle_all()
+        scheduler.sync_all()
         self.assertIn(child.name, bpy.data.objects)
 
     def test_copies_of_both_have_curves_of_their_own(self) -> None:
@@ -161,7 +161,7 @@ class Lives(unittest.TestCase):
             obj, child = curved()
             child.select_set(True)
             bpy.ops.object.duplicate(linked=linked)
-            structure.settle_all()
+            scheduler.sync_all()
             copy = next(o for o, _ in modifier.wrinkled_objects() if o != obj)
             self.assertNotEqual(wires.child_of(copy).data, child.data)
             copy.rumple.paths.seed = 7
@@ -172,7 +172,7 @@ class Lives(unittest.TestCase):
     def test_a_copy_of_the_garment_alone_has_none(self) -> None:
         obj, child = curved()
         bpy.ops.object.duplicate()
-        structure.settle_all()
+        scheduler.sync_all()
         self.assertEqual(path_curves.of(obj), [child])
         self.assertEqual(len(list(path_curves.all_curves())), 1)
 

@@ -7,7 +7,7 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import modifier, properties, registry, structure
+from rumple.blender import modifier, properties, registry, scheduler
 
 
 def folding(**settings: object) -> bpy.types.Object:
@@ -63,7 +63,7 @@ class Paths(unittest.TestCase):
             bpy.ops.object.mode_set(mode="OBJECT")
         obj.vertex_groups["Rumple Mask"].add(range(len(obj.data.vertices)), 0.0, "REPLACE")
         obj.update_tag()
-        structure.settle_all()
+        scheduler.sync_all()
         sleeve.play()
         self.assertEqual(np.abs(sleeve.attribute(obj, "rumple_height")).max(), 0.0)
 
@@ -73,7 +73,7 @@ class Paths(unittest.TestCase):
         seen = {}
         for preset in ("SILK", "WOOL", "LEATHER", "COTTON"):
             bpy.ops.object.rumple_preset(preset=preset)
-            structure.settle_all()
+            scheduler.sync_all()
             sleeve.play()
             self.assertEqual(obj.rumple.message, "", preset)
             seen[preset] = registry.runtime(obj).picture.report.paths

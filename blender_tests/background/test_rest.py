@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import bake, bake_state, modifier, properties, registry, structure
+from rumple.blender import bake, bake_state, evaluator, modifier, properties, registry, scheduler
 
 METHODS = ("MESH", "FIELD")
 
@@ -26,7 +26,7 @@ def adapting(method: str, start: int = 1, **settings: object) -> bpy.types.Objec
         bpy.ops.object.rumple_add(method=method)
     for name, value in {"rest_shape": "ADAPTIVE", **settings}.items():
         setattr(properties.group_of(obj), name, value)
-    structure.settle_all()
+    scheduler.sync_all()
     return obj
 
 
@@ -70,7 +70,7 @@ class Adaptive(unittest.TestCase):
                 sleeve.play()
                 given_in = mean_fold(obj)
                 properties.group_of(obj).rest_shape = "REST_POSE"
-                structure.settle_all()
+                scheduler.sync_all()
                 sleeve.play()
                 self.assertLess(given_in, 0.9 * mean_fold(obj))
 
@@ -81,7 +81,7 @@ class Adaptive(unittest.TestCase):
                 sleeve.at(20)
                 alone = sleeve.shown(obj)
                 properties.group_of(obj).rest_shape = "REST_POSE"
-                structure.settle_all()
+                scheduler.sync_all()
                 sleeve.at(20)
                 np.testing.assert_array_equal(sleeve.shown(obj), alone)
 
@@ -98,7 +98,7 @@ class Adaptive(unittest.TestCase):
                 sleeve.at(13, 0.5)
                 np.testing.assert_allclose(sleeve.shown(obj), live, atol=1e-6)
                 obj.rumple.mesh.relaxation = obj.rumple.field.relaxation = 0.5
-                structure.settle_all()
+                scheduler.sync_all()
                 self.assertIn("changed since the bake", obj.rumple.message)
 
     def test_an_opened_file_plays_to_the_same_folds(self) -> None:
@@ -152,7 +152,7 @@ class WholeClip(unittest.TestCase):
     def by_hand(self, obj: bpy.types.Object) -> dict[int, np.ndarray]:
         """All frames with the labels of the whole clip, by the engine alone."""
         scene, entry = bpy.context.scene, registry.runtime(obj)
-        now = structure.sources(obj)
+        now = evaluator.sources(obj)
         fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale)
         poses = {}
         for frame in range(1, sleeve.LAST + 1):
@@ -219,7 +219,7 @@ class WholeClip(unittest.TestCase):
         other = self.made("MESH")
         cuff = sleeve.cuff(other, "SHRINKWRAP", "Cuff")
         cuff.rumple.mesh.rest_shape, cuff.rumple.bake_end = "ADAPTIVE", sleeve.LAST
-        structure.settle_all()
+        scheduler.sync_all()
         running = bake._Bake(bpy.context, cuff)
         while running.step():
             pass
@@ -250,7 +250,7 @@ class WholeClip(unittest.TestCase):
         bpy.ops.object.rumple_bake()
         self.assertEqual(obj.rumple.message, "")
         obj.rumple.bake_whole_clip = False
-        structure.settle_all()
+        scheduler.sync_all()
         self.assertIn("changed since the bake", obj.rumple.message)
 
     def test_a_clip_of_one_frame(self) -> None:

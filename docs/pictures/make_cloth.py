@@ -23,7 +23,7 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
 from contact_sheet import compose, studio  # noqa: E402
-from rumple.blender import bodies, modifier, properties, structure  # noqa: E402
+from rumple.blender import bodies, modifier, properties, scheduler  # noqa: E402
 
 LEAD_IN = 15  # frames that are played before the first one that is shown
 SAMPLES = 32
@@ -66,7 +66,7 @@ def open_scene(scene: Scene, settings: dict[str, object] | None, preset: str = "
         values = properties.group_of(obj)
         print("CLOTH", scene.file, name, values.base_cloth, values.layers, f"{values.wavelength:.3f}",
               [body.name for body in bodies.of(obj)], obj.rumple.message)
-    structure.settle_all()
+    scheduler.sync_all()
     set_up_render(scene.key)
 
 

@@ -20,7 +20,7 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
 from contact_sheet import compose  # noqa: E402
-from rumple.blender import properties, structure  # noqa: E402
+from rumple.blender import properties, scheduler  # noqa: E402
 
 BEGIN, SHOWN = 9, (57, 105)  # the arms half down; landed from the jump, and standing again
 GARMENTS = ("trousers", "sweater")
@@ -40,7 +40,7 @@ def prepare(method: str, values: dict[str, str]) -> None:
             obj.rumple.field.output = "GEOMETRY"
         for setting, value in values.items():
             setattr(properties.group_of(obj), setting, value)
-    structure.settle_all()
+    scheduler.sync_all()
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = 48, False
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 420, 560, 100

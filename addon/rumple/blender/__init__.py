@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from . import (bake, brush, handlers, maps_bake, maps_export, maps_operators, maps_overlay, maps_panel,
                maps_pose_operators, maps_properties, operators, panels, paths_operators, paths_overlay, preview,
-               properties, structure)
+               properties, scheduler)
 
 _MODULES = (properties, maps_properties, operators, paths_operators, maps_operators, maps_pose_operators, maps_export,
             maps_bake, bake, panels, maps_panel, maps_overlay, handlers, preview, paths_overlay,
@@ -15,7 +15,7 @@ def register() -> None:
     """Called by the add-on's __init__.py."""
     for module in _MODULES:
         module.register()
-    structure.request()  # files that are open already; not now: Blender hides its data while an add-on registers
+    scheduler.request()  # files that are open already; not now: Blender hides its data while an add-on registers
 
 
 def unregister() -> None:

@@ -13,7 +13,8 @@ import bpy
 import numpy as np
 
 from ..core import engine
-from . import bake_files, bake_state, modifier, operators, path_curves, preview, registry, structure, versions
+from . import (bake_files, bake_state, carrier as carriers, messages, modifier, path_curves, preview, registry,
+               scheduler, structure, ui_base, versions)
 
 FOLDER = "//rumple"
 SUFFIX = ".clip"
@@ -44,7 +45,7 @@ class Playback:
         if self.was_baked:
             modifier.set_baked(ours, False)
             registry.runtime(obj).stale = True
-        structure.settle_all()
+        scheduler.sync_all()
 
     def samples_in_order(self) -> Iterator[tuple[bool, engine.Picture | None, np.ndarray | None]]:
         """(wanted, picture, coarse positions) of every sample. Not wanted: those of the run-up, and without a picture
@@ -148,7 +149,7 @@ def make_player(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types.Objec
     versions.set_positions(mesh, points)
     mesh.update()
     player = bpy.data.objects.new(mesh.name, mesh)
-    player[structure.CARRIER_KEY] = True
+    player[carriers.KEY] = True
     return player
 
 
@@ -166,8 +167,8 @@ def free(obj: bpy.types.Object, delete_file: bool) -> None:
     entry = registry.runtime(obj)
     entry.stale = True
     entry.forget_written()
-    registry.say(entry, "")
-    structure.settle_all()
+    messages.say(entry, "")
+    scheduler.sync_all()
 
 
 class _Bake:
@@ -209,7 +210,7 @@ class _Bake:
         attach(self.obj, self.writer.manifest, self.writer.clip)
         self.note = self.playback.note()
         self.playback.end_playback(restore_bake=False)
-        structure.settle_all()
+        scheduler.sync_all()
         return self.writer.clip
 
     def cancel(self) -> None:
@@ -218,7 +219,7 @@ class _Bake:
 
 
 # ---------------------------------------------------------------- operators
-class OBJECT_OT_rumple_bake(operators.OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     """Play the clip through and store it in a file beside the blend file. Renders then need neither solve nor add-on"""
 
     bl_idname = "object.rumple_bake"
@@ -299,7 +300,7 @@ class OBJECT_OT_rumple_bake(operators.OnWrinkled, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_rumple_bake_free(operators.OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_bake_free(ui_base.OnWrinkled, bpy.types.Operator):
     """Stop showing the baked clip: the wrinkles are live again. The file stays unless told otherwise"""
 
     bl_idname = "object.rumple_bake_free"
@@ -322,7 +323,7 @@ class OBJECT_OT_rumple_bake_free(operators.OnWrinkled, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_rumple_bake_shape_keys(operators.OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_bake_shape_keys(ui_base.OnWrinkled, bpy.types.Operator):
     """Make a new mesh object with a shape key for every frame, for exporters and other programs"""
 
     bl_idname = "object.rumple_bake_shape_keys"

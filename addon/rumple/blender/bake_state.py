@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_files, bodies, mesh_io, modifier, properties, structure
+from . import bake_files, bodies, evaluator, mesh_io, modifier, properties, units
 from .registry import Runtime
 
 
@@ -28,7 +28,7 @@ def sees_ahead(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame."""
-    digest = hashlib.sha1(structure.sources(obj).shape.encode())
+    digest = hashlib.sha1(evaluator.sources(obj).shape.encode())
     settings = properties.settings_of(obj, scene)
     digest.update(repr((settings, scene.frame_start)).encode())
     if sees_ahead(obj, scene):
@@ -64,7 +64,7 @@ def check(obj: bpy.types.Object, carrier: bpy.types.Object) -> str:
         return f"{obj.name}: the manifest beside {clip.name} is missing: nobody knows what it was baked from"
     if not bake_files.is_whole(clip, about) or about.vertices != len(carrier.data.vertices):
         return f"{obj.name}: the baked clip {clip.name} does not fit the fine mesh: bake again"
-    if about.inputs != inputs_fingerprint(obj, structure.scene_of(obj)):
+    if about.inputs != inputs_fingerprint(obj, units.scene_of(obj)):
         return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
     return ""
 
@@ -89,7 +89,7 @@ def late_in_renders(obj: bpy.types.Object) -> str:
     """What an unbaked object that follows another wrinkled one has to know; empty for others.
 
     Blender calls handlers once a frame: both are solved there, when the follower's coarse mesh does not have the
-    other's new folds yet. In the window another update follows (structure.tag_dependents), in a bake another pass.
+    other's new folds yet. In the window another update follows (_tag_dependents), in a bake another pass.
     """
     other = modifier.leans_on_wrinkled(obj)
     if other is None:

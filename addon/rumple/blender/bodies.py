@@ -16,8 +16,6 @@ from ..core import engine
 from ..core.body import Body
 from . import curves_tree, mesh_io, modifier, registry, versions
 
-_BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the object will be
-
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
 
@@ -128,7 +126,7 @@ def connect_all() -> None:
 # ---------------------------------------------------------------- a frame
 def are_busy(obj: bpy.types.Object) -> bool:
     """While a body is edited its garments stay as they are."""
-    return any(body.mode in _BUSY_MODES or body.data.is_editmode for body in of(obj))
+    return any(body.mode in mesh_io.BUSY_MODES or body.data.is_editmode for body in of(obj))
 
 
 def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:

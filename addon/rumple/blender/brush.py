@@ -15,7 +15,7 @@ from bpy.app.handlers import persistent
 
 from ..core.brush import DEFAULT_LENGTH, LONGEST
 from ..core.engine import Refused
-from . import brush_canvas, brush_overlay, modifier, structure, versions
+from . import brush_canvas, brush_overlay, messages, modifier, scheduler, versions
 from .brush_stroke import Stroke
 
 TOOL = "rumple.rest_wrinkles"
@@ -95,8 +95,8 @@ class _OnField:
     @staticmethod
     def settle() -> None:
         """What is due to be rebuilt is rebuilt first: the brush wants the mesh of now."""
-        if not structure.rendering():
-            structure.settle_all()
+        if not scheduler.rendering():
+            scheduler.sync_all()
 
 
 class OBJECT_OT_rumple_brush(_OnField, bpy.types.Operator):
@@ -170,7 +170,7 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return self._take_back()
         except Exception as error:  # a message, never a traceback; the mesh may be gone
-            self.report({"ERROR"}, structure.unexpected(context.object, error))
+            self.report({"ERROR"}, messages.unexpected(context.object, error))
             return {"CANCELLED"}
 
 

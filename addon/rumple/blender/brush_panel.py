@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from . import brush, brush_overlay, mesh_io
-from .panel_parts import Panel
+from .ui_base import Panel
 
 
 class DATA_PT_rumple_rest_wrinkles(Panel, bpy.types.Panel):

@@ -16,6 +16,7 @@ import numpy as np
 from ..core import engine
 from . import mesh_io, node_tree, versions
 
+KEY = "rumple_carrier"  # custom property on carriers and players: tells leftovers from the artist's objects
 CARRIED_KEY = "rumple_carried"  # custom property on the carrier's mesh: fingerprints of what it inherited, JSON
 SUFFIX = ".wrinkles"
 

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ..core import wrinkle_mesh, wrinkle_paths
-from . import mesh_io, properties, registry, structure
+from . import mesh_io, properties, registry, units
 
 # Their result is cloth already: its small compressions are the simulation's own.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
@@ -42,7 +42,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
     base = mesh_io.base_mesh(obj, "REST_POSE", "")
     if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
         return {}
-    metres = structure.metres_per_unit(obj, scene)
+    metres = units.metres_per_unit(obj, scene)
     values = wrinkle_mesh.cloth_defaults(base, metres, np.array(obj.matrix_world.to_3x3(), np.float32))
     if method == "MESH":
         return values
@@ -78,7 +78,7 @@ def fill_follow(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> None:
     fine = registry.runtime(obj).fine
     if fine is None:
         return
-    settings = properties.settings_of(obj, structure.scene_of(obj))
+    settings = properties.settings_of(obj, units.scene_of(obj))
     weights = np.round(fine.suggested_follow(settings) * STEPS) / STEPS
     for weight in np.unique(weights):
         group.add(np.flatnonzero(weights == weight).tolist(), float(weight), "REPLACE")

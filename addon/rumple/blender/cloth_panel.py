@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from . import mesh_io, properties
-from .panel_parts import Panel, property_column
+from .ui_base import Panel, property_column
 
 
 class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):

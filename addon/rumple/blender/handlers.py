@@ -7,7 +7,7 @@ import threading
 import bpy
 from bpy.app.handlers import persistent
 
-from . import bake_state, bodies, live, maps_live, maps_tree, modifier, registry, structure
+from . import bake_state, bodies, changes, live, maps_live, maps_tree, modifier, registry, scheduler, structure
 
 
 @persistent
@@ -23,7 +23,7 @@ def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     # All updates are read before anything is made anew: the depsgraph goes on listing the copy of a mesh that was
     # removed since, and what it is the copy of is freed memory then.
-    live.note_updates(depsgraph)
+    changes.note_updates(depsgraph)
     maps_live.note_updates(depsgraph)
     live.process(scene, depsgraph)
     maps_live.process(depsgraph)
@@ -32,11 +32,11 @@ def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 @persistent
 def _on_load(*_arguments: object) -> None:
     """Another file: nothing of the former one counts. Structural work is allowed here."""
-    structure.set_rendering(False)
+    scheduler.set_rendering(False)
     registry.forget_all()
     maps_live.forget_all()
     bodies.forget_all()
-    structure.settle_all()
+    scheduler.sync_all()
 
 
 @persistent
@@ -48,7 +48,7 @@ def _on_save(*_arguments: object) -> None:
 def _on_undo(*_arguments: object) -> None:
     registry.doubt_all()
     maps_live.doubt_all()
-    structure.request()
+    scheduler.request()
 
 
 @persistent
@@ -56,16 +56,16 @@ def _on_render_start(*_arguments: object) -> None:
     # A script may have changed things since the last update, and the timer had no turn. Not in the thread of an F12
     # job: the window draws meanwhile, and data-blocks must not come and go under it.
     if threading.get_ident() == threading.main_thread().ident:
-        structure.settle_all()
+        scheduler.sync_all()
     bake_state.check_before_render()
-    structure.set_rendering(True)
+    scheduler.set_rendering(True)
 
 
 @persistent
 def _on_render_end(*_arguments: object) -> None:
     """The carriers hold the last rendered frame: the window needs its own again."""
-    with registry.LOCK:
-        structure.set_rendering(False)
+    with scheduler.LOCK:
+        scheduler.set_rendering(False)
         for obj, _ours in modifier.wrinkled_objects():
             registry.runtime(obj).forget_written()
         maps_live.forget_written()
@@ -87,6 +87,7 @@ def _pairs() -> tuple:
 
 
 def register() -> None:
+    scheduler.set_workers(structure.sync_all, maps_live.sync)  # in this order: Maps look at the wrinkles before them
     for functions, function in _pairs():
         if function not in functions:
             functions.append(function)
@@ -98,7 +99,7 @@ def unregister() -> None:
             functions.remove(function)
     if bpy.app.timers.is_registered(_tag_all):
         bpy.app.timers.unregister(_tag_all)
-    structure.stop()
+    scheduler.stop()
     maps_live.forget_all()
     bodies.forget_all()
     registry.forget_all()

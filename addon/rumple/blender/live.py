@@ -13,84 +13,23 @@ import numpy as np
 
 from .. import native
 from ..core import engine
-from . import bake_state, bodies, carrier as carriers, mesh_io, modifier, path_curves, preview, properties, registry, \
-    structure, versions, wind
-from .registry import LOCK, Inputs, Runtime
+from . import (bake_state, bodies, carrier as carriers, evaluator, mesh_io, messages, modifier, path_curves, preview,
+               properties, registry, scheduler, units, versions, wind)
+from .registry import Inputs, Runtime
+from .scheduler import LOCK
 
-_BUSY_MODES = frozenset(("EDIT", "SCULPT"))
-
-
-def settings_changed(obj: bpy.types.Object, affects: str, name: str = "") -> None:
-    """Called by every property. Only says what is due: the work is done by the timer and by the next update.
-
-    affects: see core.settings.setting(). name: of a field of the settings.
-    """
-    if obj.rumple.method == "NONE" or modifier.find(obj) is None:
-        return
-    entry = registry.runtime(obj)
-    if entry.fine is not None:
-        entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
-    if affects == "PAINT":
-        entry.paint = None
-    if affects == "BODY":
-        bodies.connect_all()  # of all: what was refused for this object's sake may be right now
-    structural = affects == "MESH" or name in properties.settings_of(obj, structure.scene_of(obj)).structural()
-    if structural or modifier.is_baked(modifier.find(obj)):
-        entry.stale = True
-        structure.request(structure.SETTLE_SECONDS)
-    obj.update_tag()
-
-
-# ---------------------------------------------------------------- what an update touched
-def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
-    """Mark what must be read again: painted groups, edited meshes, own meshes, materials."""
-    if structure.rendering():
-        return
-    touched = _touched_ids(depsgraph)
-    if not touched:
-        return
-    with LOCK:
-        for obj, _ours in modifier.wrinkled_objects():
-            entry = registry.known(obj)
-            if entry is None:
-                continue
-            own = obj.rumple.own_mesh
-            edited = versions.session_key(obj.data) in touched
-            if edited or (own is not None and own.data is not None and versions.session_key(own.data) in touched):
-                entry.stale = True
-                entry.paint = None
-                structure.request(structure.SETTLE_SECONDS)
-            elif entry.paint and versions.session_key(obj) in touched and not _is_playing():
-                entry.paint = None  # vertex_group.add() from scripts tags the object only, as every animated frame does
-
-
-def _is_playing() -> bool:
-    return any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
-
-
-def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
-    """Session keys of the original objects and meshes whose geometry changed."""
-    keys = set()
-    for update in depsgraph.updates:
-        if isinstance(update.id, (bpy.types.Mesh, bpy.types.Object, bpy.types.Key)) and update.is_updated_geometry:
-            original = update.id.original
-            keys.add(versions.session_key(original.user if isinstance(original, bpy.types.Key) else original))
-    return keys
-
-
-# ---------------------------------------------------------------- the frame
 def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Solve what this depsgraph shows. Never raises."""
-    if structure.rendering() and depsgraph.mode == "VIEWPORT":
+    if scheduler.rendering() and depsgraph.mode == "VIEWPORT":
         return  # unguarded: a wrong frame in 3.4, a crash in 4.3
-    if structure.is_half_done():
+    if scheduler.is_suspended():
         return
     with LOCK:
         objects = bodies.in_order(list(modifier.wrinkled_objects()))
         late = _not_connected(objects)
         for obj, _ours in objects:
             _note_groups(obj)
-        if structure.allowed_now() and any(_needs_structure(obj, ours) for obj, ours in objects):
+        if scheduler.allowed_now() and any(_needs_structure(obj, ours) for obj, ours in objects):
             _rebuild_here(objects, depsgraph)
         carriers_seen: set[int] = set()
         written = [obj for obj, ours in objects
@@ -98,7 +37,17 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         for obj, _ours in objects:
             registry.runtime(obj).pose = None  # it belongs to this call only
         if written and len(objects) > 1:
-            structure.tag_dependents(written, [obj for obj, _ in objects])
+            _tag_dependents(written, [obj for obj, _ in objects])
+
+
+def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Object]) -> None:
+    """Wrinkled objects that lean on a written one saw its last picture: let them be evaluated once more.
+
+    In background and in renders nothing can be tagged in time: they are one solve late there (bake_state.py says so).
+    """
+    if bpy.app.background or scheduler.rendering():
+        return
+    scheduler.tag_soon({obj.name for obj in wrinkled if obj.library is None and modifier.leans_on(obj, written)})
 
 
 def _not_connected(objects: list) -> set[bpy.types.Object]:
@@ -106,7 +55,7 @@ def _not_connected(objects: list) -> set[bpy.types.Object]:
     late = {obj for obj, ours in objects if not bodies.is_connected(obj, ours)}
     for obj in late:
         registry.runtime(obj).stale = True
-        structure.request()
+        scheduler.request()
     return late
 
 
@@ -115,7 +64,7 @@ def _note_groups(obj: bpy.types.Object) -> None:
     entry = registry.known(obj)
     if entry is not None and entry.groups is not None and entry.groups != [group.name for group in obj.vertex_groups]:
         entry.groups, entry.paint, entry.stale = None, None, True
-        structure.request(structure.SETTLE_SECONDS)
+        scheduler.request(scheduler.DELAY)
 
 
 def _needs_structure(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
@@ -126,7 +75,7 @@ def _needs_structure(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bo
 def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
     """Background mode: rebuild between the passes, with the pose that the old mesh still carries."""
     poses = {obj.name_full: _posed(obj, depsgraph) for obj, _ in objects}
-    structure.settle_all()
+    scheduler.sync_all()
     for obj, _ours in objects:
         registry.runtime(obj).pose = poses[obj.name_full]
 
@@ -134,7 +83,7 @@ def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
 def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
     """Coarse positions of this frame, from the tree or, where it passed the coarse mesh through, from that."""
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or obj.mode in _BUSY_MODES:
+    if not evaluated.is_evaluated or obj.mode in mesh_io.BUSY_MODES:
         return None
     count = len(obj.data.vertices)
     found = mesh_io.posed_positions(evaluated, count)
@@ -148,53 +97,53 @@ def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene
     try:
         held = modifier.carrier(ours)
         if held is None or held.type != "MESH":
-            structure.request()
+            scheduler.request()
             return False
         key = versions.session_key(held)
         if key in carriers_seen or held.library is not None or held.data.library is not None:
-            structure.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
+            scheduler.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
             return False
         carriers_seen.add(key)
         return _process(obj, ours, held, entry, scene, depsgraph)
     except (engine.Refused, native.NativeMissing) as error:
-        registry.say(entry, str(error))
+        messages.say(entry, str(error))
     except mesh_io.Reordered as error:
-        registry.say(entry, f"{obj.name}: {error}")
+        messages.say(entry, f"{obj.name}: {error}")
     except Exception as error:  # handlers must not throw: the last good picture stays, the panel says why
-        registry.say(entry, structure.unexpected(obj, error))
+        messages.say(entry, messages.unexpected(obj, error))
     return False
 
 
 def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.types.Object, entry: Runtime,
              scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or obj.mode in _BUSY_MODES:
+    if not evaluated.is_evaluated or obj.mode in mesh_io.BUSY_MODES:
         return False
     if modifier.is_baked(ours):
-        registry.say(entry, bake_state.compare_pose(obj, entry, evaluated, float(scene.frame_current_final)))
+        messages.say(entry, bake_state.compare_pose(obj, entry, evaluated, float(scene.frame_current_final)))
         return False
     if entry.fine is None:
-        structure.ensure_fine(obj, entry)
+        evaluator.ensure(obj, entry)
     if not _fits(held, entry):
         entry.stale = True
-        structure.request()
+        scheduler.request()
         return False
     inputs = _inputs(obj, ours, entry, evaluated, scene, depsgraph)
     if inputs is None:
         return False
     if entry.looking:
         entry.looked = inputs
-        registry.say(entry, "")
+        messages.say(entry, "")
         return False
     if inputs.same_as(entry.inputs) and entry.carrier_key == versions.session_key(held.data):
-        registry.say(entry, "")  # what was wrong in between is as it was before
-        registry.note_unplayed(entry, entry.unplayed, depsgraph.mode == "RENDER")
+        messages.say(entry, "")  # what was wrong in between is as it was before
+        messages.note_unplayed(entry, entry.unplayed, depsgraph.mode == "RENDER")
         return False
     picture = _solve(entry, inputs, scene, inputs.stands_in)
     entry.inputs = inputs
-    registry.say(entry, "")
+    messages.say(entry, "")
     unplayed = entry.fine.unplayed_message(inputs.frame, scene.frame_start) if picture.unplayed else ""
-    registry.note_unplayed(entry, unplayed, depsgraph.mode == "RENDER")
+    messages.note_unplayed(entry, unplayed, depsgraph.mode == "RENDER")
     if entry.fine.HAS_CURVES:
         path_curves.write(obj, entry)
     return _show(held, entry, picture, depsgraph.mode == "VIEWPORT")
@@ -215,11 +164,11 @@ def show_fine_meshes() -> None:
             if held is None or entry is None or entry.inputs is None or not entry.inputs.stands_in:
                 continue
             try:
-                _show(held, entry, _solve(entry, entry.inputs, structure.scene_of(obj), sketched=False), True)
+                _show(held, entry, _solve(entry, entry.inputs, units.scene_of(obj), sketched=False), True)
             except Exception as error:  # the file is saved all the same
-                print(f"Rumple: {structure.unexpected(obj, error)}")
+                print(f"Rumple: {messages.unexpected(obj, error)}")
             entry.forget_written()
-            structure.tag_soon({obj.name})
+            scheduler.tag_soon({obj.name})
 
 
 def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, evaluated: bpy.types.Object,
@@ -259,7 +208,7 @@ def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runti
         return positions
     if len(obj.data.vertices) != count or modifier.coarse_vertices(ours) != count:
         entry.stale = True
-        structure.request()  # the topology was edited
+        scheduler.request()  # the topology was edited
         return None
     changer = modifier.topology_changer_before(obj)
     if changer is not None:

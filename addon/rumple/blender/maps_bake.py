@@ -16,8 +16,8 @@ import bpy
 import numpy as np
 
 from ..core.engine import Refused
-from . import (maps_export, maps_live, maps_nodes, maps_operators, maps_rig, maps_tree, modifier, operators, properties,
-               registry, structure, versions)
+from . import (maps_export, maps_live, maps_nodes, maps_operators, maps_rig, maps_tree, modifier, properties, registry,
+               scheduler, structure, units, versions)
 
 SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single picture may take its time
@@ -86,7 +86,7 @@ class MapBake:
             yield low, high, float(np.percentile(np.sqrt((offsets * offsets).sum(1)), HIGH_FOLDS))
         finally:
             if modifier.find(wrinkled) is not None:
-                operators.remove_all(wrinkled)
+                structure.remove_all(wrinkled)
             for copy in (coarse, wrinkled, low, high):
                 if copy is not None:
                     _delete(copy)
@@ -118,7 +118,7 @@ class MapBake:
             settings.output = "GEOMETRY"
         elif method == "MESH":
             settings.start_iterations = max(SETTLE_ITERATIONS, settings.start_iterations)
-        structure.settle_all()
+        scheduler.sync_all()
         for _ in range(2):  # the solve, then its picture
             copy.update_tag()
             self.context.view_layer.update()
@@ -141,7 +141,7 @@ class MapBake:
         material = _show_only(low, image)
         if settings.uv_map in low.data.uv_layers:
             low.data.uv_layers[settings.uv_map].active_render = True
-        scale = structure.metres_per_unit(self.obj, self.context.scene)
+        scale = units.metres_per_unit(self.obj, self.context.scene)
         cage = settings.bake_cage or max(CAGE_OFFSETS * height * scale, 1e-6)
         scene = bpy.data.scenes.new("Rumple Bake")
         try:

@@ -10,15 +10,14 @@ import hashlib
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from .. import native
 from ..core.engine import Refused
 from ..core.poses import PoseComparison, PoseRig, SkinWeights, strengths
-from . import maps_carriers, maps_nodes, maps_rig, maps_tree, modifier, registry, structure, versions
+from . import maps_carriers, maps_nodes, maps_rig, maps_tree, mesh_io, messages, modifier, registry, scheduler, versions
 from .maps_geometry import Shape
-from .registry import LOCK
-
-_BUSY_MODES = frozenset(("EDIT", "SCULPT"))
+from .scheduler import LOCK
 
 
 @dataclass
@@ -88,7 +87,7 @@ def rig_changed(obj: bpy.types.Object) -> None:
     """Poses, bones or weights are others: compare anew when the hand rests."""
     if maps_tree.find(obj) is not None:
         runtime(obj).stale = True
-        structure.request(structure.SETTLE_SECONDS)
+        scheduler.request(scheduler.DELAY)
         obj.update_tag()
 
 
@@ -102,7 +101,7 @@ def maps_changed(obj: bpy.types.Object) -> None:
 
 def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
     """Edited meshes, painted weights and edited armatures are read again."""
-    if structure.rendering() or not _runtimes:
+    if scheduler.rendering() or not _runtimes:
         return
     touched = {versions.session_key(update.id.original) for update in depsgraph.updates
                if isinstance(update.id, (bpy.types.Mesh, bpy.types.Armature)) and update.is_updated_geometry}
@@ -113,11 +112,11 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             armature = obj.find_armature()
             if {versions.session_key(data) for data in (obj.data, armature and armature.data) if data} & touched:
                 runtime(obj).stale = True
-                structure.request(structure.SETTLE_SECONDS)
+                scheduler.request(scheduler.DELAY)
 
 
 # ---------------------------------------------------------------- structural work
-def settle() -> None:
+def sync() -> None:
     """Bring every object in order: trees, shared skins and groups, comparisons, leftovers."""
     objects = list(maps_tree.mapped_objects())
     present = {versions.session_key(obj) for obj, _ in objects}
@@ -151,14 +150,14 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
     entry.stale = False
     try:
         _prepare(obj, ours, entry)
-        registry.refuse(entry, "")
+        messages.refuse(entry, "")
     except Refused as error:
-        registry.refuse(entry, str(error))
+        messages.refuse(entry, str(error))
         maps_tree.connect(obj, ours, None, None, _wrinkles_in_front(obj, ours))  # no masks rather than wrong ones
     except native.NativeMissing as error:  # the nodes go on without
-        registry.refuse(entry, str(error))
+        messages.refuse(entry, str(error))
     except Exception as error:  # a message on the panel, never a traceback
-        registry.refuse(entry, structure.unexpected(obj, error))
+        messages.refuse(entry, messages.unexpected(obj, error))
 
 
 def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> None:
@@ -256,18 +255,18 @@ def _tidy(held: set[bpy.types.Object | None]) -> None:
 # ---------------------------------------------------------------- the frame
 def process(depsgraph: bpy.types.Depsgraph) -> None:
     """Gain and strengths of what this depsgraph shows. Never raises."""
-    if structure.rendering() and depsgraph.mode == "VIEWPORT":
+    if scheduler.rendering() and depsgraph.mode == "VIEWPORT":
         return
-    if structure.is_half_done():
+    if scheduler.is_suspended():
         return
     with LOCK:
         objects = list(maps_tree.mapped_objects())
         for obj, ours in objects:
             if versions.is_editable(obj) and not runtime(obj).stale and _is_behind_others(obj, ours):
                 runtime(obj).stale = True
-                structure.request()
-        if structure.allowed_now() and any(runtime(obj).stale and versions.is_editable(obj) for obj, _ in objects):
-            settle()
+                scheduler.request()
+        if scheduler.allowed_now() and any(runtime(obj).stale and versions.is_editable(obj) for obj, _ in objects):
+            sync()
         for obj, ours in objects:
             _process_guarded(obj, ours, depsgraph)
 
@@ -276,20 +275,20 @@ def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, depsg
     entry = runtime(obj)
     try:
         _process(obj, ours, entry, depsgraph)
-        registry.say(entry, "")
+        messages.say(entry, "")
     except (Refused, native.NativeMissing) as error:
-        registry.say(entry, str(error))
+        messages.say(entry, str(error))
     except Exception as error:  # handlers must not throw: the last good masks stay, the panel says why
-        registry.say(entry, structure.unexpected(obj, error))
+        messages.say(entry, messages.unexpected(obj, error))
 
 
 def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, depsgraph: bpy.types.Depsgraph
              ) -> None:
-    if entry.comparison is None or entry.refusal or obj.mode in _BUSY_MODES:
+    if entry.comparison is None or entry.refusal or obj.mode in mesh_io.BUSY_MODES:
         return
     if len(obj.data.vertices) != entry.comparison.model.vertex_count:
         entry.stale = True
-        structure.request()  # the topology was edited
+        scheduler.request()  # the topology was edited
         return
     skin = maps_tree.skin(ours)
     if maps_carriers.made_from(skin, entry.shape):

@@ -13,7 +13,7 @@ import bpy
 
 from .. import native
 from ..core.engine import Refused
-from . import maps_live, maps_nodes, maps_rig, maps_tree, structure, versions
+from . import maps_live, maps_nodes, maps_rig, maps_tree, scheduler, versions
 
 
 def target(context: bpy.types.Context) -> bpy.types.Object | None:
@@ -76,7 +76,7 @@ def add_maps(obj: bpy.types.Object) -> None:
     """Put the modifier on and show the group in the object's materials. Raises Refused and changes nothing."""
     maps_rig.armature_of(obj)
     native.load()
-    with structure.half_done():
+    with scheduler.suspended():
         ours = maps_tree.add(obj)
     maps_live.prepare(obj, ours)
 

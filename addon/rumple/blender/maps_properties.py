@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..core.poses import GAINS, MOST_POSES
+from . import maps_live
 from .properties import METHODS
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
@@ -21,7 +22,6 @@ _MAPS = (
 
 def _rig_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Poses, bones, weights of the comparison."""
-    from . import maps_live
     maps_live.rig_changed(group.id_data)
 
 
@@ -32,7 +32,6 @@ def _frame_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) 
 
 def _maps_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """The images or how they are blended."""
-    from . import maps_live
     maps_live.maps_changed(group.id_data)
 
 
@@ -57,12 +56,10 @@ def unused_name(wanted: str, taken: list[str]) -> str:
 
 
 def _presence(pose: bpy.types.PropertyGroup) -> float:
-    from . import maps_live
     return maps_live.presence(pose.id_data, pose.name)
 
 
 def _message(settings: bpy.types.PropertyGroup) -> str:
-    from . import maps_live
     return maps_live.message(settings.id_data)
 
 

@@ -30,6 +30,9 @@ LEAST_WAVELENGTH = 0.1  # of the factor that a vertex group paints: its zero mea
 ATTACHED_GROUP = "Rumple Attached"  # on an own mesh: points below one half stay unattached
 
 
+BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the object will be
+
+
 def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.BaseMesh:
     """The coarse mesh of an object at rest. Raises engine.Refused with a sentence for the panel."""
     mesh = obj.data

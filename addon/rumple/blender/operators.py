@@ -11,44 +11,13 @@ import bpy
 from .. import native
 from ..core.presets import touched
 from ..core.systems import SYSTEMS
-from . import bodies, body_search, cloth_defaults, field_nodes, mesh_io, modifier, node_tree, path_curves, preview, \
-    properties, registry, structure, versions
+from . import (bodies, body_search, cloth_defaults, field_nodes, mesh_io, modifier, node_tree, preview, properties,
+               registry, scheduler, structure, ui_base, units, versions)
 
 # No method of its own: it may stand beside the wrinkles that its maps are baked from.
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
-
-
-def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
-    """Why an operator cannot run on an object; empty when it can. wrinkled: it must have wrinkles already."""
-    if obj is None or obj.type != "MESH":
-        return "Choose a mesh object first"
-    if not versions.is_editable(obj):
-        return "This object is linked from another file: make a library override or append it"
-    if obj.mode == "EDIT":
-        return "Leave Edit Mode first"
-    if path_curves.find(obj) is not None:
-        return "This object shows the paths of a garment: choose that one"
-    found = modifier.find(obj) is not None
-    if wrinkled and not found:
-        return "This object has no wrinkles: add them first"
-    if not wrinkled and found:
-        return "This object has wrinkles already"
-    return ""
-
-
-class OnWrinkled:
-    """Operators for an object that has wrinkles."""
-
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        why = refusal(context.object, wrinkled=True)
-        if why:
-            cls.poll_message_set(why)
-        return not why
 
 
 class OBJECT_OT_rumple_add(bpy.types.Operator):
@@ -65,7 +34,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        why = refusal(context.object, wrinkled=False)
+        why = ui_base.refusal(context.object, wrinkled=False)
         if why:
             cls.poll_message_set(why)
         return not why
@@ -84,7 +53,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         cloth_defaults.apply(obj, context.scene, lengths)
         if cloth_defaults.is_cloth(obj):
             self._find_body(context, obj)
-        with structure.half_done():
+        with scheduler.suspended():
             ours = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
         context.scene.render.use_lock_interface = True
@@ -94,7 +63,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         bodies.connect_all()
         if modifier.carrier(ours) is None:
             self.report({"ERROR"}, registry.message(obj) or f"{obj.name}: nothing to wrinkle")
-            remove_all(obj)
+            structure.remove_all(obj)
             return {"CANCELLED"}
         self._report(obj, ours)
         return {"FINISHED"}
@@ -110,7 +79,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         system = SYSTEMS[self.method].wrinkles
         if system.FITTING in lengths and len(obj.data.polygons):
             base = mesh_io.base_mesh(obj, "REST_POSE", "")
-            values[system.FITTING] = system.fitting_length(base, structure.metres_per_unit(obj, context.scene))
+            values[system.FITTING] = system.fitting_length(base, units.metres_per_unit(obj, context.scene))
         properties.apply_values(obj, context.scene, values)
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
         return lengths
@@ -139,7 +108,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                               + (f", body: {worn_over}" if worn_over else ""))
 
 
-class _OnWaves(OnWrinkled):
+class _OnWaves(ui_base.OnWrinkled):
     """Operators for the materials of an object with a Wrinkle Field."""
 
     @classmethod
@@ -161,7 +130,7 @@ class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         count = field_nodes.shade_object(context.object)
         registry.runtime(context.object).stale = True  # a new slot is carried
-        structure.settle_all()
+        scheduler.sync_all()
         if count == 0:
             self.report({"ERROR"}, f"{context.object.name}: its materials are linked from another file")
             return {"CANCELLED"}
@@ -180,29 +149,18 @@ class OBJECT_OT_rumple_unshade(_OnWaves, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_rumple_remove(OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_remove(ui_base.OnWrinkled, bpy.types.Operator):
     """Take the wrinkles away and everything that was made for them"""
 
     bl_idname = "object.rumple_remove"
     bl_label = "Remove Wrinkles"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        remove_all(context.object)
+        structure.remove_all(context.object)
         return {"FINISHED"}
 
 
-def remove_all(obj: bpy.types.Object) -> None:
-    """Modifier, carrier, node group (when the last), attributes and stored frames; the settings stay."""
-    with registry.LOCK:
-        for child in path_curves.of(obj):
-            path_curves.remove(child)
-        modifier.remove(obj)
-        structure.drop_traces(obj)
-        structure.drop_orphan_carriers()
-        registry.forget(obj)
-
-
-class OBJECT_OT_rumple_apply(OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
     """Make the mesh what is seen now, up to the wrinkles. Modifiers in front and shape keys are applied too"""
 
     bl_idname = "object.rumple_apply"
@@ -226,7 +184,7 @@ class OBJECT_OT_rumple_apply(OnWrinkled, bpy.types.Operator):
             obj.shape_key_clear()
         name = former.name
         obj.data = mesh
-        remove_all(obj)
+        structure.remove_all(obj)
         if former.users == 0:
             bpy.data.meshes.remove(former)
         mesh.name = name
@@ -258,7 +216,7 @@ def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | No
 _PRESET_ITEMS = {method: properties.preset_items(system) for method, system in SYSTEMS.items()}  # Blender keeps no copy
 
 
-class OBJECT_OT_rumple_preset(OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
     """Set the cloth: where folds form, how wide, high and lively they are. Rest shape and paint stay"""
 
     bl_idname = "object.rumple_preset"
@@ -287,7 +245,7 @@ class OBJECT_OT_rumple_preset(OnWrinkled, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_rumple_capture_rest(OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
     """Take the shape of the mesh at the rest frame as the unwrinkled cloth"""
 
     bl_idname = "object.rumple_capture_rest"
@@ -308,7 +266,7 @@ class OBJECT_OT_rumple_capture_rest(OnWrinkled, bpy.types.Operator):
             versions.write_attribute(obj.data, node_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
             properties.group_of(obj).rest_shape = "FRAME"
             registry.runtime(obj).stale = True
-            structure.settle_all()
+            scheduler.sync_all()
         scene.frame_set(now[0], subframe=now[1])
         if positions is None:
             self.report({"ERROR"}, registry.message(obj) or _NOT_SHOWN)
@@ -316,7 +274,7 @@ class OBJECT_OT_rumple_capture_rest(OnWrinkled, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_rumple_paint(OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
     """Paint where this setting acts, from nothing (0) to all of it (1), in Weight Paint mode"""
 
     bl_idname = "object.rumple_paint"
@@ -340,13 +298,13 @@ class OBJECT_OT_rumple_paint(OnWrinkled, bpy.types.Operator):
         obj.vertex_groups.active_index = obj.vertex_groups[name].index
         entry = registry.runtime(obj)
         entry.paint, entry.stale = None, True
-        structure.request()
+        scheduler.request()
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         return {"FINISHED"}
 
 
-class OBJECT_OT_rumple_clear_frames(OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
     """Forget the stored frames: they are solved anew"""
 
     bl_idname = "object.rumple_clear_frames"
@@ -354,7 +312,7 @@ class OBJECT_OT_rumple_clear_frames(OnWrinkled, bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        with registry.LOCK:
+        with scheduler.LOCK:
             entry = registry.runtime(context.object)
             if entry.fine is not None:
                 entry.fine.history.clear()

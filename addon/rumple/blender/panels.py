@@ -5,11 +5,10 @@ from __future__ import annotations
 import bpy
 
 from ..core.systems import SYSTEMS
-from . import (bake_state, brush_panel, cloth_panel, field_curve, maps_tree, modifier, operators, paths_panel,
-               properties, registry, rest_panel, structure, versions)
-from .panel_parts import Panel, named_paint, property_column
+from . import (bake_state, brush_panel, changes, cloth_panel, field_curve, maps_tree, modifier, paths_panel, properties,
+               registry, rest_panel, ui_base, versions)
+from .ui_base import Panel, draw_message, named_paint, property_column, wrapped
 
-LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
 
 
@@ -42,28 +41,6 @@ class DATA_PT_rumple(bpy.types.Panel):
         row.operator("object.rumple_apply", text="Apply")
         row.operator("object.rumple_remove", text="", icon="X")
         _add_maps_button(layout)
-
-
-def draw_message(layout: bpy.types.UILayout, text: str) -> None:
-    """What is wrong, broken into lines that fit a narrow panel."""
-    if not text:
-        return
-    box = layout.box()
-    box.alert = True
-    for number, line in enumerate(wrapped(text)):
-        box.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
-
-
-def wrapped(text: str) -> list[str]:
-    """Lines that fit the region that is drawn: Blender's labels do not wrap."""
-    region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
-    width = max(24, int(region.width / (LETTER_PIXELS * scale))) if region is not None else 60
-    lines = [""]
-    for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
-            lines.append("")
-        lines[-1] = f"{lines[-1]} {word}".strip()
-    return lines
 
 
 class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
@@ -109,7 +86,7 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
         curve = field_curve.node(obj) if settings.profile == "CURVE" else None
         if curve is not None:
             self.layout.template_curve_mapping(curve, "mapping")
-            structure.note_drawn_profile(obj)
+            changes.note_drawn_profile(obj)
         column.separator()
         for name, group in (("mask", "mask"), ("wavelength_scale", "wavelength")):
             named_paint(column, obj, name, group)
@@ -239,7 +216,7 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
 
 
 def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
-    if not operators.refusal(context.object, wrinkled=False):
+    if not ui_base.refusal(context.object, wrinkled=False):
         self.layout.separator()
         _add_buttons(self.layout)
 

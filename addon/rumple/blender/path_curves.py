@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ..core.curve_rows import ROWS, room_for, rows_of
-from . import bake_files, curves_tree, modifier, properties, registry, structure, versions
+from . import bake_files, curves_tree, messages, modifier, properties, registry, scheduler, units, versions
 from .registry import Runtime
 
 SUFFIX = ".curves"
@@ -103,7 +103,7 @@ def _room_wanted(garment: bpy.types.Object) -> int:
     entry = registry.known(garment)
     if entry is None or entry.fine is None:
         return room_for(0)
-    settings = properties.settings_of(garment, structure.scene_of(garment))
+    settings = properties.settings_of(garment, units.scene_of(garment))
     return room_for(max(entry.fine.curve_points(settings), 1.5 * entry.curve_points))
 
 
@@ -119,13 +119,13 @@ def write(garment: bpy.types.Object, entry: Runtime) -> None:
     for child in children:
         if room(child.data) < points:
             entry.curve_points = points
-            if structure.allowed_now():
+            if scheduler.allowed_now():
                 _make_room(child.data, _room_wanted(garment))
             else:
-                structure.request()
+                scheduler.request()
         rows, left_out = rows_of(curves, room(child.data))
         if left_out:
-            registry.say(entry, f"{garment.name}: {child.name} has no room for {left_out} of {len(curves.id)} paths "
+            messages.say(entry, f"{garment.name}: {child.name} has no room for {left_out} of {len(curves.id)} paths "
                                 "in this frame: play the clip through before you render it")
         if not np.array_equal(versions.positions(child.data), rows):
             versions.set_positions(child.data, rows)
@@ -139,7 +139,7 @@ def _is_writable(child: bpy.types.Object) -> bool:
 
 
 # ---------------------------------------------------------------- structural work
-def settle(wrinkled: list[bpy.types.Object]) -> None:
+def sync(wrinkled: list[bpy.types.Object]) -> None:
     """After other structural work: no mesh belongs to two, none is too small, none is left over."""
     seen: set[int] = set()
     for child, ours in list(all_curves()):

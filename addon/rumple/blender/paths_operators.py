@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.wrinkle_paths import PERCENT_OF_HEIGHT, width_of_height
 from . import mesh_io, modifier, path_curves, properties
-from .operators import OnWrinkled
+from .ui_base import OnWrinkled
 
 
 class OnPaths(OnWrinkled):

@@ -13,7 +13,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 from mathutils import Matrix
 
-from . import modifier, registry, structure, versions
+from . import mesh_io, modifier, registry, scheduler, versions
 
 # By label: being compressed, at rest, being stretched.
 COLOURS = np.array(((0.10, 0.30, 1.0), (0.10, 0.65, 0.20), (1.0, 0.12, 0.10)), np.float32)
@@ -34,7 +34,7 @@ def shown_objects() -> Iterator[tuple[bpy.types.Object, registry.Runtime]]:
             continue
         entry = registry.known(obj)
         if (entry is not None and entry.inputs is not None and entry.fine is not None and ours.show_viewport
-                and not modifier.is_baked(ours) and obj.mode not in ("EDIT", "SCULPT")):
+                and not modifier.is_baked(ours) and obj.mode not in mesh_io.BUSY_MODES):
             yield obj, entry
 
 
@@ -67,9 +67,9 @@ def _draw_guarded() -> None:
     """The draw handler. Never raises: what is wrong goes to the console once. Never waits for a solve."""
     global _complaint
     space = bpy.context.space_data
-    if structure.rendering() or space is None or space.type != "VIEW_3D" or not space.overlay.show_overlays:
+    if scheduler.rendering() or space is None or space.type != "VIEW_3D" or not space.overlay.show_overlays:
         return
-    if not registry.LOCK.acquire(blocking=False):
+    if not scheduler.LOCK.acquire(blocking=False):
         return
     try:
         shown = {versions.session_key(obj): (obj, entry) for obj, entry in shown_objects()}
@@ -85,7 +85,7 @@ def _draw_guarded() -> None:
             print(text)
         _complaint = text
     finally:
-        registry.LOCK.release()
+        scheduler.LOCK.release()
 
 
 def _batch(key: int, entry: registry.Runtime) -> Any:

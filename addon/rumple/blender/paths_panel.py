@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from . import modifier, path_curves
-from .panel_parts import Panel, named_paint, property_column
+from .ui_base import Panel, named_paint, property_column
 
 
 class DATA_PT_rumple_folds(Panel, bpy.types.Panel):

@@ -20,7 +20,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 from mathutils import Matrix
 
-from . import gpu_arrays, gpu_field, gpu_paths, modifier, registry, structure, studio_light, versions
+from . import gpu_arrays, gpu_field, gpu_paths, messages, modifier, registry, scheduler, studio_light, versions
 
 # How much nearer than Blender's own triangles ours lie: a share of the distance, or of the object's size. Enough for
 # the differences of depth that its anti-aliasing makes, less than the thickness of a lined coat at arm's length.
@@ -132,9 +132,9 @@ def paused() -> Iterator[None]:
 def _draw() -> None:
     """The draw handler. Never raises, never waits."""
     space = bpy.context.space_data
-    if structure.rendering() or space is None or space.type != "VIEW_3D":
+    if scheduler.rendering() or space is None or space.type != "VIEW_3D":
         return
-    if not registry.LOCK.acquire(blocking=False):
+    if not scheduler.LOCK.acquire(blocking=False):
         return  # somebody solves: the next redraw shows it
     try:
         _ask_for_meshes()
@@ -148,7 +148,7 @@ def _draw() -> None:
     except Exception as error:
         print(f"Rumple: the GPU preview failed: {error}")
     finally:
-        registry.LOCK.release()
+        scheduler.LOCK.release()
 
 
 def _ask_for_meshes() -> None:
@@ -161,7 +161,7 @@ def _ask_for_meshes() -> None:
         if over != entry.asked_to_stand_in:  # once: what cannot be evaluated now is not asked for again
             entry.asked_to_stand_in = over
             if over != entry.inputs.stands_in:
-                structure.tag_soon({obj.name})
+                scheduler.tag_soon({obj.name})
 
 
 def _draw_guarded(obj: bpy.types.Object, entry: registry.Runtime, key: int, shading: bpy.types.View3DShading) -> None:
@@ -176,8 +176,8 @@ def _draw_guarded(obj: bpy.types.Object, entry: registry.Runtime, key: int, shad
             _draw_object(obj, held, shading)
     except Exception as error:  # what a driver refuses, say: once in the console, and Blender's own picture stays
         held.refused = True
-        structure.tag_soon({obj.name})
-        print(f"Rumple: {structure.unexpected(obj, error)}")
+        scheduler.tag_soon({obj.name})
+        print(f"Rumple: {messages.unexpected(obj, error)}")
     finally:
         gpu.state.blend_set(blend)
         gpu.state.depth_test_set(depth_test)

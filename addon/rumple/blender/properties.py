@@ -8,6 +8,7 @@ from typing import Any, Callable, Iterable
 import bpy
 
 from ..core.systems import SYSTEMS, System
+from . import bodies, changes, registry, units
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
 DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
@@ -17,8 +18,9 @@ _OVERRIDE = {"LIBRARY_OVERRIDABLE"}  # else a linked character's garments could 
 
 def _changed(affects: str, name: str = "") -> Callable[[bpy.types.PropertyGroup, bpy.types.Context], None]:
     def update(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-        from . import live  # live reads these properties: imported late
-        live.settings_changed(group.id_data, affects, name)
+        obj = group.id_data
+        structural = affects == "MESH" or name in settings_of(obj, units.scene_of(obj)).structural()
+        changes.settings_changed(obj, affects, structural)
     return update
 
 
@@ -92,12 +94,10 @@ def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) ->
 
 
 def _is_body(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
-    from . import bodies  # as above
     return candidate != group.id_data and bodies.can_be_body(candidate)
 
 
 def _message(group: bpy.types.PropertyGroup) -> str:
-    from . import registry
     return registry.message(group.id_data)
 
 

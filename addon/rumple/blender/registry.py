@@ -6,8 +6,7 @@ forbidden. Messages are kept here and the panel reads them.
 """
 from __future__ import annotations
 
-import threading
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Iterable
 
 import bpy
@@ -17,10 +16,7 @@ from ..core import engine
 from ..core.body import Body
 from ..core.surroundings import Surroundings
 from . import versions
-
-# Handlers run in the render job's thread while the window's thread draws: one at a time. Never "skip if busy",
-# that would drop a frame.
-LOCK = threading.RLock()
+from .messages import Messages
 
 
 @dataclass
@@ -46,17 +42,6 @@ class Inputs:
                 and all(np.array_equal(self.paint[key], other.paint[key]) for key in self.paint)
                 and np.array_equal(self.positions, other.positions)
                 and np.array_equal(self.world_from_object, other.world_from_object))
-
-
-@dataclass
-class Messages:
-    """What the panel says about an object."""
-
-    message: str = ""  # what is wrong with this frame
-    refusal: str = ""  # what is wrong with the meshes and settings: stays until they change
-    unplayed: str = ""  # that this frame was reached by a jump, where it shows
-    unplayed_in_renders: str = ""  # the last of these that a render has said
-    notes: list[str] = field(default_factory=list)
 
 
 @dataclass
@@ -119,31 +104,6 @@ def doubt_all() -> None:
         entry.stale = True
         entry.paint = None
         entry.forget_written()
-
-
-def say(entry: Messages, text: str) -> None:
-    """Set the message on the current frame; a new one goes to the console once."""
-    _print_new(text, entry.message)
-    entry.message = text
-
-
-def refuse(entry: Messages, text: str) -> None:
-    """Set the message on the structure; empty when it is right again."""
-    _print_new(text, entry.refusal)
-    entry.refusal = text
-
-
-def note_unplayed(entry: Messages, text: str, rendering: bool) -> None:
-    """Set what is said of a frame that was reached by a jump; of renders a new one goes to the console."""
-    entry.unplayed = text
-    if rendering:
-        _print_new(text, entry.unplayed_in_renders)
-        entry.unplayed_in_renders = text
-
-
-def _print_new(text: str, former: str) -> None:
-    if text and text != former:
-        print(f"Rumple: {text}")
 
 
 def message(obj: bpy.types.Object) -> str:

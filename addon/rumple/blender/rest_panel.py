@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from . import properties
-from .panel_parts import Panel, property_column
+from .ui_base import Panel, property_column
 
 
 class DATA_PT_rumple_rest(Panel, bpy.types.Panel):

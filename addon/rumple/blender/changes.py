@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Marks what must be read, solved or rebuilt again after a change; frames and the scheduler do the work."""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from . import bodies, field_curve, modifier, registry, scheduler, versions
+from .scheduler import LOCK
+
+
+def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
+    """Called by every property. Marks what is due; the scheduler and the next update do the work.
+
+    affects: see core.settings.setting(). structural: the fine mesh may be another one.
+    """
+    if obj.rumple.method == "NONE" or modifier.find(obj) is None:
+        return
+    entry = registry.runtime(obj)
+    if entry.fine is not None:
+        entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
+    if affects == "PAINT":
+        entry.paint = None
+    if affects == "BODY":
+        bodies.connect_all()  # of all: what was refused for this object's sake may be right now
+    if structural or modifier.is_baked(modifier.find(obj)):
+        entry.stale = True
+        scheduler.request(scheduler.DELAY)
+    obj.update_tag()
+
+
+# ---------------------------------------------------------------- what an update touched
+def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
+    """Mark what must be read again: painted groups, edited meshes, own meshes, materials."""
+    if scheduler.rendering():
+        return
+    touched = _touched_ids(depsgraph)
+    if not touched:
+        return
+    with LOCK:
+        for obj, _ours in modifier.wrinkled_objects():
+            entry = registry.known(obj)
+            if entry is None:
+                continue
+            own = obj.rumple.own_mesh
+            edited = versions.session_key(obj.data) in touched
+            if edited or (own is not None and own.data is not None and versions.session_key(own.data) in touched):
+                entry.stale = True
+                entry.paint = None
+                scheduler.request(scheduler.DELAY)
+            elif entry.paint and versions.session_key(obj) in touched and not _is_playing():
+                entry.paint = None  # vertex_group.add() from scripts tags the object only, as every animated frame does
+
+
+def _is_playing() -> bool:
+    return any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
+
+
+def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
+    """Session keys of the original objects and meshes whose geometry changed."""
+    keys = set()
+    for update in depsgraph.updates:
+        if isinstance(update.id, (bpy.types.Mesh, bpy.types.Object, bpy.types.Key)) and update.is_updated_geometry:
+            original = update.id.original
+            keys.add(versions.session_key(original.user if isinstance(original, bpy.types.Key) else original))
+    return keys
+
+
+
+
+def note_drawn_profile(obj: bpy.types.Object) -> None:
+    """Called by the panel that shows the curve: editing a curve tells nobody."""
+    entry = registry.runtime(obj)
+    used = entry.paint.get("profile") if entry.paint is not None else None
+    if used is not None and not np.array_equal(used, field_curve.heights(obj)):
+        entry.stale = True
+        scheduler.request(scheduler.DELAY)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What makes the wrinkles of an object: the engine's Wrinkles, built from its coarse mesh, settings and scale."""
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..core import engine
+from ..core.settings import FieldSettings
+from . import mesh_io, messages, modifier, properties, units, versions
+from .registry import Runtime
+
+
+@dataclass
+class Sources:
+    """What a fine mesh is made from."""
+
+    base: engine.BaseMesh
+    own: engine.BaseMesh | None
+    attached: np.ndarray | None
+    settings: Any  # of the system
+    unit_scale: float  # metres per object unit
+    shape: str  # fingerprint of all of these
+
+
+def sources(obj: bpy.types.Object) -> Sources:
+    """Read them from the object as it is now. Raises engine.Refused."""
+    scene = units.scene_of(obj)
+    settings = properties.settings_of(obj, scene)
+    base = mesh_io.base_mesh(obj, settings.rest_shape, obj.rumple.rest_key)
+    if isinstance(settings, FieldSettings) and settings.output == "SHADING":
+        base.uv = mesh_io.render_uv(obj.data)
+    own = _own_mesh(obj, settings)
+    attached = mesh_io.attached(obj.rumple.own_mesh) if own is not None else None
+    unit_scale = units.metres_per_unit(obj, scene)
+    return Sources(base, own, attached, settings, unit_scale,
+                   _shape_fingerprint(base, own, attached, settings, unit_scale))
+
+
+def ensure(obj: bpy.types.Object, entry: Runtime) -> None:
+    """Make entry.fine for the object as it is now. Reads only: allowed in any handler. Raises engine.Refused."""
+    now = sources(obj)
+    if entry.fine is not None and entry.shape == now.shape:
+        return
+    if entry.refused == now.shape:
+        raise engine.Refused(entry.refusal)
+    try:
+        entry.fine = _build(obj, now)
+    except engine.Refused as error:
+        entry.refused = now.shape
+        messages.refuse(entry, str(error))
+        raise
+    entry.shape, entry.refused, entry.paint = now.shape, "", None
+    entry.inputs = None  # solved by the former one: who draws by them must wait
+    entry.notes = list(entry.fine.warnings)
+    if versions.has_custom_normals(obj.data):
+        entry.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
+    entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
+
+
+def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:
+    more = dict(own=now.own, attached=now.attached) if now.own is not None else {}
+    fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale, **more)
+    coarse = len(now.base.positions)
+    if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
+        raise engine.Refused(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
+                             f"({coarse}): choose a denser one")
+    return fine
+
+
+def _own_mesh(obj: bpy.types.Object, settings: Any) -> engine.BaseMesh | None:
+    if not _wants_own_mesh(settings):
+        return None
+    own = obj.rumple.own_mesh
+    if own is None or own.type != "MESH":
+        raise engine.Refused(f"{obj.name}: choose your own fine mesh first")
+    return mesh_io.own_mesh(obj, own)
+
+
+def source_of(obj: bpy.types.Object) -> bpy.types.Object:
+    """The object whose materials, UV maps and attributes the fine mesh inherits."""
+    own = obj.rumple.own_mesh
+    return own if own is not None and _wants_own_mesh(properties.group_of(obj)) else obj
+
+
+def _wants_own_mesh(settings: Any) -> bool:
+    """settings: of the system, or their properties."""
+    return getattr(settings, "source", "") == "OBJECT"
+
+
+def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attached: object, settings: Any,
+                       unit_scale: float) -> str:
+    digest = hashlib.sha1(mesh_io.shape_fingerprint(base).encode())
+    if own is not None:
+        digest.update(mesh_io.shape_fingerprint(own).encode())
+        digest.update(b"" if attached is None else attached.tobytes())
+    digest.update(repr((settings.structural(), f"{unit_scale:.4g}")).encode())
+    return digest.hexdigest()

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is said of an object: kept with its runtime, read by the panel, printed once."""
+from __future__ import annotations
+
+import traceback
+from dataclasses import dataclass, field
+
+import bpy
+
+
+@dataclass
+class Messages:
+    """What the panel says about an object."""
+
+    message: str = ""  # what is wrong with this frame
+    refusal: str = ""  # what is wrong with the meshes and settings: stays until they change
+    unplayed: str = ""  # that this frame was reached by a jump, where it shows
+    unplayed_in_renders: str = ""  # the last of these that a render has said
+    notes: list[str] = field(default_factory=list)
+
+
+def say(entry: Messages, text: str) -> None:
+    """Set the message on the current frame; a new one goes to the console once."""
+    _print_new(text, entry.message)
+    entry.message = text
+
+
+def refuse(entry: Messages, text: str) -> None:
+    """Set the message on the structure; empty when it is right again."""
+    _print_new(text, entry.refusal)
+    entry.refusal = text
+
+
+def note_unplayed(entry: Messages, text: str, rendering: bool) -> None:
+    """Set what is said of a frame that was reached by a jump; of renders a new one goes to the console."""
+    entry.unplayed = text
+    if rendering:
+        _print_new(text, entry.unplayed_in_renders)
+        entry.unplayed_in_renders = text
+
+
+def _print_new(text: str, former: str) -> None:
+    if text and text != former:
+        print(f"Rumple: {text}")
+
+
+def unexpected(obj: bpy.types.Object, error: Exception) -> str:
+    """A mistake of ours in one line, with the place for the report."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    file = place.filename.replace("\\", "/").rsplit("/", 1)[-1]
+    return f"{obj.name}: unexpected {type(error).__name__} in {file}:{place.lineno}: {error}"

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""When structural work is done: data-blocks are made and removed outside of handlers only.
+
+In a window a timer does it. In background mode there are no timers: the next handler does it on the spot, unless a
+render runs. While an operator changes the modifier stack nothing is done at all. What is done are the workers, which
+handlers.py names when the add-on registers.
+"""
+from __future__ import annotations
+
+import threading
+from contextlib import contextmanager
+from typing import Callable, Iterator
+
+import bpy
+
+# Handlers run in the render job's thread while the window's thread draws: one at a time. Never "skip if busy",
+# that would drop a frame.
+LOCK = threading.RLock()
+DELAY = 0.25  # seconds without another change before a dragged slider or a brush stroke is rebuilt
+
+_render_running = False
+_wanted = False
+_suspended = False
+_due: set[str] = set()  # names of objects to tag
+_workers: tuple[Callable[[], None], ...] = ()
+
+
+def set_workers(*workers: Callable[[], None]) -> None:
+    """What sync_all() calls, in this order."""
+    global _workers
+    _workers = workers
+
+
+def rendering() -> bool:
+    return _render_running
+
+
+def set_rendering(running: bool) -> None:
+    global _render_running
+    _render_running = running
+    if not running and _wanted:
+        request()
+
+
+def allowed_now() -> bool:
+    """In background mode there are no timers: structural work is done on the spot unless a render runs."""
+    return bpy.app.background and not _render_running
+
+
+@contextmanager
+def suspended() -> Iterator[None]:
+    """While an operator changes the stack: 3.4 evaluates, and calls the handlers, in the middle of it."""
+    global _suspended
+    _suspended = True
+    try:
+        yield
+    finally:
+        _suspended = False
+
+
+def is_suspended() -> bool:
+    return _suspended
+
+
+# ---------------------------------------------------------------- structural work
+def request(delay: float = 0.0) -> None:
+    """Do the structural work soon. Several requests become one, after the last."""
+    global _wanted
+    _wanted = True
+    if bpy.app.background or _render_running:
+        return  # the next handler in background, or the end of the render, sees to it
+    timers = bpy.app.timers
+    if timers.is_registered(_on_timer):  # not a flag of our own: loading a file kills timers
+        if delay == 0.0:
+            return
+        timers.unregister(_on_timer)
+    timers.register(_on_timer, first_interval=delay)
+
+
+def _on_timer() -> float | None:
+    if _render_running:
+        return 0.5
+    sync_all()
+    return None
+
+
+def sync_all() -> None:
+    """All structural work, now. Not in handlers while a render or a window draws."""
+    global _wanted
+    _wanted = False
+    with LOCK:
+        for worker in _workers:
+            worker()
+
+
+# ---------------------------------------------------------------- tags
+def tag_soon(names: set[str]) -> None:
+    """Let objects be evaluated once more: from where nothing may be tagged."""
+    _due.update(names)
+    if _due and not bpy.app.timers.is_registered(_tag_due):
+        bpy.app.timers.register(_tag_due, first_interval=0.0)
+
+
+def _tag_due() -> None:
+    names = set(_due)
+    _due.clear()
+    for name in names:
+        if name in bpy.data.objects:
+            bpy.data.objects[name].update_tag()
+
+
+def stop() -> None:
+    """For unregister()."""
+    for function in (_on_timer, _tag_due):
+        if bpy.app.timers.is_registered(function):
+            bpy.app.timers.unregister(function)
+    set_workers()

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What operators and panels have in common."""
+from __future__ import annotations
+
+import bpy
+
+from . import modifier, path_curves, properties, versions
+
+LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
+
+
+# ---------------------------------------------------------------- operators
+def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
+    """Why an operator cannot run on an object; empty when it can. wrinkled: it must have wrinkles already."""
+    if obj is None or obj.type != "MESH":
+        return "Choose a mesh object first"
+    if not versions.is_editable(obj):
+        return "This object is linked from another file: make a library override or append it"
+    if obj.mode == "EDIT":
+        return "Leave Edit Mode first"
+    if path_curves.find(obj) is not None:
+        return "This object shows the paths of a garment: choose that one"
+    found = modifier.find(obj) is not None
+    if wrinkled and not found:
+        return "This object has no wrinkles: add them first"
+    if not wrinkled and found:
+        return "This object has wrinkles already"
+    return ""
+
+
+class OnWrinkled:
+    """Operators for an object that has wrinkles."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        why = refusal(context.object, wrinkled=True)
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+
+# ---------------------------------------------------------------- panels
+class Panel:
+    """A panel below DATA_PT_rumple."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+    bl_parent_id = "DATA_PT_rumple"
+    method: str | None = None  # that it belongs to; None: all
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.object
+        return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None and (
+            cls.method is None or obj.rumple.method == cls.method)
+
+
+def property_column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
+    """Names on the left, values on the right."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    return layout.column()
+
+
+def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
+    """The name of a vertex group or an attribute, and the button that paints the group."""
+    row = column.row(align=True)
+    row.prop(properties.group_of(obj), name)
+    exists = getattr(properties.group_of(obj), name) in obj.vertex_groups
+    row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = group
+
+
+def draw_message(layout: bpy.types.UILayout, text: str) -> None:
+    """What is wrong, broken into lines that fit a narrow panel."""
+    if not text:
+        return
+    box = layout.box()
+    box.alert = True
+    for number, line in enumerate(wrapped(text)):
+        box.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
+
+
+def wrapped(text: str) -> list[str]:
+    """Lines that fit the region that is drawn: Blender's labels do not wrap."""
+    region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
+    width = max(24, int(region.width / (LETTER_PIXELS * scale))) if region is not None else 60
+    lines = [""]
+    for word in text.split():
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    return lines

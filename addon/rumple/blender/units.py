@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene that counts for an object, and its length unit in metres."""
+from __future__ import annotations
+
+import bpy
+
+
+def scene_of(obj: bpy.types.Object) -> bpy.types.Scene:
+    """The scene whose units and frames count for an object."""
+    return next(iter(obj.users_scene), None) or bpy.context.scene
+
+
+def metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
+    """Mean absolute scale of an object times the scene's unit scale.
+
+    From the parents' own transforms, not from matrix_world: that one is not there yet after loading a file.
+    """
+    matrix, parent = obj.matrix_basis.copy(), obj.parent
+    inverse = obj.matrix_parent_inverse
+    while parent is not None:
+        matrix = parent.matrix_basis @ inverse @ matrix
+        inverse, parent = parent.matrix_parent_inverse, parent.parent
+    scale = matrix.to_scale()
+    return sum(abs(s) for s in scale) / 3.0 * scene.unit_settings.scale_length
