@@ -13,7 +13,7 @@ import numpy as np
 import sleeve
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
-from rumple.blender import registry
+from rumple.blender.objects import runtimes
 
 DEEPER = 1e-4  # metres that shown cloth may stand deeper inside the body than the bare garment
 
@@ -87,13 +87,13 @@ def played(obj: bpy.types.Object, last: int = sleeve.LAST) -> dict[float, np.nda
 
 def off_animation(obj: bpy.types.Object) -> float:
     """Farthest way of the base cloth from the animated mesh, metres."""
-    entry = registry.runtime(obj)
+    entry = runtimes.runtime(obj)
     cloth = entry.fine.state_of(entry.inputs.frame).cloth
     return float(np.linalg.norm(cloth.positions - entry.inputs.positions, axis=1).max())
 
 
 def final(obj: bpy.types.Object, frame: float) -> bool:
-    return registry.runtime(obj).fine.history.get(frame).final
+    return runtimes.runtime(obj).fine.history.get(frame).final
 
 
 def difference(one: np.ndarray, other: np.ndarray) -> float:

@@ -6,7 +6,10 @@ import bpy
 import numpy as np
 import sleeve
 from mathutils import Vector
-from rumple.blender import maps_geometry, maps_live, modifier, node_tree, versions
+from rumple.blender import compat
+from rumple.blender.maps import sync as maps_sync
+from rumple.blender.nodes import maps_mask_tree, wrinkle_tree
+from rumple.blender.objects import modifier
 
 SIDE = 13  # vertices along each side of 0.12 m
 BROWS = ("brow.L", "brow.R")
@@ -102,7 +105,7 @@ def animate(rig):
     for frame, height in ((1, 0.0), (11, 0.01)):
         pose(rig, brow_L=height)
         rig.pose.bones["brow.L"].keyframe_insert("location", frame=frame)
-    for curve in versions.action_curves(rig.animation_data.action):
+    for curve in compat.action_curves(rig.animation_data.action):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 
@@ -115,7 +118,7 @@ def risen(frame):
 def mask(obj, name):
     """A mask on the evaluated mesh, (n,)."""
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return versions.read_attribute(evaluated.data.attributes[maps_geometry.MASK.format(name)])[:, 0]
+    return compat.read_attribute(evaluated.data.attributes[maps_mask_tree.MASK.format(name)])[:, 0]
 
 
 def carried(obj, values):
@@ -123,8 +126,8 @@ def carried(obj, values):
     if modifier.find(obj) is None or not modifier.find(obj).show_viewport:
         return values
     attributes = modifier.carrier(modifier.find(obj)).data.attributes
-    corners = [values[versions.read_attribute(attributes[name])[:, 0]] for name in node_tree.CORNERS]
-    u, v, _ = versions.read_attribute(attributes[node_tree.BARYCENTRIC]).T
+    corners = [values[compat.read_attribute(attributes[name])[:, 0]] for name in wrinkle_tree.CORNERS]
+    u, v, _ = compat.read_attribute(attributes[wrinkle_tree.BARYCENTRIC]).T
     return (1.0 - u - v) * corners[0] + u * corners[1] + v * corners[2]
 
 
@@ -136,4 +139,4 @@ def weights(obj, name):
 
 
 def notes(obj):
-    return " | ".join(maps_live.runtime(obj).notes)
+    return " | ".join(maps_sync.runtime(obj).notes)

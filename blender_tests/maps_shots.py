@@ -7,7 +7,8 @@ import bpy
 import numpy as np
 import shots
 from rumple import native
-from rumple.blender import maps_nodes, versions
+from rumple.blender import compat
+from rumple.blender.nodes import maps_shader
 
 SIDE = 32
 STEP = 1.0 / 255.0  # of eight bits
@@ -53,15 +54,15 @@ class Quad:
         packs = np.zeros((4, 3 * ((len(self.wrinkles) + 2) // 3)), np.float32)
         packs[:, :len(self.wrinkles)] = self.masks(corners[:, 0], corners[:, 1]).T
         for pack in range(packs.shape[1] // 3):
-            versions.write_attribute(mesh, maps_nodes.MASKS.format(pack), "FLOAT_VECTOR", "POINT",
+            compat.write_attribute(mesh, maps_shader.MASKS.format(pack), "FLOAT_VECTOR", "POINT",
                                      packs[:, 3 * pack:3 * pack + 3])
         obj = bpy.data.objects.new("Quad", mesh)
         bpy.context.scene.collection.objects.link(obj)
         mesh.materials.append(material("Skin", image("Neutral", self.neutral)))
-        self.group = maps_nodes.new_group("Quad")
+        self.group = maps_shader.new_group("Quad")
         images = [image(f"Wrinkles {k}", texels) for k, texels in enumerate(self.wrinkles)]
-        maps_nodes.fill(self.group, images, self.maps, "UVMap")
-        maps_nodes.insert(mesh.materials[0], self.group)
+        maps_shader.fill(self.group, images, self.maps, "UVMap")
+        maps_shader.insert(mesh.materials[0], self.group)
         return obj
 
     def masks(self, u, v):

@@ -5,7 +5,10 @@ import face
 import numpy as np
 import sleeve
 from random_walk import RandomWalk
-from rumple.blender import maps_geometry, maps_rig, maps_tree, modifier, properties, scheduler, versions
+from rumple.blender import compat, scheduler
+from rumple.blender.maps import modifier as maps_modifier, rig as maps_rig
+from rumple.blender.nodes import maps_mask_tree
+from rumple.blender.objects import modifier, properties
 from rumple.core.poses import PoseComparison, strengths
 
 ROUNDING = 2e-4  # of a mask, where the gain is 1: nodes count in single precision
@@ -20,15 +23,16 @@ class Walk(RandomWalk):
         face.two_poses(*face.scene())
 
     def is_ours(self, obj):
-        return maps_tree.find(obj) is not None
+        return maps_modifier.find(obj) is not None
 
     # --- the law
     def check(self):
         scheduler.sync_all()
         self.do_pose()
-        shown = [(obj, ours) for obj, ours in maps_tree.mapped_objects() if obj.name in bpy.context.view_layer.objects]
+        mapped = maps_modifier.mapped_objects()
+        shown = [(obj, ours) for obj, ours in mapped if obj.name in bpy.context.view_layer.objects]
         owned = [ours.node_group for _, ours in shown]
-        owned += [maps_tree.skin(ours) for obj, ours in shown if obj.rumple_maps.poses]
+        owned += [maps_modifier.skin(ours) for obj, ours in shown if obj.rumple_maps.poses]
         assert len(set(owned)) == len(owned) and None not in owned, f"after {self.done[-8:]}: {owned}"
         for obj, ours in shown:
             trail = f"{obj.name} after {self.done[-8:]}"
@@ -40,11 +44,11 @@ class Walk(RandomWalk):
         rig, _ = maps_rig.rig_of(obj)
         bones = maps_rig.present_bones(obj, obj.find_armature(), rig)
         fresh = PoseComparison.build(rig, maps_rig.weights_of(obj, rig)).frame(bones)
-        names = {maps_geometry.MASK.format(pose.name) for pose in rig.poses}
+        names = {maps_mask_tree.MASK.format(pose.name) for pose in rig.poses}
         attributes = sleeve.evaluated(obj).data.attributes
         assert names == {a.name for a in attributes if a.name.startswith("rumple_pose_")}, f"{trail}: other names"
         for pose, mask, strength in zip(rig.poses, fresh.pose, strengths(rig.poses)):
-            found = versions.read_attribute(attributes[maps_geometry.MASK.format(pose.name)])[:, 0]
+            found = compat.read_attribute(attributes[maps_mask_tree.MASK.format(pose.name)])[:, 0]
             mask = face.carried(obj, mask)
             assert found.shape == mask.shape and np.abs(found - mask).max() < ROUNDING * rig.gain, \
                 f"{trail}: {pose.name} shows {found.max()}, not {mask.max()}"
@@ -164,6 +168,6 @@ class Walk(RandomWalk):
     def do_switch_off_and_on(self):
         obj = self.pick()
         if obj:
-            maps_tree.find(obj).show_viewport = False
+            maps_modifier.find(obj).show_viewport = False
             self.do_pose()
-            maps_tree.find(obj).show_viewport = True
+            maps_modifier.find(obj).show_viewport = True

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from rumple.blender import registry
+from rumple.blender.objects import runtimes
 
 DATA = Path(os.environ.get("RUMPLE_DATA", ""))
 OUT = Path(os.environ.get("RUMPLE_OUT", ""))
@@ -38,7 +38,7 @@ class PlayedOnce:
         if cls.settings.get("base_cloth") == "OFF":
             cls.garment.rumple.body = None  # set: none is looked for
         assert bpy.ops.object.rumple_add(method=cls.method) == {"FINISHED"}, cls.garment.rumple.message
-        cls.fine = registry.runtime(cls.garment).fine
+        cls.fine = runtimes.runtime(cls.garment).fine
         cls.seen = [cls.look(frame) for frame in cls.frames]
         OUT.mkdir(parents=True, exist_ok=True)
         common = dict(file=cls.file, garment=cls.name, blender=bpy.app.version_string, frames=len(cls.seen))

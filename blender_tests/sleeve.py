@@ -5,7 +5,8 @@ import math
 
 import bpy
 import numpy as np
-from rumple.blender import modifier, registry, versions
+from rumple.blender import compat
+from rumple.blender.objects import modifier, runtimes
 
 AROUND, ALONG, LENGTH, RADIUS = 16, 12, 0.6, 0.06
 LAST = 20
@@ -51,7 +52,7 @@ def arm():
 
 def bend_until(last):
     """The arm bends faster: until this frame."""
-    for curve in versions.action_curves(bpy.data.objects["Arm"].animation_data.action):
+    for curve in compat.action_curves(bpy.data.objects["Arm"].animation_data.action):
         curve.keyframe_points[-1].co.x = last
         curve.update()
 
@@ -158,17 +159,17 @@ def evaluated(obj):
 
 def shown(obj):
     """Positions of what the viewport shows of an object, (n, 3) float32."""
-    return versions.positions(evaluated(obj).data).copy()
+    return compat.positions(evaluated(obj).data).copy()
 
 
 def attribute(obj, name):
     """Values of an attribute of the evaluated mesh."""
-    return versions.read_attribute(evaluated(obj).data.attributes[name])
+    return compat.read_attribute(evaluated(obj).data.attributes[name])
 
 
 def picture(obj):
     """What was solved last."""
-    return registry.runtime(obj).picture
+    return runtimes.runtime(obj).picture
 
 
 def carrier(obj):

@@ -13,7 +13,8 @@ import bpy
 import numpy as np
 import shots
 import sleeve
-from rumple.blender import mesh_io, modifier, properties, versions
+from rumple.blender import compat
+from rumple.blender.objects import mesh_reader, modifier, properties
 from rumple.core import engine, wrinkle_mesh
 
 STARK = 0.02  # a pixel is another one when a channel differs by more; 0..1
@@ -36,7 +37,7 @@ def pictures(obj: bpy.types.Object, frames: Sequence[float]) -> tuple[engine.Wri
     """Solve these frames, and no others, one after the other."""
     scene, twin = bpy.context.scene, twin_of(obj)
     settings = properties.settings_of(obj, scene)
-    base = mesh_io.base_mesh(twin, settings.rest_shape, "")
+    base = mesh_reader.base_mesh(twin, settings.rest_shape, "")
     fine = wrinkle_mesh.WrinkleMesh.build(base, settings, unit_scale=scene.unit_settings.scale_length)
     result = []
     for frame in frames:
@@ -51,7 +52,7 @@ def pictures(obj: bpy.types.Object, frames: Sequence[float]) -> tuple[engine.Wri
 def plain_object(obj: bpy.types.Object, fine: engine.Wrinkles, positions: np.ndarray) -> bpy.types.Object:
     """An ordinary object of the fine mesh with these positions, and the modifiers that stand behind the wrinkles."""
     mesh = bpy.data.meshes.new("Plain")
-    versions.fill_polygons(mesh, positions, fine.polygon_start, fine.corner_vertex)
+    compat.fill_polygons(mesh, positions, fine.polygon_start, fine.corner_vertex)
     mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), bool))
     mesh.materials.append(obj.data.materials[0])
     mesh.update()

@@ -6,7 +6,9 @@ import numpy as np
 import sleeve
 import wires
 from random_walk import MOST_OBJECTS, RandomWalk
-from rumple.blender import bodies, mesh_io, modifier, path_curves, properties, registry, scheduler
+from rumple.blender import scheduler
+from rumple.blender.frame import path_curves
+from rumple.blender.objects import bodies, mesh_reader, modifier, properties, runtimes
 from rumple.core import engine
 
 PAINT = "Rumple Radius"
@@ -63,13 +65,13 @@ class Walk(RandomWalk):
                 assert off < 1e-5, f"{trail}: shows something else, {off}"
             self.check_curves(obj, trail)
             if PAINT in obj.vertex_groups:
-                weights = mesh_io.group_weights(obj, obj.data, [PAINT])
+                weights = mesh_reader.group_weights(obj, obj.data, [PAINT])
                 assert np.isclose(weights, 0.25).sum() >= 20, f"{trail}: paint is lost"
 
     def check_body(self, obj, trail):
         """What it was solved for is what is shown of its body."""
         if obj.name in bpy.context.view_layer.objects and not modifier.is_baked(modifier.find(obj)):
-            found, seen = registry.runtime(obj).inputs.body, bodies.of(obj)
+            found, seen = runtimes.runtime(obj).inputs.body, bodies.of(obj)
             assert (found is None) == (not seen), f"{trail}: {found} is not of {seen}"
             for body in seen:
                 if modifier.find(body) is None and body.name in bpy.context.view_layer.objects:

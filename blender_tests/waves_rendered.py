@@ -15,7 +15,8 @@ import numpy as np
 import shots
 import sleeve
 from rumple import native
-from rumple.blender import field_nodes, registry
+from rumple.blender.nodes import field_shader
+from rumple.blender.objects import runtimes
 
 CELLS, SIZE, PIXELS, SQUEEZE, TILT = 8, 1.0, 96, 0.7, 0.5
 WAVELENGTH = 0.25
@@ -90,7 +91,7 @@ class Waves:
     def emit(self, output: str, scale: float, shift: float) -> None:
         """Let the sheet shine with an output of the group, times scale plus shift."""
         tree = self.obj.active_material.node_tree
-        field = next(n for n in tree.nodes if n.type == "GROUP" and field_nodes.is_ours(n.node_tree))
+        field = next(n for n in tree.nodes if n.type == "GROUP" and field_shader.is_ours(n.node_tree))
         add, emission = tree.nodes.new("ShaderNodeVectorMath"), tree.nodes.new("ShaderNodeEmission")
         add.operation = "MULTIPLY_ADD"
         add.inputs[1].default_value, add.inputs[2].default_value = (scale,) * 3, (shift,) * 3
@@ -123,7 +124,7 @@ class Waves:
 
     def computed(self, profile: str = "SINE") -> tuple[np.ndarray, np.ndarray]:
         """Height and gradient at self.points, from the kernel."""
-        entry = registry.runtime(self.obj)
+        entry = runtimes.runtime(self.obj)
         fine, kernels = entry.fine, native.load()
         state = fine.history.get(1.0).state
         waves = kernels.shown_waves_wrinkle_field(

@@ -4,7 +4,9 @@ turns them into edges, which keep points, order and attributes."""
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import path_curves, registry, versions
+from rumple.blender import compat
+from rumple.blender.frame import path_curves
+from rumple.blender.objects import runtimes
 
 NAME = "Wires"
 ATTRIBUTES = ("rumple_path_id", "rumple_path_height", "rumple_path_width")
@@ -16,8 +18,8 @@ def to_edges(child):
     if group is None:
         group = bpy.data.node_groups.new(NAME, "GeometryNodeTree")
         for in_out in ("INPUT", "OUTPUT"):
-            versions.new_group_socket(group, "Geometry", in_out, "NodeSocketGeometry")
-        versions.mark_as_modifier(group)
+            compat.new_group_socket(group, "Geometry", in_out, "NodeSocketGeometry")
+        compat.mark_as_modifier(group)
         start, convert, end = (group.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeCurveToMesh",
                                                                   "NodeGroupOutput"))
         group.links.new(start.outputs[0], convert.inputs[0])
@@ -38,14 +40,14 @@ def seen(child):
     joined[pairs[:, 0]] = True
     ends = np.flatnonzero(~joined[:len(mesh.vertices)]) + 1
     starts = np.concatenate([[0], ends[:-1]]) if len(ends) else ends
-    values = {name: versions.read_attribute(mesh.attributes[name])[:, 0] for name in ATTRIBUTES
+    values = {name: compat.read_attribute(mesh.attributes[name])[:, 0] for name in ATTRIBUTES
               if name in mesh.attributes}
-    return np.stack([starts, ends], 1), versions.positions(mesh).copy(), values
+    return np.stack([starts, ends], 1), compat.positions(mesh).copy(), values
 
 
 def solved(garment):
     """The curves of the frame that was solved last."""
-    entry = registry.runtime(garment)
+    entry = runtimes.runtime(garment)
     return entry.fine.curves(entry.inputs.frame, entry.inputs.positions, entry.inputs.settings)
 
 

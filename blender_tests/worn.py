@@ -7,7 +7,7 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import registry
+from rumple.blender.objects import runtimes
 from rumple.core.body import Body
 
 
@@ -17,7 +17,7 @@ def placed(obj: bpy.types.Object, place: tuple, turn: tuple, scale: tuple) -> No
 
 def solved_body(obj: bpy.types.Object) -> Body | None:
     """What the garment was solved for last."""
-    return registry.runtime(obj).inputs.body
+    return runtimes.runtime(obj).inputs.body
 
 
 def posed(body: bpy.types.Object) -> np.ndarray:

@@ -22,7 +22,7 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "addon"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
-from rumple.blender import registry  # noqa: E402
+from rumple.blender.objects import runtimes  # noqa: E402
 
 FRAMES = 12
 GARMENTS = sys.argv[sys.argv.index("--") + 1:]
@@ -86,7 +86,7 @@ def steps():
             obj.rumple.paths.gpu_preview = preview
         area.tag_redraw()
         yield 1.0
-        assert all(registry.runtime(obj).inputs.stands_in == preview for obj in garments) or not wrinkles
+        assert all(runtimes.runtime(obj).inputs.stands_in == preview for obj in garments) or not wrinkles
         for turn in ("solved", "stored"):
             update, draw = play()
             print(f"{name:12} {turn:7} update {update:7.1f}  draw {draw:7.1f}")

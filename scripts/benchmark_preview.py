@@ -23,7 +23,7 @@ from mathutils import Matrix
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "addon"), os.environ["RUMPLE_NATIVE"]]
 import rumple_native as native  # noqa: E402
-from rumple.blender import gpu_arrays, gpu_field, preview  # noqa: E402
+from rumple.blender.viewport import gpu_arrays, preview, preview_field  # noqa: E402
 
 ROWS = (("shirt", 35, 13, 330_000), ("B", 139, 43, 55_000))  # name, vertices along and across, pixels
 SIDE = 1024
@@ -97,7 +97,7 @@ def measure(along: int, across: int, pixels: int) -> dict[str, float]:
     posed[:, 2] = 0.05 * np.sin(6.0 * posed[:, 1])
     waves = native.crush_wrinkle_field(model, settings, paint, posed)
     phase = native.random_phases(model, 0)
-    drawing = gpu_field.Drawing(model)
+    drawing = preview_field.Drawing(model)
     field = drawing.waves
     field.set_wishes(settings, native.wishes_wrinkle_field(model, settings, paint), profile)
     field.begin(phase, model.first_directions)

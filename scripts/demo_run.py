@@ -63,15 +63,15 @@ def add_wrinkles(garment: bpy.types.Object, method: str) -> bpy.types.Modifier:
     if bpy.ops.object.rumple_add(method=method) != {"FINISHED"}:
         say(garment.rumple.message)
         raise SystemExit(1)
-    from rumple.blender import modifier
+    from rumple.blender.objects import modifier
     return modifier.find(garment)
 
 
 def play(garment: bpy.types.Object, frames: range) -> Report:
     """Every frame once, in order, measured."""
-    from rumple.blender import properties, registry, units
+    from rumple.blender.objects import properties, runtimes, units
     scene = bpy.context.scene
-    fine = registry.runtime(garment).fine
+    fine = runtimes.runtime(garment).fine
     scale = units.metres_per_unit(garment, scene)
     report = Report(dict(object=garment.name, method=garment.rumple.method, blender=bpy.app.version_string,
                          base_vertices=len(garment.data.vertices), shown_vertices=fine.vertex_count,
@@ -81,7 +81,7 @@ def play(garment: bpy.types.Object, frames: range) -> Report:
         began = time.perf_counter()
         scene.frame_set(frame)
         spent = 1e3 * (time.perf_counter() - began)
-        entry = registry.runtime(garment)
+        entry = runtimes.runtime(garment)
         if entry.message or entry.inputs is None:
             say(f"frame {frame}: {entry.message or 'nothing was solved'}")
             raise SystemExit(1)

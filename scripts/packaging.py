@@ -81,7 +81,7 @@ def record_hash(data):
 def zips(wheels, out):
     version = project_version()
     addon = files_below(ADDON) | {"LICENSE": (ROOT / "LICENSE").read_bytes()}
-    addon |= {f"shaders/{name}": data for name, data in files_below(ROOT / "shaders").items()}  # see blender/shaders.py
+    addon |= {f"shaders/{name}": data for name, data in files_below(ROOT / "shaders").items()}  # see viewport/glsl.py
     write_zip(out / f"rumple-{version}.zip", addon | extension_files(wheels))
     legacy = {name: data for name, data in addon.items() if name != "blender_manifest.toml"} | legacy_files(wheels)
     write_zip(out / f"rumple-legacy-{version}.zip", {f"rumple/{name}": data for name, data in legacy.items()})

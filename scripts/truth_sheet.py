@@ -90,7 +90,7 @@ def play(garment: bpy.types.Object, rest: np.ndarray, frames: np.ndarray, wanted
     bpy.context.view_layer.objects.active = garment
     if bpy.ops.object.rumple_add(method="MESH") != {"FINISHED"}:
         raise SystemExit(garment.rumple.message)
-    from rumple.blender import registry
+    from rumple.blender.objects import runtimes
     armature = truth_clip.skinned_by(garment).data
     armature.pose_position = "REST"
     scene.frame_set(int(frames[0]))
@@ -101,7 +101,7 @@ def play(garment: bpy.types.Object, rest: np.ndarray, frames: np.ndarray, wanted
         began = time.perf_counter()
         scene.frame_set(frame)
         whole.append(1e3 * (time.perf_counter() - began))
-        entry = registry.runtime(garment)
+        entry = runtimes.runtime(garment)
         if entry.message or entry.picture is None:
             raise SystemExit(f"frame {frame}: {entry.message or 'nothing was solved'}")
         solving.append(sum(entry.picture.milliseconds.values()))

@@ -10,7 +10,9 @@ import bpy
 import numpy as np
 import sleeve
 import stranger
-from rumple.blender import bake_state, handlers, modifier, registry, scheduler
+from rumple.blender import handlers, scheduler
+from rumple.blender.frame import clip_status
+from rumple.blender.objects import modifier, runtimes
 from rumple.core import engine
 
 ATTRIBUTES = tuple(attribute.name for attribute in engine.COMMON_ATTRIBUTES)
@@ -26,7 +28,7 @@ class Baked(unittest.TestCase):
         bpy.ops.wm.save_as_mainfile(filepath=self.blend)
 
     def clip(self):
-        return bake_state.clip_path(self.obj)
+        return clip_status.clip_path(self.obj)
 
     def player(self):
         return modifier.player(modifier.find(self.obj))
@@ -192,7 +194,7 @@ class Baked(unittest.TestCase):
         sleeve.at(9)
         self.assertIn("not the baked one", self.obj.rumple.message)
         self.clip().unlink()
-        self.assertIn("missing", bake_state.check(self.obj, sleeve.carrier(self.obj)))
+        self.assertIn("missing", clip_status.check(self.obj, sleeve.carrier(self.obj)))
 
     def test_freed_it_is_live_again(self):
         bpy.ops.object.rumple_bake()
@@ -213,7 +215,7 @@ class Baked(unittest.TestCase):
         sleeve.at(20)
         np.testing.assert_allclose(sleeve.shown(self.obj), seen, atol=1e-6)
         self.assertEqual(self.obj.rumple.message, "")
-        self.assertIsNone(registry.runtime(self.obj).fine)
+        self.assertIsNone(runtimes.runtime(self.obj).fine)
 
     def test_shape_keys_show_every_frame(self):
         sleeve.play()

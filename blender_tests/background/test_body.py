@@ -12,7 +12,9 @@ import bpy
 import numpy as np
 import shots
 import sleeve
-from rumple.blender import bake_state, bodies, modifier, registry, scheduler, versions
+from rumple.blender import compat, scheduler
+from rumple.blender.frame import clip_status
+from rumple.blender.objects import bodies, modifier, runtimes
 from rumple.core.body import Body
 from worn import outward, placed, posed, solved_body, Worn
 
@@ -31,7 +33,7 @@ class Places(Worn):
             self.assertEqual(solved_body(self.obj).triangles.dtype, np.int32)
             self.assertEqual(len(solved_body(self.obj).triangles), 2 * len(self.body.data.polygons))
             self.assertEqual(self.obj.rumple.message, "")
-        self.assertEqual(registry.runtime(self.obj).inputs.frame, 3.0)
+        self.assertEqual(runtimes.runtime(self.obj).inputs.frame, 3.0)
 
     def test_in_the_space_of_a_garment_that_is_moved_turned_and_scaled(self) -> None:
         self.obj.rumple.body = self.body
@@ -97,7 +99,7 @@ class Places(Worn):
         for place in (0.0, 0.1, 0.1, 0.0):
             self.body.location.y = place
             sleeve.at(8)
-            seen.append(registry.runtime(self.obj).fine.history.get(8.0).inputs)
+            seen.append(runtimes.runtime(self.obj).fine.history.get(8.0).inputs)
         self.assertEqual(seen[1], seen[2])
         self.assertEqual(seen[0], seen[3])
         self.assertNotEqual(seen[0], seen[1])
@@ -108,7 +110,7 @@ class Places(Worn):
         sleeve.make_active(self.body)
         bpy.ops.object.mode_set(mode="EDIT")
         sleeve.at(12)
-        self.assertEqual(registry.runtime(self.obj).inputs.frame, 5.0)
+        self.assertEqual(runtimes.runtime(self.obj).inputs.frame, 5.0)
         bpy.ops.object.mode_set(mode="OBJECT")
         self.check_place(12)
         self.assertEqual(self.obj.rumple.message, "")
@@ -119,7 +121,7 @@ class Places(Worn):
         sleeve.at(5)
         sleeve.make_active(twin)
         bpy.ops.object.mode_set(mode="EDIT")
-        registry.runtime(self.obj).stale = True
+        runtimes.runtime(self.obj).stale = True
         scheduler.sync_all()
         self.assertEqual(self.obj.rumple.message, "")
         bpy.ops.object.mode_set(mode="OBJECT")
@@ -169,7 +171,7 @@ class Hidden(Worn):
         bpy.data.objects["Arm"].animation_data.action = None
         bpy.data.objects["Arm"].pose.bones["lower"].rotation_euler.z = 0.0
         bpy.context.view_layer.update()
-        rest = versions.positions(self.body.data)
+        rest = compat.positions(self.body.data)
         np.testing.assert_allclose(solved_body(self.obj).positions, rest, atol=1e-6)
 
     def test_in_viewport_and_render(self) -> None:
@@ -243,7 +245,7 @@ class Connected(Worn):
         sleeve.at(3)
         modifier.set_bodies(modifier.find(self.obj), None, None)  # as an undo may leave it
         sleeve.at(12)
-        self.assertEqual(registry.runtime(self.obj).inputs.frame, 3.0)
+        self.assertEqual(runtimes.runtime(self.obj).inputs.frame, 3.0)
         sleeve.at(13)
         found = solved_body(self.obj).positions
         self.body.hide_viewport = False
@@ -259,9 +261,9 @@ class Baked(Worn):
         with tempfile.TemporaryDirectory() as folder:
             bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "scene.blend"))
             bpy.ops.object.rumple_bake()
-            self.assertEqual(bake_state.check(self.obj, sleeve.carrier(self.obj)), "")
+            self.assertEqual(clip_status.check(self.obj, sleeve.carrier(self.obj)), "")
             self.obj.rumple.body = None
-            self.assertIn("bodies changed since the bake", bake_state.check(self.obj, sleeve.carrier(self.obj)))
+            self.assertIn("bodies changed since the bake", clip_status.check(self.obj, sleeve.carrier(self.obj)))
             sleeve.at(2)
             self.assertIn("bodies changed", self.obj.rumple.message)
             self.obj.rumple.body = self.body
@@ -309,7 +311,7 @@ class Linked(unittest.TestCase):
         for frame in (3, 4, 12):
             sleeve.at(frame)
         self.assertEqual(obj.rumple.message, "")
-        np.testing.assert_allclose(solved_body(obj).positions, versions.positions(bpy.data.meshes["Prop"]), atol=1e-6)
+        np.testing.assert_allclose(solved_body(obj).positions, compat.positions(bpy.data.meshes["Prop"]), atol=1e-6)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,9 @@ from unittest import mock
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import bodies, modifier, node_tree, registry, scheduler, versions
+from rumple.blender import compat, scheduler
+from rumple.blender.nodes import wrinkle_tree
+from rumple.blender.objects import bodies, modifier, runtimes
 from worn import solved_body, Worn
 
 
@@ -20,15 +22,15 @@ class Wrong(Worn):
         sleeve.at(5)
 
     def check_said(self, obj: bpy.types.Object, words: str, frame: int = 9) -> None:
-        before = registry.runtime(obj).picture
+        before = runtimes.runtime(obj).picture
         sleeve.at(frame)
         self.assertRegex(obj.rumple.message, f"^{obj.name}: .*{words}")
-        self.assertIs(registry.runtime(obj).picture, before)
+        self.assertIs(runtimes.runtime(obj).picture, before)
 
     def check_right(self, obj: bpy.types.Object, frame: int = 10) -> None:
         sleeve.at(frame)
         self.assertEqual(obj.rumple.message, "")
-        self.assertEqual(registry.runtime(obj).inputs.frame, float(frame))
+        self.assertEqual(runtimes.runtime(obj).inputs.frame, float(frame))
 
     def test_no_faces(self) -> None:
         self.body.data.clear_geometry()
@@ -112,23 +114,23 @@ class OlderTree(Worn):
         self.obj.rumple.body = self.body
         sleeve.at(12)
         self.assertEqual(modifier.bodies(modifier.find(self.obj)), (self.body, None))
-        self.assertGreater(np.abs(solved_body(self.obj).positions - versions.positions(self.body.data)).max(), 0.1)
+        self.assertGreater(np.abs(solved_body(self.obj).positions - compat.positions(self.body.data)).max(), 0.1)
         self.assertEqual(self.obj.rumple.message, "")
 
     def make_older(self, group: bpy.types.NodeTree) -> None:
-        for name in (node_tree.BODY, node_tree.BODIES):
+        for name in (wrinkle_tree.BODY, wrinkle_tree.BODIES):
             if hasattr(group, "interface"):
                 group.interface.remove(group.interface.items_tree[name])
             else:
                 group.inputs.remove(group.inputs[name])
-        group[node_tree.VERSION_KEY] = 4
+        group[wrinkle_tree.VERSION_KEY] = 4
 
     def test_linked_it_cannot_be_upgraded_and_that_is_said(self) -> None:
         self.make_older(modifier.find(self.obj).node_group)
-        with mock.patch.object(node_tree, "upgrade", return_value=False):
+        with mock.patch.object(wrinkle_tree, "upgrade", return_value=False):
             sleeve.at(12)
             self.assertEqual(self.obj.rumple.message, "")
             self.obj.rumple.body = self.body
             sleeve.at(13)
             self.assertRegex(self.obj.rumple.message, "^Sleeve: its node group is linked from a file of an older")
-            self.assertEqual(registry.runtime(self.obj).inputs.frame, 12.0)
+            self.assertEqual(runtimes.runtime(self.obj).inputs.frame, 12.0)

@@ -9,7 +9,9 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import brush, mesh_io, registry, versions
+from rumple.blender import compat
+from rumple.blender.brush import operators as brush_operators
+from rumple.blender.objects import mesh_reader, runtimes
 
 
 def field() -> bpy.types.Object:
@@ -20,7 +22,7 @@ def field() -> bpy.types.Object:
 
 
 def painted(obj: bpy.types.Object) -> np.ndarray:
-    return versions.read_attribute(obj.data.attributes[mesh_io.REST_WRINKLE])
+    return compat.read_attribute(obj.data.attributes[mesh_reader.REST_WRINKLE])
 
 
 class Scatter(unittest.TestCase):
@@ -46,7 +48,7 @@ class Scatter(unittest.TestCase):
         sleeve.at(1)
         self.assertGreater(sleeve.attribute(obj, "rumple_amplitude").max(), 1e-3)
         bpy.ops.object.rumple_clear_rest_wrinkles()
-        self.assertNotIn(mesh_io.REST_WRINKLE, obj.data.attributes)
+        self.assertNotIn(mesh_reader.REST_WRINKLE, obj.data.attributes)
         sleeve.at(1)
         self.assertLess(sleeve.attribute(obj, "rumple_amplitude").max(), 1e-4)
 
@@ -60,20 +62,20 @@ class Scatter(unittest.TestCase):
 
     def test_an_attribute_of_that_name_that_is_not_ours_is_kept(self) -> None:
         obj = field()
-        obj.data.attributes.new(mesh_io.REST_WRINKLE, "FLOAT", "POINT")
+        obj.data.attributes.new(mesh_reader.REST_WRINKLE, "FLOAT", "POINT")
         with self.assertRaisesRegex(RuntimeError, "is not a vector for each point"):
             bpy.ops.object.rumple_scatter()
-        self.assertEqual(obj.data.attributes[mesh_io.REST_WRINKLE].data_type, "FLOAT")
+        self.assertEqual(obj.data.attributes[mesh_reader.REST_WRINKLE].data_type, "FLOAT")
 
 
 class Refusals(unittest.TestCase):
     def test_only_a_wrinkle_field_is_painted(self) -> None:
         obj = sleeve.scene()  # a Wrinkle Mesh
-        self.assertIn("no Wrinkle Field", brush.refusal(obj))
+        self.assertIn("no Wrinkle Field", brush_operators.refusal(obj))
         self.assertFalse(bpy.ops.object.rumple_scatter.poll())
         self.assertFalse(bpy.ops.object.rumple_brush.poll())
         bpy.ops.object.rumple_remove()
-        self.assertIn("no Wrinkle Field", brush.refusal(obj))
+        self.assertIn("no Wrinkle Field", brush_operators.refusal(obj))
 
     def test_a_linked_mesh_is_never_touched(self) -> None:
         field()
@@ -86,10 +88,10 @@ class Refusals(unittest.TestCase):
             linked = bpy.data.objects["Sleeve"]
             bpy.context.scene.collection.objects.link(linked)
             sleeve.make_active(linked)
-            self.assertIn("linked", brush.refusal(linked))
+            self.assertIn("linked", brush_operators.refusal(linked))
             for operator in (bpy.ops.object.rumple_scatter, bpy.ops.object.rumple_clear_rest_wrinkles):
                 self.assertFalse(operator.poll())
-            self.assertNotIn(mesh_io.REST_WRINKLE, linked.data.attributes)
+            self.assertNotIn(mesh_reader.REST_WRINKLE, linked.data.attributes)
 
     def test_a_baked_field_says_so(self) -> None:
         obj = field()
@@ -105,9 +107,9 @@ class Refusals(unittest.TestCase):
     def test_in_edit_mode_there_is_no_brush(self) -> None:
         obj = field()
         bpy.ops.object.mode_set(mode="EDIT")
-        self.assertIn("Object Mode", brush.refusal(obj))
+        self.assertIn("Object Mode", brush_operators.refusal(obj))
         bpy.ops.object.mode_set(mode="OBJECT")
-        self.assertEqual(brush.refusal(obj), "")
+        self.assertEqual(brush_operators.refusal(obj), "")
 
 
 class Switch(unittest.TestCase):
@@ -118,4 +120,4 @@ class Switch(unittest.TestCase):
         rumple.register()
         obj = field()
         self.assertEqual(bpy.ops.object.rumple_scatter(), {"FINISHED"})
-        self.assertEqual(registry.message(obj), "")
+        self.assertEqual(runtimes.message(obj), "")

@@ -5,7 +5,9 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import carrier as carriers, mesh_io, modifier, registry, structure, versions
+from rumple.blender import compat
+from rumple.blender.frame import rebuild
+from rumple.blender.objects import mesh_reader, modifier, output_mesh, runtimes
 
 
 class Carrying(unittest.TestCase):
@@ -18,7 +20,7 @@ class Carrying(unittest.TestCase):
         mesh.polygons.foreach_get("material_index", indices)
         coarse = np.empty(len(obj.data.polygons), np.int32)
         obj.data.polygons.foreach_get("material_index", coarse)
-        np.testing.assert_array_equal(indices, coarse[registry.runtime(obj).fine.polygon_parent])
+        np.testing.assert_array_equal(indices, coarse[runtimes.runtime(obj).fine.polygon_parent])
 
     def test_a_changed_material_is_carried_again(self):
         obj = sleeve.scene()
@@ -40,7 +42,7 @@ class Carrying(unittest.TestCase):
 
     def test_uv_corners_stay_on_the_map_of_their_face(self):
         obj = sleeve.scene()
-        fine, mesh = registry.runtime(obj).fine, sleeve.carrier(obj).data
+        fine, mesh = runtimes.runtime(obj).fine, sleeve.carrier(obj).data
         coarse_uv, fine_uv = self.uv(obj.data), self.uv(mesh)
         for polygon, parent in zip(mesh.polygons, fine.polygon_parent):
             within = coarse_uv[list(obj.data.polygons[parent].loop_indices)]
@@ -56,7 +58,7 @@ class Carrying(unittest.TestCase):
         obj = sleeve.scene()
         held = sleeve.carrier(obj)
         self.assertEqual(sleeve.names(held.vertex_groups), sleeve.names(obj.vertex_groups))
-        weights = mesh_io.group_weights(held, held.data, ["upper", "lower"])
+        weights = mesh_reader.group_weights(held, held.data, ["upper", "lower"])
         np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-4)
 
     def test_an_empty_group_is_there_too(self):
@@ -69,14 +71,14 @@ class Carrying(unittest.TestCase):
     def test_attributes_of_all_domains(self):
         obj = sleeve.scene(wrinkles=False)
         mesh = obj.data
-        versions.write_attribute(mesh, "height", "FLOAT", "POINT", versions.positions(mesh)[:, 0])
-        versions.write_attribute(mesh, "tint", "FLOAT_COLOR", "CORNER", np.full((len(mesh.loops), 4), 0.25, np.float32))
-        versions.write_attribute(mesh, "panel", "INT", "FACE", np.arange(len(mesh.polygons)))
-        versions.write_attribute(mesh, "all", "BOOLEAN", "POINT", np.ones(len(mesh.vertices), bool))
+        compat.write_attribute(mesh, "height", "FLOAT", "POINT", compat.positions(mesh)[:, 0])
+        compat.write_attribute(mesh, "tint", "FLOAT_COLOR", "CORNER", np.full((len(mesh.loops), 4), 0.25, np.float32))
+        compat.write_attribute(mesh, "panel", "INT", "FACE", np.arange(len(mesh.polygons)))
+        compat.write_attribute(mesh, "all", "BOOLEAN", "POINT", np.ones(len(mesh.vertices), bool))
         obj.rumple.mesh.source, obj.rumple.mesh.segments = "REGULAR", 3
         bpy.ops.object.rumple_add(method="MESH")
-        fine, carried = registry.runtime(obj).fine, sleeve.carrier(obj).data.attributes
-        values = {name: versions.read_attribute(carried[name]) for name in ("height", "tint", "panel", "all")}
+        fine, carried = runtimes.runtime(obj).fine, sleeve.carrier(obj).data.attributes
+        values = {name: compat.read_attribute(carried[name]) for name in ("height", "tint", "panel", "all")}
         self.assertGreaterEqual(values["height"].min(), -1e-6)
         self.assertLessEqual(values["height"].max(), sleeve.LENGTH + 1e-6)
         np.testing.assert_allclose(values["tint"], 0.25, atol=1e-6)
@@ -91,15 +93,15 @@ class Carrying(unittest.TestCase):
             mesh.edges[index].use_seam = mesh.edges[index].use_edge_sharp = True
         obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 2, 0
         bpy.ops.object.rumple_add(method="MESH")
-        marks = versions.edge_marks(sleeve.carrier(obj).data)
+        marks = compat.edge_marks(sleeve.carrier(obj).data)
         self.assertEqual(int(marks["use_seam"].sum()), 4 * len(marked))
         self.assertEqual(int(marks["use_edge_sharp"].sum()), 4 * len(marked))
 
     def test_nothing_is_carried_twice(self):
         obj = sleeve.scene()
-        fine = registry.runtime(obj).fine
-        self.assertFalse(carriers.carry_changes(sleeve.carrier(obj), obj, fine, obj))
-        self.assertFalse(structure.prepare(obj, modifier.find(obj)))
+        fine = runtimes.runtime(obj).fine
+        self.assertFalse(output_mesh.carry_changes(sleeve.carrier(obj), obj, fine, obj))
+        self.assertFalse(rebuild.prepare(obj, modifier.find(obj)))
 
     def test_an_own_mesh_brings_its_own_looks_and_the_groups_of_the_coarse_one(self):
         obj = sleeve.scene(wrinkles=False)

@@ -14,7 +14,9 @@ import shots
 import sleeve
 import solved_apart
 from cloths import Cloth, difference, dressed, final, forget, garment, pictures, played
-from rumple.blender import live, modifier, registry, scheduler
+from rumple.blender import scheduler
+from rumple.blender.frame import solve
+from rumple.blender.objects import modifier, runtimes
 
 
 # ---------------------------------------------------------------- the first click
@@ -41,7 +43,7 @@ class FirstClick(Cloth):
         self.assertEqual(self.obj.rumple.mesh.hem_rings, 0)
         report = sleeve.picture(self.obj).report
         self.assertIsNotNone(report.cloth)
-        self.assertEqual(len(report.layers), registry.runtime(self.obj).fine.level + 1)
+        self.assertEqual(len(report.layers), runtimes.runtime(self.obj).fine.level + 1)
 
     def test_one_that_is_skinned_by_its_parent_too(self) -> None:
         self.obj.modifiers.clear()
@@ -209,14 +211,14 @@ class ToTheBit(Cloth):
 
     def rendered(self, render: Callable[[], object]) -> dict[float, np.ndarray]:
         """Positions by time, as they are shown to renders."""
-        found, show = {}, live._show
+        found, show = {}, solve._show
 
         def spy(held, entry, picture, in_viewport) -> bool:
             if not in_viewport:
                 found[entry.inputs.frame] = picture.positions
             return show(held, entry, picture, in_viewport)
 
-        with mock.patch.object(live, "_show", spy):
+        with mock.patch.object(solve, "_show", spy):
             render()
         return found
 
@@ -266,7 +268,7 @@ class Changes(Cloth):
 
     def test_each_setting_updates_the_picture_and_the_way_back_is_exact(self) -> None:
         obj = garment(level=2)  # drape, folds and detail
-        settings, entry = obj.rumple.mesh, registry.runtime(obj)
+        settings, entry = obj.rumple.mesh, runtimes.runtime(obj)
         first = played(obj, 10)
         cloth = entry.fine.state_of(10.0).cloth.positions
         for name, value in (("slack", 1.08), ("gravity", 3.0), ("room", 0.004), ("drape", 0.1), ("folds", 0.1),

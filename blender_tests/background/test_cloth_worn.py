@@ -11,7 +11,9 @@ import numpy as np
 import sleeve
 from cloths import (DEEPER, Cloth, bared, depth, depths, difference, dressed, final, forget, garment, hang,
                     off_animation, pictures, played)
-from rumple.blender import handlers, modifier, panels, properties, registry
+from rumple.blender import handlers
+from rumple.blender.objects import modifier, properties, runtimes
+from rumple.blender.ui import panels
 
 # Frames in which the arm bends so slowly that the sleeve does not face itself: which of two equally near sides of it
 # bounds a fold is a matter of rounding.
@@ -128,7 +130,7 @@ class Painted(Cloth):
         first = played(self.obj)
         bpy.ops.object.rumple_paint(group="follow")
         group = self.obj.vertex_groups["Rumple Follow"]
-        suggested = registry.runtime(self.obj).fine.suggested_follow(
+        suggested = runtimes.runtime(self.obj).fine.suggested_follow(
             properties.settings_of(self.obj, bpy.context.scene))
         weights = [group.weight(vertex.index) for vertex in self.obj.data.vertices]
         np.testing.assert_allclose(weights, suggested, atol=0.026)
@@ -255,7 +257,7 @@ class Baked(Cloth):
         hung, places = {}, {}
 
         def base_cloth() -> np.ndarray:
-            entry = registry.runtime(outer)
+            entry = runtimes.runtime(outer)
             return entry.fine.solved_over(entry.inputs.frame, entry.inputs.positions)
 
         def apart(frame: int) -> float:
@@ -263,12 +265,12 @@ class Baked(Cloth):
 
         for frame in range(1, 11):
             sleeve.at(frame)
-            hung[frame], places[frame] = base_cloth(), registry.runtime(outer).inputs.body.positions
+            hung[frame], places[frame] = base_cloth(), runtimes.runtime(outer).inputs.body.positions
         self.bake(inner)
         forget(outer)
         for frame in range(1, 11):
             sleeve.at(frame)
-            np.testing.assert_allclose(registry.runtime(outer).inputs.body.positions, places[frame], atol=1e-6)
+            np.testing.assert_allclose(runtimes.runtime(outer).inputs.body.positions, places[frame], atol=1e-6)
             # Its quads are cut in two by Blender now, some along the other diagonal.
             self.assertLess(apart(frame), 1e-4, f"frame {frame}")
         self.assertEqual(outer.rumple.message, "")

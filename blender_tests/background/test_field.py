@@ -10,7 +10,9 @@ import bpy
 import numpy as np
 import sleeve
 import waves_rendered
-from rumple.blender import changes, field_curve, field_nodes, mesh_io, modifier, registry, scheduler, versions
+from rumple.blender import compat, scheduler
+from rumple.blender.nodes import field_profile, field_shader
+from rumple.blender.objects import changes, mesh_reader, modifier, runtimes
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT
 
 
@@ -39,7 +41,7 @@ class OneClick(unittest.TestCase):
         self.assertLess(sleeve.attribute(obj, "rumple_amplitude").max(), 1e-4)
         sleeve.at(20)
         amplitude = sleeve.attribute(obj, "rumple_amplitude")[:, 0]
-        x = versions.positions(obj.data)[:, 0]
+        x = compat.positions(obj.data)[:, 0]
         self.assertGreater(amplitude.max(), 0.05 * obj.rumple.field.wavelength)
         self.assertLess(amplitude[x < 0.15].max(), 1e-4)
         self.assertEqual(obj.rumple.message, "")
@@ -70,7 +72,7 @@ class OneClick(unittest.TestCase):
         for name in (PHASE, WEIGHT, *VECTORS, U_GRADIENT):
             self.assertEqual(mesh.attributes[name].domain, "CORNER")
             self.assertEqual(mesh.attributes[name].data_type, "FLOAT_VECTOR")
-        weight = versions.read_attribute(mesh.attributes[WEIGHT])
+        weight = compat.read_attribute(mesh.attributes[WEIGHT])
         self.assertEqual(len(weight), corners)
         for corner in range(3):
             others = [axis for axis in range(3) if axis != corner]
@@ -84,7 +86,7 @@ class OneClick(unittest.TestCase):
         before = kinds()
         bpy.ops.object.rumple_add(method="FIELD")
         sleeve.at(9)
-        self.assertTrue(any(field_nodes.is_ours(g) for g in bpy.data.node_groups))
+        self.assertTrue(any(field_shader.is_ours(g) for g in bpy.data.node_groups))
         bpy.ops.object.rumple_remove()
         self.assertEqual(kinds(), before)
         self.assertEqual([a.name for a in obj.data.attributes if a.name.startswith("rumple")], [])
@@ -107,11 +109,11 @@ class Settings(unittest.TestCase):
         lengths = []
         for scale in (1.0, 0.5):
             obj.scale = (scale,) * 3
-            registry.runtime(obj).stale = True  # the scale is read when something is made anew
+            runtimes.runtime(obj).stale = True  # the scale is read when something is made anew
             scheduler.sync_all()
             sleeve.at(19)
             sleeve.at(20)
-            k = registry.runtime(obj).picture.attributes[VECTORS[0]]
+            k = runtimes.runtime(obj).picture.attributes[VECTORS[0]]
             lengths.append(np.median(np.sqrt((k**2).sum(1))) / scale)  # radians per metre
         self.assertAlmostEqual(lengths[0] / lengths[1], 1.0, places=2)  # the arm is not scaled along: other poses
 
@@ -119,26 +121,26 @@ class Settings(unittest.TestCase):
         obj = waving()
         obj.rumple.field.profile = "ACCORDION"
         scheduler.sync_all()
-        groups = {n.node_tree[field_nodes.PROFILE_KEY] for m in obj.data.materials for n in m.node_tree.nodes
+        groups = {n.node_tree[field_shader.PROFILE_KEY] for m in obj.data.materials for n in m.node_tree.nodes
                   if n.type == "GROUP"}
         self.assertEqual(groups, {"ACCORDION"})
 
     def test_a_drawn_profile_reaches_materials_and_geometry(self) -> None:
         obj = waving(profile="CURVE")
         sleeve.at(20)
-        first = field_curve.heights(obj)
+        first = field_profile.heights(obj)
         np.testing.assert_allclose(first, np.cos(np.pi * np.linspace(0.0, 1.0, 65)), atol=0.03)  # a new curve is a sine
-        keys = {group[field_nodes.PROFILE_KEY] for group in bpy.data.node_groups if field_nodes.is_ours(group)}
-        self.assertEqual(keys, {field_curve.key(obj)})
-        mapping = field_curve.node(obj).mapping
+        keys = {group[field_shader.PROFILE_KEY] for group in bpy.data.node_groups if field_shader.is_ours(group)}
+        self.assertEqual(keys, {field_profile.key(obj)})
+        mapping = field_profile.node(obj).mapping
         for point in mapping.curves[0].points:
             point.location = (point.location[0], 0.25)
         mapping.update()
         changes.note_drawn_profile(obj)
         scheduler.sync_all()
-        np.testing.assert_allclose(field_curve.heights(obj), -0.5, atol=1e-4)
-        keys = {group[field_nodes.PROFILE_KEY] for group in bpy.data.node_groups if field_nodes.is_ours(group)}
-        self.assertEqual(keys, {field_curve.key(obj)})
+        np.testing.assert_allclose(field_profile.heights(obj), -0.5, atol=1e-4)
+        keys = {group[field_shader.PROFILE_KEY] for group in bpy.data.node_groups if field_shader.is_ours(group)}
+        self.assertEqual(keys, {field_profile.key(obj)})
         obj.rumple.field.output = "GEOMETRY"  # a flat profile: every point at half the amplitude below the surface
         scheduler.sync_all()
         sleeve.at(19)
@@ -173,7 +175,7 @@ class Settings(unittest.TestCase):
         obj = waving()
         painted = np.zeros((len(obj.data.vertices), 3), np.float32)
         painted[:, 0] = 0.6
-        versions.write_attribute(obj.data, mesh_io.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
+        compat.write_attribute(obj.data, mesh_reader.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
         obj.data.update()
         scheduler.sync_all()
         sleeve.at(2)
@@ -189,13 +191,13 @@ class Settings(unittest.TestCase):
         before = sleeve.attribute(obj, "rumple_amplitude")
         painted = np.zeros((len(obj.data.vertices), 3), np.float32)
         painted[7, 1] = 1.5
-        versions.write_attribute(obj.data, mesh_io.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
+        compat.write_attribute(obj.data, mesh_reader.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
         obj.data.update()
         scheduler.sync_all()
         sleeve.at(20)
         self.assertEqual(obj.rumple.message, "Sleeve: rest_wrinkle: vertex 7 has length 1.500000, expected below 1")
         np.testing.assert_array_equal(sleeve.attribute(obj, "rumple_amplitude"), before)
-        stored = versions.read_attribute(obj.data.attributes[mesh_io.REST_WRINKLE])
+        stored = compat.read_attribute(obj.data.attributes[mesh_reader.REST_WRINKLE])
         np.testing.assert_array_equal(stored, painted)
 
 
@@ -204,7 +206,7 @@ class Materials(unittest.TestCase):
         """A Principled shader whose normal comes from a bump."""
         sleeve.empty_file()
         material = bpy.data.materials.new("Cloth")
-        versions.use_nodes(material)
+        compat.use_nodes(material)
         tree = material.node_tree
         bump = tree.nodes.new("ShaderNodeBump")
         shader = next(n for n in tree.nodes if n.type == "BSDF_PRINCIPLED")
@@ -220,13 +222,13 @@ class Materials(unittest.TestCase):
         material = self.material()
         before = self.links(material)
         obj = sleeve.skinned(sleeve.tube(), sleeve.arm())
-        field_nodes.shade(material, obj)
+        field_shader.shade(material, obj)
         between = self.links(material)
-        self.assertIn(("Bump", "Normal", field_nodes.NAME, "Normal"), between)
-        self.assertIn((field_nodes.NAME, "Normal", "Principled BSDF", "Normal"), between)
-        field_nodes.shade(material, obj)
+        self.assertIn(("Bump", "Normal", field_shader.NAME, "Normal"), between)
+        self.assertIn((field_shader.NAME, "Normal", "Principled BSDF", "Normal"), between)
+        field_shader.shade(material, obj)
         self.assertEqual(self.links(material), between)
-        field_nodes.unshade(material)
+        field_shader.unshade(material)
         self.assertEqual(self.links(material), before)
         self.assertFalse(any(n.type == "GROUP" for n in material.node_tree.nodes))
 

@@ -9,7 +9,11 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import bake_state, node_tree, panels, registry, scheduler
+from rumple.blender import scheduler
+from rumple.blender.frame import clip_status
+from rumple.blender.nodes import wrinkle_tree
+from rumple.blender.objects import runtimes
+from rumple.blender.ui import panels
 
 FRAMES = (2, 6, 7, 15, 20)
 
@@ -26,10 +30,10 @@ class Follower:
     def pose(self):
         """The coarse cuff as the second pass has it."""
         count = len(self.cuff.data.vertices)
-        return sleeve.attribute(self.cuff, node_tree.BASE_POSITION)[:count]
+        return sleeve.attribute(self.cuff, wrinkle_tree.BASE_POSITION)[:count]
 
     def solved_for(self):
-        return registry.runtime(self.cuff).inputs.positions
+        return runtimes.runtime(self.cuff).inputs.positions
 
     def settled(self, frame):
         sleeve.at(frame)
@@ -100,7 +104,7 @@ class Follower:
     def said_before_a_render(self):
         said = io.StringIO()
         with contextlib.redirect_stdout(said):
-            bake_state.check_before_render()
+            clip_status.check_before_render()
         return said.getvalue()
 
 

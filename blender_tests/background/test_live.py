@@ -9,8 +9,11 @@ import bmesh
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import (carrier as carriers, changes, handlers, live, maps_live, modifier, node_tree, registry,
-                            scheduler)
+from rumple.blender import handlers, scheduler
+from rumple.blender.frame import solve
+from rumple.blender.maps import sync as maps_sync
+from rumple.blender.nodes import wrinkle_tree
+from rumple.blender.objects import changes, modifier, output_mesh, runtimes
 
 
 class Frames(unittest.TestCase):
@@ -37,7 +40,7 @@ class Frames(unittest.TestCase):
         sleeve.at(12)
         before = sleeve.shown(obj)
         sleeve.at(12, 0.5)
-        self.assertEqual(registry.runtime(obj).inputs.frame, 12.5)
+        self.assertEqual(runtimes.runtime(obj).inputs.frame, 12.5)
         between = sleeve.shown(obj)
         np.testing.assert_allclose(between, sleeve.picture(obj).positions, atol=1e-6)
         self.assertGreater(np.abs(between - before).max(), 1e-4)
@@ -55,15 +58,15 @@ class Frames(unittest.TestCase):
         obj = sleeve.scene()
         sleeve.at(9)
         written = []
-        original = carriers.write_picture
-        carriers.write_picture = lambda *arguments: written.append(1) or original(*arguments)
+        original = output_mesh.write_picture
+        output_mesh.write_picture = lambda *arguments: written.append(1) or original(*arguments)
         try:
             bpy.data.objects.new("Empty", None)
             for _ in range(3):
                 obj.update_tag()
                 bpy.context.view_layer.update()
         finally:
-            carriers.write_picture = original
+            output_mesh.write_picture = original
         self.assertEqual(written, [])
 
     def test_updates_are_read_before_anything_is_made_anew(self):
@@ -72,8 +75,8 @@ class Frames(unittest.TestCase):
         sleeve.scene()
         calls = mock.Mock()
         with mock.patch.object(changes, "note_updates", calls.note), \
-                mock.patch.object(live, "process", calls.work), \
-                mock.patch.multiple(maps_live, note_updates=calls.note, process=calls.work):
+                mock.patch.object(solve, "process", calls.work), \
+                mock.patch.multiple(maps_sync, note_updates=calls.note, process=calls.work):
             for handler in (handlers._on_frame, handlers._on_update):
                 calls.reset_mock()
                 handler(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
@@ -89,7 +92,7 @@ class Frames(unittest.TestCase):
 
     def test_internal_attributes_do_not_reach_later_modifiers(self):
         names = {a.name for a in sleeve.evaluated(sleeve.scene()).data.attributes}
-        self.assertEqual(names & set(node_tree.CARRIER_ONLY), set())
+        self.assertEqual(names & set(wrinkle_tree.CARRIER_ONLY), set())
 
 
 class Settings(unittest.TestCase):
@@ -114,9 +117,9 @@ class Settings(unittest.TestCase):
             obj.rumple.mesh.radius = value
             obj.keyframe_insert("rumple.mesh.radius", frame=frame)
         sleeve.at(20)
-        self.assertEqual(registry.runtime(obj).inputs.settings.radius, 1.0)
+        self.assertEqual(runtimes.runtime(obj).inputs.settings.radius, 1.0)
         sleeve.at(1)
-        self.assertEqual(registry.runtime(obj).inputs.settings.radius, 0.0)
+        self.assertEqual(runtimes.runtime(obj).inputs.settings.radius, 0.0)
 
     def test_all_presets(self):
         obj = sleeve.scene()
@@ -132,19 +135,19 @@ class Settings(unittest.TestCase):
         settings.density, settings.wavelength = "WAVELENGTH", 0.03
         chosen = settings.wavelength
         scheduler.sync_all()
-        level = registry.runtime(obj).fine.level
+        level = runtimes.runtime(obj).fine.level
         for preset, width in (("DENIM", 2.0), ("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("COTTON", 1.0)):
             bpy.ops.object.rumple_preset(preset=preset)
             scheduler.sync_all()
             self.assertEqual(settings.wavelength, width * chosen)
-            self.assertEqual(registry.runtime(obj).fine.level, level - (width == 2.0), preset)
+            self.assertEqual(runtimes.runtime(obj).fine.level, level - (width == 2.0), preset)
 
     def test_lengths_are_metres_whatever_the_unit(self):
         obj = sleeve.scene(wrinkles=False)
         bpy.context.scene.unit_settings.scale_length = 0.01
         bpy.ops.object.rumple_add(method="MESH")
         self.assertAlmostEqual(obj.rumple.mesh.edge_length, 1.0, places=5)
-        self.assertEqual(registry.runtime(obj).fine.level, 2, "the fold width suits a doll as well")
+        self.assertEqual(runtimes.runtime(obj).fine.level, 2, "the fold width suits a doll as well")
 
     def test_paint_keeps_folds_away(self):
         obj = sleeve.scene()
@@ -201,11 +204,11 @@ class Copies(unittest.TestCase):
     def test_renaming(self):
         obj = sleeve.scene()
         sleeve.play(1, 5)
-        stored = len(registry.runtime(obj).fine.history.frames())
+        stored = len(runtimes.runtime(obj).fine.history.frames())
         obj.name = "Shirt"
         sleeve.at(6)
         self.assertEqual(obj.rumple.message, "")
-        self.assertEqual(len(registry.runtime(obj).fine.history.frames()), stored + 1)
+        self.assertEqual(len(runtimes.runtime(obj).fine.history.frames()), stored + 1)
 
     def test_removing_one_of_two_that_share_a_mesh(self):
         obj = sleeve.scene()
@@ -215,7 +218,7 @@ class Copies(unittest.TestCase):
         bpy.ops.object.rumple_remove()
         sleeve.at(20)
         self.assertEqual(obj.rumple.message, "")
-        self.assertIn(node_tree.REST_POSITION, obj.data.attributes)
+        self.assertIn(wrinkle_tree.REST_POSITION, obj.data.attributes)
 
     def test_copied_modifiers_are_bound_anew(self):
         obj = sleeve.scene()
@@ -272,11 +275,11 @@ class Edits(unittest.TestCase):
     def test_a_broken_edit_keeps_the_last_good_mesh(self):
         obj = sleeve.scene()
         sleeve.at(10)
-        fine = registry.runtime(obj).fine
+        fine = runtimes.runtime(obj).fine
         obj.data.clear_geometry()
         sleeve.at(11)
         self.assertNotEqual(obj.rumple.message, "")
-        self.assertIs(registry.runtime(obj).fine, fine)
+        self.assertIs(runtimes.runtime(obj).fine, fine)
         self.assertEqual(len(sleeve.carrier(obj).data.vertices), fine.vertex_count)
 
     def test_undo_and_redo_of_a_setting_and_of_removal(self):

@@ -8,7 +8,9 @@ import face
 import numpy as np
 import sleeve
 from mathutils import Euler, Matrix
-from rumple.blender import maps_carriers, maps_nodes, maps_tree, versions
+from rumple.blender import compat
+from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier
+from rumple.blender.nodes import maps_shader
 
 ROUNDING = 1e-4  # of a mask: bones of a head in single precision
 
@@ -51,7 +53,7 @@ class Masks(unittest.TestCase):
     def test_packed_for_the_shader_as_one_by_one(self):
         face.pose(self.rig, brow_L=0.004, jaw=0.002)
         evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        packed = versions.read_attribute(evaluated.data.attributes[maps_nodes.MASKS.format(0)])
+        packed = compat.read_attribute(evaluated.data.attributes[maps_shader.MASKS.format(0)])
         np.testing.assert_array_equal(packed[:, 0], face.mask(self.obj, "Surprise"))
         np.testing.assert_array_equal(packed[:, 1], face.mask(self.obj, "Anger"))
         self.assertTrue(packed[:, :2].any(0).all())
@@ -61,11 +63,11 @@ class Masks(unittest.TestCase):
         face.pose(self.rig, brow_L=0.01)
         evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
         self.assertEqual(len(evaluated.data.polygons), len(self.obj.data.polygons))
-        with_maps = versions.positions(evaluated.data).copy()
-        maps_tree.find(self.obj).show_viewport = False
+        with_maps = compat.positions(evaluated.data).copy()
+        maps_modifier.find(self.obj).show_viewport = False
         bpy.context.view_layer.update()
         evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        np.testing.assert_array_equal(versions.positions(evaluated.data), with_maps)
+        np.testing.assert_array_equal(compat.positions(evaluated.data), with_maps)
 
     def test_animated_bones_in_any_order_of_frames(self):
         face.animate(self.rig)
@@ -93,7 +95,7 @@ class Masks(unittest.TestCase):
         """What a handler writes costs Blender a second evaluation of the frame."""
         face.animate(self.rig)
         bpy.context.scene.frame_set(1)
-        with unittest.mock.patch.object(maps_carriers, "write_weights", wraps=maps_carriers.write_weights) as written:
+        with unittest.mock.patch.object(maps_meshes, "write_weights", wraps=maps_meshes.write_weights) as written:
             for frame in range(1, 12):
                 bpy.context.scene.frame_set(frame)
             self.assertEqual(written.call_count, 0)

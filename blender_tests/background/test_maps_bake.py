@@ -10,7 +10,7 @@ import bpy
 import face
 import maps_shots
 import numpy as np
-from rumple.blender import maps_export
+from rumple.blender.maps import export as maps_export
 from rumple.core import poses
 
 

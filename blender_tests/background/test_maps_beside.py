@@ -11,7 +11,9 @@ import face
 import numpy as np
 import sleeve
 import stranger
-from rumple.blender import handlers, maps_carriers, maps_live, maps_tree, modifier, scheduler, versions
+from rumple.blender import compat, handlers, scheduler
+from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier, sync as maps_sync
+from rumple.blender.objects import modifier
 from test_maps_render import Renders
 
 ROUNDING = 1e-4  # of a mask
@@ -87,8 +89,8 @@ class Beside(unittest.TestCase):
     def test_as_many_points_as_the_coarse_mesh_has_but_others(self):
         """An own fine mesh may have the coarse one's number of points: numbers alone do not tell which one is shown."""
         mesh = self.obj.data.copy()
-        points = versions.positions(mesh)[::-1] + np.float32(0.0007)
-        versions.set_positions(mesh, points)
+        points = compat.positions(mesh)[::-1] + np.float32(0.0007)
+        compat.set_positions(mesh, points)
         own = bpy.data.objects.new("Own", mesh)
         bpy.context.scene.collection.objects.link(own)
         self.obj.rumple.mesh.source, self.obj.rumple.own_mesh = "OBJECT", own
@@ -129,12 +131,12 @@ class Beside(unittest.TestCase):
     def test_in_the_wrong_order_it_is_said_and_mended_by_moving(self):
         add_wrinkles(self.obj, "MESH")
         stack = list(self.obj.modifiers)
-        versions.move_modifier(self.obj, stack.index(maps_tree.find(self.obj)), stack.index(modifier.find(self.obj)))
-        maps_live.rig_changed(self.obj)
+        compat.move_modifier(self.obj, stack.index(maps_modifier.find(self.obj)), stack.index(modifier.find(self.obj)))
+        maps_sync.rig_changed(self.obj)
         bpy.context.scene.frame_set(6)
         bpy.context.scene.frame_set(7)
         self.assertIn("Wrinkle Mesh stands behind Wrinkle Maps and drops the masks", face.notes(self.obj))
-        versions.move_modifier(self.obj, stack.index(maps_tree.find(self.obj)), stack.index(modifier.find(self.obj)))
+        compat.move_modifier(self.obj, stack.index(maps_modifier.find(self.obj)), stack.index(modifier.find(self.obj)))
         bpy.context.scene.frame_set(5)
         self.check(6)
         self.assertEqual(face.notes(self.obj), "")
@@ -152,9 +154,9 @@ class Beside(unittest.TestCase):
             bpy.context.scene.frame_set(frame)
         self.assertIn("no bone \"nobody\" to be the root", self.obj.rumple_maps.message)
         self.assertFalse(face.mask(self.obj, "Surprise").any())
-        self.assertEqual(maps_tree.wrinkles(maps_tree.find(self.obj)), sleeve.carrier(self.obj))
+        self.assertEqual(maps_modifier.wrinkles(maps_modifier.find(self.obj)), sleeve.carrier(self.obj))
         bpy.context.scene.frame_set(10)
-        self.assertFalse(maps_live.runtime(self.obj).stale)
+        self.assertFalse(maps_sync.runtime(self.obj).stale)
         self.obj.rumple_maps.root = "head"
         bpy.context.scene.frame_set(2)
         self.check(6)
@@ -162,24 +164,24 @@ class Beside(unittest.TestCase):
     def test_a_new_skin_at_the_address_of_the_former_one_gets_its_weights(self):
         """In 3.4 keys are addresses: the weights of a new skin were taken to be written, and every mask was 0."""
         self.check(6)
-        entry, make = maps_live.runtime(self.obj), maps_carriers.new_skin
+        entry, make = maps_sync.runtime(self.obj), maps_meshes.new_skin
 
         def at_the_same_address(*arguments):
             skin = make(*arguments)
-            entry.carrier_key = versions.session_key(skin.data)
+            entry.carrier_key = compat.session_key(skin.data)
             return skin
 
         self.obj.rumple_maps.root = "nobody"
         bpy.context.scene.frame_set(7)
         self.obj.rumple_maps.root = "head"
-        with mock.patch.object(maps_carriers, "new_skin", at_the_same_address):
+        with mock.patch.object(maps_meshes, "new_skin", at_the_same_address):
             bpy.context.scene.frame_set(2)
         self.check(6)
 
     def test_subdivision_in_front_shows_no_mask_and_is_named(self):
         subdivision = self.obj.modifiers.new("Smooth", "SUBSURF")
-        versions.move_modifier(self.obj, len(self.obj.modifiers) - 1, 1)
-        maps_live.rig_changed(self.obj)
+        compat.move_modifier(self.obj, len(self.obj.modifiers) - 1, 1)
+        maps_sync.rig_changed(self.obj)
         bpy.context.scene.frame_set(10)
         bpy.context.scene.frame_set(11)
         self.assertFalse(face.mask(self.obj, "Surprise").any())

@@ -8,7 +8,7 @@ import bpy
 import face
 import numpy as np
 import sleeve
-from rumple.blender import maps_tree
+from rumple.blender.maps import modifier as maps_modifier
 
 ROUNDING = 1e-4  # of a mask
 
@@ -48,7 +48,7 @@ class Linked(unittest.TestCase):
         return self.found()
 
     def found(self):
-        obj = next(o for o in bpy.data.objects if o.library is None and maps_tree.find(o) and o.users_collection)
+        obj = next(o for o in bpy.data.objects if o.library is None and maps_modifier.find(o) and o.users_collection)
         sleeve.make_active(obj)
         obj.rumple_maps.active = 0
         return obj, obj.find_armature()

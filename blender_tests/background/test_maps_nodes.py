@@ -5,7 +5,7 @@ import unittest
 import bpy
 import maps_shots
 import numpy as np
-from rumple.blender import maps_nodes
+from rumple.blender.nodes import maps_shader
 from rumple.core.engine import Refused
 
 
@@ -29,21 +29,21 @@ class Blend(unittest.TestCase):
         quad = maps_shots.Quad(3, "WRINKLES")
         textures = [node for node in quad.group.nodes if node.type == "TEX_IMAGE"]
         images = sorted({node.image for node in textures}, key=lambda image: image.name)
-        maps_nodes.fill(quad.group, [images[0], None, images[2]], "WRINKLES", "")
+        maps_shader.fill(quad.group, [images[0], None, images[2]], "WRINKLES", "")
         quad.wrinkles[1] = np.full_like(quad.wrinkles[1], 128)
         quad.slopes[1] = 0.0
         self.assertLessEqual(np.abs(quad.rendered("CYCLES") - quad.expected()).max(), maps_shots.STEP)
 
     def test_without_poses_the_neutral_map_is_left(self):
         quad = maps_shots.Quad(1, "WRINKLES")
-        maps_nodes.fill(quad.group, (), "WRINKLES", "")
+        maps_shader.fill(quad.group, (), "WRINKLES", "")
         self.assertLessEqual(np.abs(quad.rendered("CYCLES") - quad.neutral / 255.0).max(), 2 * maps_shots.STEP)
 
 
 class InAMaterial(unittest.TestCase):
 
     def setUp(self):
-        self.group = maps_nodes.new_group("Face")
+        self.group = maps_shader.new_group("Face")
         self.material = bpy.data.materials.new("Skin")
         if bpy.app.version < (5, 0, 0):
             self.material.use_nodes = True
@@ -58,17 +58,17 @@ class InAMaterial(unittest.TestCase):
 
     def goes_in_and_out(self):
         before = links(self.material)
-        maps_nodes.insert(self.material, self.group)
+        maps_shader.insert(self.material, self.group)
         within = links(self.material)
         self.assertNotEqual(within, before)
-        self.assertEqual(maps_nodes.shown_in(self.material), self.group)
-        maps_nodes.insert(self.material, self.group)    # once more: nothing new
+        self.assertEqual(maps_shader.shown_in(self.material), self.group)
+        maps_shader.insert(self.material, self.group)    # once more: nothing new
         self.assertEqual(links(self.material), within)
-        self.assertTrue(maps_nodes.remove(self.material))
+        self.assertTrue(maps_shader.remove(self.material))
         self.assertEqual(links(self.material), before)
-        self.assertIsNone(maps_nodes.shown_in(self.material))
-        self.assertFalse(maps_nodes.remove(self.material))
-        maps_nodes.insert(self.material, self.group)
+        self.assertIsNone(maps_shader.shown_in(self.material))
+        self.assertFalse(maps_shader.remove(self.material))
+        maps_shader.insert(self.material, self.group)
 
     def behind(self, node, name):
         return node.inputs[name].links[0].from_node
@@ -80,12 +80,12 @@ class InAMaterial(unittest.TestCase):
         self.goes_in_and_out()
         ours = self.behind(self.behind(self.shader, "Normal"), "Color")
         self.assertEqual(ours.node_tree, self.group)
-        self.assertEqual(self.behind(ours, maps_nodes.INPUT), image)
+        self.assertEqual(self.behind(ours, maps_shader.INPUT), image)
 
     def test_without_a_normal_map_one_is_made(self):
         self.goes_in_and_out()
         ours = self.behind(self.behind(self.shader, "Normal"), "Color")
-        self.assertEqual(tuple(ours.inputs[maps_nodes.INPUT].default_value), maps_nodes.FLAT)
+        self.assertEqual(tuple(ours.inputs[maps_shader.INPUT].default_value), maps_shader.FLAT)
 
     def test_a_bump_lies_on_the_wrinkles(self):
         bump, reroute = self.node("ShaderNodeBump"), self.node("NodeReroute")
@@ -103,7 +103,7 @@ class InAMaterial(unittest.TestCase):
         self.tree.links.new(mixed.outputs[0], output.inputs["Surface"])
         self.goes_in_and_out()
         self.assertEqual(self.behind(self.shader, "Normal"), self.behind(other, "Normal"))
-        maps_nodes.remove(self.material)
+        maps_shader.remove(self.material)
         for shader in (self.shader, other):
             self.tree.links.new(normal_map.outputs["Normal"], shader.inputs["Normal"])
         self.goes_in_and_out()
@@ -112,7 +112,7 @@ class InAMaterial(unittest.TestCase):
     def refused(self, word, group=None):
         before = links(self.material)
         with self.assertRaisesRegex(Refused, word):
-            maps_nodes.insert(self.material, group or self.group)
+            maps_shader.insert(self.material, group or self.group)
         self.assertEqual(links(self.material), before)
 
     def test_what_cannot_be_blended_is_refused_and_left_alone(self):
@@ -126,5 +126,5 @@ class InAMaterial(unittest.TestCase):
         self.refused(f"{self.material.name} has no shader that takes a normal")
 
     def test_the_maps_of_another_object_are_not_replaced(self):
-        maps_nodes.insert(self.material, self.group)
-        self.refused("shows the maps of another object", maps_nodes.new_group("Other"))
+        maps_shader.insert(self.material, self.group)
+        self.refused("shows the maps of another object", maps_shader.new_group("Other"))

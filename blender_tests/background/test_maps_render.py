@@ -8,7 +8,8 @@ import bpy
 import face
 import numpy as np
 from mathutils import Euler
-from rumple.blender import maps_geometry, maps_tree
+from rumple.blender.maps import modifier as maps_modifier
+from rumple.blender.nodes import maps_mask_tree
 
 SIZE = 104  # pixels over the face: the brightest lies within a millimetre of the middle of the brow
 
@@ -19,7 +20,7 @@ def show_mask(obj, name):
     tree.nodes.clear()
     attribute, emission, output = (tree.nodes.new(kind) for kind in (
         "ShaderNodeAttribute", "ShaderNodeEmission", "ShaderNodeOutputMaterial"))
-    attribute.attribute_name = maps_geometry.MASK.format(name)
+    attribute.attribute_name = maps_mask_tree.MASK.format(name)
     tree.links.new(attribute.outputs["Fac"], emission.inputs["Strength"])
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
 
@@ -78,7 +79,7 @@ class Renders(unittest.TestCase):
             self.check(self.rendered(write_still=True), [frame])
 
     def test_switched_off_in_the_viewport_it_renders(self):
-        maps_tree.find(self.obj).show_viewport = False
+        maps_modifier.find(self.obj).show_viewport = False
         bpy.context.scene.frame_start, bpy.context.scene.frame_end = 6, 8
         self.check(self.rendered(animation=True), range(6, 9))
 

@@ -9,7 +9,9 @@ import bpy
 import face
 import numpy as np
 import sleeve
-from rumple.blender import maps_carriers, maps_live, maps_nodes, maps_tree, scheduler
+from rumple.blender import scheduler
+from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier, sync as maps_sync
+from rumple.blender.nodes import maps_shader
 
 
 class Wrong(unittest.TestCase):
@@ -40,7 +42,7 @@ class Wrong(unittest.TestCase):
 
     def test_a_renamed_bone_is_named(self):
         self.rig.data.bones["jaw"].name = "chin"
-        maps_live.rig_changed(self.obj)
+        maps_sync.rig_changed(self.obj)
         self.settle()
         self.assertIn("no bone jaw", face.notes(self.obj))
         face.pose(self.rig, brow_L=0.01)
@@ -54,24 +56,24 @@ class Wrong(unittest.TestCase):
     def test_another_armature_without_these_bones(self):
         self.obj.modifiers["Armature"].object = sleeve.arm()
         sleeve.make_active(self.obj)
-        maps_live.rig_changed(self.obj)
+        maps_sync.rig_changed(self.obj)
         self.settle()
         self.assertIn("Arm has no bone \"head\"", self.obj.rumple_maps.message)
         self.obj.modifiers["Armature"].object = self.rig
-        maps_live.rig_changed(self.obj)
+        maps_sync.rig_changed(self.obj)
         self.settle()
         self.assertEqual(self.obj.rumple_maps.message, "")
 
     def test_a_mesh_without_the_vertex_group(self):
         self.obj.vertex_groups.remove(self.obj.vertex_groups["brow.L"])
-        maps_live.rig_changed(self.obj)
+        maps_sync.rig_changed(self.obj)
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         self.assertIn("no vertex group brow.L", face.notes(self.obj))
         self.assertGreater(face.mask(self.obj, "Surprise").max(), 0.9)
 
     def test_weights_that_do_not_sum_to_one_are_counted(self):
         self.obj.vertex_groups["head"].add([0, 1, 2], 0.5, "REPLACE")
-        maps_live.rig_changed(self.obj)
+        maps_sync.rig_changed(self.obj)
         self.settle()
         self.assertIn("the skin weights of 3 vertices do not sum to 1", face.notes(self.obj))
 
@@ -84,7 +86,7 @@ class Wrong(unittest.TestCase):
         self.settings.poses[0].image.colorspace_settings.name = "sRGB"
         self.settings.poses[1].image.source = "FILE"
         self.settings.poses[1].image.filepath = "//not_there.png"
-        maps_live.maps_changed(self.obj)
+        maps_sync.maps_changed(self.obj)
         self.settle()
         self.assertIn("Surprise is read as a colour", face.notes(self.obj))
         self.assertIn("Anger of pose Anger cannot be found: //not_there.png", face.notes(self.obj))
@@ -121,7 +123,7 @@ class Files(unittest.TestCase):
         face.pose(rig, brow_L=0.01, brow_R=0.01)
         self.assertEqual(obj.rumple_maps.poses["Surprise"].present, 1.0)
         self.assertGreater(face.mask(obj, "Surprise").max(), 0.9)
-        self.assertEqual(maps_nodes.shown_in(obj.data.materials[0]), obj.rumple_maps.group)
+        self.assertEqual(maps_shader.shown_in(obj.data.materials[0]), obj.rumple_maps.group)
 
     def test_a_duplicate_gets_its_own(self):
         copy = self.obj.copy()
@@ -131,21 +133,21 @@ class Files(unittest.TestCase):
         face.pose(self.rig, brow_L=-0.008, brow_R=-0.008, jaw=0.005)
         self.assertTrue(face.mask(copy, "Fury").any())
         self.assertTrue(face.mask(self.obj, "Anger").any())
-        skins = {maps_tree.skin(maps_tree.find(obj)) for obj in (self.obj, copy)}
+        skins = {maps_modifier.skin(maps_modifier.find(obj)) for obj in (self.obj, copy)}
         self.assertEqual(len(skins), 2)
 
     def test_removed_nothing_is_left_but_the_poses(self):
         bpy.ops.rumple.maps_show()
         bpy.ops.rumple.maps_remove()
         self.assertEqual([m.name for m in self.obj.modifiers], ["Armature"])
-        self.assertFalse([o for o in bpy.data.objects if maps_carriers.KEY in o])
-        self.assertFalse([g for g in bpy.data.node_groups if maps_tree.is_ours(g) or maps_nodes.is_ours(g)])
+        self.assertFalse([o for o in bpy.data.objects if maps_meshes.KEY in o])
+        self.assertFalse([g for g in bpy.data.node_groups if maps_modifier.is_ours(g) or maps_shader.is_ours(g)])
         self.assertEqual([pose.name for pose in self.settings.poses], ["Surprise", "Anger"])
         bpy.ops.rumple.maps_add()
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         self.assertEqual(self.settings.poses["Surprise"].present, 1.0)
 
     def test_deleted_by_blenders_own_button_the_carrier_goes(self):
-        self.obj.modifiers.remove(maps_tree.find(self.obj))
+        self.obj.modifiers.remove(maps_modifier.find(self.obj))
         scheduler.sync_all()
-        self.assertFalse([o for o in bpy.data.objects if maps_carriers.KEY in o])
+        self.assertFalse([o for o in bpy.data.objects if maps_meshes.KEY in o])

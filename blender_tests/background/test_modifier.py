@@ -6,7 +6,9 @@ import unittest
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import handlers, modifier, node_tree, scheduler, versions
+from rumple.blender import compat, handlers, scheduler
+from rumple.blender.nodes import wrinkle_tree
+from rumple.blender.objects import modifier
 
 
 class Stack(unittest.TestCase):
@@ -52,7 +54,7 @@ class Stack(unittest.TestCase):
         sleeve.at(15)
         seen = sleeve.shown(obj)
         bpy.ops.object.rumple_apply()
-        np.testing.assert_array_equal(versions.positions(obj.data), seen)
+        np.testing.assert_array_equal(compat.positions(obj.data), seen)
         self.assertEqual([m.name for m in obj.modifiers], ["Subdivision"])
         self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve"])
         self.assertEqual(sleeve.names(obj.vertex_groups), ["lower", "upper"])
@@ -68,7 +70,7 @@ class Stack(unittest.TestCase):
         seen = sleeve.shown(obj)
         bpy.ops.object.rumple_apply()
         self.assertIsNone(obj.data.shape_keys)
-        np.testing.assert_array_equal(versions.positions(obj.data), seen)
+        np.testing.assert_array_equal(compat.positions(obj.data), seen)
 
     def test_blenders_own_apply_is_tidied(self):
         obj = sleeve.scene()
@@ -100,7 +102,7 @@ class Embedding(unittest.TestCase):
                 obj.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.01
             sleeve.at(14)
             count = len(obj.data.vertices)
-            np.testing.assert_array_equal(sleeve.attribute(obj, node_tree.BASE_POSITION)[:count], sleeve.shown(twin))
+            np.testing.assert_array_equal(sleeve.attribute(obj, wrinkle_tree.BASE_POSITION)[:count], sleeve.shown(twin))
 
     def test_a_rigid_turn_of_the_armature_turns_the_folds(self):
         obj = sleeve.scene()
@@ -158,7 +160,7 @@ class Embedding(unittest.TestCase):
     def test_a_modifier_in_front_that_adds_points_is_named(self):
         obj = sleeve.scene(wrinkles=False)
         obj.modifiers.new("Mirror", "MIRROR")
-        versions.move_modifier(obj, 1, 0)
+        compat.move_modifier(obj, 1, 0)
         bpy.ops.object.rumple_add(method="MESH")
         sleeve.at(8)
         self.assertIn("Mirror", obj.rumple.message)
@@ -174,9 +176,9 @@ class Tree(unittest.TestCase):
         sleeve.at(12)
         seen = sleeve.shown(obj)
         group = modifier.find(obj).node_group
-        group[node_tree.VERSION_KEY] = 0
+        group[wrinkle_tree.VERSION_KEY] = 0
         group.nodes.clear()
-        self.assertTrue(node_tree.upgrade(group))
+        self.assertTrue(wrinkle_tree.upgrade(group))
         self.assertIsNotNone(sleeve.carrier(obj))
         bpy.context.view_layer.update()
         np.testing.assert_allclose(sleeve.shown(obj), seen, atol=1e-6)

@@ -10,7 +10,8 @@ import numpy as np
 import sleeve
 import wires
 from cloths import Cloth, depths, difference, final, forget, hang, off_animation, pictures, played
-from rumple.blender import handlers, modifier, registry
+from rumple.blender import handlers
+from rumple.blender.objects import modifier, runtimes
 
 METHODS = {"FIELD": ("field", {}), "WAVES": ("field", {"output": "GEOMETRY"}), "PATHS": ("paths", {})}
 
@@ -53,7 +54,7 @@ class FirstClick(Cloth):
                 self.assertAlmostEqual(settings.threshold, 1.1, 6)
                 self.assertAlmostEqual(settings.width, 0.027, 6)  # 0.7 of the mean edge, 39 mm: more than 25 mm
             else:
-                fine = registry.runtime(obj).fine
+                fine = runtimes.runtime(obj).fine
                 self.assertAlmostEqual(settings.wavelength, fine.fitting_length(fine.base, 1.0), 6)
             sleeve.play(1, 8)
             self.assertEqual(obj.rumple.message, "")
@@ -82,7 +83,7 @@ class Shown(Cloth):
         obj, _body, _settings = worn("FIELD")
         for frame in (1, 2, 3, 12, 20, 7):
             sleeve.at(frame)
-            entry = registry.runtime(obj)
+            entry = runtimes.runtime(obj)
             cloth = entry.fine.solved_over(float(frame), entry.inputs.positions)
             np.testing.assert_allclose(sleeve.shown(obj), cloth, atol=2e-6)
         self.assertGreater(off_animation(obj), 2e-3)
@@ -190,8 +191,8 @@ class PaintedAndWorn(Cloth):
             bpy.context.view_layer.update()
             for frame in (1, 2, 3, 4):
                 sleeve.at(frame)
-                entry = registry.runtime(inner)
-                np.testing.assert_array_equal(registry.runtime(outer).inputs.body.positions,
+                entry = runtimes.runtime(inner)
+                np.testing.assert_array_equal(runtimes.runtime(outer).inputs.body.positions,
                                               entry.fine.solved_over(float(frame), entry.inputs.positions))
             self.assertGreater(off_animation(inner), 1e-3)
             self.assertEqual((inner.rumple.message, outer.rumple.message), ("", ""))

@@ -14,7 +14,11 @@ import shots
 import sleeve
 import stranger
 import wires
-from rumple.blender import bake_files, curves_tree, handlers, modifier, path_curves, registry, scheduler, versions
+from rumple.blender import compat, handlers, scheduler
+from rumple.blender.frame import path_curves
+from rumple.blender.nodes import path_curves_tree
+from rumple.blender.objects import modifier, runtimes
+from rumple.core import clip_file
 from rumple.core import curve_rows
 
 
@@ -58,8 +62,8 @@ class Curves(unittest.TestCase):
     def test_nothing_is_written_when_nothing_changed(self) -> None:
         obj, child = curved()
         sleeve.at(15)
-        with mock.patch.object(versions, "set_positions", side_effect=AssertionError("written")):
-            registry.runtime(obj).forget_written()
+        with mock.patch.object(compat, "set_positions", side_effect=AssertionError("written")):
+            runtimes.runtime(obj).forget_written()
             sleeve.at(15)
         self.assertEqual(obj.rumple.message, "")
         sleeve.at(14)
@@ -83,12 +87,12 @@ class Curves(unittest.TestCase):
         curves, positions, _ = wires.seen(child)
         child.modifiers.remove(child.modifiers[wires.NAME])
         ours = path_curves.find(child)
-        versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")["Radius"], 0.002)
+        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.002)
         child.update_tag()
         sleeve.at(20)
         mesh = sleeve.evaluated(child).data
         self.assertGreater(len(mesh.polygons), 6 * len(positions))
-        away = [np.linalg.norm(positions - p, axis=1).min() for p in versions.positions(mesh)]
+        away = [np.linalg.norm(positions - p, axis=1).min() for p in compat.positions(mesh)]
         self.assertAlmostEqual(max(away), 0.002, places=4)
 
     def test_refusals_in_words(self) -> None:
@@ -146,13 +150,13 @@ class Lives(unittest.TestCase):
             remove()
             scheduler.sync_all()
             self.assertEqual([o for o in sleeve.names(bpy.data.objects) if o != "Sleeve"], ["Arm"])
-            self.assertFalse(any(curves_tree.is_ours(group) for group in bpy.data.node_groups))
+            self.assertFalse(any(path_curves_tree.is_ours(group) for group in bpy.data.node_groups))
             self.assertLessEqual(sleeve.names(bpy.data.meshes), ["Sleeve"])
 
     def test_an_emptied_input_removes_nothing(self) -> None:
         _, child = curved()
         ours = path_curves.find(child)
-        versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")["Garment"], None)
+        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Garment"], None)
         scheduler.sync_all()
         self.assertIn(child.name, bpy.data.objects)
 
@@ -210,7 +214,7 @@ class ElseWhere(unittest.TestCase):
         np.testing.assert_allclose(there[12.0]["position"], curves.positions, atol=2e-6)
         np.testing.assert_array_equal(there[20.0]["rumple_path_height"][:, 0], curves.height)
         sleeve.at(20)
-        pose = registry.runtime(obj).inputs.positions
+        pose = runtimes.runtime(obj).inputs.positions
         p0, p1, p2 = (pose[curves.corners[:, k]] for k in range(3))
         on_triangle = p0 + curves.weights[:, :1] * (p1 - p0) + curves.weights[:, 1:] * (p2 - p0)
         np.testing.assert_allclose(np.linalg.norm(there[20.0]["position"] - on_triangle, axis=1),
@@ -276,7 +280,7 @@ class ElseWhere(unittest.TestCase):
         bpy.ops.object.rumple_bake()
         sleeve.at(18)
         before = wires.seen(child)[1]
-        with mock.patch.object(bake_files.ClipWriter, "add", side_effect=OSError("disk full")):
+        with mock.patch.object(clip_file.ClipWriter, "add", side_effect=OSError("disk full")):
             with self.assertRaisesRegex(RuntimeError, "disk full"):
                 bpy.ops.object.rumple_bake()
         sleeve.at(1)
@@ -296,7 +300,7 @@ class ElseWhere(unittest.TestCase):
         bpy.ops.object.rumple_curves_add()
         child = wires.child_of(obj)
         ours = path_curves.find(child)
-        versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")["Radius"], 0.006)
+        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.006)
         obj.is_holdout = True  # only the curves are seen
         sleeve.play()
         stills = {frame: shots.still(frame) for frame in (14, 17, 20)}

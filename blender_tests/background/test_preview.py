@@ -6,7 +6,8 @@ import unittest
 
 import bpy
 import sleeve
-from rumple.blender import gpu_arrays, preview, registry
+from rumple.blender.objects import runtimes
+from rumple.blender.viewport import gpu_arrays, preview
 
 
 class Background(unittest.TestCase):
@@ -31,8 +32,8 @@ class Background(unittest.TestCase):
         obj = sleeve.scene(wrinkles=False)
         bpy.ops.object.rumple_add(method="FIELD")
         sleeve.play(1, 5)
-        stored = registry.runtime(obj).fine.history.frames()
+        stored = runtimes.runtime(obj).fine.history.frames()
         obj.rumple.field.gpu_preview = True
         sleeve.at(5)
-        self.assertEqual(registry.runtime(obj).fine.history.frames(), stored)
+        self.assertEqual(runtimes.runtime(obj).fine.history.frames(), stored)
         self.assertGreaterEqual(len(stored), 5)

@@ -13,7 +13,7 @@ import shots
 import sleeve
 import solved_apart
 import stranger
-from rumple.blender import modifier, registry
+from rumple.blender.objects import modifier, runtimes
 
 
 class Engines(rendered.Engines, unittest.TestCase):
@@ -125,7 +125,7 @@ class WithoutTheAddOn(unittest.TestCase):
         sleeve.play()
         sleeve.at(12)
         self.save()
-        fine = registry.runtime(self.obj).fine
+        fine = runtimes.runtime(self.obj).fine
         seen = self.elsewhere((12.0, 1.0, 20.0, 12.0))
         np.testing.assert_allclose(seen[12.0], self.here(12.0), atol=1e-6)
         for time in (1.0, 20.0):

@@ -9,7 +9,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 import sleeve
-from rumple.blender import bake, bake_state, evaluator, modifier, properties, registry, scheduler
+from rumple.blender import scheduler
+from rumple.blender.bake import operators as bake_operators
+from rumple.blender.frame import clip_status
+from rumple.blender.objects import evaluator, modifier, properties, runtimes
 
 METHODS = ("MESH", "FIELD")
 
@@ -151,7 +154,7 @@ class WholeClip(unittest.TestCase):
 
     def by_hand(self, obj: bpy.types.Object) -> dict[int, np.ndarray]:
         """All frames with the labels of the whole clip, by the engine alone."""
-        scene, entry = bpy.context.scene, registry.runtime(obj)
+        scene, entry = bpy.context.scene, runtimes.runtime(obj)
         now = evaluator.sources(obj)
         fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale)
         poses = {}
@@ -220,7 +223,7 @@ class WholeClip(unittest.TestCase):
         cuff = sleeve.cuff(other, "SHRINKWRAP", "Cuff")
         cuff.rumple.mesh.rest_shape, cuff.rumple.bake_end = "ADAPTIVE", sleeve.LAST
         scheduler.sync_all()
-        running = bake._Bake(bpy.context, cuff)
+        running = bake_operators._Bake(bpy.context, cuff)
         while running.step():
             pass
         running.finish()
@@ -231,14 +234,14 @@ class WholeClip(unittest.TestCase):
         obj = self.made("MESH")
         live = self.played(obj)
         for steps in (0, 3, sleeve.LAST, sleeve.LAST + 3):
-            running = bake._Bake(bpy.context, obj)
+            running = bake_operators._Bake(bpy.context, obj)
             self.assertEqual(running.playback.count, 2 * sleeve.LAST)
             for _ in range(steps):
                 self.assertTrue(running.step())
             running.cancel()
-            entry = registry.runtime(obj)
+            entry = runtimes.runtime(obj)
             self.assertFalse(entry.looking)
-            self.assertIsNone(bake_state.clip_path(obj))
+            self.assertIsNone(clip_status.clip_path(obj))
             sleeve.at(14)
             sleeve.at(sleeve.LAST)
         again = self.played(obj)
@@ -264,4 +267,4 @@ class WholeClip(unittest.TestCase):
         modifier.find(obj).show_viewport = False
         with self.assertRaisesRegex(RuntimeError, "nothing is seen at frame 1"):
             bpy.ops.object.rumple_bake()
-        self.assertFalse(registry.runtime(obj).looking)
+        self.assertFalse(runtimes.runtime(obj).looking)

@@ -15,7 +15,8 @@ import bpy
 import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
-from rumple.blender import registry, versions
+from rumple.blender import compat
+from rumple.blender.objects import runtimes
 from test_real_scenes import DATA, OUT, Clip, digest, sides
 
 DEEP = 5e-4  # metres inside the body
@@ -64,7 +65,7 @@ class ClothClip(Clip):
         self.scene.frame_set(frames[0])
         bpy.context.view_layer.objects.active = self.garment
         assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}, self.garment.rumple.message
-        self.fine = registry.runtime(self.garment).fine
+        self.fine = runtimes.runtime(self.garment).fine
         self.edges = sides(self.fine.polygon_start, self.fine.corner_vertex)
         self.rest_lengths = self.lengths(self.fine.positions_rest)
         self.at_border = self.polygons_at_borders()
@@ -80,7 +81,7 @@ class ClothClip(Clip):
         began = time.perf_counter()
         shown = self.show(frame).copy()
         took = 1e3 * (time.perf_counter() - began)
-        picture = registry.runtime(self.garment).picture
+        picture = runtimes.runtime(self.garment).picture
         bare = shown - picture.offset
         over, over_bare = self.heights(shown), self.heights(bare)
         beside = int((over[np.isnan(over_bare)] < -DEEP).sum())
@@ -107,7 +108,7 @@ class ClothClip(Clip):
         """Above the body, metres, of every so many points; NaN where they do not lie on it."""
         into = self.body.matrix_world.inverted() @ self.garment.matrix_world
         body = self.body.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-        tree = BVHTree.FromPolygons([Vector(place) for place in versions.positions(body).tolist()],
+        tree = BVHTree.FromPolygons([Vector(place) for place in compat.positions(body).tolist()],
                                     [tuple(polygon.vertices) for polygon in body.polygons])
         out = []
         for place, normal in zip(positions[::EVERY].tolist(), self.normals(positions)[::EVERY].tolist()):
@@ -179,7 +180,7 @@ class Worn:
         pairs = {}
         for frame in self.frames[::EVERY_CROSSING]:
             shown = self.clip.show(frame).copy()
-            bare = shown - registry.runtime(self.clip.garment).picture.offset
+            bare = shown - runtimes.runtime(self.clip.garment).picture.offset
             pairs[frame] = self.clip.crossings(shown), self.clip.crossings(bare)
         shown_sum, bare_sum = np.sum(list(pairs.values()), axis=0)
         self.assertGreater(bare_sum, 100, "nothing is crossed: the law says nothing")
@@ -230,7 +231,7 @@ class Simulated(unittest.TestCase):
             setattr(self.garment.rumple.mesh, name, value)
         for frame in self.frames:
             bpy.context.scene.frame_set(frame)
-        entry = registry.runtime(self.garment)
+        entry = runtimes.runtime(self.garment)
         self.assertEqual(entry.message, "")
         a, b = sides(entry.fine.polygon_start, entry.fine.corner_vertex).T
         offset, count = entry.picture.offset, np.zeros(entry.fine.vertex_count)
@@ -249,7 +250,7 @@ class Simulated(unittest.TestCase):
     def test_one_click_gives_a_skirt_folds_without_noise(self) -> None:
         skirt = "S3_skirt_sim", "skirt"
         clicked = self.clicked(*skirt)
-        self.assertGreater(np.linalg.norm(registry.runtime(self.garment).picture.offset, axis=1).max(), 0.005)
+        self.assertGreater(np.linalg.norm(runtimes.runtime(self.garment).picture.offset, axis=1).max(), 0.005)
         self.assertLess(clicked, 0.9 * self.noise(*skirt, buckling_threshold=0.0))
         self.assertLess(clicked, 0.65 * self.noise(*skirt, buckling_threshold=0.0, layers="ONE"))
 

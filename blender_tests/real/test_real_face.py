@@ -7,7 +7,9 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from rumple.blender import maps_geometry, maps_live, maps_tree, versions
+from rumple.blender import compat
+from rumple.blender.maps import modifier as maps_modifier, sync as maps_sync
+from rumple.blender.nodes import maps_mask_tree
 
 DATA = Path(os.environ["RUMPLE_DATA"])
 HELD = {"Surprise": 21, "Anger": 51}  # frames that hold these expressions
@@ -31,7 +33,7 @@ class Face(unittest.TestCase):
     def masks(self):
         """{pose: (n,)} on the evaluated mesh."""
         attributes = self.head.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.attributes
-        return {name: versions.read_attribute(attributes[maps_geometry.MASK.format(name)])[:, 0] for name in HELD}
+        return {name: compat.read_attribute(attributes[maps_mask_tree.MASK.format(name)])[:, 0] for name in HELD}
 
     def weights(self, name):
         index = self.head.vertex_groups[name].index
@@ -42,7 +44,7 @@ class Face(unittest.TestCase):
         self.assertEqual(self.settings.root, "head")
         self.assertEqual(len(self.settings.bones), 21)
         self.assertEqual(self.settings.message, "")
-        self.assertEqual(maps_live.runtime(self.head).notes, [])
+        self.assertEqual(maps_sync.runtime(self.head).notes, [])
 
     def test_every_frame_of_the_clip(self):
         """Within 0 and 1; 1 in the frames that hold a pose; 0 where the face is neutral; rising on the way."""
@@ -105,7 +107,7 @@ class Face(unittest.TestCase):
 
     def test_what_a_frame_costs_is_written_down(self):
         """Not judged: a busy machine would fail it."""
-        ours = maps_tree.find(self.head)
+        ours = maps_modifier.find(self.head)
         times = {}
         for shown in (False, True):
             ours.show_viewport = shown

@@ -11,7 +11,8 @@ import unittest
 import bpy
 import numpy as np
 from one_garment import PlayedOnce
-from rumple.blender import properties, registry, versions
+from rumple.blender import compat
+from rumple.blender.objects import properties, runtimes
 from test_real_scenes import digest
 
 HELD = 12  # frames
@@ -30,8 +31,8 @@ class Waving(PlayedOnce):
         """Show a frame and measure it."""
         cls.scene.frame_set(frame)
         mesh = cls.garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-        values = [versions.read_attribute(mesh.attributes[a.name]) for a in cls.fine.ATTRIBUTES]
-        entry = registry.runtime(cls.garment)
+        values = [compat.read_attribute(mesh.attributes[a.name]) for a in cls.fine.ATTRIBUTES]
+        entry = runtimes.runtime(cls.garment)
         return dict(frame=frame, message=cls.garment.rumple.message, finite=all(np.isfinite(v).all() for v in values),
                     digest=digest(np.concatenate([v.ravel() for v in values])),
                     phase=cls.fine.history.get(float(frame)).state.phase,
@@ -63,7 +64,7 @@ class Waving(PlayedOnce):
         settings = properties.settings_of(self.garment, self.scene)
         held = self.frames[len(self.frames) // 2]
         self.scene.frame_set(held)
-        positions = registry.runtime(self.garment).inputs.positions.copy()
+        positions = runtimes.runtime(self.garment).inputs.positions.copy()
         expected = self.fine.history.get(float(held)).state.phase
         for frame in range(held + 1, held + HELD):
             self.fine.solve_frame(float(frame), positions, settings, {}, start=self.frames[0])
@@ -73,7 +74,7 @@ class Waving(PlayedOnce):
 
 
 def mesh_amplitude(mesh: bpy.types.Mesh) -> np.ndarray:
-    return versions.read_attribute(mesh.attributes["rumple_amplitude"])[:, 0]
+    return compat.read_attribute(mesh.attributes["rumple_amplitude"])[:, 0]
 
 
 class WalkingShirt(Waving, unittest.TestCase):

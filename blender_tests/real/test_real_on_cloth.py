@@ -12,7 +12,8 @@ import unittest
 import bpy
 import numpy as np
 from one_garment import PlayedOnce
-from rumple.blender import registry, versions
+from rumple.blender import compat
+from rumple.blender.objects import runtimes
 from test_real_scenes import digest
 
 MOST_AREA = 1.06  # over that at rest: what the base is stretched across its waves comes on top of the length kept
@@ -28,8 +29,8 @@ class OnCloth(PlayedOnce):
         """Show a frame and measure it."""
         cls.scene.frame_set(frame)
         mesh = cls.garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-        shown = versions.positions(mesh).copy()
-        entry = registry.runtime(cls.garment)
+        shown = compat.positions(mesh).copy()
+        entry = runtimes.runtime(cls.garment)
         picture, cloth = entry.picture, cls.fine.solved_over(float(frame), entry.inputs.positions)
         area = cls.area(picture.positions) / cls.area(cls.fine.positions_rest)
         return dict(frame=frame, message=cls.garment.rumple.message, finite=bool(np.isfinite(shown).all()),

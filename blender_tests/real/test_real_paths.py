@@ -12,7 +12,8 @@ import bpy
 import numpy as np
 from one_garment import PlayedOnce
 from rumple import native
-from rumple.blender import registry, versions
+from rumple.blender import compat
+from rumple.blender.objects import runtimes
 from test_real_scenes import digest
 
 
@@ -24,8 +25,8 @@ class Folding(PlayedOnce):
         """Show a frame and measure it."""
         cls.scene.frame_set(frame)
         mesh = cls.garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-        shown = versions.positions(mesh)
-        entry = registry.runtime(cls.garment)
+        shown = compat.positions(mesh)
+        entry = runtimes.runtime(cls.garment)
         state, report = cls.fine.history.get(float(frame)).state, entry.picture.report
         return dict(frame=frame, message=cls.garment.rumple.message, finite=bool(np.isfinite(shown).all()),
                     digest=digest(shown), fault=native.load().wrinkle_path_fault(cls.fine.model, state),

@@ -16,7 +16,8 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from rumple.blender import modifier, properties, registry, versions
+from rumple.blender import compat
+from rumple.blender.objects import modifier, properties, runtimes
 from rumple.core import engine, wrinkle_mesh
 
 DATA = Path(os.environ["RUMPLE_DATA"])
@@ -77,7 +78,7 @@ class Clip:
         self.scene.frame_set(self.frames[0])
         for garment in self.garments:
             add_wrinkles(garment)
-        self.fine = registry.runtime(self.garment).fine
+        self.fine = runtimes.runtime(self.garment).fine
         self.edges = sides(self.fine.polygon_start, self.fine.corner_vertex)
         self.rest_lengths = self.lengths(self.fine.positions_rest)
         self.offsets: np.ndarray | None = None
@@ -88,7 +89,7 @@ class Clip:
         return self.shown(garment or self.garment)
 
     def shown(self, garment: bpy.types.Object) -> np.ndarray:
-        return versions.positions(garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data)
+        return compat.positions(garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data)
 
     def lengths(self, positions: np.ndarray) -> np.ndarray:
         return np.linalg.norm(positions[self.edges[:, 0]] - positions[self.edges[:, 1]], axis=1)
@@ -101,7 +102,7 @@ class Clip:
     def look(self, frame: int) -> Seen:
         """Show a frame and measure it."""
         shown = self.show(frame)
-        entry = registry.runtime(self.garment)
+        entry = runtimes.runtime(self.garment)
         found = self.fine.measure_frame(float(frame), entry.inputs.positions,
                                         properties.settings_of(self.garment, self.scene))
         former, self.offsets = self.offsets, np.array(found.offsets)
@@ -117,7 +118,7 @@ class Clip:
     def hold_from(self, frame: int) -> None:
         """Every animation curve keeps its value from this frame on."""
         for action in bpy.data.actions:
-            for curve in versions.action_curves(action):
+            for curve in compat.action_curves(action):
                 flat = np.empty(2 * len(curve.keyframe_points), np.float32)
                 curve.keyframe_points.foreach_get("co", flat)
                 flat[1::2][flat[::2] > frame] = curve.evaluate(frame)

@@ -9,7 +9,8 @@ import bpy
 import numpy as np
 import sleeve
 from case import WindowCase
-from rumple.blender import preview, registry
+from rumple.blender.objects import runtimes
+from rumple.blender.viewport import preview
 
 
 class PreviewCase(WindowCase):
@@ -65,7 +66,7 @@ class PreviewCase(WindowCase):
     def until_drawn(self, frame: float) -> Iterator[float]:
         """Until the GPU holds what was solved last, of this frame."""
         yield from self.until(lambda: preview._on_gpu and self.held().inputs is not None
-                              and self.held().inputs is registry.runtime(self.obj).inputs
+                              and self.held().inputs is runtimes.runtime(self.obj).inputs
                               and self.held().inputs.frame == frame)
 
     def refuse(self, drawer: ModuleType) -> list[int]:

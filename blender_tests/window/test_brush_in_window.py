@@ -12,7 +12,9 @@ import sleeve
 from bpy_extras import view3d_utils
 from case import WindowCase
 from mathutils import Vector
-from rumple.blender import brush, mesh_io, registry, versions
+from rumple.blender import compat
+from rumple.blender.brush import operators as brush_operators
+from rumple.blender.objects import mesh_reader, runtimes
 
 FLAT = 1e-4  # metres: the height of a wave that is nothing but the root of a rounding
 MOVES = 4  # events of the mouse in a stroke
@@ -54,8 +56,8 @@ class Painting(WindowCase):
         return bpy.data.objects["Sleeve"]
 
     def painted(self) -> np.ndarray:
-        found = self.obj.data.attributes.get(mesh_io.REST_WRINKLE)
-        return np.zeros((len(self.obj.data.vertices), 3)) if found is None else versions.read_attribute(found)
+        found = self.obj.data.attributes.get(mesh_reader.REST_WRINKLE)
+        return np.zeros((len(self.obj.data.vertices), 3)) if found is None else compat.read_attribute(found)
 
     def lengths(self) -> np.ndarray:
         return np.linalg.norm(self.painted(), axis=1)
@@ -100,7 +102,7 @@ class Painting(WindowCase):
         painted, lengths = self.painted(), self.lengths()
         strong = np.flatnonzero(lengths > 0.3)
         self.assertGreater(len(strong), 6)
-        rest = mesh_io.rest_positions(self.obj, "REST_POSE", "")[strong]
+        rest = mesh_reader.rest_positions(self.obj, "REST_POSE", "")[strong]
         self.assertGreater(rest[:, 0].min(), 0.38)
         # At rest the lower arm lies along x: folds along it are stored as vectors across x.
         self.assertLess(np.abs(painted[strong, 0] / lengths[strong]).max(), 0.05)
@@ -118,7 +120,7 @@ class Painting(WindowCase):
         lengths = self.lengths()
         self.assertTrue((amplitude[lengths == 0.0] < FLAT).all())
         # On top of the tube, where it is seen without foreshortening, waves stand across the stroke.
-        top = (lengths > 0.3) & (mesh_io.rest_positions(self.obj, "REST_POSE", "")[:, 2] > 0.055)
+        top = (lengths > 0.3) & (mesh_reader.rest_positions(self.obj, "REST_POSE", "")[:, 2] > 0.055)
         self.assertGreater(top.sum(), 3)
         self.assertTrue((amplitude[top] > 10.0 * FLAT).all())
         self.assertLess(np.abs(direction[top, :2] @ way).max(), 0.1)
@@ -180,7 +182,7 @@ class Painting(WindowCase):
         self.assertLess(self.lengths().max(), lengths.max())
         bpy.context.scene.rumple_brush.radius, bpy.context.scene.rumple_brush.falloff = 250, "CONSTANT"
         yield from self.stroke(*ends, ctrl=True)
-        rest = mesh_io.rest_positions(self.obj, "REST_POSE", "")
+        rest = mesh_reader.rest_positions(self.obj, "REST_POSE", "")
         self.assertEqual(self.lengths()[rest[:, 2] > 0.01].max(), 0.0)
 
     def test_escape_takes_the_stroke_back(self) -> Iterator[float]:
@@ -188,7 +190,7 @@ class Painting(WindowCase):
         for before in (None, 1):
             if before:
                 yield from self.stroke(Vector((0.1, 0.0, 0.06)), Vector((0.2, 0.0, 0.06)))
-            kept, had = self.painted(), mesh_io.REST_WRINKLE in self.obj.data.attributes
+            kept, had = self.painted(), mesh_reader.REST_WRINKLE in self.obj.data.attributes
             yield from self.press(Vector((0.15, 0.0, 0.06)), Vector((0.4, 0.0, 0.06)))
             self.assertFalse(np.array_equal(self.painted(), kept))
             self.event("ESC", "PRESS", self.here)
@@ -197,13 +199,13 @@ class Painting(WindowCase):
             self.event("LEFTMOUSE", "RELEASE", self.here)
             yield 0.2
             np.testing.assert_array_equal(self.painted(), kept)
-            self.assertEqual(mesh_io.REST_WRINKLE in self.obj.data.attributes, had)
+            self.assertEqual(mesh_reader.REST_WRINKLE in self.obj.data.attributes, had)
 
     def test_mirror(self) -> Iterator[float]:
         sleeve.empty_file()
         with sleeve.context():
             mesh = sleeve.tube()
-            versions.set_positions(mesh, versions.positions(mesh) - np.float32((0.5 * sleeve.LENGTH, 0.0, 0.0)))
+            compat.set_positions(mesh, compat.positions(mesh) - np.float32((0.5 * sleeve.LENGTH, 0.0, 0.0)))
             mesh.update()
             obj = bpy.data.objects.new("Sleeve", mesh)
             bpy.context.scene.collection.objects.link(obj)
@@ -217,7 +219,8 @@ class Painting(WindowCase):
         rings = self.painted().reshape(sleeve.ALONG, sleeve.AROUND, 3)
         self.assertGreater(np.count_nonzero(self.lengths()), 12)
         # The middle of the stroke, in the object's own space: folds along it, so vectors across it.
-        middle = np.linalg.norm(mesh_io.rest_positions(self.obj, "REST_POSE", "") - (0.15, 0.0, 0.06), axis=1).argmin()
+        rest = mesh_reader.rest_positions(self.obj, "REST_POSE", "")
+        middle = np.linalg.norm(rest - (0.15, 0.0, 0.06), axis=1).argmin()
         way = np.array((0.1, 0.05)) / math.hypot(0.1, 0.05)
         self.assertGreater(self.lengths()[middle], 0.3)
         self.assertLess(abs(self.painted()[middle, :2] @ way) / self.lengths()[middle], 0.15)
@@ -272,7 +275,7 @@ class Painting(WindowCase):
         for direction, run, along in (("HORIZONTAL", "ALONG", 0), ("VERTICAL", "ALONG", 1), ("VERTICAL", "ACROSS", 0)):
             settings.direction, settings.run = direction, run
             yield from self.stroke(Vector((0.1, 0.0, 0.06)), Vector((0.3, 0.03, 0.06)))
-            top = (self.lengths() > 0.3) & (mesh_io.rest_positions(self.obj, "REST_POSE", "")[:, 2] > 0.055)
+            top = (self.lengths() > 0.3) & (mesh_reader.rest_positions(self.obj, "REST_POSE", "")[:, 2] > 0.055)
             self.assertGreater(top.sum(), 3)
             self.assertLess(np.abs(self.painted()[top, along]).max(), 0.05, (direction, run))
             with self.area():
@@ -282,7 +285,7 @@ class Painting(WindowCase):
         yield from self.make()
         values = np.zeros((len(self.obj.data.vertices), 3), np.float32)
         values[7] = (0.0, 1.5, 0.0)
-        versions.write_attribute(self.obj.data, mesh_io.REST_WRINKLE, "FLOAT_VECTOR", "POINT", values)
+        compat.write_attribute(self.obj.data, mesh_reader.REST_WRINKLE, "FLOAT_VECTOR", "POINT", values)
         self.obj.data.update()
         yield from self.until(lambda: self.obj.rumple.message)
         self.assertIn("vertex 7 has length 1.5", self.obj.rumple.message)
@@ -298,7 +301,7 @@ class Painting(WindowCase):
         with self.area():
             bpy.ops.object.rumple_remove()
         yield from self.stroke(Vector((0.1, 0.0, 0.06)), Vector((0.3, 0.0, 0.06)))
-        self.assertNotIn(mesh_io.REST_WRINKLE, self.obj.data.attributes)
+        self.assertNotIn(mesh_reader.REST_WRINKLE, self.obj.data.attributes)
 
     def test_the_overlay_is_drawn_on_the_bent_arm(self) -> Iterator[float]:
         yield from self.make(frame=12)
@@ -319,5 +322,5 @@ class Painting(WindowCase):
         yield 0.3
         self.screenshot("brush_vectors")
         self.assertGreater((np.abs(self.pixels().astype(int) - with_lines).max(axis=2) > 40).sum(), 300)
-        self.assertEqual(registry.message(self.obj), "")
-        self.assertTrue(brush.refusal(None))
+        self.assertEqual(runtimes.message(self.obj), "")
+        self.assertTrue(brush_operators.refusal(None))

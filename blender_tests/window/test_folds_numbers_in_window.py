@@ -9,7 +9,7 @@ import numpy as np
 from case import WindowCase
 from mathutils import Matrix
 from rumple import native
-from rumple.blender import gpu_arrays, gpu_paths, preview, shaders
+from rumple.blender.viewport import glsl, gpu_arrays, preview, preview_paths
 from rumple.core import engine
 from rumple.core.settings import PathsSettings
 from rumple.core.wrinkle_paths import WrinklePaths
@@ -80,7 +80,7 @@ class Sheet:
 class Formulas(WindowCase):
 
     def test_heights_and_normals_are_those_of_cpp(self) -> None:
-        for profile in gpu_paths.PROFILES:
+        for profile in preview_paths.PROFILES:
             for direction in ("OUTWARD", "BOTH"):
                 sheet = Sheet(profile=profile, direction=direction)
                 triangle, weights = sheet.points(4000)
@@ -94,12 +94,12 @@ class Formulas(WindowCase):
                 inputs = dict(lists=np.column_stack((start[triangle], start[triangle + 1])), places=place,
                               normals=normal, ranges=lists.ranges, ends=lists.ends.reshape(-1, 4))
                 probe = gpu_arrays.Pass(
-                    shaders.source(*shaders.FOLDS, "preview/texels", "preview/folds") + PROBE, tuple(inputs),
+                    glsl.source(*glsl.FOLDS, "preview/texels", "preview/folds") + PROBE, tuple(inputs),
                     ("out_fold",), (("INT", "profile"),))
                 target = gpu_arrays.Target(len(triangle))
                 gpu_arrays.plain_state()
                 probe.run(target, {name: gpu_arrays.upload(values) for name, values in inputs.items()},
-                          profile=gpu_paths.PROFILES.index(profile))
+                          profile=preview_paths.PROFILES.index(profile))
                 found = target.read()
                 self.assertGreater((np.abs(expected[:, 3]) > 0.1 * WIDTH).sum(), 400)
                 self.assertEqual((expected[:, 3] < -1e-3 * WIDTH).any(), direction == "BOTH")
@@ -111,7 +111,7 @@ class Formulas(WindowCase):
 
     def test_patterns_cover_a_triangle_once(self) -> None:
         for parts in (1, 2, 8, 32):
-            points, cells = gpu_paths.spots(parts), gpu_paths.cells(parts)
+            points, cells = preview_paths.spots(parts), preview_paths.cells(parts)
             self.assertEqual((len(points), len(cells)), ((parts + 1) * (parts + 2) // 2, parts * parts))
             a, b, c = (points[cells[:, k]] for k in range(3))
             twice_area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
@@ -121,7 +121,7 @@ class Formulas(WindowCase):
     def test_runs_draw_every_patch_once(self) -> None:
         for parts in (1, 8, 32):
             for count in (1, 2, 7, 600, 5000):
-                drawn = [i for first, size in gpu_paths.runs(3, count, parts) for i in range(first, first + size)]
+                drawn = [i for first, size in preview_paths.runs(3, count, parts) for i in range(first, first + size)]
                 self.assertEqual(drawn, list(range(3, 3 + count)))
 
 
@@ -130,7 +130,7 @@ class Stage(WindowCase):
 
     def drawn(self, sheet: Sheet, view: Matrix = Matrix.Translation((-0.35, -0.5, 0.0))) -> None:
         """self.color (SIDE, SIDE, 4), the bottom row first, alpha 0 where nothing is; self.depth (SIDE, SIDE)."""
-        drawing = gpu_paths.Drawing(sheet.fine.model)
+        drawing = preview_paths.Drawing(sheet.fine.model)
         mesh = SimpleNamespace(uv_layers=())
         obj = SimpleNamespace(matrix_world=Matrix(), dimensions=(1.0, 1.0, 1.0), material_slots=(), data=mesh)
         entry = SimpleNamespace(picture=sheet.sketch, fine=sheet.fine, inputs=SimpleNamespace(settings=sheet.settings))

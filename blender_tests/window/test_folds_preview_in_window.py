@@ -11,15 +11,17 @@ import numpy as np
 import shots
 import sleeve
 from preview_case import PreviewCase, smooth
-from rumple.blender import gpu_paths, handlers, modifier, preview, registry
+from rumple.blender import handlers
+from rumple.blender.objects import modifier, runtimes
+from rumple.blender.viewport import preview, preview_paths
 from rumple.core.wrinkle_paths import WrinklePaths
 
 
 class FoldsCase(PreviewCase):
     method = "PATHS"
 
-    def entry(self) -> registry.Runtime:
-        return registry.runtime(self.obj)
+    def entry(self) -> runtimes.Runtime:
+        return runtimes.runtime(self.obj)
 
     def settled(self, stands_in: bool = True) -> Iterator[float]:
         """Waits until the viewport has the mesh that it should have."""
@@ -106,7 +108,7 @@ class Pictures(FoldsCase):
         self.assertEqual(len(preview._on_gpu), 2)
         self.assertEqual([held.refused for held in preview._on_gpu.values()], [False, False])
         for obj, _ours in modifier.wrinkled_objects():
-            self.assertTrue(registry.runtime(obj).inputs.stands_in)
+            self.assertTrue(runtimes.runtime(obj).inputs.stands_in)
 
 
 class Meshes(FoldsCase):
@@ -250,7 +252,7 @@ class Refusals(FoldsCase):
         yield from self.make(gpu_preview=False)
         yield from self.shot()
         fine = self.seen
-        tried = self.refuse(gpu_paths)
+        tried = self.refuse(preview_paths)
         self.obj.rumple.paths.gpu_preview = True
         yield from self.until(lambda: tried)
         yield from self.settled(False)

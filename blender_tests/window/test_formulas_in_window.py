@@ -11,7 +11,7 @@ import gpu
 import numpy as np
 import rumple_native as native
 from case import WindowCase
-from rumple.blender import gpu_arrays, gpu_field, shaders
+from rumple.blender.viewport import glsl, gpu_arrays, preview_field
 
 CLOSE = 1e-5  # of the largest number in a result: some roundings of float32
 RANDOM = 4000
@@ -31,7 +31,7 @@ void main() {
 
 def on_gpu(formula: int, cases: np.ndarray) -> np.ndarray:
     """(n, 16) arguments -> (n, 16) results."""
-    source = shaders.source(*shaders.FORMULAS, "shared/wrinkle_field_probe", "preview/texels") + PROBE
+    source = glsl.source(*glsl.FORMULAS, "shared/wrinkle_field_probe", "preview/texels") + PROBE
     names = [f"cases_{i}" for i in range(4)]
     probe = gpu_arrays.Pass(source, tuple(names), tuple(f"out_{i}" for i in range(4)), (("INT", "formula"),))
     target = gpu_arrays.Target(len(cases), 4)
@@ -241,7 +241,7 @@ class Stages(WindowCase):
         self.posed[:, 2] = 0.1 * np.sin(7.0 * rest[:, 1])
         self.posed[:60] = self.posed[0]  # two rows and more at one place: zero normals, collapsed neighbourhoods
         self.waves = native.crush_wrinkle_field(self.model, self.settings, self.paint, self.posed)
-        self.field = gpu_field.GpuField(gpu_field.Passes(), self.model)
+        self.field = preview_field.GpuField(preview_field.Passes(), self.model)
         self.field.set_wishes(self.settings, native.wishes_wrinkle_field(self.model, self.settings, self.paint),
                               native.WrinkleFieldProfile("PENCIL_PLEATS"))
         gpu_arrays.plain_state()
@@ -305,7 +305,7 @@ class Stages(WindowCase):
         settings.wavelength, settings.rounds = 0.06, 1
         frames = clip["frames"]
         state, _ = native.solve_wrinkle_field(model, settings, paint, frames[0])
-        field = gpu_field.GpuField(gpu_field.Passes(), model)
+        field = preview_field.GpuField(preview_field.Passes(), model)
         field.set_wishes(settings, native.wishes_wrinkle_field(model, settings, paint),
                          native.WrinkleFieldProfile("SINE"))
         gpu_arrays.plain_state()

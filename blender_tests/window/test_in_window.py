@@ -6,7 +6,8 @@ import bpy
 import numpy as np
 import sleeve
 from case import WindowCase
-from rumple.blender import modifier, node_tree, registry
+from rumple.blender.nodes import wrinkle_tree
+from rumple.blender.objects import modifier, runtimes
 
 
 def big_properties():
@@ -59,10 +60,10 @@ class Viewport(WindowCase):
     def test_settings_rebuild_from_a_timer(self):
         obj = self.make()
         yield 0.3
-        coarse = registry.runtime(obj).fine.vertex_count
+        coarse = runtimes.runtime(obj).fine.vertex_count
         obj.rumple.mesh.level = 2
-        yield from self.until(lambda: registry.runtime(obj).fine.vertex_count > 3 * coarse)
-        self.assertGreater(registry.runtime(obj).fine.vertex_count, 3 * coarse)
+        yield from self.until(lambda: runtimes.runtime(obj).fine.vertex_count > 3 * coarse)
+        self.assertGreater(runtimes.runtime(obj).fine.vertex_count, 3 * coarse)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
     def test_playback_solves_every_frame_it_shows(self):
@@ -70,11 +71,11 @@ class Viewport(WindowCase):
         yield 0.2
         with self.area("VIEW_3D"):
             bpy.ops.screen.animation_play()
-        yield from self.until(lambda: len(registry.runtime(obj).fine.history.frames()) > 3)
+        yield from self.until(lambda: len(runtimes.runtime(obj).fine.history.frames()) > 3)
         with self.area("VIEW_3D"):
             bpy.ops.screen.animation_cancel(restore_frame=False)
         yield 0.2
-        self.assertGreater(len(registry.runtime(obj).fine.history.frames()), 3)
+        self.assertGreater(len(runtimes.runtime(obj).fine.history.frames()), 3)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
     def test_duplicates_are_split_by_the_timer(self):
@@ -98,8 +99,8 @@ class Viewport(WindowCase):
 
     def is_settled(self, obj):
         """Whether its folds are those for the coarse mesh that is shown."""
-        posed = sleeve.attribute(obj, node_tree.BASE_POSITION)[:len(obj.data.vertices)]
-        return np.array_equal(registry.runtime(obj).inputs.positions, posed)
+        posed = sleeve.attribute(obj, wrinkle_tree.BASE_POSITION)[:len(obj.data.vertices)]
+        return np.array_equal(runtimes.runtime(obj).inputs.positions, posed)
 
     def test_undo_and_redo_of_adding_and_removing(self):
         obj = self.make()

@@ -7,7 +7,7 @@ import numpy as np
 import sleeve
 from case import WindowCase
 from mathutils import Euler
-from rumple.blender import maps_tree
+from rumple.blender.maps import modifier as maps_modifier
 
 
 def biggest_area():
@@ -98,7 +98,7 @@ class MapsInWindow(WindowCase):
         obj, rig = bpy.data.objects["Face"], bpy.data.objects["Rig"]
         self.assertEqual([pose.name for pose in obj.rumple_maps.poses], ["Surprise", "Anger"])
         face.pose(rig, brow_L=-0.008, brow_R=-0.008, jaw=0.005)
-        yield from self.until(lambda: "Anger" in maps_tree.find(obj).node_group[maps_tree.KEY])
+        yield from self.until(lambda: "Anger" in maps_modifier.find(obj).node_group[maps_modifier.KEY])
         self.assertGreater(face.mask(obj, "Anger").max(), 0.9)
         with self.area("VIEW_3D"):
             bpy.ops.ed.redo()
@@ -124,4 +124,4 @@ class MapsInWindow(WindowCase):
         yield 1.0
         self.assertIs(self.settings.poses[1].image, former[1])
         self.assertEqual(sorted(obj.name for obj in bpy.data.objects), objects)
-        self.assertEqual(len(list(maps_tree.mapped_objects())), 1)
+        self.assertEqual(len(list(maps_modifier.mapped_objects())), 1)

@@ -13,7 +13,10 @@ import shots
 import sleeve
 import wires
 from case import WindowCase
-from rumple.blender import path_curves, paths_overlay, registry, versions
+from rumple.blender import compat
+from rumple.blender.frame import path_curves
+from rumple.blender.objects import runtimes
+from rumple.blender.viewport import paths_overlay
 
 
 class PathsCase(WindowCase):
@@ -64,7 +67,7 @@ class Overlay(PathsCase):
         yield from self.shot()
         self.screenshot("paths_overlay")
         blue, green, red = self.coloured()
-        report = registry.runtime(self.obj).picture.report
+        report = runtimes.runtime(self.obj).picture.report
         self.assertGreater(min(report.compressed, report.stretched), 5)
         self.assertGreater(blue, without[0] + 500, "the inside of the bend")
         self.assertGreater(green, without[1] + 2000, "what keeps its shape")
@@ -80,7 +83,7 @@ class Overlay(PathsCase):
         self.obj.rumple.paths.show_overlay = True
         sleeve.play(last=12)
         yield from self.shot()
-        moving, key = self.coloured(), versions.session_key(self.obj)
+        moving, key = self.coloured(), compat.session_key(self.obj)
         held = paths_overlay._drawn[key]
         yield from self.shot()
         self.assertIs(paths_overlay._drawn[key], held)
@@ -127,7 +130,7 @@ class Curves(PathsCase):
             self.assertGreater(wires.same(self, self.obj, child), 1)
         child.modifiers.remove(child.modifiers[wires.NAME])
         ours = path_curves.find(child)
-        versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")["Radius"], 0.003)
+        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.003)
         child.update_tag()
         yield from self.shot()
         self.screenshot("paths_curves")
@@ -144,7 +147,7 @@ class Curves(PathsCase):
         yield 0.3
         with sleeve.context():
             child = wires.child_of(obj)
-            versions.set_modifier_input(path_curves.find(child), versions.group_sockets(
+            compat.set_modifier_input(path_curves.find(child), compat.group_sockets(
                 path_curves.find(child).node_group, "INPUT")["Radius"], 0.0)
             child.update_tag()
             sleeve.at(18)
@@ -160,7 +163,7 @@ class Curves(PathsCase):
             bpy.ops.object.rumple_add(method="PATHS")
             bpy.ops.object.rumple_curves_add()
         ours = path_curves.find(wires.child_of(obj))
-        versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")["Radius"], 0.006)
+        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.006)
         obj.is_holdout = True
         view, scene, ended = bpy.context.preferences.view, bpy.context.scene, []
         self.addCleanup(setattr, view, "render_display_type", view.render_display_type)

@@ -14,7 +14,8 @@ import shots
 import sleeve
 from mathutils import Matrix
 from preview_case import PreviewCase, smooth
-from rumple.blender import gpu_arrays, gpu_field, modifier, preview, registry
+from rumple.blender.objects import modifier, runtimes
+from rumple.blender.viewport import gpu_arrays, preview, preview_field
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, V_GRADIENT, VECTORS, WEIGHT
 
 SIDE = 400  # pixels of the drawings into a buffer
@@ -75,14 +76,14 @@ class Drawn(PreviewCase):
         sleeve.at(1)
         yield 0.2
         begun = []
-        begin = gpu_field.GpuField.begin
-        self.addCleanup(setattr, gpu_field.GpuField, "begin", begin)
-        gpu_field.GpuField.begin = lambda *arguments: begun.append(1) or begin(*arguments)
+        begin = preview_field.GpuField.begin
+        self.addCleanup(setattr, preview_field.GpuField, "begin", begin)
+        preview_field.GpuField.begin = lambda *arguments: begun.append(1) or begin(*arguments)
         for frame in range(2, sleeve.LAST + 1):
             sleeve.at(frame)
             self.area.tag_redraw()
             yield from self.until_drawn(frame)
-            expected = registry.runtime(self.obj).fine.state_of(float(frame)).phase
+            expected = runtimes.runtime(self.obj).fine.state_of(float(frame)).phase
             off = (self.held().drawing.waves.read_phase() - expected + math.pi) % (2.0 * math.pi) - math.pi
             # Where nothing is compressed k is of no direction, and rounding chooses it.
             wrinkles = self.held().drawing.waves.read_waves()[1][:, 2] > 0.05
@@ -103,14 +104,14 @@ class Drawn(PreviewCase):
         field = self.obj.rumple.field
         field.rest_shape, field.reference = "ADAPTIVE", "FIRST_FRAME"
         bpy.context.scene.frame_start = 10  # bent already
-        yield from self.until(lambda: registry.runtime(self.obj).inputs is not None
-                              and registry.runtime(self.obj).inputs.settings.adapts)
+        yield from self.until(lambda: runtimes.runtime(self.obj).inputs is not None
+                              and runtimes.runtime(self.obj).inputs.settings.adapts)
         for frame in (10, 11, 12, 18):
             sleeve.at(frame)
             self.area.tag_redraw()
             yield from self.until_drawn(frame)
             self.assertFalse(self.held().refused)  # drawn while it was made anew
-            entry = registry.runtime(self.obj)
+            entry = runtimes.runtime(self.obj)
             expected = native.crush_wrinkle_field(
                 entry.fine.model, entry.fine._native_settings(entry.inputs.settings), entry.fine._paint,
                 entry.inputs.positions, entry.fine.state_of(float(frame)))
@@ -185,7 +186,7 @@ class Exact(PreviewCase):
 
     def expected(self, at: np.ndarray) -> dict[str, np.ndarray]:
         """Of points (n, 2) of the sheet from above: by equations (5), (7), (8) from what the shader nodes read."""
-        entry = registry.runtime(self.obj)
+        entry = runtimes.runtime(self.obj)
         model, shown = entry.fine.model, entry.picture.attributes
         positions, normals = model.weld_pose(entry.inputs.positions)
         out = {name: np.full((len(at), width), np.nan) for name, width in (
@@ -233,7 +234,7 @@ class Exact(PreviewCase):
         """An image whose colour is the place in it: the picture says which place was taken."""
         yield from self.sheet()
         self.obj.data.materials[0] = image_of_itself()
-        registry.runtime(self.obj).forget_written()
+        runtimes.runtime(self.obj).forget_written()
         sleeve.at(3)
         yield from self.until_drawn(3.0)
         shading = SimpleNamespace(light="FLAT", color_type="TEXTURE", show_backface_culling=False,
@@ -297,7 +298,7 @@ class Manners(PreviewCase):
         yield from self.make(gpu_preview=False)
         yield from self.shot()
         plain = self.seen
-        tried = self.refuse(gpu_field)
+        tried = self.refuse(preview_field)
         self.obj.rumple.field.gpu_preview = True
         yield from self.shot()
         yield from self.shot()

@@ -5,7 +5,7 @@ import os
 import bpy
 import walk
 from case import WindowCase
-from rumple.blender import preview
+from rumple.blender.viewport import preview
 
 
 class RandomWalk(WindowCase):

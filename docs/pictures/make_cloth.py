@@ -23,7 +23,8 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
 from contact_sheet import compose, studio  # noqa: E402
-from rumple.blender import bodies, modifier, properties, scheduler  # noqa: E402
+from rumple.blender import scheduler  # noqa: E402
+from rumple.blender.objects import bodies, modifier, properties  # noqa: E402
 
 LEAD_IN = 15  # frames that are played before the first one that is shown
 SAMPLES = 32

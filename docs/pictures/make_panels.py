@@ -17,7 +17,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE)]
 from windowed import case, picture_of, play, save_jpeg  # noqa: E402
-from rumple.blender import panels  # noqa: E402
+from rumple.blender.ui import panels  # noqa: E402
 
 FRAME = 52
 VERSION = "{}.{}".format(*bpy.app.version)

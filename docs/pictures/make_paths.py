@@ -16,7 +16,9 @@ import bpy
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE)]
 from make_systems import FIRST, FRAME, ROOT, compose, look, rumple  # noqa: E402
-from rumple.blender import curves_tree, path_curves, versions  # noqa: E402
+from rumple.blender import compat  # noqa: E402
+from rumple.blender.frame import path_curves  # noqa: E402
+from rumple.blender.nodes import path_curves_tree  # noqa: E402
 from rumple.core.presets import PATHS_PRESETS  # noqa: E402
 
 GARMENTS = ("trousers", "sweater")
@@ -53,8 +55,8 @@ def curves(folder: Path) -> None:
         assert bpy.ops.object.rumple_curves_add() == {"FINISHED"}
         child, = path_curves.of(bpy.data.objects[garment])
         ours = path_curves.find(child)
-        identifier = versions.group_sockets(ours.node_group, "INPUT")[curves_tree.RADIUS]
-        versions.set_modifier_input(ours, identifier, radius)
+        identifier = compat.group_sockets(ours.node_group, "INPUT")[path_curves_tree.RADIUS]
+        compat.set_modifier_input(ours, identifier, radius)
         child.modifiers.new("Colours", "NODES").node_group = coloured()
     bpy.context.scene.frame_set(FRAME)
     look(folder / "curves.png", lens=95.0)
@@ -65,10 +67,10 @@ def curves(folder: Path) -> None:
 def coloured() -> bpy.types.NodeTree:
     """A node group that gives a material: blue where a path is flat, red where it is a centimetre high."""
     material = bpy.data.materials.new("Paths")
-    versions.use_nodes(material)
+    compat.use_nodes(material)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     height, ramp = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeValToRGB")
-    height.attribute_name = curves_tree.PATH_HEIGHT
+    height.attribute_name = path_curves_tree.PATH_HEIGHT
     scale = nodes.new("ShaderNodeMath")
     scale.operation, scale.inputs[1].default_value = "MULTIPLY", 100.0
     ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.0, 0.1, 1.0, 1.0), (1.0, 0.02, 0.0, 1.0)
@@ -77,8 +79,8 @@ def coloured() -> bpy.types.NodeTree:
     links.new(ramp.outputs[0], next(n for n in nodes if n.type == "BSDF_PRINCIPLED").inputs["Base Color"])
     group = bpy.data.node_groups.new("Colours", "GeometryNodeTree")
     for in_out in ("INPUT", "OUTPUT"):
-        versions.new_group_socket(group, "Geometry", in_out, "NodeSocketGeometry")
-    versions.mark_as_modifier(group)
+        compat.new_group_socket(group, "Geometry", in_out, "NodeSocketGeometry")
+    compat.mark_as_modifier(group)
     start, give, end = (group.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeSetMaterial",
                                                            "NodeGroupOutput"))
     give.inputs["Material"].default_value = material

@@ -27,7 +27,7 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import rumple_native as native  # noqa: E402
 from contact_sheet import compose, studio  # noqa: E402
-from rumple.blender import mesh_io  # noqa: E402
+from rumple.blender.objects import mesh_reader  # noqa: E402
 from rumple.core.engine import BaseMesh  # noqa: E402
 from rumple.core.settings import PathsSettings  # noqa: E402
 from rumple.core.wrinkle_paths import WrinklePaths, fitting_width  # noqa: E402
@@ -49,12 +49,12 @@ class Garment:
 
     def __init__(self, name: str, frames: range) -> None:
         self.object = bpy.data.objects[name]
-        self.base = mesh_io.base_mesh(self.object, "REST_POSE", "")
+        self.base = mesh_reader.base_mesh(self.object, "REST_POSE", "")
         self.poses = []
         for frame in frames:
             bpy.context.scene.frame_set(frame)
             mesh = self.object.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-            self.poses.append(mesh_io.versions.positions(mesh))
+            self.poses.append(mesh_reader.compat.positions(mesh))
         self.object.hide_render = True
         self.shown: bpy.types.Object | None = None
 

@@ -20,7 +20,8 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
 from contact_sheet import compose  # noqa: E402
-from rumple.blender import properties, scheduler  # noqa: E402
+from rumple.blender import scheduler  # noqa: E402
+from rumple.blender.objects import properties  # noqa: E402
 
 BEGIN, SHOWN = 9, (57, 105)  # the arms half down; landed from the jump, and standing again
 GARMENTS = ("trousers", "sweater")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a drawing is given besides textures; blender/preview.py fills it, in this order.
+// What a drawing is given besides textures; blender/viewport/preview.py fills it, in this order.
 struct Preview {
     mat4 model_view;
     mat4 projection;

@@ -2,7 +2,7 @@
 // The formulas of the Wrinkle Maps, per pixel. Source: L. Dutreve, A. Meyer and
 // S. Bouakaz, Real-Time Dynamic Wrinkles of Face for Animated Skinned Mesh, ISVC
 // 2009, section 5.3. One text for C++ (native/base/formulas.h) and GLSL; the
-// shader nodes (addon/rumple/blender/maps_nodes.py) are tested against it.
+// shader nodes (addon/rumple/blender/nodes/maps_shader.py) are tested against it.
 
 // Unit: none (length of a sum of tangent-space normals). Shorter, it has no direction.
 const float kNoNormal = 1e-6f;

@@ -2,13 +2,18 @@
 """What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code."""
 from __future__ import annotations
 
-from . import (bake, brush, handlers, maps_bake, maps_export, maps_operators, maps_overlay, maps_panel,
-               maps_pose_operators, maps_properties, operators, panels, paths_operators, paths_overlay, preview,
-               properties, scheduler)
+from . import handlers, scheduler
+from .bake import operators as bake_operators
+from .brush import operators as brush_operators
+from .maps import (bake as maps_bake, export as maps_export, operators as maps_operators, overlay as maps_overlay,
+                   panel as maps_panel, pose_operators as maps_pose_operators, properties as maps_properties)
+from .objects import properties
+from .ui import operators, panels, paths_operators
+from .viewport import paths_overlay, preview
 
 _MODULES = (properties, maps_properties, operators, paths_operators, maps_operators, maps_pose_operators, maps_export,
-            maps_bake, bake, panels, maps_panel, maps_overlay, handlers, preview, paths_overlay,
-            brush)  # the last three draw, each over the one before
+            maps_bake, bake_operators, panels, maps_panel, maps_overlay, handlers, preview, paths_overlay,
+            brush_operators)  # the last three draw, each over the one before
 
 
 def register() -> None:

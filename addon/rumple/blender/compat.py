@@ -106,7 +106,7 @@ def session_key(data_block: bpy.types.ID) -> int:
     """A number that tells two data-blocks apart within a session.
 
     3.4 has only the address, which a later data-block may take over: what is found
-    under the key must be checked before it is used (live.py does).
+    under the key must be checked before it is used (solve.py does).
     """
     uid = getattr(data_block, "session_uid", None)
     return uid if uid is not None else data_block.as_pointer()

@@ -7,7 +7,10 @@ import threading
 import bpy
 from bpy.app.handlers import persistent
 
-from . import bake_state, bodies, changes, live, maps_live, maps_tree, modifier, registry, scheduler, structure
+from . import scheduler
+from .frame import clip_status, rebuild, solve
+from .maps import modifier as maps_modifier, sync as maps_sync
+from .objects import bodies, changes, modifier, runtimes
 
 
 @persistent
@@ -24,30 +27,30 @@ def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     # All updates are read before anything is made anew: the depsgraph goes on listing the copy of a mesh that was
     # removed since, and what it is the copy of is freed memory then.
     changes.note_updates(depsgraph)
-    maps_live.note_updates(depsgraph)
-    live.process(scene, depsgraph)
-    maps_live.process(depsgraph)
+    maps_sync.note_updates(depsgraph)
+    solve.process(scene, depsgraph)
+    maps_sync.process(depsgraph)
 
 
 @persistent
 def _on_load(*_arguments: object) -> None:
     """Another file: nothing of the former one counts. Structural work is allowed here."""
     scheduler.set_rendering(False)
-    registry.forget_all()
-    maps_live.forget_all()
+    runtimes.forget_all()
+    maps_sync.forget_all()
     bodies.forget_all()
     scheduler.sync_all()
 
 
 @persistent
 def _on_save(*_arguments: object) -> None:
-    live.show_fine_meshes()
+    solve.show_fine_meshes()
 
 
 @persistent
 def _on_undo(*_arguments: object) -> None:
-    registry.doubt_all()
-    maps_live.doubt_all()
+    runtimes.doubt_all()
+    maps_sync.doubt_all()
     scheduler.request()
 
 
@@ -57,7 +60,7 @@ def _on_render_start(*_arguments: object) -> None:
     # job: the window draws meanwhile, and data-blocks must not come and go under it.
     if threading.get_ident() == threading.main_thread().ident:
         scheduler.sync_all()
-    bake_state.check_before_render()
+    clip_status.check_before_render()
     scheduler.set_rendering(True)
 
 
@@ -67,14 +70,14 @@ def _on_render_end(*_arguments: object) -> None:
     with scheduler.LOCK:
         scheduler.set_rendering(False)
         for obj, _ours in modifier.wrinkled_objects():
-            registry.runtime(obj).forget_written()
-        maps_live.forget_written()
+            runtimes.runtime(obj).forget_written()
+        maps_sync.forget_written()
     if not bpy.app.background and not bpy.app.timers.is_registered(_tag_all):
         bpy.app.timers.register(_tag_all, first_interval=0.0)
 
 
 def _tag_all() -> None:
-    for obj, _ours in (*modifier.wrinkled_objects(), *maps_tree.mapped_objects()):
+    for obj, _ours in (*modifier.wrinkled_objects(), *maps_modifier.mapped_objects()):
         obj.update_tag()
 
 
@@ -87,7 +90,7 @@ def _pairs() -> tuple:
 
 
 def register() -> None:
-    scheduler.set_workers(structure.sync_all, maps_live.sync)  # in this order: Maps look at the wrinkles before them
+    scheduler.set_workers(rebuild.sync_all, maps_sync.sync)  # in this order: Maps look at the wrinkles before them
     for functions, function in _pairs():
         if function not in functions:
             functions.append(function)
@@ -100,6 +103,6 @@ def unregister() -> None:
     if bpy.app.timers.is_registered(_tag_all):
         bpy.app.timers.unregister(_tag_all)
     scheduler.stop()
-    maps_live.forget_all()
+    maps_sync.forget_all()
     bodies.forget_all()
-    registry.forget_all()
+    runtimes.forget_all()

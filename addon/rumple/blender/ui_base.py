@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import modifier, path_curves, properties, versions
+from . import compat
+from .frame import path_curves
+from .objects import modifier, properties
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 
@@ -14,7 +16,7 @@ def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
     """Why an operator cannot run on an object; empty when it can. wrinkled: it must have wrinkles already."""
     if obj is None or obj.type != "MESH":
         return "Choose a mesh object first"
-    if not versions.is_editable(obj):
+    if not compat.is_editable(obj):
         return "This object is linked from another file: make a library override or append it"
     if obj.mode == "EDIT":
         return "Leave Edit Mode first"

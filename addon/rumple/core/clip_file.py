@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A baked clip on disk: points in PC2, which Blender's own Mesh Cache reads, and a manifest beside it.
 
-A clip has a point for each vertex of the shown mesh: its position. Behind them, block after block, stands what shaders
-read, as if it were positions too: a point for each vertex or corner. The node tree takes them apart (node_tree.py).
+Each sample: the positions of the output mesh, then attributes packed as extra points, block after block, a point for
+each vertex or corner. A node tree unpacks them (blender/nodes/wrinkle_tree.py).
 Both are written whole or not at all: into a temporary file in the same folder, then moved into place.
 No bpy here.
 """
@@ -17,7 +17,7 @@ from typing import Iterable
 
 import numpy as np
 
-from ..core.engine import Attribute, Picture
+from .engine import Attribute, Picture
 
 FORMAT = 3
 POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed

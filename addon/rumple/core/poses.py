@@ -237,7 +237,7 @@ class PoseComparison:
         """(b, o) bool: which bones move in which pose."""
         return self.model.moves.astype(bool)
 
-    # --- for the nodes, that compute the masks where no Python runs (blender/maps_geometry.py)
+    # --- for the nodes, that compute the masks where no Python runs (blender/nodes/maps_mask_tree.py)
     def slopes(self) -> np.ndarray:
         """(o, b, 6): slope . (bones - neutral), clamped to 0..1, is the influence: way / |way|^2 of what is tracked."""
         ways = np.array([pose.bones for pose in self.rig.poses], float) - self.rig.neutral

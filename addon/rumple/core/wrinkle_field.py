@@ -12,7 +12,7 @@ from .base_mesh import BaseMesh, Refused, checked_surface
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Wrinkles
 from .settings import FieldSettings
 
-# What the shader node group reads (../blender/field_nodes.py).
+# What the shader node group reads (../blender/nodes/field_shader.py).
 PHASE, WEIGHT = "rumple_wave_phase", "rumple_wave_weight"
 VECTORS = ("rumple_wave_vector_0", "rumple_wave_vector_1", "rumple_wave_vector_2")
 U_GRADIENT, V_GRADIENT = "rumple_u_gradient", "rumple_v_gradient"
@@ -69,7 +69,7 @@ class WrinkleField(Wrinkles):
             lines.append(f"{report.collapsed} vertices have no surface around them in this pose")
         return lines
 
-    # --- for whoever draws the waves on the GPU (../blender/preview.py)
+    # --- for whoever draws the waves on the GPU (../blender/viewport/preview.py)
     def wishes(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
         """(settings, wishes, profile), native, with the paint of the last solve."""
         options = self._native_settings(settings)

@@ -12,9 +12,12 @@ from typing import Iterator
 import bpy
 import numpy as np
 
-from ..core import engine
-from . import (bake_files, bake_state, carrier as carriers, messages, modifier, path_curves, preview, registry,
-               scheduler, structure, ui_base, versions)
+from ...core import engine
+from ...core import clip_file
+from .. import compat, scheduler, ui_base
+from ..frame import clip_status, path_curves, rebuild
+from ..objects import messages, modifier, output_mesh, runtimes
+from ..viewport import preview
 
 FOLDER = "//rumple"
 SUFFIX = ".clip"
@@ -35,7 +38,7 @@ class Playback:
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
         self.run_up = list(range(min(self.scene.frame_start, start), start))
-        self.looks = obj.rumple.bake_whole_clip and bake_state.sees_ahead(obj, context.scene)
+        self.looks = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
         self.count = len(self.run_up) + (end - start) * samples + 1
         if self.looks:
             self.count += len(self.run_up) + end - start + 1
@@ -44,7 +47,7 @@ class Playback:
         self.was_baked = modifier.is_baked(ours)
         if self.was_baked:
             modifier.set_baked(ours, False)
-            registry.runtime(obj).stale = True
+            runtimes.runtime(obj).stale = True
         scheduler.sync_all()
 
     def samples_in_order(self) -> Iterator[tuple[bool, engine.Picture | None, np.ndarray | None]]:
@@ -61,7 +64,7 @@ class Playback:
 
     def _look(self) -> Iterator[None]:
         """Read the pose of every whole frame; the solver then knows the clip. Memory: 12 bytes a vertex and frame."""
-        entry, clip = registry.runtime(self.obj), {}
+        entry, clip = runtimes.runtime(self.obj), {}
         entry.looking = True
         for frame in (*self.run_up, *range(self.start, self.end + 1)):
             self._visit(frame, 0.0)
@@ -76,11 +79,11 @@ class Playback:
             raise BakeError(str(error)) from error
         entry.forget_written()  # what is shown was solved as live
 
-    def _visit(self, frame: int, subframe: float) -> registry.Runtime:
+    def _visit(self, frame: int, subframe: float) -> runtimes.Runtime:
         with preview.paused():
             for _ in range(self.passes):
                 self.scene.frame_set(frame, subframe=subframe)
-        entry = registry.runtime(self.obj)
+        entry = runtimes.runtime(self.obj)
         if entry.refusal or entry.message:
             raise BakeError(f"frame {frame + subframe:g}: {entry.refusal or entry.message}")
         return entry
@@ -93,13 +96,13 @@ class Playback:
 
     def note(self) -> str:
         """What is odd about what was solved, for the report; empty when nothing is."""
-        fine = registry.runtime(self.obj).fine
+        fine = runtimes.runtime(self.obj).fine
         strayed = sorted(fine.strayed) if fine is not None else []
         return (f". {len(strayed)} frames were not as they had been looked at (first: {strayed[0]:g}): they were "
                 "solved as in playback") if strayed else ""
 
     def end_playback(self, restore_bake: bool) -> None:
-        entry = registry.runtime(self.obj)
+        entry = runtimes.runtime(self.obj)
         if self.looks and entry.fine is not None:
             entry.looking, entry.looked = False, None
             entry.fine.look_at_clip({}, None)
@@ -110,7 +113,7 @@ class Playback:
 
 
 # ---------------------------------------------------------------- the clip
-def clip_file(obj: bpy.types.Object) -> Path:
+def new_clip_path(obj: bpy.types.Object) -> Path:
     """Where the clip of an object belongs. Raises BakeError."""
     folder = obj.rumple.bake_folder or FOLDER
     if folder.startswith("//") and not bpy.data.filepath:
@@ -129,42 +132,42 @@ def stored_path(path: Path) -> str:
     return text.replace("\\", "/")
 
 
-def attach(obj: bpy.types.Object, manifest: bake_files.Manifest, clip: Path) -> None:
+def attach(obj: bpy.types.Object, manifest: clip_file.Manifest, clip: Path) -> None:
     """Show the clip, through a new player: a former one may belong to a duplicate too."""
     ours = modifier.find(obj)
     player = make_player(obj, modifier.carrier(ours).data)
     modifier.add_cache(player, manifest, stored_path(clip))
     modifier.set_player(ours, player)
     modifier.set_baked(ours, True)
-    registry.runtime(obj).stale = True
+    runtimes.runtime(obj).stale = True
 
 
 def make_player(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types.Object:
     """A hidden object with the points of a clip, at rest: that is what shows where the clip cannot be read."""
     attributes = modifier.system(modifier.find(obj)).wrinkles.ATTRIBUTES
-    rest = engine.Picture.at_rest(versions.positions(shown), len(shown.loops), attributes)
-    points = bake_files.points_of(rest, attributes)
+    rest = engine.Picture.at_rest(compat.positions(shown), len(shown.loops), attributes)
+    points = clip_file.points_of(rest, attributes)
     mesh = bpy.data.meshes.new(obj.name + SUFFIX)
     mesh.vertices.add(len(points))
-    versions.set_positions(mesh, points)
+    compat.set_positions(mesh, points)
     mesh.update()
     player = bpy.data.objects.new(mesh.name, mesh)
-    player[carriers.KEY] = True
+    player[output_mesh.KEY] = True
     return player
 
 
 def free(obj: bpy.types.Object, delete_file: bool) -> None:
     """Make the wrinkles live again."""
     ours = modifier.find(obj)
-    clip = bake_state.clip_path(obj)
+    clip = clip_status.clip_path(obj)
     modifier.set_player(ours, None)
     modifier.set_baked(ours, False)
     for child in path_curves.of(obj):
         path_curves.free(child)
     if delete_file and clip is not None:
-        bake_files.delete(clip)
+        clip_file.delete(clip)
         path_curves.clip_path(clip).unlink(missing_ok=True)
-    entry = registry.runtime(obj)
+    entry = runtimes.runtime(obj)
     entry.stale = True
     entry.forget_written()
     messages.say(entry, "")
@@ -176,19 +179,19 @@ class _Bake:
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         about = obj.rumple
-        clip = clip_file(obj)
+        clip = new_clip_path(obj)
         self.obj, self.done = obj, 0
         self.playback = Playback(context, obj, about.bake_start, about.bake_end, about.bake_samples)
-        fine = registry.runtime(obj).fine
+        fine = runtimes.runtime(obj).fine
         if fine is None:
             self.playback.end_playback(restore_bake=True)
-            raise BakeError(registry.message(obj) or f"{obj.name}: there is nothing to bake")
-        manifest = bake_files.Manifest(
+            raise BakeError(runtimes.message(obj) or f"{obj.name}: there is nothing to bake")
+        manifest = clip_file.Manifest(
             object=obj.name, vertices=fine.vertex_count,
-            points=bake_files.point_count(fine.vertex_count, len(fine.corner_vertex), fine.ATTRIBUTES),
+            points=clip_file.point_count(fine.vertex_count, len(fine.corner_vertex), fine.ATTRIBUTES),
             coarse_vertices=len(obj.data.vertices), start=about.bake_start, end=about.bake_end,
-            samples=about.bake_samples, inputs=bake_state.inputs_fingerprint(obj, context.scene))
-        self.writer = bake_files.ClipWriter(clip, manifest, fine.ATTRIBUTES)
+            samples=about.bake_samples, inputs=clip_status.inputs_fingerprint(obj, context.scene))
+        self.writer = clip_file.ClipWriter(clip, manifest, fine.ATTRIBUTES)
         self.curves = path_curves.Recorder(obj)
         self.samples = self.playback.samples_in_order()
 
@@ -362,7 +365,7 @@ def shape_key_object(context: bpy.types.Context, obj: bpy.types.Object, shapes: 
         copy.modifiers.remove(copy.modifiers[name])
     copy.data = mesh
     copy.rumple.method = "NONE"
-    structure.drop_internal_attributes(copy)
+    rebuild.drop_internal_attributes(copy)
     for collection in obj.users_collection or (context.scene.collection,):
         collection.objects.link(copy)
     copy.shape_key_add(name="Rest")
@@ -381,7 +384,7 @@ def _key_evaluation_time(keys: bpy.types.Key, start: int) -> None:
         block.interpolation = "KEY_LINEAR"
         keys.eval_time = block.frame
         keys.keyframe_insert("eval_time", frame=start + number)
-    for curve in versions.action_curves(keys.animation_data.action):
+    for curve in compat.action_curves(keys.animation_data.action):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 

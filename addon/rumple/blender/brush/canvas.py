@@ -7,10 +7,11 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ..core.brush import Easel
-from ..core.engine import Refused
-from ..core.wrinkle_field import WrinkleField
-from . import mesh_io, modifier, registry, versions
+from ...core.brush import Easel
+from ...core.engine import Refused
+from ...core.wrinkle_field import WrinkleField
+from .. import compat
+from ..objects import mesh_reader, modifier, runtimes
 
 
 class Canvas:
@@ -25,11 +26,11 @@ class Canvas:
         evaluated = obj.evaluated_get(depsgraph)
         count = len(obj.data.vertices)
         try:
-            positions = mesh_io.posed_positions(evaluated, count)
-        except mesh_io.Reordered as error:
+            positions = mesh_reader.posed_positions(evaluated, count)
+        except mesh_reader.Reordered as error:
             raise Refused(f"{obj.name}: {error}") from error
         if positions is None:
-            positions = mesh_io.plain_positions(evaluated, count)
+            positions = mesh_reader.plain_positions(evaluated, count)
         if positions is None:
             raise Refused(f"{obj.name}: its wrinkles do not show: switch the modifier on in the viewport first")
         positions = self.easel.field.solved_over(float(depsgraph.scene.frame_current_final), positions)
@@ -57,9 +58,9 @@ def canvas_of(obj: bpy.types.Object) -> Canvas:
         raise Refused(f"{obj.name}: it has no Wrinkle Field to paint on: add one first")
     if modifier.is_baked(ours):
         raise Refused(f"{obj.name}: its wrinkles are baked: free the bake first")
-    entry = registry.known(obj)
+    entry = runtimes.known(obj)
     if entry is None or not isinstance(entry.fine, WrinkleField):
-        raise Refused(registry.message(obj) or f"{obj.name}: nothing is solved yet")
+        raise Refused(runtimes.message(obj) or f"{obj.name}: nothing is solved yet")
     if len(entry.fine.base.positions) != len(obj.data.vertices):
         raise Refused(f"{obj.name}: its mesh was edited: one moment")
     if _last is None or _last.easel.field is not entry.fine:
@@ -76,19 +77,19 @@ def forget() -> None:
 # ---------------------------------------------------------------- the painted attribute
 def read(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """What is painted on a coarse mesh, (n, 3) float32; None where nothing ever was. Raises Refused."""
-    found = mesh.attributes.get(mesh_io.REST_WRINKLE)
+    found = mesh.attributes.get(mesh_reader.REST_WRINKLE)
     if found is None:
         return None
     if (found.domain, found.data_type) != ("POINT", "FLOAT_VECTOR"):
-        raise Refused(f"{mesh.name}: its attribute \"{mesh_io.REST_WRINKLE}\" is not a vector for each point: rename "
-                      "it or remove it")
-    return versions.read_attribute(found)
+        raise Refused(f"{mesh.name}: its attribute \"{mesh_reader.REST_WRINKLE}\" is not a vector for each point: "
+                      "rename it or remove it")
+    return compat.read_attribute(found)
 
 
 def write(mesh: bpy.types.Mesh, painted: np.ndarray | None) -> None:
     """Store it; None removes the attribute."""
     if painted is not None:
-        versions.write_attribute(mesh, mesh_io.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
-    elif mesh_io.REST_WRINKLE in mesh.attributes:
-        mesh.attributes.remove(mesh.attributes[mesh_io.REST_WRINKLE])
+        compat.write_attribute(mesh, mesh_reader.REST_WRINKLE, "FLOAT_VECTOR", "POINT", painted)
+    elif mesh_reader.REST_WRINKLE in mesh.attributes:
+        mesh.attributes.remove(mesh.attributes[mesh_reader.REST_WRINKLE])
     mesh.update()

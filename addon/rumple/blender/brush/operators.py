@@ -13,10 +13,12 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from ..core.brush import DEFAULT_LENGTH, LONGEST
-from ..core.engine import Refused
-from . import brush_canvas, brush_overlay, messages, modifier, scheduler, versions
-from .brush_stroke import Stroke
+from ...core.brush import DEFAULT_LENGTH, LONGEST
+from ...core.engine import Refused
+from .. import compat, scheduler
+from ..objects import messages, modifier
+from . import canvas as brush_canvas, overlay as brush_overlay
+from .stroke import Stroke
 
 TOOL = "rumple.rest_wrinkles"
 
@@ -70,7 +72,7 @@ def refusal(obj: bpy.types.Object | None) -> str:
     """Why an object cannot be painted; empty when it can."""
     if obj is None or obj.type != "MESH":
         return "Choose a mesh object first"
-    if not (versions.is_editable(obj) and versions.is_editable(obj.data)):
+    if not (compat.is_editable(obj) and compat.is_editable(obj.data)):
         return "This mesh is linked from another file: append it, or make it local"
     if obj.mode != "OBJECT":
         return "Go to Object Mode first"

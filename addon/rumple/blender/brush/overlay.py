@@ -9,8 +9,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ..core.engine import Refused
-from . import brush_canvas, versions
+from ...core.engine import Refused
+from .. import compat
+from . import canvas as brush_canvas
 
 WEAK, STRONG = np.array((0.3, 0.75, 1.0, 1.0), np.float32), np.array((1.0, 0.85, 0.1, 1.0), np.float32)
 RIM = np.array((0.0, 0.0, 0.0, 0.6), np.float32)  # around the lines: they are seen on any colour of cloth
@@ -104,7 +105,7 @@ def _batches(easel: Any, painted: np.ndarray, across: bool) -> list:
 def _upload(ends: np.ndarray, strength: np.ndarray) -> list:
     import gpu  # not at the top: it needs a window in 3.4
     from gpu_extras.batch import batch_for_shader
-    shader = gpu.shader.from_builtin(versions.LINE_SHADER)
+    shader = gpu.shader.from_builtin(compat.LINE_SHADER)
     colors = np.repeat(WEAK + np.clip(strength, 0.0, 1.0)[:, None] * (STRONG - WEAK), 2, axis=0)
     return [(batch_for_shader(shader, "LINES", {"pos": ends, "color": color}), width)
             for color, width in ((np.broadcast_to(RIM, colors.shape).copy(), RIM_WIDTH), (colors, WIDTH))]
@@ -112,7 +113,7 @@ def _upload(ends: np.ndarray, strength: np.ndarray) -> list:
 
 def _draw_lines(batches: list, context: bpy.types.Context) -> None:
     import gpu
-    shader, view = gpu.shader.from_builtin(versions.LINE_SHADER), context.region_data
+    shader, view = gpu.shader.from_builtin(compat.LINE_SHADER), context.region_data
     nearer = (Matrix.Scale(1.0 - NEARER, 4) if view.is_perspective
               else Matrix.Translation((0.0, 0.0, NEARER * view.view_distance)))
     wrote_depth = gpu.state.depth_mask_get()

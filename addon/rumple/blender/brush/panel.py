@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import brush, brush_overlay, mesh_io
-from .ui_base import Panel
+from ..objects import mesh_reader
+from ..ui_base import Panel
+from . import operators as brush_operators, overlay as brush_overlay
 
 
 class DATA_PT_rumple_rest_wrinkles(Panel, bpy.types.Panel):
@@ -20,8 +21,8 @@ class DATA_PT_rumple_rest_wrinkles(Panel, bpy.types.Panel):
         in_hand = brush_overlay.is_in_hand(context)
         layout.operator("object.rumple_brush", icon="BRUSH_DATA", depress=in_hand)
         if in_hand:
-            brush.draw_brush(layout.column(), context.scene.rumple_brush)
+            brush_operators.draw_brush(layout.column(), context.scene.rumple_brush)
         row = layout.row(align=True)
         row.operator("object.rumple_scatter", text="Scatter", icon="FORCE_TURBULENCE")
-        if mesh_io.REST_WRINKLE in context.object.data.attributes:
+        if mesh_reader.REST_WRINKLE in context.object.data.attributes:
             row.operator("object.rumple_clear_rest_wrinkles", text="Clear", icon="X")

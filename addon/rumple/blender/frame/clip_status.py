@@ -8,8 +8,9 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_files, bodies, evaluator, mesh_io, modifier, properties, units
-from .registry import Runtime
+from ...core import clip_file
+from ..objects import bodies, evaluator, mesh_reader, modifier, properties, units
+from ..objects.runtimes import Runtime
 
 
 def clip_path(obj: bpy.types.Object) -> Path | None:
@@ -33,7 +34,7 @@ def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     digest.update(repr((settings, scene.frame_start)).encode())
     if sees_ahead(obj, scene):
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
-    for key, weights in sorted(mesh_io.paint(obj, settings).items()):
+    for key, weights in sorted(mesh_reader.paint(obj, settings).items()):
         digest.update(key.encode() + weights.tobytes())
     for body in bodies.of(obj):
         digest.update(body.name_full.encode())
@@ -41,14 +42,14 @@ def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
 
 
 @functools.lru_cache(maxsize=64)
-def _manifest(clip: Path, _modified: int) -> bake_files.Manifest | None:
-    return bake_files.read_manifest(clip)
+def _manifest(clip: Path, _modified: int) -> clip_file.Manifest | None:
+    return clip_file.read_manifest(clip)
 
 
-def manifest(clip: Path) -> bake_files.Manifest | None:
+def manifest(clip: Path) -> clip_file.Manifest | None:
     """The manifest of a clip, read again when the file changed."""
     try:
-        modified = bake_files.manifest_path(clip).stat().st_mtime_ns
+        modified = clip_file.manifest_path(clip).stat().st_mtime_ns
     except OSError:
         return None
     return _manifest(clip, modified)
@@ -62,7 +63,7 @@ def check(obj: bpy.types.Object, carrier: bpy.types.Object) -> str:
     about = manifest(clip)
     if about is None:
         return f"{obj.name}: the manifest beside {clip.name} is missing: nobody knows what it was baked from"
-    if not bake_files.is_whole(clip, about) or about.vertices != len(carrier.data.vertices):
+    if not clip_file.is_whole(clip, about) or about.vertices != len(carrier.data.vertices):
         return f"{obj.name}: the baked clip {clip.name} does not fit the fine mesh: bake again"
     if about.inputs != inputs_fingerprint(obj, units.scene_of(obj)):
         return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
@@ -79,7 +80,7 @@ def compare_pose(obj: bpy.types.Object, entry: Runtime, evaluated: bpy.types.Obj
     if sample is None:
         outside = not about.start <= frame <= about.end
         return f"{obj.name}: frame {frame:g} is outside the bake ({about.start} to {about.end})" if outside else ""
-    positions = mesh_io.posed_positions(evaluated, about.coarse_vertices)
+    positions = mesh_reader.posed_positions(evaluated, about.coarse_vertices)
     if positions is not None and about.pose_differs(sample, positions):
         return f"{obj.name}: the pose of frame {frame:g} is not the baked one: bake again"
     return ""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The paths as curves: a child object of the garment whose mesh holds rows of numbers (core/curve_rows.py), of which
-its node group makes curves (curves_tree.py).
+its node group makes curves (path_curves_tree.py).
 
 The mesh has room for some points and never changes its topology while handlers run: they write positions, nothing
 else. Room is made by structural work. Whose curves they are, the modifier's input says.
@@ -13,9 +13,12 @@ from typing import Any, Iterator
 import bpy
 import numpy as np
 
-from ..core.curve_rows import ROWS, room_for, rows_of
-from . import bake_files, curves_tree, messages, modifier, properties, registry, scheduler, units, versions
-from .registry import Runtime
+from ...core.curve_rows import ROWS, room_for, rows_of
+from ...core import clip_file
+from .. import compat, scheduler
+from ..nodes import path_curves_tree
+from ..objects import messages, modifier, properties, runtimes, units
+from ..objects.runtimes import Runtime
 
 SUFFIX = ".curves"
 
@@ -23,12 +26,12 @@ SUFFIX = ".curves"
 # ---------------------------------------------------------------- whose they are
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """The modifier that makes curves of an object's mesh."""
-    return next((m for m in obj.modifiers if m.type == "NODES" and curves_tree.is_ours(m.node_group)), None)
+    return next((m for m in obj.modifiers if m.type == "NODES" and path_curves_tree.is_ours(m.node_group)), None)
 
 
 def all_curves() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
     """Every object that shows paths, in the order of their names."""
-    if not any(curves_tree.is_ours(group) for group in bpy.data.node_groups):
+    if not any(path_curves_tree.is_ours(group) for group in bpy.data.node_groups):
         return
     for obj in bpy.data.objects:
         if obj.type == "MESH" and len(obj.modifiers):
@@ -38,7 +41,7 @@ def all_curves() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
 
 
 def garment_of(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    found = versions.modifier_input(ours, _input(ours, curves_tree.GARMENT))
+    found = compat.modifier_input(ours, _input(ours, path_curves_tree.GARMENT))
     return found if isinstance(found, bpy.types.Object) else None
 
 
@@ -48,7 +51,7 @@ def of(garment: bpy.types.Object) -> list[bpy.types.Object]:
 
 
 def _input(ours: bpy.types.NodesModifier, name: str) -> str:
-    return versions.group_sockets(ours.node_group, "INPUT")[name]
+    return compat.group_sockets(ours.node_group, "INPUT")[name]
 
 
 # ---------------------------------------------------------------- adding and removing
@@ -61,8 +64,8 @@ def add(garment: bpy.types.Object) -> bpy.types.Object:
     for collection in garment.users_collection:
         collection.objects.link(child)
     ours = child.modifiers.new("Path Curves", "NODES")
-    ours.node_group = curves_tree.ensure()
-    versions.set_modifier_input(ours, _input(ours, curves_tree.GARMENT), garment)
+    ours.node_group = path_curves_tree.ensure()
+    compat.set_modifier_input(ours, _input(ours, path_curves_tree.GARMENT), garment)
     ours.node_group = ours.node_group  # as in modifier.set_carrier()
     _write_again(garment)
     return child
@@ -71,15 +74,15 @@ def add(garment: bpy.types.Object) -> bpy.types.Object:
 def remove(child: bpy.types.Object) -> None:
     """A child, its mesh, and the node group when it was the last."""
     group = find(child).node_group
-    versions.set_modifier_input(find(child), _input(find(child), curves_tree.GARMENT), None)
+    compat.set_modifier_input(find(child), _input(find(child), path_curves_tree.GARMENT), None)
     modifier.delete_hidden(child)
-    if group.users == 0 and versions.is_editable(group):
+    if group.users == 0 and compat.is_editable(group):
         bpy.data.node_groups.remove(group)
 
 
 def _write_again(garment: bpy.types.Object) -> None:
     """The next update writes the curves of this frame."""
-    registry.runtime(garment).forget_written()
+    runtimes.runtime(garment).forget_written()
     garment.update_tag()
 
 
@@ -100,7 +103,7 @@ def _make_room(mesh: bpy.types.Mesh, points: int) -> None:
 
 
 def _room_wanted(garment: bpy.types.Object) -> int:
-    entry = registry.known(garment)
+    entry = runtimes.known(garment)
     if entry is None or entry.fine is None:
         return room_for(0)
     settings = properties.settings_of(garment, units.scene_of(garment))
@@ -127,15 +130,15 @@ def write(garment: bpy.types.Object, entry: Runtime) -> None:
         if left_out:
             messages.say(entry, f"{garment.name}: {child.name} has no room for {left_out} of {len(curves.id)} paths "
                                 "in this frame: play the clip through before you render it")
-        if not np.array_equal(versions.positions(child.data), rows):
-            versions.set_positions(child.data, rows)
+        if not np.array_equal(compat.positions(child.data), rows):
+            compat.set_positions(child.data, rows)
             child.data.update()
 
 
 def _is_writable(child: bpy.types.Object) -> bool:
     """In Edit Mode the mesh is not what is shown; a baked one is played; linked ones ignore what is written."""
-    return (child.mode == "OBJECT" and modifier.cache(child) is None and versions.is_editable(child)
-            and versions.is_editable(child.data))
+    return (child.mode == "OBJECT" and modifier.cache(child) is None and compat.is_editable(child)
+            and compat.is_editable(child.data))
 
 
 # ---------------------------------------------------------------- structural work
@@ -143,16 +146,16 @@ def sync(wrinkled: list[bpy.types.Object]) -> None:
     """After other structural work: no mesh belongs to two, none is too small, none is left over."""
     seen: set[int] = set()
     for child, ours in list(all_curves()):
-        if not versions.is_editable(child):
+        if not compat.is_editable(child):
             continue
         garment = garment_of(ours)
         if _is_left_over(child, garment, wrinkled):
             remove(child)
             continue
-        key = versions.session_key(child.data)
-        if key in seen or not versions.is_editable(child.data):
+        key = compat.session_key(child.data)
+        if key in seen or not compat.is_editable(child.data):
             child.data = child.data.copy()
-        seen.add(versions.session_key(child.data))
+        seen.add(compat.session_key(child.data))
         if garment is not None and modifier.cache(child) is None and child.mode == "OBJECT":
             wanted = _room_wanted(garment)
             if room(child.data) < wanted:
@@ -180,23 +183,23 @@ class Recorder:
     def add(self) -> None:
         """The sample that was solved last."""
         if self.wanted:
-            entry = registry.runtime(self.garment)
+            entry = runtimes.runtime(self.garment)
             self.curves.append(entry.fine.curves(entry.inputs.frame, entry.inputs.positions, entry.inputs.settings))
 
-    def finish(self, manifest: bake_files.Manifest, clip: Path, stored_path: Any) -> None:
+    def finish(self, manifest: clip_file.Manifest, clip: Path, stored_path: Any) -> None:
         """Write the clip beside that of the garment. stored_path: how a blend file names it. Raises OSError."""
         if not self.wanted:
             return
         points = room_for(max(len(curves.width) for curves in self.curves))
         path = clip_path(clip)
-        bake_files.write_points(path, manifest, ROWS * points, (rows_of(curves, points)[0] for curves in self.curves))
+        clip_file.write_points(path, manifest, ROWS * points, (rows_of(curves, points)[0] for curves in self.curves))
         for child in of(self.garment):
-            if versions.is_editable(child):
+            if compat.is_editable(child):
                 free(child)  # of a former clip, which it played up to now
                 _make_room(child.data, points)
                 cache = modifier.add_cache(child, manifest, stored_path(path))
                 cache.interpolation = "NONE"  # between two samples there may be other curves: they ride on the pose
-                versions.move_modifier(child, len(child.modifiers) - 1, 0)
+                compat.move_modifier(child, len(child.modifiers) - 1, 0)
 
 
 def clip_path(clip: Path) -> Path:
@@ -207,5 +210,5 @@ def clip_path(clip: Path) -> Path:
 def free(child: bpy.types.Object) -> None:
     """Live again."""
     cache = modifier.cache(child)
-    if cache is not None and versions.is_editable(child):
+    if cache is not None and compat.is_editable(child):
         child.modifiers.remove(cache)

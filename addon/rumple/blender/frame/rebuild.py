@@ -9,24 +9,26 @@ from __future__ import annotations
 
 import bpy
 
-from .. import native
-from ..core import engine
-from . import (bake_state, bodies, carrier as carriers, evaluator, field_curve, field_nodes, mesh_io, messages,
-               modifier, node_tree, path_curves, registry, scheduler, versions)
-from .registry import Runtime
+from ... import native
+from ...core import engine
+from .. import compat, scheduler
+from ..nodes import field_profile, field_shader, wrinkle_tree
+from ..objects import bodies, evaluator, mesh_reader, messages, modifier, output_mesh, runtimes
+from ..objects.runtimes import Runtime
+from . import clip_status, path_curves
 
 
 def sync_all() -> None:
     """Bring every wrinkled object in order: node groups, shared carriers, stale meshes, leftovers."""
     for group in list(bpy.data.node_groups):
-        if node_tree.is_ours(group):
-            node_tree.upgrade(group)
+        if wrinkle_tree.is_ours(group):
+            wrinkle_tree.upgrade(group)
     objects = list(modifier.wrinkled_objects())
-    registry.forget_all_but(obj for obj, _ in objects)
+    runtimes.forget_all_but(obj for obj, _ in objects)
     _split_shared_carriers(objects)
     bodies.connect_all()
     for obj, ours in objects:
-        if registry.runtime(obj).stale:
+        if runtimes.runtime(obj).stale:
             prepare(obj, ours)
     _tidy_removed({obj.name_full for obj, _ in objects})
     path_curves.sync([obj for obj, _ in modifier.wrinkled_objects()])
@@ -37,9 +39,9 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
 
     Never raises: what is wrong becomes the object's message and the last good mesh stays.
     """
-    if obj.mode in mesh_io.BUSY_MODES or obj.data.is_editmode:  # by another object that shares it
+    if obj.mode in mesh_reader.BUSY_MODES or obj.data.is_editmode:  # by another object that shares it
         return False
-    entry = registry.runtime(obj)
+    entry = runtimes.runtime(obj)
     entry.stale = False
     entry.groups = [group.name for group in obj.vertex_groups]
     try:
@@ -55,10 +57,10 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
 
 def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> bool:
     method = modifier.system(ours).method
-    if versions.is_editable(obj) and obj.rumple.method != method:
+    if compat.is_editable(obj) and obj.rumple.method != method:
         obj.rumple.method = method  # the modifier came by Copy Modifiers or an older file
     if modifier.is_baked(ours) and modifier.carrier(ours) is not None:
-        entry.bake_note = bake_state.check(obj, modifier.carrier(ours))
+        entry.bake_note = clip_status.check(obj, modifier.carrier(ours))
         return False  # the clip counts on the carrier as it is
     entry.bake_note = ""
     if method == "FIELD":
@@ -71,11 +73,11 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     held = modifier.carrier(ours)
     count = len(obj.data.vertices)
     if held is None or held.type != "MESH" or not _is_local(held):
-        held = carriers.make(obj, entry.fine, source)
-        held[carriers.KEY] = True
-    elif not carriers.is_embedding_of(held.data, entry.fine):
-        carriers.fill(held, obj, entry.fine, source)
-    elif not carriers.carry_changes(held, obj, entry.fine, source):
+        held = output_mesh.make(obj, entry.fine, source)
+        held[output_mesh.KEY] = True
+    elif not output_mesh.is_embedding_of(held.data, entry.fine):
+        output_mesh.fill(held, obj, entry.fine, source)
+    elif not output_mesh.carry_changes(held, obj, entry.fine, source):
         if modifier.coarse_vertices(ours) == count:
             return False
     modifier.set_carrier(ours, held, count)
@@ -86,16 +88,16 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
 def _settle_profile(obj: bpy.types.Object, entry: Runtime) -> None:
     """The materials, and the fine mesh, have the profile that is set, or drawn."""
     if obj.rumple.field.profile == "CURVE":
-        field_curve.ensure(obj)
+        field_profile.ensure(obj)
         entry.paint = None
         obj.update_tag()
-    for material in field_nodes.materials_of(obj):
-        field_nodes.set_profile(material, obj)
-    field_nodes.drop_orphans()
+    for material in field_shader.materials_of(obj):
+        field_shader.set_profile(material, obj)
+    field_shader.drop_orphans()
 
 
 def _is_local(held: bpy.types.Object) -> bool:
-    return versions.is_editable(held) and versions.is_editable(held.data)
+    return compat.is_editable(held) and compat.is_editable(held.data)
 
 
 # ---------------------------------------------------------------- duplicates and leftovers
@@ -105,33 +107,33 @@ def _split_shared_carriers(objects: list[tuple[bpy.types.Object, bpy.types.Nodes
     for obj, ours in objects:
         held = modifier.carrier(ours)
         if held is None or held.type != "MESH":
-            registry.runtime(obj).stale = True
+            runtimes.runtime(obj).stale = True
             continue
-        key = versions.session_key(held)
+        key = compat.session_key(held)
         if key in seen or not _is_local(held):
-            held = carriers.copy_for(obj, held)
-            held[carriers.KEY] = True
+            held = output_mesh.copy_for(obj, held)
+            held[output_mesh.KEY] = True
             modifier.set_carrier(ours, held, modifier.coarse_vertices(ours))
-            registry.runtime(obj).stale = True
-            registry.runtime(obj).forget_written()
-        seen.add(versions.session_key(held))
+            runtimes.runtime(obj).stale = True
+            runtimes.runtime(obj).forget_written()
+        seen.add(compat.session_key(held))
 
 
 def _tidy_removed(wrinkled: set[str]) -> None:
     """Where the modifier was applied or removed by Blender's own buttons, clean up as our operators do."""
     for obj in bpy.data.objects:
-        if obj.type != "MESH" or obj.name_full in wrinkled or not versions.is_editable(obj):
+        if obj.type != "MESH" or obj.name_full in wrinkled or not compat.is_editable(obj):
             continue
         if obj.rumple.method != "NONE":
             drop_traces(obj)
     drop_orphan_carriers()
-    field_curve.drop_orphans()
+    field_profile.drop_orphans()
 
 
 def drop_orphan_carriers() -> None:
     """Carriers and players without an object. Asked of the user map: 5.2's count keeps applied modifiers."""
     held = {hidden(ours) for _, ours in modifier.wrinkled_objects() for hidden in (modifier.carrier, modifier.player)}
-    candidates = {o for o in bpy.data.objects if carriers.KEY in o} - held
+    candidates = {o for o in bpy.data.objects if output_mesh.KEY in o} - held
     if not candidates:
         return  # the user map looks at the whole file
     for candidate, users in bpy.data.user_map(subset=candidates).items():
@@ -142,7 +144,7 @@ def drop_orphan_carriers() -> None:
 def drop_traces(obj: bpy.types.Object) -> None:
     """What the wrinkles of an object leave behind when their modifier has gone. Settings and paint stay."""
     if obj.rumple.method == "FIELD":
-        field_nodes.unshade_object(obj, [o for o, _ in modifier.wrinkled_objects() if o.rumple.method == "FIELD"])
+        field_shader.unshade_object(obj, [o for o, _ in modifier.wrinkled_objects() if o.rumple.method == "FIELD"])
     obj.rumple.method = "NONE"
     drop_internal_attributes(obj)
 
@@ -150,10 +152,11 @@ def drop_traces(obj: bpy.types.Object) -> None:
 def drop_internal_attributes(obj: bpy.types.Object) -> None:
     """Rumple's own attributes on a coarse (or applied) mesh; what is for shaders stays where it was applied."""
     mesh = obj.data
-    if not versions.is_editable(mesh) or obj.mode == "EDIT":
+    if not compat.is_editable(mesh) or obj.mode == "EDIT":
         return
     shared = any(other != obj and other.data == mesh for other, _ in modifier.wrinkled_objects())
-    internal = (*node_tree.CARRIER_ONLY, node_tree.BASE_POSITION, node_tree.BASE_INDEX, node_tree.REST_POSITION)
+    internal = (*wrinkle_tree.CARRIER_ONLY, wrinkle_tree.BASE_POSITION, wrinkle_tree.BASE_INDEX,
+                wrinkle_tree.REST_POSITION)
     for name in internal:
         if name in mesh.attributes and not shared:
             mesh.attributes.remove(mesh.attributes[name])
@@ -167,4 +170,4 @@ def remove_all(obj: bpy.types.Object) -> None:
         modifier.remove(obj)
         drop_traces(obj)
         drop_orphan_carriers()
-        registry.forget(obj)
+        runtimes.forget(obj)

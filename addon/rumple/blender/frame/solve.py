@@ -2,7 +2,7 @@
 """The live solve: called between Blender's two evaluation passes, for every depsgraph and every subframe.
 
 The picture is a function of the pose and of stored state (core/history.py), so it does not matter how often,
-for which depsgraph and in which order this is called. Rules that keep Blender alive (../shared/blender-facts.md):
+for which depsgraph and in which order this is called. Rules that keep Blender alive:
 never update a depsgraph here; while a render runs leave viewport depsgraphs alone; write nothing but attributes of
 the carrier's mesh, and nothing at all when nothing changed; leave baked objects alone.
 """
@@ -11,12 +11,14 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from .. import native
-from ..core import engine
-from . import (bake_state, bodies, carrier as carriers, evaluator, mesh_io, messages, modifier, path_curves, preview,
-               properties, registry, scheduler, units, versions, wind)
-from .registry import Inputs, Runtime
-from .scheduler import LOCK
+from ... import native
+from ...core import engine
+from .. import compat, scheduler
+from ..objects import bodies, evaluator, mesh_reader, messages, modifier, output_mesh, properties, runtimes, units, wind
+from ..objects.runtimes import Inputs, Runtime
+from ..scheduler import LOCK
+from ..viewport import preview
+from . import clip_status, path_curves
 
 def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Solve what this depsgraph shows. Never raises."""
@@ -35,7 +37,7 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         written = [obj for obj, ours in objects
                    if obj not in late and _process_guarded(obj, ours, scene, depsgraph, carriers_seen)]
         for obj, _ours in objects:
-            registry.runtime(obj).pose = None  # it belongs to this call only
+            runtimes.runtime(obj).pose = None  # it belongs to this call only
         if written and len(objects) > 1:
             _tag_dependents(written, [obj for obj, _ in objects])
 
@@ -43,7 +45,7 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Object]) -> None:
     """Wrinkled objects that lean on a written one saw its last picture: let them be evaluated once more.
 
-    In background and in renders nothing can be tagged in time: they are one solve late there (bake_state.py says so).
+    In background and in renders nothing can be tagged in time: they are one solve late there (clip_status.py says so).
     """
     if bpy.app.background or scheduler.rendering():
         return
@@ -54,21 +56,21 @@ def _not_connected(objects: list) -> set[bpy.types.Object]:
     """Those whose bodies this depsgraph may not have evaluated: their modifiers do not name them yet."""
     late = {obj for obj, ours in objects if not bodies.is_connected(obj, ours)}
     for obj in late:
-        registry.runtime(obj).stale = True
+        runtimes.runtime(obj).stale = True
         scheduler.request()
     return late
 
 
 def _note_groups(obj: bpy.types.Object) -> None:
     """Adding and removing vertex groups from scripts tags nothing."""
-    entry = registry.known(obj)
+    entry = runtimes.known(obj)
     if entry is not None and entry.groups is not None and entry.groups != [group.name for group in obj.vertex_groups]:
         entry.groups, entry.paint, entry.stale = None, None, True
         scheduler.request(scheduler.DELAY)
 
 
 def _needs_structure(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
-    entry = registry.known(obj)
+    entry = runtimes.known(obj)
     return entry is None or entry.stale or modifier.carrier(ours) is None
 
 
@@ -77,29 +79,29 @@ def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
     poses = {obj.name_full: _posed(obj, depsgraph) for obj, _ in objects}
     scheduler.sync_all()
     for obj, _ours in objects:
-        registry.runtime(obj).pose = poses[obj.name_full]
+        runtimes.runtime(obj).pose = poses[obj.name_full]
 
 
 def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
     """Coarse positions of this frame, from the tree or, where it passed the coarse mesh through, from that."""
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or obj.mode in mesh_io.BUSY_MODES:
+    if not evaluated.is_evaluated or obj.mode in mesh_reader.BUSY_MODES:
         return None
     count = len(obj.data.vertices)
-    found = mesh_io.posed_positions(evaluated, count)
-    return mesh_io.plain_positions(evaluated, count) if found is None else found
+    found = mesh_reader.posed_positions(evaluated, count)
+    return mesh_reader.plain_positions(evaluated, count) if found is None else found
 
 
 def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene: bpy.types.Scene,
                      depsgraph: bpy.types.Depsgraph, carriers_seen: set[int]) -> bool:
     """True when the carrier was written."""
-    entry = registry.runtime(obj)
+    entry = runtimes.runtime(obj)
     try:
         held = modifier.carrier(ours)
         if held is None or held.type != "MESH":
             scheduler.request()
             return False
-        key = versions.session_key(held)
+        key = compat.session_key(held)
         if key in carriers_seen or held.library is not None or held.data.library is not None:
             scheduler.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
             return False
@@ -107,7 +109,7 @@ def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene
         return _process(obj, ours, held, entry, scene, depsgraph)
     except (engine.Refused, native.NativeMissing) as error:
         messages.say(entry, str(error))
-    except mesh_io.Reordered as error:
+    except mesh_reader.Reordered as error:
         messages.say(entry, f"{obj.name}: {error}")
     except Exception as error:  # handlers must not throw: the last good picture stays, the panel says why
         messages.say(entry, messages.unexpected(obj, error))
@@ -117,10 +119,10 @@ def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene
 def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.types.Object, entry: Runtime,
              scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or obj.mode in mesh_io.BUSY_MODES:
+    if not evaluated.is_evaluated or obj.mode in mesh_reader.BUSY_MODES:
         return False
     if modifier.is_baked(ours):
-        messages.say(entry, bake_state.compare_pose(obj, entry, evaluated, float(scene.frame_current_final)))
+        messages.say(entry, clip_status.compare_pose(obj, entry, evaluated, float(scene.frame_current_final)))
         return False
     if entry.fine is None:
         evaluator.ensure(obj, entry)
@@ -135,7 +137,7 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
         entry.looked = inputs
         messages.say(entry, "")
         return False
-    if inputs.same_as(entry.inputs) and entry.carrier_key == versions.session_key(held.data):
+    if inputs.same_as(entry.inputs) and entry.carrier_key == compat.session_key(held.data):
         messages.say(entry, "")  # what was wrong in between is as it was before
         messages.note_unplayed(entry, entry.unplayed, depsgraph.mode == "RENDER")
         return False
@@ -160,7 +162,7 @@ def show_fine_meshes() -> None:
     """Before a file is saved: without the add-on it shows what its carriers hold. Viewports get theirs back at once."""
     with LOCK:
         for obj, ours in modifier.wrinkled_objects():
-            entry, held = registry.known(obj), modifier.carrier(ours)
+            entry, held = runtimes.known(obj), modifier.carrier(ours)
             if held is None or entry is None or entry.inputs is None or not entry.inputs.stands_in:
                 continue
             try:
@@ -179,7 +181,7 @@ def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime
         return None
     body = bodies.read(obj, evaluated, depsgraph)
     if entry.paint is None:
-        entry.paint = mesh_io.paint(obj, properties.settings_of(obj, scene))
+        entry.paint = mesh_reader.paint(obj, properties.settings_of(obj, scene))
     # The evaluated copy: animated settings are right there, in renders too.
     settings = properties.settings_of(evaluated, scene)
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
@@ -191,9 +193,9 @@ def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime
 
 def _fits(held: bpy.types.Object, entry: Runtime) -> bool:
     """Whether the carrier is the fine mesh that is solved. The costly comparison is made once for a carrier."""
-    if entry.carrier_key == versions.session_key(held.data):
+    if entry.carrier_key == compat.session_key(held.data):
         return len(held.data.vertices) == entry.fine.vertex_count
-    return carriers.is_embedding_of(held.data, entry.fine)
+    return output_mesh.is_embedding_of(held.data, entry.fine)
 
 
 def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, evaluated: bpy.types.Object,
@@ -202,7 +204,7 @@ def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runti
     if entry.pose is not None:
         return entry.pose
     count = len(entry.fine.base.positions)
-    positions = mesh_io.posed_positions(evaluated, count)
+    positions = mesh_reader.posed_positions(evaluated, count)
     shown = ours.show_render if depsgraph.mode == "RENDER" else ours.show_viewport
     if positions is not None or not shown:
         return positions
@@ -219,16 +221,16 @@ def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runti
 
 def _show(held: bpy.types.Object, entry: Runtime, picture: engine.Picture | engine.Sketch, in_viewport: bool) -> bool:
     """Write the picture, unless the carrier has it already: a write tags the mesh and costs another evaluation."""
-    key = versions.session_key(held.data)
+    key = compat.session_key(held.data)
     last = entry.picture
     entry.picture = picture
     if last is not None and entry.carrier_key == key and last.shows_the_same(picture):
         return False
     if isinstance(picture, engine.Sketch):
-        carriers.write_stand_in(held.data, picture.stand_in)
+        output_mesh.write_stand_in(held.data, picture.stand_in)
     else:
-        carriers.write_picture(held.data, picture, entry.fine.ATTRIBUTES)
+        output_mesh.write_picture(held.data, picture, entry.fine.ATTRIBUTES)
         if in_viewport:
-            carriers.write_stand_in(held.data, None)
+            output_mesh.write_stand_in(held.data, None)
     entry.carrier_key = key
     return True

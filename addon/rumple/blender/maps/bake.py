@@ -15,9 +15,13 @@ from typing import Iterator
 import bpy
 import numpy as np
 
-from ..core.engine import Refused
-from . import (maps_export, maps_live, maps_nodes, maps_operators, maps_rig, maps_tree, modifier, properties, registry,
-               scheduler, structure, units, versions)
+from ...core.engine import Refused
+from .. import compat, scheduler
+from ..frame import rebuild
+from ..nodes import maps_shader
+from ..objects import modifier, properties, runtimes, units
+from . import (export as maps_export, modifier as maps_modifier, operators as maps_operators, rig as maps_rig,
+               sync as maps_sync)
 
 SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single picture may take its time
@@ -67,7 +71,7 @@ class MapBake:
         """Put the armature back."""
         for name, basis in self._former:
             self.armature.pose.bones[name].matrix_basis = basis
-        maps_live.maps_changed(self.obj)
+        maps_sync.maps_changed(self.obj)
         self.context.view_layer.update()
 
     # --- the two meshes
@@ -81,12 +85,12 @@ class MapBake:
             low, high = (self._frozen(copy) for copy in (coarse, wrinkled))
             high.data.polygons.foreach_set("use_smooth", np.ones(len(high.data.polygons), bool))  # no facets of its own
             if "rumple_offset" not in high.data.attributes:
-                raise Refused(registry.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this pose")
-            offsets = versions.read_attribute(high.data.attributes["rumple_offset"])
+                raise Refused(runtimes.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this pose")
+            offsets = compat.read_attribute(high.data.attributes["rumple_offset"])
             yield low, high, float(np.percentile(np.sqrt((offsets * offsets).sum(1)), HIGH_FOLDS))
         finally:
             if modifier.find(wrinkled) is not None:
-                structure.remove_all(wrinkled)
+                rebuild.remove_all(wrinkled)
             for copy in (coarse, wrinkled, low, high):
                 if copy is not None:
                     _delete(copy)
@@ -96,7 +100,7 @@ class MapBake:
         copy = self.obj.copy()
         copy.data = self.obj.data.copy()
         copy.name = f"{self.obj.name} bake {suffix}"
-        ours, wrinkles = maps_tree.find(copy), modifier.find(copy)
+        ours, wrinkles = maps_modifier.find(copy), modifier.find(copy)
         behind = {m.name for m in list(copy.modifiers)[modifier.place_behind_deforming(copy):]}
         for name in [m.name for m in copy.modifiers if m in (ours, wrinkles) or m.name in behind]:
             copy.modifiers.remove(copy.modifiers[name])
@@ -111,7 +115,7 @@ class MapBake:
         with self.context.temp_override(object=copy, active_object=copy, selected_objects=[copy]):
             result = bpy.ops.object.rumple_add(method=method, shade=False)
         if result != {"FINISHED"}:
-            raise Refused(registry.message(copy) or f"{self.obj.name}: the wrinkles cannot be made")
+            raise Refused(runtimes.message(copy) or f"{self.obj.name}: the wrinkles cannot be made")
         settings = properties.group_of(copy)
         settings.stateless = True  # one pose, without a past
         if method == "FIELD":
@@ -203,7 +207,7 @@ def _flatten_strays(image: bpy.types.Image) -> None:
     texels = pixels.reshape(-1, 4)
     strays = texels[:, 2] < 0.5 + 0.5 * STEEPEST
     if strays.any():
-        texels[strays] = maps_nodes.FLAT
+        texels[strays] = maps_shader.FLAT
         image.pixels.foreach_set(pixels)
         image.update()
 

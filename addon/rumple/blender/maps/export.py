@@ -12,9 +12,10 @@ from typing import Any
 
 import bpy
 
-from ..core.engine import Refused
-from ..core.poses import PoseComparison, PoseRig, SkinWeights, from_json
-from . import maps_geometry, maps_nodes, maps_operators, maps_rig, maps_tree
+from ...core.engine import Refused
+from ...core.poses import PoseComparison, PoseRig, SkinWeights, from_json
+from ..nodes import maps_mask_tree, maps_shader
+from . import modifier as maps_modifier, operators as maps_operators, rig as maps_rig
 
 
 def save_image(image: bpy.types.Image, folder: Path, deep: bool) -> Path:
@@ -50,7 +51,7 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
     rig, _ = maps_rig.rig_of(obj)
     rig.check()
     written = [path]
-    neutral = next(filter(None, (maps_nodes.neutral_image(slot.material) for slot in obj.material_slots
+    neutral = next(filter(None, (maps_shader.neutral_image(slot.material) for slot in obj.material_slots
                                  if slot.material is not None)), None)
     if neutral is not None and tuple(neutral.size)[0]:
         rig.neutral_map = f"{path.stem}_neutral.png"
@@ -93,13 +94,13 @@ def weighted_copy(obj: bpy.types.Object, clip: dict[str, Any]) -> bpy.types.Obje
     copy = obj.copy()
     copy.data = obj.data.copy()
     copy.name = copy.data.name = f"{obj.name} weights"
-    copy.modifiers.remove(maps_tree.find(copy))
+    copy.modifiers.remove(maps_modifier.find(copy))
     for collection in obj.users_collection:
         collection.objects.link(copy)
     if copy.data.shape_keys is None:
         copy.shape_key_add(name="Basis")
     for number, name in enumerate(clip["poses"]):
-        key = copy.shape_key_add(name=maps_geometry.MASK.format(name), from_mix=False)
+        key = copy.shape_key_add(name=maps_mask_tree.MASK.format(name), from_mix=False)
         for frame, values in enumerate(clip["presence"], clip["first"]):
             key.value = values[number]
             key.keyframe_insert("value", frame=frame)

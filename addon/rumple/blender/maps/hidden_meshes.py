@@ -4,7 +4,7 @@
 The skin has a point for each vertex, with its weights. The skeleton has two for each bone: Hook modifiers, Blender's
 own, move them with its head and tail, and a constraint puts the object itself to the root bone. So the present pose
 reaches the nodes within Blender's one evaluation of a frame: no handler, no second evaluation, and on a machine
-without Rumple the masks follow the bones just so. What stands in their attributes says maps_geometry.py.
+without Rumple the masks follow the bones just so. What stands in their attributes says maps_mask_tree.py.
 """
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ..core.poses import ROW, PoseComparison, packed
-from . import maps_geometry, versions
+from ...core.poses import ROW, PoseComparison, packed
+from .. import compat
+from ..nodes import maps_mask_tree
 
 KEY = "rumple_maps_carrier"  # custom property: tells leftovers from the artist's objects
 SHAPE = "rumple_maps_shape"  # ... and what it was made from
@@ -31,7 +32,7 @@ def _hidden(name: str, mesh: bpy.types.Mesh, shape: str) -> bpy.types.Object:
 def made_from(held: bpy.types.Object | None, shape: str) -> bool:
     """True where it can be written and is what new_skin() or new_skeleton() would make."""
     # An override of a hidden object has the linked mesh, where writing is silently ignored.
-    return held is not None and all(map(versions.is_editable, (held, held.data))) and held.get(SHAPE) == shape
+    return held is not None and all(map(compat.is_editable, (held, held.data))) and held.get(SHAPE) == shape
 
 
 def new_skin(name: str, comparison: PoseComparison, shape: str) -> bpy.types.Object:
@@ -40,11 +41,11 @@ def new_skin(name: str, comparison: PoseComparison, shape: str) -> bpy.types.Obj
     mesh = bpy.data.meshes.new(name + SKIN)
     mesh.vertices.add(len(table.bone))
     for column in range(ROW):
-        versions.write_attribute(mesh, maps_geometry.BONE.format(column), "INT", "POINT", table.bone[:, column])
+        compat.write_attribute(mesh, maps_mask_tree.BONE.format(column), "INT", "POINT", table.bone[:, column])
     for row, further in enumerate(table.more):
         values = np.full(len(table.bone), -1, np.int32)
         values[:len(further)] = further
-        versions.write_attribute(mesh, maps_geometry.MORE.format(row), "INT", "POINT", values)
+        compat.write_attribute(mesh, maps_mask_tree.MORE.format(row), "INT", "POINT", values)
     return _hidden(name + SKIN, mesh, shape)
 
 
@@ -53,7 +54,7 @@ def write_weights(held: bpy.types.Object, comparison: PoseComparison, gain: floa
     table = comparison.table()
     for number, lifts in enumerate(packed(comparison.lifts(gain, strength))):
         for column in range(ROW):
-            versions.write_attribute(held.data, maps_geometry.WEIGHTS.format(number, column), "FLOAT_VECTOR", "POINT",
+            compat.write_attribute(held.data, maps_mask_tree.WEIGHTS.format(number, column), "FLOAT_VECTOR", "POINT",
                                      table.weight[:, column, None] * lifts[table.vertex])
     held.data.update()
 
@@ -65,7 +66,7 @@ def new_skeleton(name: str, comparison: PoseComparison, armature: bpy.types.Obje
     mesh.vertices.add(2 * count)
     tails = np.zeros((2 * count, 3), np.float32)  # every point in the space of its bone
     tails[count:, 1] = [armature.data.bones[bone.name].length for bone in rig.bones]
-    versions.set_positions(mesh, tails)
+    compat.set_positions(mesh, tails)
     _write_rig(mesh, comparison)
     mesh.update()
     held = _hidden(name + SKELETON, mesh, shape)
@@ -89,17 +90,17 @@ def _write_rig(mesh: bpy.types.Mesh, comparison: PoseComparison) -> None:
         return np.concatenate([bones[:, :3], bones[:, 3:]])
 
     def write(name: str, data_type: str, values: np.ndarray) -> None:
-        versions.write_attribute(mesh, name, data_type, "POINT", values)
+        compat.write_attribute(mesh, name, data_type, "POINT", values)
 
-    write(maps_geometry.NEUTRAL, "FLOAT_VECTOR", ends(rig.neutral))
+    write(maps_mask_tree.NEUTRAL, "FLOAT_VECTOR", ends(rig.neutral))
     for number, slope in enumerate(comparison.slopes()):
-        write(maps_geometry.SLOPE.format(number), "FLOAT_VECTOR", ends(slope))
+        write(maps_mask_tree.SLOPE.format(number), "FLOAT_VECTOR", ends(slope))
     group = rig.group_numbers()
     alone = group < 0
     group[alone] = count + np.flatnonzero(alone)
-    write(maps_geometry.GROUP, "INT", np.concatenate([group, np.full(count, -1, np.int32)]))  # tails count for none
+    write(maps_mask_tree.GROUP, "INT", np.concatenate([group, np.full(count, -1, np.int32)]))  # tails count for none
     for number, shares in enumerate(packed(comparison.shares())):
-        write(maps_geometry.SHARE.format(number), "FLOAT_VECTOR", np.concatenate([shares, np.zeros_like(shares)]))
+        write(maps_mask_tree.SHARE.format(number), "FLOAT_VECTOR", np.concatenate([shares, np.zeros_like(shares)]))
 
 
 def _hook(held: bpy.types.Object, armature: bpy.types.Object, bone: str, points: list[int]) -> None:

@@ -3,8 +3,8 @@
 
     rumple_poses_0 .. rumple_poses_5    FLOAT_VECTOR    masks of poses 1 to 3, 4 to 6, ...: for the shader
     rumple_pose_<name>                  FLOAT           0..1: where the map of that pose shows, and how much
-Every object has a tree of its own, for the names of its poses stand in it. The nodes are those of maps_geometry.py,
-the hidden objects that they read those of maps_carriers.py.
+Every object has a tree of its own, for the names of its poses stand in it. The nodes are those of maps_mask_tree.py,
+the hidden objects that they read those of maps/hidden_meshes.py.
 """
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from typing import Iterator
 
 import bpy
 
-from . import maps_geometry, modifier, versions
-from .maps_geometry import BONES, CARRIER, COUNT, WRINKLES, Shape
+from .. import compat
+from ..nodes import maps_mask_tree
+from ..nodes.maps_mask_tree import BONES, CARRIER, COUNT, WRINKLES, Shape
+from ..objects import modifier
 
 NAME = "Wrinkle Maps"
 KEY = "rumple_maps_tree"  # custom property of the trees
@@ -43,7 +45,7 @@ def mapped_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier
 def new_tree(name: str) -> bpy.types.NodeTree:
     group = bpy.data.node_groups.new(f"Rumple {NAME} {name}", "GeometryNodeTree")
     group[KEY] = ""
-    versions.mark_as_modifier(group)
+    compat.mark_as_modifier(group)
     fill(group, Shape())
     return group
 
@@ -52,14 +54,14 @@ def fill(group: bpy.types.NodeTree, shape: Shape) -> None:
     """Make the nodes, unless they are there; sockets that an older file lacks, too."""
     if group[KEY] == repr(shape):
         return
-    present = versions.group_sockets(group, "INPUT")
-    for name, kind in maps_geometry.INPUTS:
+    present = compat.group_sockets(group, "INPUT")
+    for name, kind in maps_mask_tree.INPUTS:
         if name not in present:
-            versions.new_group_socket(group, name, "INPUT", kind)
-    if not versions.group_sockets(group, "OUTPUT"):
-        versions.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
+            compat.new_group_socket(group, name, "INPUT", kind)
+    if not compat.group_sockets(group, "OUTPUT"):
+        compat.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
     group.nodes.clear()
-    maps_geometry.Builder(group, shape).build()
+    maps_mask_tree.Builder(group, shape).build()
     group[KEY] = repr(shape)
 
 
@@ -72,7 +74,7 @@ def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
     made.node_group = new_tree(obj.name)
     last = len(obj.modifiers) - 1
     if place != last:
-        versions.move_modifier(obj, last, place)
+        compat.move_modifier(obj, last, place)
     return find(obj)
 
 
@@ -86,7 +88,7 @@ def remove(obj: bpy.types.Object) -> None:
         if _get(ours, name) is not None:
             _set(ours, name, None)
     obj.modifiers.remove(ours)
-    if group.users == 0 and versions.is_editable(group):
+    if group.users == 0 and compat.is_editable(group):
         bpy.data.node_groups.remove(group)
     still_held = {other for _, another in mapped_objects() for other in hidden(another)}
     for former in held - still_held:
@@ -94,12 +96,12 @@ def remove(obj: bpy.types.Object) -> None:
 
 
 def _set(ours: bpy.types.NodesModifier, name: str, value: object) -> None:
-    versions.set_modifier_input(ours, versions.group_sockets(ours.node_group, "INPUT")[name], value)
+    compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")[name], value)
 
 
 def _get(ours: bpy.types.NodesModifier, name: str) -> object:
-    identifier = versions.group_sockets(ours.node_group, "INPUT").get(name)
-    return versions.modifier_input(ours, identifier) if identifier else None
+    identifier = compat.group_sockets(ours.node_group, "INPUT").get(name)
+    return compat.modifier_input(ours, identifier) if identifier else None
 
 
 def _mesh_object(ours: bpy.types.NodesModifier, name: str) -> bpy.types.Object | None:

@@ -3,7 +3,7 @@
 
 bpy.ops.rumple.maps_add() (or object.rumple_add(method="MAPS")), maps_remove(), maps_show(), maps_hide(), maps_bones().
 They act on the active mesh or, while its armature is posed, on the mesh with Wrinkle Maps that it deforms. Those of
-the reference poses are in maps_pose_operators.py.
+the reference poses are in maps/pose_operators.py.
 """
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from typing import Callable
 
 import bpy
 
-from .. import native
-from ..core.engine import Refused
-from . import maps_live, maps_nodes, maps_rig, maps_tree, scheduler, versions
+from ... import native
+from ...core.engine import Refused
+from .. import compat, scheduler
+from ..nodes import maps_shader
+from . import modifier as maps_modifier, rig as maps_rig, sync as maps_sync
 
 
 def target(context: bpy.types.Context) -> bpy.types.Object | None:
     """The object with Wrinkle Maps that is meant: the active one, or what the active armature deforms."""
     active = context.object
     if active is None or active.type != "ARMATURE":
-        return active if active is not None and active.type == "MESH" and maps_tree.find(active) else None
-    return next((obj for obj, _ in maps_tree.mapped_objects() if obj.find_armature() == active), None)
+        return active if active is not None and active.type == "MESH" and maps_modifier.find(active) else None
+    return next((obj for obj, _ in maps_modifier.mapped_objects() if obj.find_armature() == active), None)
 
 
 class OnMaps:
@@ -35,7 +37,7 @@ class OnMaps:
         why = ""
         if obj is None:
             why = "Add Wrinkle Maps to a mesh that an armature deforms first"
-        elif not versions.is_editable(obj):
+        elif not compat.is_editable(obj):
             why = "This object is linked from another file: make a library override or append it"
         if why:
             cls.poll_message_set(why)
@@ -77,17 +79,17 @@ def add_maps(obj: bpy.types.Object) -> None:
     maps_rig.armature_of(obj)
     native.load()
     with scheduler.suspended():
-        ours = maps_tree.add(obj)
-    maps_live.prepare(obj, ours)
+        ours = maps_modifier.add(obj)
+    maps_sync.prepare(obj, ours)
 
 
 def remove_maps(obj: bpy.types.Object) -> None:
     """Modifier, carrier and the nodes in materials; the reference poses stay with the object."""
     hide(obj)
-    maps_tree.remove(obj)
+    maps_modifier.remove(obj)
     group = obj.rumple_maps.group
     obj.rumple_maps.group = None
-    if group is not None and group.users == 0 and versions.is_editable(group):
+    if group is not None and group.users == 0 and compat.is_editable(group):
         bpy.data.node_groups.remove(group)
 
 
@@ -95,13 +97,13 @@ def show(obj: bpy.types.Object) -> None:
     """The node group in all materials of the object. Raises Refused after the others for what cannot take it."""
     settings = obj.rumple_maps
     if settings.group is None:
-        settings.group = maps_nodes.new_group(obj.name)
-    maps_nodes.fill(settings.group, maps_rig.usable_images(obj), settings.maps, settings.uv_map)
+        settings.group = maps_shader.new_group(obj.name)
+    maps_shader.fill(settings.group, maps_rig.usable_images(obj), settings.maps, settings.uv_map)
     refused = []
     materials = {slot.material for slot in obj.material_slots if slot.material is not None}
     for material in sorted(materials, key=lambda material: material.name):
         try:
-            maps_nodes.insert(material, settings.group)
+            maps_shader.insert(material, settings.group)
         except Refused as error:
             refused.append(str(error))
     if not materials:
@@ -114,8 +116,8 @@ def hide(obj: bpy.types.Object) -> None:
     """Take this object's node group out of its materials."""
     for slot in obj.material_slots:
         material = slot.material
-        if material is not None and maps_nodes.shown_in(material) == obj.rumple_maps.group is not None:
-            maps_nodes.remove(material)
+        if material is not None and maps_shader.shown_in(material) == obj.rumple_maps.group is not None:
+            maps_shader.remove(material)
 
 
 class RUMPLE_OT_maps_add(bpy.types.Operator):
@@ -131,9 +133,9 @@ class RUMPLE_OT_maps_add(bpy.types.Operator):
         why = ""
         if obj is None or obj.type != "MESH":
             why = "Choose a mesh object first"
-        elif not versions.is_editable(obj):
+        elif not compat.is_editable(obj):
             why = "This object is linked from another file: make a library override or append it"
-        elif maps_tree.find(obj) is not None:
+        elif maps_modifier.find(obj) is not None:
             why = "This object has Wrinkle Maps already"
         elif obj.find_armature() is None:
             why = "No armature deforms this mesh: Wrinkle Maps follow bones"
@@ -173,7 +175,7 @@ class RUMPLE_OT_maps_bones(OnMaps, bpy.types.Operator):
 
         def choose() -> None:
             maps_rig.choose_by_default(obj)
-            maps_live.rig_changed(obj)
+            maps_sync.rig_changed(obj)
         return self.guarded(choose)
 
 

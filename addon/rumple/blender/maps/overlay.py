@@ -7,8 +7,10 @@ import colorsys
 import bpy
 import numpy as np
 
-from ..core.poses import PACKED
-from . import maps_nodes, maps_tree, versions
+from ...core.poses import PACKED
+from .. import compat
+from ..nodes import maps_shader
+from . import modifier as maps_modifier
 
 STRONGEST = 0.85  # alpha where the masks sum to 1: the shading stays visible
 NEARER = 1e-4  # share of the depth by which colours lie in front of the mesh
@@ -26,15 +28,16 @@ def colours(masks: np.ndarray) -> np.ndarray:
 
 
 def _masks(mesh: bpy.types.Mesh, count: int) -> np.ndarray | None:
-    packs = [mesh.attributes.get(maps_nodes.MASKS.format(pack)) for pack in range((count + PACKED - 1) // PACKED)]
+    packs = [mesh.attributes.get(maps_shader.MASKS.format(pack)) for pack in range((count + PACKED - 1) // PACKED)]
     if not packs or None in packs:
         return None
-    return np.concatenate([versions.read_attribute(pack) for pack in packs], 1)[:, :count]
+    return np.concatenate([compat.read_attribute(pack) for pack in packs], 1)[:, :count]
 
 
 def _draw() -> None:
     """Called by every 3D view. Must not throw: Blender would print it at every redraw."""
-    objects = [obj for obj, _ in maps_tree.mapped_objects() if obj.rumple_maps.show_influences and obj.visible_get()]
+    mapped = [obj for obj, _ in maps_modifier.mapped_objects()]
+    objects = [obj for obj in mapped if obj.rumple_maps.show_influences and obj.visible_get()]
     if not objects:
         return
     depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -53,8 +56,8 @@ def _draw_mesh(evaluated: bpy.types.Object, colour: np.ndarray) -> None:
     mesh.calc_loop_triangles()
     triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("vertices", triangles)
-    shader = gpu.shader.from_builtin(versions.SMOOTH_COLOR_SHADER)
-    batch = batch_for_shader(shader, "TRIS", dict(pos=versions.positions(mesh), color=colour),
+    shader = gpu.shader.from_builtin(compat.SMOOTH_COLOR_SHADER)
+    batch = batch_for_shader(shader, "TRIS", dict(pos=compat.positions(mesh), color=colour),
                              indices=triangles.reshape(-1, 3))
     gpu.state.blend_set("ALPHA_PREMULT")
     gpu.state.depth_test_set("LESS_EQUAL")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import maps_live, maps_nodes, maps_operators, maps_tree
-from .panels import draw_message, wrapped
+from ..nodes import maps_shader
+from ..ui_base import draw_message, wrapped
+from . import modifier as maps_modifier, operators as maps_operators, sync as maps_sync
 
 
 class RUMPLE_UL_poses(bpy.types.UIList):
@@ -39,7 +40,7 @@ class _Maps:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return context.object is not None and context.object.type == "MESH" and \
-            maps_tree.find(context.object) is not None
+            maps_modifier.find(context.object) is not None
 
     def object(self, context: bpy.types.Context) -> bpy.types.Object:
         return maps_operators.target(context)
@@ -62,7 +63,7 @@ class _Poses(_Maps):
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, self.object(context)
         settings = obj.rumple_maps
-        draw_message(layout, maps_live.message(obj))
+        draw_message(layout, maps_sync.message(obj))
         row = layout.row(align=True)
         row.operator("rumple.pose_add", icon="ADD")
         row.operator("rumple.maps_remove", text="", icon="X")
@@ -96,7 +97,7 @@ class _Shading(_Maps):
         settings = obj.rumple_maps
         layout.use_property_split, layout.use_property_decorate = True, False
         materials = [slot.material for slot in obj.material_slots if slot.material is not None]
-        shown = settings.group is not None and any(maps_nodes.shown_in(m) == settings.group for m in materials)
+        shown = settings.group is not None and any(maps_shader.shown_in(m) == settings.group for m in materials)
         layout.operator("rumple.maps_show", icon="NODE_MATERIAL")
         if shown:
             layout.operator("rumple.maps_hide")
@@ -140,7 +141,7 @@ class _Status(_Maps):
     bl_label = "Status"
 
     def draw(self, context: bpy.types.Context) -> None:
-        entry = maps_live.runtime(self.object(context))
+        entry = maps_sync.runtime(self.object(context))
         lines = list(entry.notes)
         if entry.comparison is not None:
             model = entry.comparison.model

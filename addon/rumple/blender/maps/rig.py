@@ -7,9 +7,9 @@ from typing import Any, Sequence
 import bpy
 import numpy as np
 
-from ..core import poses
-from ..core.engine import Refused
-from ..core.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone
+from ...core import poses
+from ...core.engine import Refused
+from ...core.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone
 
 _ROOT_NAMES = ("head", "c_head", "def-head", "mixamorig:head", "def_head", "face_root")
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Maps' structural work. The rules that keep Blender alive are those of live.py.
+"""The Wrinkle Maps' structural work. The rules that keep Blender alive are those of solve.py.
 
-Nodes compute the masks of a frame (maps_geometry.py). Handlers only see to what the nodes cannot: weights, bones or
+Nodes compute the masks of a frame (maps_mask_tree.py). Handlers only see to what the nodes cannot: weights, bones or
 poses that were edited, and gain, strength, mute and solo where they change.
 """
 from __future__ import annotations
@@ -12,16 +12,19 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from .. import native
-from ..core.engine import Refused
-from ..core.poses import PoseComparison, PoseRig, SkinWeights, strengths
-from . import maps_carriers, maps_nodes, maps_rig, maps_tree, mesh_io, messages, modifier, registry, scheduler, versions
-from .maps_geometry import Shape
-from .scheduler import LOCK
+from ... import native
+from ...core.engine import Refused
+from ...core.poses import PoseComparison, PoseRig, SkinWeights, strengths
+from .. import compat, scheduler
+from ..nodes import maps_shader
+from ..nodes.maps_mask_tree import Shape
+from ..objects import mesh_reader, messages, modifier, runtimes
+from ..scheduler import LOCK
+from . import hidden_meshes as maps_meshes, modifier as maps_modifier, rig as maps_rig
 
 
 @dataclass
-class Runtime(registry.Messages):
+class Runtime(runtimes.Messages):
     """One object with Wrinkle Maps, outside the file."""
 
     comparison: PoseComparison | None = None
@@ -37,12 +40,12 @@ _runtimes: dict[int, Runtime] = {}
 
 def runtime(obj: bpy.types.Object) -> Runtime:
     """Of an original object, made where there is none."""
-    return _runtimes.setdefault(versions.session_key(obj), Runtime())
+    return _runtimes.setdefault(compat.session_key(obj), Runtime())
 
 
 def message(obj: bpy.types.Object) -> str:
     """What is wrong with an object, in words; empty when nothing is."""
-    entry = _runtimes.get(versions.session_key(obj))
+    entry = _runtimes.get(compat.session_key(obj))
     return "" if entry is None else entry.refusal or entry.message
 
 
@@ -85,7 +88,7 @@ def doubt_all() -> None:
 # ---------------------------------------------------------------- what changed
 def rig_changed(obj: bpy.types.Object) -> None:
     """Poses, bones or weights are others: compare anew when the hand rests."""
-    if maps_tree.find(obj) is not None:
+    if maps_modifier.find(obj) is not None:
         runtime(obj).stale = True
         scheduler.request(scheduler.DELAY)
         obj.update_tag()
@@ -94,8 +97,8 @@ def rig_changed(obj: bpy.types.Object) -> None:
 def maps_changed(obj: bpy.types.Object) -> None:
     """The images are others, or how they are blended: the shader's nodes are made anew."""
     group = obj.rumple_maps.group
-    if group is not None and versions.is_editable(group):
-        maps_nodes.fill(group, maps_rig.usable_images(obj), obj.rumple_maps.maps, obj.rumple_maps.uv_map)
+    if group is not None and compat.is_editable(group):
+        maps_shader.fill(group, maps_rig.usable_images(obj), obj.rumple_maps.maps, obj.rumple_maps.uv_map)
     rig_changed(obj)
 
 
@@ -103,14 +106,14 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
     """Edited meshes, painted weights and edited armatures are read again."""
     if scheduler.rendering() or not _runtimes:
         return
-    touched = {versions.session_key(update.id.original) for update in depsgraph.updates
+    touched = {compat.session_key(update.id.original) for update in depsgraph.updates
                if isinstance(update.id, (bpy.types.Mesh, bpy.types.Armature)) and update.is_updated_geometry}
     if not touched:
         return
     with LOCK:
-        for obj, _ours in maps_tree.mapped_objects():
+        for obj, _ours in maps_modifier.mapped_objects():
             armature = obj.find_armature()
-            if {versions.session_key(data) for data in (obj.data, armature and armature.data) if data} & touched:
+            if {compat.session_key(data) for data in (obj.data, armature and armature.data) if data} & touched:
                 runtime(obj).stale = True
                 scheduler.request(scheduler.DELAY)
 
@@ -118,17 +121,17 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
 # ---------------------------------------------------------------- structural work
 def sync() -> None:
     """Bring every object in order: trees, shared skins and groups, comparisons, leftovers."""
-    objects = list(maps_tree.mapped_objects())
-    present = {versions.session_key(obj) for obj, _ in objects}
+    objects = list(maps_modifier.mapped_objects())
+    present = {compat.session_key(obj) for obj, _ in objects}
     for key in [key for key in _runtimes if key not in present]:
         del _runtimes[key]
-    held = {hidden for _, ours in objects for hidden in maps_tree.hidden(ours)}
-    objects = [(obj, ours) for obj, ours in objects if versions.is_editable(obj)]  # linked ones cannot be written
+    held = {hidden for _, ours in objects for hidden in maps_modifier.hidden(ours)}
+    objects = [(obj, ours) for obj, ours in objects if compat.is_editable(obj)]  # linked ones cannot be written
     _split_shared(objects)
     for obj, ours in objects:
         if runtime(obj).stale or _is_behind_others(obj, ours):
             prepare(obj, ours)
-    _tidy(held | {hidden for _, ours in objects for hidden in maps_tree.hidden(ours)})
+    _tidy(held | {hidden for _, ours in objects for hidden in maps_modifier.hidden(ours)})
 
 
 def _wrinkles_in_front(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
@@ -141,7 +144,7 @@ def _wrinkles_in_front(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> 
 
 def _is_behind_others(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
     """Other wrinkles came, went or were made anew since the modifier was prepared."""
-    return _wrinkles_in_front(obj, ours) != maps_tree.wrinkles(ours)
+    return _wrinkles_in_front(obj, ours) != maps_modifier.wrinkles(ours)
 
 
 def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
@@ -153,7 +156,7 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
         messages.refuse(entry, "")
     except Refused as error:
         messages.refuse(entry, str(error))
-        maps_tree.connect(obj, ours, None, None, _wrinkles_in_front(obj, ours))  # no masks rather than wrong ones
+        maps_modifier.connect(obj, ours, None, None, _wrinkles_in_front(obj, ours))  # no masks rather than wrong ones
     except native.NativeMissing as error:  # the nodes go on without
         messages.refuse(entry, str(error))
     except Exception as error:  # a message on the panel, never a traceback
@@ -164,30 +167,30 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     ensure_comparison(obj, entry)
     comparison, front = entry.comparison, _wrinkles_in_front(obj, ours)
     if comparison is None:
-        maps_tree.fill(ours.node_group, Shape())
-        maps_tree.connect(obj, ours, None, None, front)
+        maps_modifier.fill(ours.node_group, Shape())
+        maps_modifier.connect(obj, ours, None, None, front)
         return
     table = comparison.table()
-    maps_tree.fill(ours.node_group, Shape(
+    maps_modifier.fill(ours.node_group, Shape(
         tuple(pose.name for pose in comparison.rig.poses), len(comparison.rig.bones), 1 + len(table.more),
         bool((comparison.rig.group_numbers() >= 0).any()), front is not None))
     armature = maps_rig.armature_of(obj)
-    skin, skeleton = maps_tree.skin(ours), maps_tree.skeleton(ours)
-    if not maps_carriers.made_from(skin, entry.shape):
-        skin = maps_carriers.new_skin(obj.name, comparison, entry.shape)
+    skin, skeleton = maps_modifier.skin(ours), maps_modifier.skeleton(ours)
+    if not maps_meshes.made_from(skin, entry.shape):
+        skin = maps_meshes.new_skin(obj.name, comparison, entry.shape)
         entry.lifted = None  # whatever its key: in 3.4 that is an address, which the former skin may have had
-    if not maps_carriers.made_from(skeleton, entry.shape) or \
-            maps_carriers.armature_of(skeleton) != armature:
-        skeleton = maps_carriers.new_skeleton(obj.name, comparison, armature, entry.shape)
+    if not maps_meshes.made_from(skeleton, entry.shape) or \
+            maps_meshes.armature_of(skeleton) != armature:
+        skeleton = maps_meshes.new_skeleton(obj.name, comparison, armature, entry.shape)
     _lift(obj, skin, entry, obj.rumple_maps)
-    maps_tree.connect(obj, ours, skin, skeleton, front)
+    maps_modifier.connect(obj, ours, skin, skeleton, front)
 
 
 def _lift(obj: bpy.types.Object, skin: bpy.types.Object, entry: Runtime, settings: bpy.types.PropertyGroup) -> None:
     """Gain, strengths, mute and solo, where the skin has others. A write costs another evaluation."""
-    wanted, key = (settings.gain, tuple(strengths(settings.poses))), versions.session_key(skin.data)
+    wanted, key = (settings.gain, tuple(strengths(settings.poses))), compat.session_key(skin.data)
     if wanted != entry.lifted or key != entry.carrier_key:
-        maps_carriers.write_weights(skin, entry.comparison, *wanted)
+        maps_meshes.write_weights(skin, entry.comparison, *wanted)
         entry.lifted, entry.carrier_key = wanted, key
 
 
@@ -215,7 +218,7 @@ def _fingerprint(rig: PoseRig, weights: SkinWeights, lengths: np.ndarray) -> str
 
 def _order_notes(obj: bpy.types.Object) -> list[str]:
     """Where the mesh that the masks are for is not the one that comes in, or does not come out."""
-    ours, stack = maps_tree.find(obj), list(obj.modifiers)
+    ours, stack = maps_modifier.find(obj), list(obj.modifiers)
     wrinkles = modifier.find(obj)
     if wrinkles is not None and stack.index(ours) < stack.index(wrinkles):
         return [f"{obj.name}: {wrinkles.name} stands behind {ours.name} and drops the masks: move it in front"]
@@ -231,21 +234,21 @@ def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]
     linked file. A skeleton is never written to: it may be shared until the poses differ."""
     seen: set[bpy.types.ID] = set()
     for obj, ours in objects:
-        if ours.node_group in seen or not versions.is_editable(ours.node_group):
+        if ours.node_group in seen or not compat.is_editable(ours.node_group):
             ours.node_group = ours.node_group.copy()
-        skin = maps_tree.skin(ours)
+        skin = maps_modifier.skin(ours)
         if skin is not None and skin in seen:
-            maps_tree.connect(obj, ours, None, maps_tree.skeleton(ours), maps_tree.wrinkles(ours))
+            maps_modifier.connect(obj, ours, None, maps_modifier.skeleton(ours), maps_modifier.wrinkles(ours))
             runtime(obj).stale = True
         group = obj.rumple_maps.group
         if group is not None and group in seen:
             obj.rumple_maps.group = group.copy()  # its materials show the original's maps until it has its own
-        seen |= {ours.node_group, maps_tree.skin(ours), obj.rumple_maps.group}
+        seen |= {ours.node_group, maps_modifier.skin(ours), obj.rumple_maps.group}
 
 
 def _tidy(held: set[bpy.types.Object | None]) -> None:
     """Skins and skeletons whose modifier was removed or applied by Blender's own buttons."""
-    candidates = {o for o in bpy.data.objects if maps_carriers.KEY in o} - held
+    candidates = {o for o in bpy.data.objects if maps_meshes.KEY in o} - held
     if candidates:
         for candidate, users in bpy.data.user_map(subset=candidates).items():
             if not users:
@@ -260,12 +263,12 @@ def process(depsgraph: bpy.types.Depsgraph) -> None:
     if scheduler.is_suspended():
         return
     with LOCK:
-        objects = list(maps_tree.mapped_objects())
+        objects = list(maps_modifier.mapped_objects())
         for obj, ours in objects:
-            if versions.is_editable(obj) and not runtime(obj).stale and _is_behind_others(obj, ours):
+            if compat.is_editable(obj) and not runtime(obj).stale and _is_behind_others(obj, ours):
                 runtime(obj).stale = True
                 scheduler.request()
-        if scheduler.allowed_now() and any(runtime(obj).stale and versions.is_editable(obj) for obj, _ in objects):
+        if scheduler.allowed_now() and any(runtime(obj).stale and compat.is_editable(obj) for obj, _ in objects):
             sync()
         for obj, ours in objects:
             _process_guarded(obj, ours, depsgraph)
@@ -284,13 +287,13 @@ def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, depsg
 
 def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, depsgraph: bpy.types.Depsgraph
              ) -> None:
-    if entry.comparison is None or entry.refusal or obj.mode in mesh_io.BUSY_MODES:
+    if entry.comparison is None or entry.refusal or obj.mode in mesh_reader.BUSY_MODES:
         return
     if len(obj.data.vertices) != entry.comparison.model.vertex_count:
         entry.stale = True
         scheduler.request()  # the topology was edited
         return
-    skin = maps_tree.skin(ours)
-    if maps_carriers.made_from(skin, entry.shape):
+    skin = maps_modifier.skin(ours)
+    if maps_meshes.made_from(skin, entry.shape):
         # The evaluated copy: animated settings are right there, in renders too.
         _lift(obj, skin, entry, obj.evaluated_get(depsgraph).rumple_maps)

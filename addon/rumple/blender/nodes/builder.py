@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import versions
+from .. import compat
 
 Socket = bpy.types.NodeSocket
 
@@ -25,7 +25,7 @@ class GeometryNodes:
         return node
 
     def link(self, output: Socket, node: bpy.types.Node, name: str) -> None:
-        self.group.links.new(output, versions.socket(node.inputs, name))
+        self.group.links.new(output, compat.socket(node.inputs, name))
 
     def put(self, value: object, target: Socket) -> None:
         """A link, or a constant."""
@@ -44,15 +44,15 @@ class GeometryNodes:
     def named(self, name: str, data_type: str) -> Socket:
         node = self.node("GeometryNodeInputNamedAttribute", data_type=data_type)
         node.inputs["Name"].default_value = name
-        return versions.socket(node.outputs, "Attribute")
+        return compat.socket(node.outputs, "Attribute")
 
     def at(self, geometry: Socket, value: Socket, index: Socket | int, data_type: str = "FLOAT_VECTOR") -> Socket:
         """A value at the point `index` of a geometry; zero where there is no such point."""
         node = self.node("GeometryNodeSampleIndex", data_type=data_type, domain="POINT")
         self.link(geometry, node, "Geometry")
         self.link(value, node, "Value")
-        self.put(index, versions.socket(node.inputs, "Index"))
-        return versions.socket(node.outputs, "Value")
+        self.put(index, compat.socket(node.inputs, "Index"))
+        return compat.socket(node.outputs, "Value")
 
     def vector(self, operation: str, *operands: object) -> Socket:
         node = self.node("ShaderNodeVectorMath", operation=operation)
@@ -97,11 +97,11 @@ class GeometryNodes:
     def above(self, value: Socket, limit: float) -> Socket:
         node = self.node("FunctionNodeCompare", data_type="FLOAT", operation="GREATER_THAN")
         self.link(value, node, "A")
-        versions.socket(node.inputs, "B").default_value = limit
+        compat.socket(node.inputs, "B").default_value = limit
         return node.outputs[0]
 
     def embedded(self, points: list[Socket], weights: Socket, offset: Socket) -> Socket:
-        """The formula at the top of node_tree.py. points: the positions p0 p1 p2."""
+        """The formula at the top of wrinkle_tree.py. points: the positions p0 p1 p2."""
         p0, p1, p2 = points
         edge_1, edge_2 = self.vector("SUBTRACT", p1, p0), self.vector("SUBTRACT", p2, p0)
         tangent = self.vector("NORMALIZE", edge_1)
@@ -132,7 +132,7 @@ class GeometryNodes:
         self.link(condition, node, "Switch")
         self.link(no, node, "False")
         self.link(yes, node, "True")
-        return versions.socket(node.outputs, "Output")
+        return compat.socket(node.outputs, "Output")
 
     def without(self, fine: Socket, name: str) -> Socket:
         """Later modifiers need not carry what only this tree reads."""

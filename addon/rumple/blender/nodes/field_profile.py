@@ -11,9 +11,9 @@ import hashlib
 import bpy
 import numpy as np
 
-from .. import native
-from ..core import engine, wrinkle_field
-from . import versions
+from ... import native
+from ...core import engine, wrinkle_field
+from .. import compat
 
 NAME = "Rumple Profile"
 NODE = "Profile"
@@ -76,5 +76,5 @@ def drop_orphans() -> None:
     """Curves that no object points to."""
     used = {obj.rumple.profile_curve for obj in bpy.data.objects}
     for group in [g for g in bpy.data.node_groups if NODE in g.nodes and g.name.startswith(NAME)]:
-        if group not in used and versions.is_editable(group):
+        if group not in used and compat.is_editable(group):
             bpy.data.node_groups.remove(group)

@@ -18,8 +18,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core import wrinkle_field
-from . import field_curve, versions
+from ...core import wrinkle_field
+from .. import compat
+from . import field_profile
 
 NAME = "Rumple Field"
 VERSION = 1  # raise it when the nodes change: groups in older files are then rebuilt in place
@@ -37,15 +38,15 @@ def is_ours(group: bpy.types.NodeTree | None) -> bool:
 
 def ensure(obj: bpy.types.Object) -> bpy.types.NodeTree:
     """The node group of this file for the profile of an object, made or upgraded where needed."""
-    profile = field_curve.key(obj)
+    profile = field_profile.key(obj)
     for group in bpy.data.node_groups:
-        if is_ours(group) and group[PROFILE_KEY] == profile and versions.is_editable(group):
+        if is_ours(group) and group[PROFILE_KEY] == profile and compat.is_editable(group):
             break
     else:
         group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
         group[PROFILE_KEY], group[VERSION_KEY] = profile, 0
     if group[VERSION_KEY] != VERSION:
-        _rebuild(group, field_curve.table(obj))
+        _rebuild(group, field_profile.table(obj))
         group[VERSION_KEY] = VERSION
     return group
 
@@ -54,10 +55,10 @@ def _rebuild(group: bpy.types.NodeTree, profile: Any) -> None:
     """profile: the native table."""
     group.nodes.clear()
     for direction, sockets in (("INPUT", _INPUTS), ("OUTPUT", _OUTPUTS)):
-        present = versions.group_sockets(group, direction)
+        present = compat.group_sockets(group, direction)
         for name, socket_type in sockets:
             if name not in present:
-                versions.new_group_socket(group, name, direction, socket_type)
+                compat.new_group_socket(group, name, direction, socket_type)
     _Builder(group).build(profile.height, profile.slope)
 
 
@@ -173,7 +174,7 @@ class _Builder:
 # ---------------------------------------------------------------- materials
 def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
     """Let a material show the waves: in front of the normal of every shader, and of textures without coordinates."""
-    versions.use_nodes(material)
+    compat.use_nodes(material)
     if set_profile(material, obj):
         return
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -225,20 +226,20 @@ def _our_nodes(material: bpy.types.Material) -> list[bpy.types.Node]:
 def materials_of(obj: bpy.types.Object) -> list[bpy.types.Material]:
     """The materials of an object that can be changed."""
     found = {slot.material for slot in obj.material_slots if slot.material is not None}
-    return sorted((m for m in found if versions.is_editable(m)), key=lambda m: m.name_full)
+    return sorted((m for m in found if compat.is_editable(m)), key=lambda m: m.name_full)
 
 
 def shade_object(obj: bpy.types.Object) -> int:
     """Let the materials of an object show its waves; one is made where it has none. The number of materials."""
     if not any(slot.material for slot in obj.material_slots):
         material = bpy.data.materials.new(obj.name)
-        versions.use_nodes(material)
+        compat.use_nodes(material)
         if obj.material_slots:
             obj.material_slots[0].material = material
         else:
             obj.data.materials.append(material)
     if obj.rumple.field.profile == "CURVE":
-        field_curve.ensure(obj)
+        field_profile.ensure(obj)
     materials = materials_of(obj)
     for material in materials:
         shade(material, obj)
@@ -256,5 +257,5 @@ def unshade_object(obj: bpy.types.Object, still_waving: list[bpy.types.Object]) 
 
 def drop_orphans() -> None:
     """Groups of profiles that no material shows any more."""
-    for group in [g for g in bpy.data.node_groups if is_ours(g) and g.users == 0 and versions.is_editable(g)]:
+    for group in [g for g in bpy.data.node_groups if is_ours(g) and g.users == 0 and compat.is_editable(g)]:
         bpy.data.node_groups.remove(group)

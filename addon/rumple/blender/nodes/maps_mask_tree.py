@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Wrinkle Maps' frame in geometry nodes: evaluated with the mesh itself, where no Python runs.
 
-Two hidden meshes come in (maps_carriers.py): the skeleton, whose points are heads and tails of the bones as they stand
-now in the space of the root bone, and the skin, whose points hold the weights of the vertices. With the influences I
-of three poses in a vector (Dutreve et al. 2009; native/systems/wrinkle_maps.cpp computes the same and tests compare):
+Two hidden meshes come in (maps/hidden_meshes.py): the skeleton, whose points are heads and tails of the bones as they
+stand now in the space of the root bone, and the skin, whose points hold the weights of the vertices. With the
+influences I of three poses in a vector (Dutreve et al. 2009; native/systems/wrinkle_maps.cpp computes the same and
+tests compare):
 
     I_i = clamp(slope . (p - neutral))       section 5.1; slope = way / |way|^2, head and tail together
     I_i = share_i  sum of I over its group   section 5.2
@@ -17,10 +18,11 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..core.poses import PACKED, ROW
-from . import node_tree, versions
-from .geometry_nodes import GeometryNodes
-from .maps_nodes import MASKS
+from ...core.poses import PACKED, ROW
+from .. import compat
+from . import wrinkle_tree
+from .builder import GeometryNodes
+from .maps_shader import MASKS
 
 MASK = "rumple_pose_{}"
 CARRIER, COUNT, BONES, WRINKLES = "Carrier", "Vertices", "Bones", "Wrinkles"
@@ -109,11 +111,11 @@ class Builder(GeometryNodes):
         count = self.total("FLOAT", 1.0)
         if self.shape.fine:
             wrinkles = self.mesh_of(inputs[WRINKLES])
-            wrinkled = self.math("GREATER_THAN", self.total("FLOAT", self.named(node_tree.BASE_INDEX, "INT")), 0.5)
+            wrinkled = self.math("GREATER_THAN", self.total("FLOAT", self.named(wrinkle_tree.BASE_INDEX, "INT")), 0.5)
             fine = self.math("MULTIPLY", wrinkled, self.equal(count, self.element_count(wrinkles, "POINT")))
             coarse = self.math("MULTIPLY", self.math("SUBTRACT", 1.0, wrinkled), self.equal(count, inputs[COUNT]))
-            corners = [self.at(wrinkles, self.named(name, "INT"), self.index(), "INT") for name in node_tree.CORNERS]
-            place = self.at(wrinkles, self.named(node_tree.BARYCENTRIC, "FLOAT_VECTOR"), self.index())
+            corners = [self.at(wrinkles, self.named(name, "INT"), self.index(), "INT") for name in wrinkle_tree.CORNERS]
+            place = self.at(wrinkles, self.named(wrinkle_tree.BARYCENTRIC, "FLOAT_VECTOR"), self.index())
         else:
             coarse = self.equal(count, inputs[COUNT])
         for pack in self.shape.packs:
@@ -142,7 +144,7 @@ class Builder(GeometryNodes):
     def total(self, data_type: str, value: object, group: bpy.types.NodeSocket | None = None) -> bpy.types.NodeSocket:
         """Sum over all points, or over those of the point's group."""
         node = self.node("GeometryNodeAccumulateField", data_type=data_type, domain="POINT")
-        self.put(value, versions.socket(node.inputs, "Value"))
+        self.put(value, compat.socket(node.inputs, "Value"))
         if group is not None:
-            self.put(group, versions.socket(node.inputs, versions.GROUP_INPUT))
-        return versions.socket(node.outputs, "Total")
+            self.put(group, compat.socket(node.inputs, compat.GROUP_INPUT))
+        return compat.socket(node.outputs, "Total")

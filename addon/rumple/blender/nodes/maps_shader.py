@@ -13,9 +13,9 @@ from typing import Iterator, Sequence
 
 import bpy
 
-from ..core.engine import Refused
-from ..core.poses import PACKED
-from . import versions
+from ...core.engine import Refused
+from ...core.poses import PACKED
+from .. import compat
 
 NAME = "Rumple Maps"
 KEY = "rumple_maps"  # custom property of our node groups, and of the Normal Map nodes that insert() had to make
@@ -34,8 +34,8 @@ def new_group(name: str) -> bpy.types.NodeTree:
     """An empty group that hands the neutral map on. fill() gives it its nodes."""
     group = bpy.data.node_groups.new(f"{NAME} {name}", "ShaderNodeTree")
     group[KEY] = True
-    versions.new_group_socket(group, INPUT, "INPUT", "NodeSocketColor")
-    versions.new_group_socket(group, OUTPUT, "OUTPUT", "NodeSocketColor")
+    compat.new_group_socket(group, INPUT, "INPUT", "NodeSocketColor")
+    compat.new_group_socket(group, OUTPUT, "OUTPUT", "NodeSocketColor")
     fill(group, (), "WRINKLES", "")
     return group
 
@@ -144,7 +144,7 @@ def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
 
     Raises Refused, and changes nothing, where the normal comes from what is not a tangent-space Normal Map.
     """
-    if not versions.is_editable(material):
+    if not compat.is_editable(material):
         raise Refused(f"material {material.name} is linked from another file: make it local first")
     if material.node_tree is None:
         raise Refused(f"material {material.name} has no nodes")

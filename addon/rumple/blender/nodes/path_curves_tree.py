@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import bpy
 
-from ..core.curve_rows import ROWS
-from . import node_tree, versions
-from .geometry_nodes import GeometryNodes, Socket
+from ...core.curve_rows import ROWS
+from .. import compat
+from . import wrinkle_tree
+from .builder import GeometryNodes, Socket
 
 VERSION = 1  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_path_curves_version"
@@ -35,7 +36,7 @@ def is_ours(group: bpy.types.NodeTree | None) -> bool:
 
 def ensure() -> bpy.types.NodeTree:
     """The node group of this file, made or upgraded where needed."""
-    group = next((g for g in bpy.data.node_groups if is_ours(g) and versions.is_editable(g)), None)
+    group = next((g for g in bpy.data.node_groups if is_ours(g) and compat.is_editable(g)), None)
     if group is None:
         group = bpy.data.node_groups.new("Rumple Path Curves", "GeometryNodeTree")
         group[VERSION_KEY] = 0
@@ -45,16 +46,16 @@ def ensure() -> bpy.types.NodeTree:
 
 def upgrade(group: bpy.types.NodeTree) -> None:
     """Rebuild the nodes of an older version in place, so that modifiers keep their inputs."""
-    if group[VERSION_KEY] == VERSION or not versions.is_editable(group):
+    if group[VERSION_KEY] == VERSION or not compat.is_editable(group):
         return
     group.nodes.clear()
-    present = versions.group_sockets(group, "INPUT")
+    present = compat.group_sockets(group, "INPUT")
     for name, socket_type in _INPUTS:
         if name not in present:
-            versions.new_group_socket(group, name, "INPUT", socket_type)
-    if not versions.group_sockets(group, "OUTPUT"):
-        versions.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
-    versions.mark_as_modifier(group)
+            compat.new_group_socket(group, name, "INPUT", socket_type)
+    if not compat.group_sockets(group, "OUTPUT"):
+        compat.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
+    compat.mark_as_modifier(group)
     _Curves(group).build()
     group[VERSION_KEY] = VERSION
 
@@ -69,7 +70,7 @@ class _Curves(GeometryNodes):
     def is_number(self, garment: Socket, index: Socket) -> Socket:
         """Whether a coarse point still is where it was on the result of the wrinkles."""
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
-        self.link(self.at(garment, self.named(node_tree.BASE_INDEX, "INT"), index, "INT"), compare, "A")
+        self.link(self.at(garment, self.named(wrinkle_tree.BASE_INDEX, "INT"), index, "INT"), compare, "A")
         self.link(index, compare, "B")
         return compare.outputs[0]
 
@@ -99,7 +100,7 @@ class _Curves(GeometryNodes):
         self.link(self.is_joined(geometry, garment), to_curve, "Selection")
         index = self.named(_POINT_INDEX, "INT")
         places, weights, offset, shape = (self.row(geometry, number, index) for number in range(ROWS))
-        incoming = self.named(node_tree.BASE_POSITION, "FLOAT_VECTOR")
+        incoming = self.named(wrinkle_tree.BASE_POSITION, "FLOAT_VECTOR")
         posed = [self.at(garment, incoming, corner) for corner in self.components(places)]
         curves = self.moved(to_curve.outputs[0], self.embedded(posed, weights, offset))
         width, height, _ = self.components(shape)

@@ -7,11 +7,11 @@ It shows the mesh of a hidden carrier object in place of the coarse mesh that co
     t = normalize(p1 - p0),  n = normalize((p1 - p0) x (p2 - p0)),  b = n x t
 
 where p0 p1 p2 are incoming points. The offset is orthonormal, not affine, because that stays near
-the cloth where no add-on writes new offsets (../shared/blender-facts.md). A collapsed triangle has
+the cloth where no add-on writes new offsets. A collapsed triangle has
 t = n = b = 0: Blender's Normalize gives zero for zero, so nothing becomes NaN.
 
 Baked, positions and attributes come from the points of another hidden object, the player, which a Mesh
-Cache moves (bake_files.py says what they mean): only positions can be cached so that no add-on is needed.
+Cache moves (clip_file.py says what they mean): only positions can be cached so that no add-on is needed.
 
 Attributes, all starting with "rumple_":
   on the carrier only, removed from the result
@@ -35,10 +35,11 @@ from __future__ import annotations
 
 import bpy
 
-from ..core.engine import Attribute
-from ..core.systems import SYSTEMS, System
-from . import bake_files, versions
-from .geometry_nodes import GeometryNodes
+from ...core.engine import Attribute
+from ...core.systems import SYSTEMS, System
+from ...core import clip_file
+from .. import compat
+from .builder import GeometryNodes
 
 VERSION = 5  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
@@ -74,7 +75,7 @@ def system(group: bpy.types.NodeTree) -> System:
 def ensure(method: str) -> bpy.types.NodeTree:
     """The node group of this file for a method, made or upgraded where needed."""
     for group in bpy.data.node_groups:
-        if is_ours(group) and versions.is_editable(group) and system(group).method == method:
+        if is_ours(group) and compat.is_editable(group) and system(group).method == method:
             upgrade(group)
             return group
     group = bpy.data.node_groups.new(f"Rumple {SYSTEMS[method].label}", "GeometryNodeTree")
@@ -85,16 +86,16 @@ def ensure(method: str) -> bpy.types.NodeTree:
 
 def upgrade(group: bpy.types.NodeTree) -> bool:
     """Rebuild the nodes of an older version in place, so that modifiers keep their inputs."""
-    if group[VERSION_KEY] == VERSION or not versions.is_editable(group):
+    if group[VERSION_KEY] == VERSION or not compat.is_editable(group):
         return False
     group.nodes.clear()
-    present = versions.group_sockets(group, "INPUT")
+    present = compat.group_sockets(group, "INPUT")
     for name, socket_type in _INPUTS:
         if name not in present:
-            versions.new_group_socket(group, name, "INPUT", socket_type)
-    if not versions.group_sockets(group, "OUTPUT"):
-        versions.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
-    versions.mark_as_modifier(group)
+            compat.new_group_socket(group, name, "INPUT", socket_type)
+    if not compat.group_sockets(group, "OUTPUT"):
+        compat.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
+    compat.mark_as_modifier(group)
     _Builder(group, system(group).wrinkles.ATTRIBUTES).build()
     group[VERSION_KEY] = VERSION
     return True
@@ -112,11 +113,11 @@ class _Builder(GeometryNodes):
                              self.named(BARYCENTRIC, "FLOAT_VECTOR"), self.named(LOCAL_OFFSET, "FLOAT_VECTOR"))
 
     def played(self, fine: bpy.types.NodeSocket, clip: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """The shown mesh as the points of a clip have it: see bake_files.points_of()."""
+        """The shown mesh as the points of a clip have it: see clip_file.points_of()."""
         index = self.index()
         fine = self.moved(fine, self.sample(clip, index))
         begin, counts = self.element_count(fine, "POINT"), {}
-        for block in bake_files.blocks(self.attributes):
+        for block in clip_file.blocks(self.attributes):
             # As floats: exact up to 2^24 points, four times the vertices that the engine allows.
             values = self.sample(clip, self.math("ADD", begin, index))
             if block.attributes[0].unit:  # between two samples the cache gives the mean of two unit vectors
@@ -130,8 +131,8 @@ class _Builder(GeometryNodes):
         return fine
 
     def clip_points(self, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """bake_files.point_count() of a mesh."""
-        domains = [block.domain for block in bake_files.blocks(self.attributes)]
+        """clip_file.point_count() of a mesh."""
+        domains = [block.domain for block in clip_file.blocks(self.attributes)]
         points = self.math("MULTIPLY", self.element_count(carried, "POINT"), 1.0 + domains.count("POINT"))
         return self.math("MULTIPLY_ADD", self.element_count(carried, "CORNER"), float(domains.count("CORNER")), points)
 

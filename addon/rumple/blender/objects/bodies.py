@@ -12,9 +12,11 @@ import hashlib
 import bpy
 import numpy as np
 
-from ..core import engine
-from ..core.body import Body
-from . import curves_tree, mesh_io, modifier, registry, versions
+from ...core import engine
+from ...core.body import Body
+from .. import compat
+from ..nodes import path_curves_tree
+from . import mesh_reader, modifier, runtimes
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
@@ -35,12 +37,13 @@ def of(obj: bpy.types.Object) -> list[bpy.types.Object]:
 
 
 def _is_surface(obj: bpy.types.Object) -> bool:
-    return obj.type == "MESH" and not any(curves_tree.is_ours(getattr(m, "node_group", None)) for m in obj.modifiers)
+    groups = (getattr(m, "node_group", None) for m in obj.modifiers)
+    return obj.type == "MESH" and not any(path_curves_tree.is_ours(group) for group in groups)
 
 
 def _is_somewhere(obj: bpy.types.Object) -> bool:
     """In some collection. What was deleted while a garment names it is in none, and neither are carriers."""
-    key = versions.session_key(obj)
+    key = compat.session_key(obj)
     last = bpy.data.collections.get(_found_in.get(key, ""))
     collections = (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections)
     for collection in collections if last is None else (last, *collections):
@@ -109,7 +112,7 @@ def _wanted(obj: bpy.types.Object) -> tuple[bpy.types.Object | None, bpy.types.C
 
 def is_connected(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
     """Whether the modifier names the bodies that are set, or cannot."""
-    return (not versions.is_editable(obj) or not modifier.can_name_bodies(ours)
+    return (not compat.is_editable(obj) or not modifier.can_name_bodies(ours)
             or modifier.bodies(ours) == _wanted(obj))
 
 
@@ -117,7 +120,7 @@ def connect_all() -> None:
     """Let the modifiers name the bodies that are set. Not in handlers."""
     for obj, ours in list(modifier.wrinkled_objects()):
         body = obj.rumple.body
-        if body is not None and versions.is_editable(obj) and not _is_somewhere(body):
+        if body is not None and compat.is_editable(obj) and not _is_somewhere(body):
             obj.rumple.body = None  # else what was deleted stays in the file, for it has a user
         if not is_connected(obj, ours):
             modifier.set_bodies(ours, *_wanted(obj))
@@ -126,7 +129,7 @@ def connect_all() -> None:
 # ---------------------------------------------------------------- a frame
 def are_busy(obj: bpy.types.Object) -> bool:
     """While a body is edited its garments stay as they are."""
-    return any(body.mode in mesh_io.BUSY_MODES or body.data.is_editmode for body in of(obj))
+    return any(body.mode in mesh_reader.BUSY_MODES or body.data.is_editmode for body in of(obj))
 
 
 def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
@@ -165,7 +168,7 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
 
 def _folded(body: bpy.types.Object, frame: float) -> Body | None:
     """A garment that is worn under another one, as it was solved for this frame: it comes first in in_order()."""
-    ours, entry = modifier.find(body), registry.known(body)
+    ours, entry = modifier.find(body), runtimes.known(body)
     if ours is None or entry is None or entry.fine is None or entry.message or modifier.is_baked(ours):
         return None
     return entry.fine.worn_surface(frame) if entry.inputs is not None and entry.inputs.frame == frame else None
@@ -176,13 +179,13 @@ def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object
     mesh, positions, ours = worn.data, None, modifier.find(body)
     if ours is not None and not modifier.is_baked(ours):
         try:
-            positions = mesh_io.posed_positions(worn, len(body.data.vertices))
-        except mesh_io.Reordered as error:
+            positions = mesh_reader.posed_positions(worn, len(body.data.vertices))
+        except mesh_reader.Reordered as error:
             raise engine.Refused(f"{body.name}: {error}") from error
         mesh = body.data if positions is not None else mesh
     if not len(mesh.polygons):
         raise engine.Refused(f"{obj.name}: its body {body.name} has no faces: choose another one")
-    return Body(versions.positions(mesh) if positions is None else positions, _triangles(body, mesh, mode))
+    return Body(compat.positions(mesh) if positions is None else positions, _triangles(body, mesh, mode))
 
 
 # ---------------------------------------------------------------- triangles
@@ -199,7 +202,7 @@ def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.nd
 
     Where modifiers leave the connections alone they are those of the mesh at rest, whichever frame comes first.
     """
-    key, now = (versions.session_key(body), mode), _connections(mesh)
+    key, now = (compat.session_key(body), mode), _connections(mesh)
     kept, triangles = _triangulated.get(key, (b"", None))
     if kept != now:
         rest = body.data if _connections(body.data) == now else mesh
@@ -215,5 +218,5 @@ def _connections(mesh: bpy.types.Mesh) -> bytes:
     """A digest of what is connected to what."""
     counts = (len(mesh.vertices), len(mesh.polygons), len(mesh.loops))
     digest = hashlib.blake2b(repr(counts).encode(), digest_size=16)
-    digest.update(versions.corner_vertices(mesh))
+    digest.update(compat.corner_vertices(mesh))
     return digest.digest()

@@ -9,7 +9,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from . import bodies, mesh_io, modifier
+from . import bodies, mesh_reader, modifier
 
 SAMPLES = 500  # vertices at most that are asked what lies under them
 NEAR = 0.08  # of the diagonal of the bounding box: what is farther does not lie under the cloth
@@ -74,7 +74,7 @@ def _is_worn(obj: bpy.types.Object, others: list[BVHTree]) -> bool:
 def _rest(obj: bpy.types.Object) -> np.ndarray:
     """Vertices at rest in world space, (n, 3) float32."""
     matrix = np.array(obj.matrix_world, np.float32)
-    return mesh_io.rest_positions(obj, "REST_POSE", "") @ matrix[:3, :3].T + matrix[:3, 3]
+    return mesh_reader.rest_positions(obj, "REST_POSE", "") @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def _cloth(obj: bpy.types.Object) -> _Cloth:

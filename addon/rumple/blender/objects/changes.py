@@ -5,8 +5,10 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from . import bodies, field_curve, modifier, registry, scheduler, versions
-from .scheduler import LOCK
+from .. import compat, scheduler
+from ..nodes import field_profile
+from ..scheduler import LOCK
+from . import bodies, modifier, runtimes
 
 
 def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
@@ -16,7 +18,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
     """
     if obj.rumple.method == "NONE" or modifier.find(obj) is None:
         return
-    entry = registry.runtime(obj)
+    entry = runtimes.runtime(obj)
     if entry.fine is not None:
         entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
     if affects == "PAINT":
@@ -39,16 +41,16 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
         return
     with LOCK:
         for obj, _ours in modifier.wrinkled_objects():
-            entry = registry.known(obj)
+            entry = runtimes.known(obj)
             if entry is None:
                 continue
             own = obj.rumple.own_mesh
-            edited = versions.session_key(obj.data) in touched
-            if edited or (own is not None and own.data is not None and versions.session_key(own.data) in touched):
+            edited = compat.session_key(obj.data) in touched
+            if edited or (own is not None and own.data is not None and compat.session_key(own.data) in touched):
                 entry.stale = True
                 entry.paint = None
                 scheduler.request(scheduler.DELAY)
-            elif entry.paint and versions.session_key(obj) in touched and not _is_playing():
+            elif entry.paint and compat.session_key(obj) in touched and not _is_playing():
                 entry.paint = None  # vertex_group.add() from scripts tags the object only, as every animated frame does
 
 
@@ -62,7 +64,7 @@ def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
     for update in depsgraph.updates:
         if isinstance(update.id, (bpy.types.Mesh, bpy.types.Object, bpy.types.Key)) and update.is_updated_geometry:
             original = update.id.original
-            keys.add(versions.session_key(original.user if isinstance(original, bpy.types.Key) else original))
+            keys.add(compat.session_key(original.user if isinstance(original, bpy.types.Key) else original))
     return keys
 
 
@@ -70,8 +72,8 @@ def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
 
 def note_drawn_profile(obj: bpy.types.Object) -> None:
     """Called by the panel that shows the curve: editing a curve tells nobody."""
-    entry = registry.runtime(obj)
+    entry = runtimes.runtime(obj)
     used = entry.paint.get("profile") if entry.paint is not None else None
-    if used is not None and not np.array_equal(used, field_curve.heights(obj)):
+    if used is not None and not np.array_equal(used, field_profile.heights(obj)):
         entry.stale = True
         scheduler.request(scheduler.DELAY)

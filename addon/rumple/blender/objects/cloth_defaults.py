@@ -7,8 +7,8 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core import wrinkle_mesh, wrinkle_paths
-from . import mesh_io, properties, registry, units
+from ...core import wrinkle_mesh, wrinkle_paths
+from . import mesh_reader, properties, runtimes, units
 
 # Their result is cloth already: its small compressions are the simulation's own.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
@@ -39,7 +39,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
         return wrinkle_mesh.SIMULATED_DEFAULTS if method == "MESH" else {}
     if not is_skinned(obj):
         return {}
-    base = mesh_io.base_mesh(obj, "REST_POSE", "")
+    base = mesh_reader.base_mesh(obj, "REST_POSE", "")
     if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
         return {}
     metres = units.metres_per_unit(obj, scene)
@@ -75,7 +75,7 @@ def is_skinned(obj: bpy.types.Object) -> bool:
 
 def fill_follow(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> None:
     """Start a new group from where the base cloth is pinned by itself."""
-    fine = registry.runtime(obj).fine
+    fine = runtimes.runtime(obj).fine
     if fine is None:
         return
     settings = properties.settings_of(obj, units.scene_of(obj))

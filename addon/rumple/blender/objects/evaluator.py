@@ -9,10 +9,11 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core import engine
-from ..core.settings import FieldSettings
-from . import mesh_io, messages, modifier, properties, units, versions
-from .registry import Runtime
+from ...core import engine
+from ...core.settings import FieldSettings
+from .. import compat
+from . import mesh_reader, messages, modifier, properties, units
+from .runtimes import Runtime
 
 
 @dataclass
@@ -31,11 +32,11 @@ def sources(obj: bpy.types.Object) -> Sources:
     """Read them from the object as it is now. Raises engine.Refused."""
     scene = units.scene_of(obj)
     settings = properties.settings_of(obj, scene)
-    base = mesh_io.base_mesh(obj, settings.rest_shape, obj.rumple.rest_key)
+    base = mesh_reader.base_mesh(obj, settings.rest_shape, obj.rumple.rest_key)
     if isinstance(settings, FieldSettings) and settings.output == "SHADING":
-        base.uv = mesh_io.render_uv(obj.data)
+        base.uv = mesh_reader.render_uv(obj.data)
     own = _own_mesh(obj, settings)
-    attached = mesh_io.attached(obj.rumple.own_mesh) if own is not None else None
+    attached = mesh_reader.attached(obj.rumple.own_mesh) if own is not None else None
     unit_scale = units.metres_per_unit(obj, scene)
     return Sources(base, own, attached, settings, unit_scale,
                    _shape_fingerprint(base, own, attached, settings, unit_scale))
@@ -57,7 +58,7 @@ def ensure(obj: bpy.types.Object, entry: Runtime) -> None:
     entry.shape, entry.refused, entry.paint = now.shape, "", None
     entry.inputs = None  # solved by the former one: who draws by them must wait
     entry.notes = list(entry.fine.warnings)
-    if versions.has_custom_normals(obj.data):
+    if compat.has_custom_normals(obj.data):
         entry.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
     entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
 
@@ -78,7 +79,7 @@ def _own_mesh(obj: bpy.types.Object, settings: Any) -> engine.BaseMesh | None:
     own = obj.rumple.own_mesh
     if own is None or own.type != "MESH":
         raise engine.Refused(f"{obj.name}: choose your own fine mesh first")
-    return mesh_io.own_mesh(obj, own)
+    return mesh_reader.own_mesh(obj, own)
 
 
 def source_of(obj: bpy.types.Object) -> bpy.types.Object:
@@ -94,9 +95,9 @@ def _wants_own_mesh(settings: Any) -> bool:
 
 def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attached: object, settings: Any,
                        unit_scale: float) -> str:
-    digest = hashlib.sha1(mesh_io.shape_fingerprint(base).encode())
+    digest = hashlib.sha1(mesh_reader.shape_fingerprint(base).encode())
     if own is not None:
-        digest.update(mesh_io.shape_fingerprint(own).encode())
+        digest.update(mesh_reader.shape_fingerprint(own).encode())
         digest.update(b"" if attached is None else attached.tobytes())
     digest.update(repr((settings.structural(), f"{unit_scale:.4g}")).encode())
     return digest.hexdigest()

@@ -8,10 +8,11 @@ from typing import Union
 import bpy
 import numpy as np
 
-from ..core import engine
-from ..core.on_cloth import PAINTED
-from ..core.settings import FieldSettings, MeshSettings, PathsSettings
-from . import field_curve, node_tree, versions
+from ...core import engine
+from ...core.on_cloth import PAINTED
+from ...core.settings import FieldSettings, MeshSettings, PathsSettings
+from .. import compat
+from ..nodes import field_profile, wrinkle_tree
 
 # Paint of the Wrinkle Mesh: key of the engine -> vertex group on the coarse mesh.
 MESH_GROUPS: dict[str, str] = {
@@ -79,10 +80,10 @@ def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.
     """Positions that count as unwrinkled, (n, 3) float32."""
     mesh = obj.data
     if rest_shape == "FRAME":
-        attribute = mesh.attributes.get(node_tree.REST_POSITION)
+        attribute = mesh.attributes.get(wrinkle_tree.REST_POSITION)
         if attribute is None:
             raise engine.Refused(f"{obj.name}: no rest shape is captured yet: press Capture")
-        return versions.read_attribute(attribute)
+        return compat.read_attribute(attribute)
     if rest_shape == "SHAPE_KEY":
         blocks = mesh.shape_keys.key_blocks if mesh.shape_keys else {}
         if rest_key not in blocks:
@@ -93,7 +94,7 @@ def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.
 
 def _basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
     keys = mesh.shape_keys
-    return _key_positions(keys.reference_key) if keys else versions.positions(mesh)
+    return _key_positions(keys.reference_key) if keys else compat.positions(mesh)
 
 
 def _key_positions(key: bpy.types.ShapeKey) -> np.ndarray:
@@ -152,7 +153,7 @@ def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
         if vectors is not None:
             painted["rest_wrinkle"] = vectors
         if settings.profile == "CURVE":
-            painted["profile"] = field_curve.heights(obj)
+            painted["profile"] = field_profile.heights(obj)
     return painted
 
 
@@ -160,7 +161,7 @@ def _point_attribute(mesh: bpy.types.Mesh, name: str, data_type: str) -> np.ndar
     found = mesh.attributes.get(name)
     if found is None or (found.domain, found.data_type) != ("POINT", data_type):
         return None
-    return versions.read_attribute(found)
+    return compat.read_attribute(found)
 
 
 def attached(own: bpy.types.Object) -> np.ndarray | None:
@@ -182,10 +183,10 @@ def posed_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
     those, the stored indices say where each went.
     """
     attributes = evaluated.data.attributes
-    stored, numbers = attributes.get(node_tree.BASE_POSITION), attributes.get(node_tree.BASE_INDEX)
+    stored, numbers = attributes.get(wrinkle_tree.BASE_POSITION), attributes.get(wrinkle_tree.BASE_INDEX)
     if stored is None or numbers is None or stored.domain != "POINT":
         return None
-    values, index = versions.read_attribute(stored), versions.read_attribute(numbers)[:, 0]
+    values, index = compat.read_attribute(stored), compat.read_attribute(numbers)[:, 0]
     expected = np.arange(count, dtype=np.int32)
     if len(index) >= count and np.array_equal(index[:count], expected):
         return np.ascontiguousarray(values[:count])
@@ -201,7 +202,7 @@ def plain_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
     """Positions of an evaluated mesh that is still the coarse one (the modifier passed it through)."""
     if len(evaluated.data.vertices) != count:
         return None
-    return versions.positions(evaluated.data)
+    return compat.positions(evaluated.data)
 
 
 # ---------------------------------------------------------------- fingerprints

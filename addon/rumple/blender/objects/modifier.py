@@ -6,8 +6,10 @@ from typing import Iterator
 
 import bpy
 
-from ..core.systems import SYSTEMS, System
-from . import bake_files, node_tree, versions
+from ...core.systems import SYSTEMS, System
+from ...core import clip_file
+from .. import compat
+from ..nodes import wrinkle_tree
 
 CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the player of a baked clip
 
@@ -25,14 +27,14 @@ NEUTRAL = DEFORMING | frozenset((
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """The wrinkles of an object, by their node group: artists may rename the modifier."""
     for candidate in obj.modifiers:
-        if candidate.type == "NODES" and node_tree.is_ours(candidate.node_group):
+        if candidate.type == "NODES" and wrinkle_tree.is_ours(candidate.node_group):
             return candidate
     return None
 
 
 def system(modifier: bpy.types.NodesModifier) -> System:
     """What makes the wrinkles that a modifier shows."""
-    return node_tree.system(modifier.node_group)
+    return wrinkle_tree.system(modifier.node_group)
 
 
 def wrinkled_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
@@ -40,7 +42,7 @@ def wrinkled_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifi
 
     From bpy.data, not from the scene: scene.objects misses the insides of collection instances.
     """
-    if not any(node_tree.is_ours(group) for group in bpy.data.node_groups):
+    if not any(wrinkle_tree.is_ours(group) for group in bpy.data.node_groups):
         return  # the common case in big files must cost nothing
     for obj in bpy.data.objects:
         if obj.type == "MESH" and len(obj.modifiers):
@@ -66,7 +68,7 @@ def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
 def leans_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bpy.types.Object | None:
     """Which of the others a modifier in front of the wrinkles follows (Shrinkwrap, Surface Deform, ...)."""
     for modifier in obj.modifiers:
-        if node_tree.is_ours(getattr(modifier, "node_group", None)):
+        if wrinkle_tree.is_ours(getattr(modifier, "node_group", None)):
             return None
         for target in (getattr(modifier, name, None) for name in ("target", "object")):
             if target is not None and target in others:
@@ -92,33 +94,33 @@ def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
     """Put the modifier behind the last deforming one. It has no carrier yet and shows the coarse mesh."""
     place = place_behind_deforming(obj)
     modifier = obj.modifiers.new(SYSTEMS[method].label, "NODES")
-    modifier.node_group = node_tree.ensure(method)
+    modifier.node_group = wrinkle_tree.ensure(method)
     last = len(obj.modifiers) - 1
     if place != last:
-        versions.move_modifier(obj, last, place)
+        compat.move_modifier(obj, last, place)
     return find(obj)
 
 
 def _set(modifier: bpy.types.NodesModifier, name: str, value: object) -> None:
-    identifier = versions.group_sockets(modifier.node_group, "INPUT")[name]
-    versions.set_modifier_input(modifier, identifier, value)
+    identifier = compat.group_sockets(modifier.node_group, "INPUT")[name]
+    compat.set_modifier_input(modifier, identifier, value)
 
 
 def _get(modifier: bpy.types.NodesModifier, name: str) -> object:
-    identifier = versions.group_sockets(modifier.node_group, "INPUT").get(name)
-    return versions.modifier_input(modifier, identifier) if identifier else None
+    identifier = compat.group_sockets(modifier.node_group, "INPUT").get(name)
+    return compat.modifier_input(modifier, identifier) if identifier else None
 
 
 def carrier(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object whose mesh the modifier shows."""
-    found = _get(modifier, node_tree.CARRIER)
+    found = _get(modifier, wrinkle_tree.CARRIER)
     return found if isinstance(found, bpy.types.Object) else None
 
 
 def set_carrier(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None, coarse_vertices: int) -> None:
     """Point the modifier to a carrier for a coarse mesh of that many vertices."""
-    _set(modifier, node_tree.CARRIER, new)
-    _set(modifier, node_tree.COUNT, coarse_vertices)
+    _set(modifier, wrinkle_tree.CARRIER, new)
+    _set(modifier, wrinkle_tree.COUNT, coarse_vertices)
     # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
     modifier.node_group = modifier.node_group
     modifier.id_data.update_tag()
@@ -126,51 +128,51 @@ def set_carrier(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None,
 
 def coarse_vertices(modifier: bpy.types.NodesModifier) -> int:
     """The number of incoming vertices that the carrier was made for."""
-    return int(_get(modifier, node_tree.COUNT) or 0)
+    return int(_get(modifier, wrinkle_tree.COUNT) or 0)
 
 
 def player(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object whose points play the baked clip."""
-    found = _get(modifier, node_tree.PLAYER)
+    found = _get(modifier, wrinkle_tree.PLAYER)
     return found if isinstance(found, bpy.types.Object) else None
 
 
 def set_player(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
-    _set(modifier, node_tree.PLAYER, new)
+    _set(modifier, wrinkle_tree.PLAYER, new)
     modifier.node_group = modifier.node_group  # as in set_carrier()
     modifier.id_data.update_tag()
 
 
 def set_baked(modifier: bpy.types.NodesModifier, baked: bool) -> None:
     """Show what the player has instead of embedding the carrier."""
-    _set(modifier, node_tree.BAKED, baked)
+    _set(modifier, wrinkle_tree.BAKED, baked)
     modifier.id_data.update_tag()
 
 
 def is_baked(modifier: bpy.types.NodesModifier) -> bool:
-    return bool(_get(modifier, node_tree.BAKED))
+    return bool(_get(modifier, wrinkle_tree.BAKED))
 
 
 def bodies(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
     """What Blender evaluates before the garment."""
-    return _get(modifier, node_tree.BODY) or None, _get(modifier, node_tree.BODIES) or None
+    return _get(modifier, wrinkle_tree.BODY) or None, _get(modifier, wrinkle_tree.BODIES) or None
 
 
 def can_name_bodies(modifier: bpy.types.NodesModifier) -> bool:
     """Not with a node group of an older version that is linked from another file."""
-    return node_tree.BODIES in versions.group_sockets(modifier.node_group, "INPUT")
+    return wrinkle_tree.BODIES in compat.group_sockets(modifier.node_group, "INPUT")
 
 
 def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,
                collection: bpy.types.Collection | None) -> None:
     """Let Blender evaluate these before the garment."""
-    _set(modifier, node_tree.BODY, body)
-    _set(modifier, node_tree.BODIES, collection)
+    _set(modifier, wrinkle_tree.BODY, body)
+    _set(modifier, wrinkle_tree.BODIES, collection)
     modifier.node_group = modifier.node_group  # as in set_carrier()
     modifier.id_data.update_tag()
 
 
-def add_cache(player_object: bpy.types.Object, manifest: bake_files.Manifest,
+def add_cache(player_object: bpy.types.Object, manifest: clip_file.Manifest,
               path: str) -> bpy.types.MeshCacheModifier:
     """Let the points of a player be those of a clip. path: as a blend file names it."""
     cache = player_object.modifiers.new(CACHE_NAME, "MESH_CACHE")
@@ -189,11 +191,11 @@ def cache(player_object: bpy.types.Object) -> bpy.types.MeshCacheModifier | None
 
 def delete_hidden(hidden: bpy.types.Object) -> None:
     """Remove a carrier or player that nothing refers to, and its mesh."""
-    if not versions.is_editable(hidden):
+    if not compat.is_editable(hidden):
         return
     mesh = hidden.data
     bpy.data.objects.remove(hidden)
-    if mesh is not None and mesh.users == 0 and versions.is_editable(mesh):
+    if mesh is not None and mesh.users == 0 and compat.is_editable(mesh):
         bpy.data.meshes.remove(mesh)
 
 
@@ -203,9 +205,9 @@ def remove(obj: bpy.types.Object) -> None:
     if modifier is None:
         return
     group = modifier.node_group
-    for name in (node_tree.CARRIER, node_tree.PLAYER, node_tree.BODY, node_tree.BODIES):
+    for name in (wrinkle_tree.CARRIER, wrinkle_tree.PLAYER, wrinkle_tree.BODY, wrinkle_tree.BODIES):
         if _get(modifier, name) is not None:
             _set(modifier, name, None)
     obj.modifiers.remove(modifier)
-    if group.users == 0 and versions.is_editable(group):
+    if group.users == 0 and compat.is_editable(group):
         bpy.data.node_groups.remove(group)

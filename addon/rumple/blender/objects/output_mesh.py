@@ -13,8 +13,10 @@ import json
 import bpy
 import numpy as np
 
-from ..core import engine
-from . import mesh_io, node_tree, versions
+from ...core import engine
+from .. import compat
+from ..nodes import wrinkle_tree
+from . import mesh_reader
 
 KEY = "rumple_carrier"  # custom property on carriers and players: tells leftovers from the artist's objects
 CARRIED_KEY = "rumple_carried"  # custom property on the carrier's mesh: fingerprints of what it inherited, JSON
@@ -35,7 +37,7 @@ def fill(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles
     """
     mesh = carrier.data
     mesh.clear_geometry()
-    versions.fill_polygons(mesh, fine.positions_rest, fine.polygon_start, fine.corner_vertex)
+    compat.fill_polygons(mesh, fine.positions_rest, fine.polygon_start, fine.corner_vertex)
     write_embedding(mesh, fine)
     carry(carrier, obj, fine, source)
     mesh.update()
@@ -44,13 +46,13 @@ def fill(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles
 def write_embedding(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
     """The attributes that the node tree reads, with no offset yet."""
     count = fine.vertex_count
-    for corner, name in enumerate(node_tree.CORNERS):
-        versions.write_attribute(mesh, name, "INT", "POINT", fine.triangle_vertex[:, corner])
+    for corner, name in enumerate(wrinkle_tree.CORNERS):
+        compat.write_attribute(mesh, name, "INT", "POINT", fine.triangle_vertex[:, corner])
     weights = np.zeros((count, 3), np.float32)
     weights[:, :2] = fine.barycentric
-    versions.write_attribute(mesh, node_tree.BARYCENTRIC, "FLOAT_VECTOR", "POINT", weights)
-    versions.write_attribute(mesh, node_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", np.zeros((count, 3), np.float32))
-    versions.write_attribute(mesh, node_tree.BASE_INDEX, "INT", "POINT", np.arange(count, dtype=np.int32))
+    compat.write_attribute(mesh, wrinkle_tree.BARYCENTRIC, "FLOAT_VECTOR", "POINT", weights)
+    compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", np.zeros((count, 3), np.float32))
+    compat.write_attribute(mesh, wrinkle_tree.BASE_INDEX, "INT", "POINT", np.arange(count, dtype=np.int32))
     rest = engine.Picture.at_rest(fine.positions_rest, len(fine.corner_vertex), fine.ATTRIBUTES)
     _write_attributes(mesh, rest, fine.ATTRIBUTES)
 
@@ -63,19 +65,19 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> bool:
     mesh.loops.foreach_get("vertex_index", corner_vertex)
     if not np.array_equal(corner_vertex, fine.corner_vertex):
         return False
-    names = (*node_tree.CORNERS, node_tree.BARYCENTRIC, node_tree.LOCAL_OFFSET, node_tree.BASE_INDEX,
+    names = (*wrinkle_tree.CORNERS, wrinkle_tree.BARYCENTRIC, wrinkle_tree.LOCAL_OFFSET, wrinkle_tree.BASE_INDEX,
              *(attribute.name for attribute in fine.ATTRIBUTES))
     if any(name not in mesh.attributes for name in names):
         return False
-    stored = np.stack([versions.read_attribute(mesh.attributes[name])[:, 0] for name in node_tree.CORNERS], 1)
-    weights = versions.read_attribute(mesh.attributes[node_tree.BARYCENTRIC])
+    stored = np.stack([compat.read_attribute(mesh.attributes[name])[:, 0] for name in wrinkle_tree.CORNERS], 1)
+    weights = compat.read_attribute(mesh.attributes[wrinkle_tree.BARYCENTRIC])
     return np.array_equal(stored, fine.triangle_vertex) and np.array_equal(weights[:, :2], fine.barycentric,
                                                                               equal_nan=True)
 
 
 def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tuple[engine.Attribute, ...]) -> None:
     """One frame's result. The only thing that handlers write."""
-    versions.write_attribute(mesh, node_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", picture.local_offset)
+    compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", picture.local_offset)
     _write_attributes(mesh, picture, attributes)
     mesh.update()
 
@@ -83,22 +85,22 @@ def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tup
 def write_stand_in(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
     """What viewports show in place of the fine mesh: the coarse vertices moved by (n, 3) ways. None: the fine mesh."""
     stands_in = ways is not None
-    known = mesh.attributes.get(node_tree.STANDS_IN)
+    known = mesh.attributes.get(wrinkle_tree.STANDS_IN)
     if known is None and not stands_in:
         return
     if known is None or bool(known.data[0].value) != stands_in:
-        versions.write_attribute(mesh, node_tree.STANDS_IN, "INT", "POINT",
+        compat.write_attribute(mesh, wrinkle_tree.STANDS_IN, "INT", "POINT",
                                  np.full(len(mesh.vertices), stands_in, np.int32))
     if stands_in:
         padded = np.zeros((len(mesh.vertices), 3), np.float32)  # the fine mesh has at least as many vertices
         padded[:len(ways)] = ways
-        versions.write_attribute(mesh, node_tree.STAND_IN, "FLOAT_VECTOR", "POINT", padded)
+        compat.write_attribute(mesh, wrinkle_tree.STAND_IN, "FLOAT_VECTOR", "POINT", padded)
     mesh.update()
 
 
 def _write_attributes(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tuple[engine.Attribute, ...]) -> None:
     for a in attributes:
-        versions.write_attribute(mesh, a.name, a.data_type, a.domain, picture.attributes[a.name])
+        compat.write_attribute(mesh, a.name, a.data_type, a.domain, picture.attributes[a.name])
 
 
 # ---------------------------------------------------------------- carrying
@@ -111,7 +113,7 @@ def carry(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkle
     _carry_edges(mesh, inherited, fine)
     _carry_uv_maps(mesh, inherited, fine)
     _carry_attributes(mesh, inherited, fine)
-    versions.copy_smoothing(inherited, mesh)
+    compat.copy_smoothing(inherited, mesh)
     carry_vertex_groups(carrier, obj, fine, [group.name for group in obj.vertex_groups])
     _note_carried(mesh, surface_fingerprint(source), group_fingerprints(obj))
 
@@ -119,7 +121,7 @@ def carry(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkle
 def _drop_inherited(mesh: bpy.types.Mesh) -> None:
     for name in [layer.name for layer in mesh.uv_layers]:
         mesh.uv_layers.remove(mesh.uv_layers[name])
-    for name in [attribute.name for attribute in versions.generic_attributes(mesh)]:
+    for name in [attribute.name for attribute in compat.generic_attributes(mesh)]:
         mesh.attributes.remove(mesh.attributes[name])
 
 
@@ -159,7 +161,7 @@ def _find_edges(mesh: bpy.types.Mesh, pairs: np.ndarray) -> np.ndarray:
 
 
 def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
-    marks = versions.edge_marks(inherited)
+    marks = compat.edge_marks(inherited)
     if not marks or not len(fine.edges):
         return
     base_edge = _find_edges(inherited, fine.edge_parent)
@@ -168,7 +170,7 @@ def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.W
     for prop, values in marks.items():
         spread[prop] = np.zeros(len(mesh.edges), values.dtype)
         spread[prop][fine_edge] = values[base_edge]
-    versions.set_edge_marks(mesh, spread)
+    compat.set_edge_marks(mesh, spread)
 
 
 def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
@@ -188,13 +190,13 @@ def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine
 
 
 def _carry_attributes(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
-    for name in [attribute.name for attribute in versions.generic_attributes(inherited)]:
+    for name in [attribute.name for attribute in compat.generic_attributes(inherited)]:
         attribute = inherited.attributes[name]
         domain, data_type = attribute.domain, attribute.data_type
         if domain == "EDGE":
             continue
-        values = _carried_values(fine, domain, versions.read_attribute(attribute))
-        versions.write_attribute(mesh, name, data_type, domain, values)
+        values = _carried_values(fine, domain, compat.read_attribute(attribute))
+        compat.write_attribute(mesh, name, data_type, domain, values)
     colours, target = inherited.color_attributes, mesh.color_attributes
     if colours.active_color is not None and colours.active_color.name in target:
         target.active_color = target[colours.active_color.name]
@@ -221,7 +223,7 @@ def carry_vertex_groups(carrier: bpy.types.Object, obj: bpy.types.Object, fine: 
             carrier.vertex_groups.new(name=name)
     if not names:
         return
-    weights = _from_base(fine, mesh_io.group_weights(obj, obj.data, names))
+    weights = _from_base(fine, mesh_reader.group_weights(obj, obj.data, names))
     for column, name in enumerate(names):
         _write_group(carrier.vertex_groups[name], weights[:, column])
 
@@ -281,18 +283,18 @@ def surface_fingerprint(source: bpy.types.Object) -> str:
         flat = np.empty(len(mesh.loops) * 2, np.float32)
         layer.data.foreach_get("uv", flat)
         digest.update(f"{layer.name} {layer.active} {layer.active_render}".encode() + flat.tobytes())
-    for attribute in versions.generic_attributes(mesh):
-        digest.update(f"{attribute.name} {attribute.domain}".encode() + versions.read_attribute(attribute).tobytes())
-    for prop, values in versions.edge_marks(mesh).items():
+    for attribute in compat.generic_attributes(mesh):
+        digest.update(f"{attribute.name} {attribute.domain}".encode() + compat.read_attribute(attribute).tobytes())
+    for prop, values in compat.edge_marks(mesh).items():
         digest.update(prop.encode() + values.tobytes())
-    digest.update(repr(versions.smoothing(mesh)).encode())
+    digest.update(repr(compat.smoothing(mesh)).encode())
     return digest.hexdigest()
 
 
 def group_fingerprints(obj: bpy.types.Object) -> dict[str, str]:
     """Hash of the weights of every vertex group."""
     names = [group.name for group in obj.vertex_groups]
-    weights = mesh_io.group_weights(obj, obj.data, names)
+    weights = mesh_reader.group_weights(obj, obj.data, names)
     return {name: hashlib.sha1(weights[:, column].tobytes()).hexdigest() for column, name in enumerate(names)}
 
 

@@ -7,8 +7,8 @@ from typing import Any, Callable, Iterable
 
 import bpy
 
-from ..core.systems import SYSTEMS, System
-from . import bodies, changes, registry, units
+from ...core.systems import SYSTEMS, System
+from . import bodies, changes, runtimes, units
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
 DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
@@ -98,7 +98,7 @@ def _is_body(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> boo
 
 
 def _message(group: bpy.types.PropertyGroup) -> str:
-    return registry.message(group.id_data)
+    return runtimes.message(group.id_data)
 
 
 class RUMPLE_Object(bpy.types.PropertyGroup):

@@ -12,10 +12,10 @@ from typing import Any, Iterable
 import bpy
 import numpy as np
 
-from ..core import engine
-from ..core.body import Body
-from ..core.surroundings import Surroundings
-from . import versions
+from ...core import engine
+from ...core.body import Body
+from ...core.surroundings import Surroundings
+from .. import compat
 from .messages import Messages
 
 
@@ -75,16 +75,16 @@ _runtimes: dict[int, Runtime] = {}
 
 def runtime(obj: bpy.types.Object) -> Runtime:
     """The runtime of an original (not evaluated) object, made where there is none."""
-    return _runtimes.setdefault(versions.session_key(obj), Runtime())
+    return _runtimes.setdefault(compat.session_key(obj), Runtime())
 
 
 def known(obj: bpy.types.Object) -> Runtime | None:
     """The runtime of an object, or None."""
-    return _runtimes.get(versions.session_key(obj))
+    return _runtimes.get(compat.session_key(obj))
 
 
 def forget(obj: bpy.types.Object) -> None:
-    _runtimes.pop(versions.session_key(obj), None)
+    _runtimes.pop(compat.session_key(obj), None)
 
 
 def forget_all() -> None:
@@ -93,7 +93,7 @@ def forget_all() -> None:
 
 def forget_all_but(objects: Iterable[bpy.types.Object]) -> None:
     """Deleted objects leave nothing behind; their address may be taken over by others."""
-    keep = {versions.session_key(obj) for obj in objects}
+    keep = {compat.session_key(obj) for obj in objects}
     for key in [key for key in _runtimes if key not in keep]:
         del _runtimes[key]
 

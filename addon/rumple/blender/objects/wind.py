@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 from mathutils import Matrix
 
-from ..core.settings import ClothSettings
-from ..core.surroundings import Surroundings, Wind, air_velocity
+from ...core.settings import ClothSettings
+from ...core.surroundings import Surroundings, Wind, air_velocity
 
 
 def surroundings(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph, settings: ClothSettings) -> Surroundings:

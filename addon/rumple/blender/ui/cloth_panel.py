@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from . import mesh_io, properties
-from .ui_base import Panel, property_column
+from ..objects import mesh_reader, properties
+from ..ui_base import Panel, property_column
 
 
 class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
@@ -28,7 +28,7 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
         row = column.row(align=True)
         row.label(text="Pinned to the animation")
         paint_button(row, obj, "follow")
-        if mesh_io.MESH_GROUPS["follow"] not in obj.vertex_groups:
+        if mesh_reader.MESH_GROUPS["follow"] not in obj.vertex_groups:
             column.prop(settings, "up")
 
 
@@ -71,5 +71,5 @@ def painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> Non
 
 def paint_button(row: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
     """Paints a vertex group of the Wrinkle Mesh or of the base cloth."""
-    exists = mesh_io.MESH_GROUPS[name] in obj.vertex_groups
+    exists = mesh_reader.MESH_GROUPS[name] in obj.vertex_groups
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = name

@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import bpy
 
-from .. import native
-from ..core.presets import touched
-from ..core.systems import SYSTEMS
-from . import (bodies, body_search, cloth_defaults, field_nodes, mesh_io, modifier, node_tree, preview, properties,
-               registry, scheduler, structure, ui_base, units, versions)
+from ... import native
+from ...core.presets import touched
+from ...core.systems import SYSTEMS
+from .. import compat, scheduler, ui_base
+from ..frame import rebuild
+from ..nodes import field_shader, wrinkle_tree
+from ..objects import bodies, body_search, cloth_defaults, mesh_reader, modifier, properties, runtimes, units
+from ..viewport import preview
 
 # No method of its own: it may stand beside the wrinkles that its maps are baked from.
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
@@ -48,7 +51,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         except native.NativeMissing as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        registry.forget(obj)
+        runtimes.forget(obj)
         lengths = self._set_defaults(context, obj)
         cloth_defaults.apply(obj, context.scene, lengths)
         if cloth_defaults.is_cloth(obj):
@@ -58,12 +61,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         # Handlers write while the window draws: without the lock a render in the window may crash.
         context.scene.render.use_lock_interface = True
         if self.method == "FIELD" and self.shade:
-            field_nodes.shade_object(obj)
-        structure.prepare(obj, ours)
+            field_shader.shade_object(obj)
+        rebuild.prepare(obj, ours)
         bodies.connect_all()
         if modifier.carrier(ours) is None:
-            self.report({"ERROR"}, registry.message(obj) or f"{obj.name}: nothing to wrinkle")
-            structure.remove_all(obj)
+            self.report({"ERROR"}, runtimes.message(obj) or f"{obj.name}: nothing to wrinkle")
+            rebuild.remove_all(obj)
             return {"CANCELLED"}
         self._report(obj, ours)
         return {"FINISHED"}
@@ -78,7 +81,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         values = properties.defaults(obj, lengths)
         system = SYSTEMS[self.method].wrinkles
         if system.FITTING in lengths and len(obj.data.polygons):
-            base = mesh_io.base_mesh(obj, "REST_POSE", "")
+            base = mesh_reader.base_mesh(obj, "REST_POSE", "")
             values[system.FITTING] = system.fitting_length(base, units.metres_per_unit(obj, context.scene))
         properties.apply_values(obj, context.scene, values)
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
@@ -102,7 +105,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"WARNING"}, f"{changer.name} stands in front of {ours.name} and changes the number of "
                                      "vertices: apply it, or move it behind")
             return
-        fine = registry.runtime(obj).fine
+        fine = runtimes.runtime(obj).fine
         worn_over = ", ".join(body.name for body in bodies.of(obj))
         self.report({"INFO"}, f"{fine.vertex_count} vertices over {len(obj.data.vertices)}"
                               + (f", body: {worn_over}" if worn_over else ""))
@@ -128,8 +131,8 @@ class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
     bl_label = "Add to Materials"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        count = field_nodes.shade_object(context.object)
-        registry.runtime(context.object).stale = True  # a new slot is carried
+        count = field_shader.shade_object(context.object)
+        runtimes.runtime(context.object).stale = True  # a new slot is carried
         scheduler.sync_all()
         if count == 0:
             self.report({"ERROR"}, f"{context.object.name}: its materials are linked from another file")
@@ -145,7 +148,7 @@ class OBJECT_OT_rumple_unshade(_OnWaves, bpy.types.Operator):
     bl_label = "Remove from Materials"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        field_nodes.unshade_object(context.object, [])
+        field_shader.unshade_object(context.object, [])
         return {"FINISHED"}
 
 
@@ -156,7 +159,7 @@ class OBJECT_OT_rumple_remove(ui_base.OnWrinkled, bpy.types.Operator):
     bl_label = "Remove Wrinkles"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        structure.remove_all(context.object)
+        rebuild.remove_all(context.object)
         return {"FINISHED"}
 
 
@@ -172,9 +175,9 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
             obj.update_tag()
             context.view_layer.update()
             mesh = evaluated_mesh(context, obj)
-        if node_tree.BASE_POSITION not in mesh.attributes:
+        if wrinkle_tree.BASE_POSITION not in mesh.attributes:
             bpy.data.meshes.remove(mesh)
-            self.report({"ERROR"}, registry.message(obj) or _NOT_SHOWN)
+            self.report({"ERROR"}, runtimes.message(obj) or _NOT_SHOWN)
             return {"CANCELLED"}
         before = list(obj.modifiers)[:list(obj.modifiers).index(modifier.find(obj))]
         for name in [m.name for m in before]:
@@ -184,7 +187,7 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
             obj.shape_key_clear()
         name = former.name
         obj.data = mesh
-        structure.remove_all(obj)
+        rebuild.remove_all(obj)
         if former.users == 0:
             bpy.data.meshes.remove(former)
         mesh.name = name
@@ -261,15 +264,15 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
         now = scene.frame_current, scene.frame_subframe
         scene.frame_set(obj.rumple.rest_frame)
         evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-        positions = mesh_io.posed_positions(evaluated, len(obj.data.vertices))
+        positions = mesh_reader.posed_positions(evaluated, len(obj.data.vertices))
         if positions is not None:
-            versions.write_attribute(obj.data, node_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
+            compat.write_attribute(obj.data, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
             properties.group_of(obj).rest_shape = "FRAME"
-            registry.runtime(obj).stale = True
+            runtimes.runtime(obj).stale = True
             scheduler.sync_all()
         scene.frame_set(now[0], subframe=now[1])
         if positions is None:
-            self.report({"ERROR"}, registry.message(obj) or _NOT_SHOWN)
+            self.report({"ERROR"}, runtimes.message(obj) or _NOT_SHOWN)
             return {"CANCELLED"}
         return {"FINISHED"}
 
@@ -281,11 +284,11 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
     bl_label = "Paint"
 
     group: bpy.props.EnumProperty(name="Paint", items=[(key, key.title(), "") for key in (
-        *mesh_io.MESH_GROUPS, "mask", "wavelength")])
+        *mesh_reader.MESH_GROUPS, "mask", "wavelength")])
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
-        name = mesh_io.paint_groups(properties.settings_of(obj, context.scene)).get(self.group)
+        name = mesh_reader.paint_groups(properties.settings_of(obj, context.scene)).get(self.group)
         if not name:
             self.report({"ERROR"}, f"{obj.name}: its wrinkles have no {self.group} to paint")
             return {"CANCELLED"}
@@ -296,7 +299,7 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
             else:
                 group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")  # 1: as before the group was there
         obj.vertex_groups.active_index = obj.vertex_groups[name].index
-        entry = registry.runtime(obj)
+        entry = runtimes.runtime(obj)
         entry.paint, entry.stale = None, True
         scheduler.request()
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
@@ -313,7 +316,7 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         with scheduler.LOCK:
-            entry = registry.runtime(context.object)
+            entry = runtimes.runtime(context.object)
             if entry.fine is not None:
                 entry.fine.history.clear()
             entry.forget_written()

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import bpy
 
-from ..core.systems import SYSTEMS
-from . import (bake_state, brush_panel, changes, cloth_panel, field_curve, maps_tree, modifier, paths_panel, properties,
-               registry, rest_panel, ui_base, versions)
-from .ui_base import Panel, draw_message, named_paint, property_column, wrapped
+from ...core.systems import SYSTEMS
+from .. import compat, ui_base
+from ..brush import panel as brush_panel
+from ..frame import clip_status
+from ..maps import modifier as maps_modifier
+from ..nodes import field_profile
+from ..objects import changes, modifier, properties, runtimes
+from ..ui_base import Panel, draw_message, named_paint, property_column, wrapped
+from . import cloth_panel, paths_panel, rest_panel
 
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
 
@@ -30,7 +35,7 @@ class DATA_PT_rumple(bpy.types.Panel):
         if ours is None:
             _add_buttons(layout.column(align=True))
             return
-        draw_message(layout, registry.message(obj))
+        draw_message(layout, runtimes.message(obj))
         row = layout.row(align=True)
         system = properties.system_of(obj)
         if system.presets:
@@ -83,7 +88,7 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
         column.separator()
         for name in ("wavelength", "strength", "dissolve", "irregularity", "seed", "profile"):
             column.prop(settings, name)
-        curve = field_curve.node(obj) if settings.profile == "CURVE" else None
+        curve = field_profile.node(obj) if settings.profile == "CURVE" else None
         if curve is not None:
             self.layout.template_curve_mapping(curve, "mapping")
             changes.note_drawn_profile(obj)
@@ -143,7 +148,7 @@ class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = property_column(self.layout), context.object
         column.prop(obj.rumple, "memory_limit")
-        entry = registry.known(obj)
+        entry = runtimes.known(obj)
         if entry is None or entry.fine is None:
             return
         history = entry.fine.history
@@ -176,7 +181,7 @@ class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
         column, obj = property_column(self.layout), context.object
         for name in ("bake_start", "bake_end", "bake_samples", "bake_folder"):
             column.prop(obj.rumple, name)
-        if bake_state.sees_ahead(obj, context.scene):
+        if clip_status.sees_ahead(obj, context.scene):
             column.prop(obj.rumple, "bake_whole_clip")
         row = column.row(align=True)
         row.operator("object.rumple_bake", icon="RENDER_ANIMATION")
@@ -197,7 +202,7 @@ class DATA_PT_rumple_status(Panel, bpy.types.Panel):
 
 def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     """(text, icon) for the Status panel."""
-    entry = registry.known(obj)
+    entry = runtimes.known(obj)
     if modifier.is_baked(modifier.find(obj)):
         return [("Baked: the clip is shown, nothing is solved", "CHECKMARK")]
     if entry is None or entry.fine is None:
@@ -211,7 +216,7 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in picture.milliseconds.items())
         lines.append((f"Milliseconds: {times}" + (" (stored frame)" if picture.replayed else ""), "TIME"))
         lines += [(line, "BLANK1") for line in fine.status(picture)]
-    notes = [*entry.notes, bake_state.late_in_renders(obj), entry.unplayed]
+    notes = [*entry.notes, clip_status.late_in_renders(obj), entry.unplayed]
     return lines + [(note, "INFO") for note in notes if note]
 
 
@@ -230,7 +235,7 @@ def _add_buttons(layout: bpy.types.UILayout) -> None:
 def _add_maps_button(layout: bpy.types.UILayout) -> None:
     """They stand beside other wrinkles, whose folds they may be baked from."""
     obj = bpy.context.object
-    if maps_tree.find(obj) is None and obj.find_armature() is not None:
+    if maps_modifier.find(obj) is None and obj.find_armature() is not None:
         layout.operator("rumple.maps_add", icon="ARMATURE_DATA")
 
 
@@ -244,14 +249,14 @@ CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    if versions.HAS_MODIFIER_MENU:
+    if compat.HAS_MODIFIER_MENU:
         bpy.types.OBJECT_MT_modifier_add.append(_menu_entry)
     else:
         bpy.types.DATA_PT_modifiers.prepend(_menu_entry)
 
 
 def unregister() -> None:
-    if versions.HAS_MODIFIER_MENU:
+    if compat.HAS_MODIFIER_MENU:
         bpy.types.OBJECT_MT_modifier_add.remove(_menu_entry)
     else:
         bpy.types.DATA_PT_modifiers.remove(_menu_entry)

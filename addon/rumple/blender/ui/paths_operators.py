@@ -8,9 +8,10 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..core.wrinkle_paths import PERCENT_OF_HEIGHT, width_of_height
-from . import mesh_io, modifier, path_curves, properties
-from .ui_base import OnWrinkled
+from ...core.wrinkle_paths import PERCENT_OF_HEIGHT, width_of_height
+from ..frame import path_curves
+from ..objects import mesh_reader, modifier, properties
+from ..ui_base import OnWrinkled
 
 
 class OnPaths(OnWrinkled):
@@ -67,7 +68,7 @@ def _rest_height(obj: bpy.types.Object) -> float:
     if obj.type == "ARMATURE":
         points = [end for bone in obj.data.bones if bone.use_deform for end in (bone.head_local, bone.tail_local)]
     elif obj.type == "MESH":
-        points = mesh_io.rest_positions(obj, "REST_POSE", "")
+        points = mesh_reader.rest_positions(obj, "REST_POSE", "")
     else:
         return 0.0
     if not len(points):

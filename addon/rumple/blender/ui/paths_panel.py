@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import modifier, path_curves
-from .ui_base import Panel, named_paint, property_column
+from ..frame import path_curves
+from ..objects import modifier
+from ..ui_base import Panel, named_paint, property_column
 
 
 class DATA_PT_rumple_folds(Panel, bpy.types.Panel):

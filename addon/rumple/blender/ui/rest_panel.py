@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from . import properties
-from .ui_base import Panel, property_column
+from ..objects import properties
+from ..ui_base import Panel, property_column
 
 
 class DATA_PT_rumple_rest(Panel, bpy.types.Panel):

@@ -6,7 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 
 # Beside the add-on's modules in what artists install, at the top of the source tree.
-_FOLDERS = (Path(__file__).resolve().parents[1] / "shaders", Path(__file__).resolve().parents[3] / "shaders")
+_FOLDERS = (Path(__file__).resolve().parents[2] / "shaders", Path(__file__).resolve().parents[4] / "shaders")
 FORMULAS = ("shared/tangents", "shared/wrinkle_field")  # of the Wrinkle Field
 FOLDS = ("shared/pn_triangle", "shared/wrinkle_paths")  # of the Wrinkle Paths
 

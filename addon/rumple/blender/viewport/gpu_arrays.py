@@ -11,7 +11,7 @@ from typing import Any, Callable
 import gpu
 import numpy as np
 
-from . import shaders
+from . import glsl
 
 _WIDTH = 1024  # texels in a row of an array; any number does
 _FORMAT = "RGBA32F"
@@ -87,7 +87,7 @@ class Pass:
         info.vertex_in(0, "VEC2", "corner")
         for slot, name in enumerate(outputs):
             info.fragment_out(slot, "VEC4", name)
-        info.vertex_source(shaders.source("preview/pass_vertex"))
+        info.vertex_source(glsl.source("preview/pass_vertex"))
         info.fragment_source(source)
         self._shader = gpu.shader.create_from_info(info)
         self._batch = whole()
@@ -148,7 +148,7 @@ def drawing_shader(between: gpu.types.GPUStageInterfaceInfo | None, vertex_in: t
     of places on the screen and of light.
     """
     info = gpu.types.GPUShaderCreateInfo()
-    info.typedef_source(shaders.text("preview/preview_block"))
+    info.typedef_source(glsl.text("preview/preview_block"))
     info.uniform_buf(0, "Preview", "preview")
     for slot, name in enumerate(arrays):
         info.sampler(slot, "FLOAT_2D", name)
@@ -160,8 +160,8 @@ def drawing_shader(between: gpu.types.GPUStageInterfaceInfo | None, vertex_in: t
         info.vertex_out(between)
     for slot, (kind, name) in enumerate(outputs):
         info.fragment_out(slot, kind, name)
-    info.vertex_source(shaders.source("preview/texels", "preview/on_screen", *vertex))
-    info.fragment_source(shaders.source("preview/texels", "preview/studio_light", *fragment))
+    info.vertex_source(glsl.source("preview/texels", "preview/on_screen", *vertex))
+    info.fragment_source(glsl.source("preview/texels", "preview/studio_light", *fragment))
     return gpu.shader.create_from_info(info)
 
 
@@ -211,6 +211,6 @@ def _lay_over_shader() -> gpu.types.GPUShader:
     info.fragment_out(0, "VEC4", "out_color")
     if hasattr(info, "depth_write"):
         info.depth_write("ANY")
-    info.vertex_source(shaders.source("preview/pass_vertex"))
-    info.fragment_source(shaders.source("preview/lay_over"))
+    info.vertex_source(glsl.source("preview/pass_vertex"))
+    info.fragment_source(glsl.source("preview/lay_over"))
     return gpu.shader.create_from_info(info)

@@ -13,7 +13,8 @@ import numpy as np
 from bpy.app.handlers import persistent
 from mathutils import Matrix
 
-from . import mesh_io, modifier, registry, scheduler, versions
+from .. import compat, scheduler
+from ..objects import mesh_reader, modifier, runtimes
 
 # By label: being compressed, at rest, being stretched.
 COLOURS = np.array(((0.10, 0.30, 1.0), (0.10, 0.65, 0.20), (1.0, 0.12, 0.10)), np.float32)
@@ -23,18 +24,18 @@ CORNERS = 16  # of an ellipse
 NEARER = 0.02  # share of the way to the viewer that it is drawn nearer, so that folds do not hide it
 
 _handle: Any = None
-_drawn: dict[int, tuple[registry.Inputs, Any]] = {}  # by session key: what the batch was made from, the batch
+_drawn: dict[int, tuple[runtimes.Inputs, Any]] = {}  # by session key: what the batch was made from, the batch
 _complaint = ""
 
 
-def shown_objects() -> Iterator[tuple[bpy.types.Object, registry.Runtime]]:
+def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
     """Objects whose overlay is on and has a solved frame to show."""
     for obj, ours in modifier.wrinkled_objects():
         if obj.rumple.method != "PATHS" or not obj.rumple.paths.show_overlay:
             continue
-        entry = registry.known(obj)
+        entry = runtimes.known(obj)
         if (entry is not None and entry.inputs is not None and entry.fine is not None and ours.show_viewport
-                and not modifier.is_baked(ours) and obj.mode not in mesh_io.BUSY_MODES):
+                and not modifier.is_baked(ours) and obj.mode not in mesh_reader.BUSY_MODES):
             yield obj, entry
 
 
@@ -72,7 +73,7 @@ def _draw_guarded() -> None:
     if not scheduler.LOCK.acquire(blocking=False):
         return
     try:
-        shown = {versions.session_key(obj): (obj, entry) for obj, entry in shown_objects()}
+        shown = {compat.session_key(obj): (obj, entry) for obj, entry in shown_objects()}
         for key in _drawn.keys() - shown.keys():
             del _drawn[key]
         for key, (obj, entry) in shown.items():
@@ -88,7 +89,7 @@ def _draw_guarded() -> None:
         scheduler.LOCK.release()
 
 
-def _batch(key: int, entry: registry.Runtime) -> Any:
+def _batch(key: int, entry: runtimes.Runtime) -> Any:
     """Of the frame that was solved last; made anew when that is another."""
     inputs = entry.inputs
     held = _drawn.get(key)
@@ -96,7 +97,7 @@ def _batch(key: int, entry: registry.Runtime) -> Any:
         import gpu  # not at the top: it needs a window in 3.4
         from gpu_extras.batch import batch_for_shader
         points, colours, triangles = faces(*entry.fine.labels_and_ellipses(inputs.frame, inputs.positions))
-        shader = gpu.shader.from_builtin(versions.SMOOTH_COLOR_SHADER)
+        shader = gpu.shader.from_builtin(compat.SMOOTH_COLOR_SHADER)
         held = _drawn[key] = inputs, batch_for_shader(shader, "TRIS", dict(pos=points, color=colours),
                                                       indices=triangles)
     return held[1]
@@ -114,7 +115,7 @@ def _draw(obj: bpy.types.Object, batch: Any) -> None:
     try:
         with gpu.matrix.push_pop():
             gpu.matrix.load_matrix(nearer @ gpu.matrix.get_model_view_matrix() @ obj.matrix_world)
-            batch.draw(gpu.shader.from_builtin(versions.SMOOTH_COLOR_SHADER))
+            batch.draw(gpu.shader.from_builtin(compat.SMOOTH_COLOR_SHADER))
     finally:
         gpu.state.depth_mask_set(wrote_depth)
         gpu.state.depth_test_set("NONE")

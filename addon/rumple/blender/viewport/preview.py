@@ -2,7 +2,7 @@
 """The GPU preview: wrinkles drawn in Solid viewports, on the graphics card, by Blender's gpu module.
 
 All of it happens in a viewport draw handler: in the main thread, with a drawing context. What a system draws is in
-gpu_field.py and gpu_paths.py. Off in background mode and while a render runs.
+preview_field.py and preview_paths.py. Off in background mode and while a render runs.
 
 The waves of a Wrinkle Field are drawn over Blender's own triangles, and the handlers that solve know nothing of it.
 The folds of Wrinkle Paths change the shape: while all viewports draw them (takes_over()), the handlers leave out the
@@ -20,7 +20,9 @@ import numpy as np
 from bpy.app.handlers import persistent
 from mathutils import Matrix
 
-from . import gpu_arrays, gpu_field, gpu_paths, messages, modifier, registry, scheduler, studio_light, versions
+from .. import compat, scheduler
+from ..objects import messages, modifier, runtimes
+from . import gpu_arrays, preview_field, preview_paths, studio_light
 
 # How much nearer than Blender's own triangles ours lie: a share of the distance, or of the object's size. Enough for
 # the differences of depth that its anti-aliasing makes, less than the thickness of a lined coat at arm's length.
@@ -35,7 +37,7 @@ class Drawing(Protocol):
     def __init__(self, model: Any) -> None:
         """model: of the system."""
 
-    def update(self, obj: bpy.types.Object, entry: registry.Runtime, before: registry.Inputs | None,
+    def update(self, obj: bpy.types.Object, entry: runtimes.Runtime, before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
         """Bring the GPU to entry.inputs, which are new; `before` is what it holds. False where nothing is to be drawn.
 
@@ -58,7 +60,7 @@ class Drawing(Protocol):
         """Draw what has this slot; shader, arrays, image and block are bound."""
 
 
-_DRAWINGS: dict[str, type[Drawing]] = {"FIELD": gpu_field.Drawing, "PATHS": gpu_paths.Drawing}
+_DRAWINGS: dict[str, type[Drawing]] = {"FIELD": preview_field.Drawing, "PATHS": preview_paths.Drawing}
 
 
 @dataclass
@@ -68,7 +70,7 @@ class _OnGpu:
     model: Any  # that the rest is made for
     drawing: Drawing | None = None
     refused: bool = False  # by the driver: not tried again
-    inputs: registry.Inputs | None = None  # what the GPU holds
+    inputs: runtimes.Inputs | None = None  # what the GPU holds
 
 
 _on_gpu: dict[int, _OnGpu] = {}  # by session key
@@ -90,10 +92,10 @@ def _is_wanted(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
             and ours.show_viewport and not modifier.is_baked(ours) and obj.mode == "OBJECT")
 
 
-def shown_objects() -> Iterator[tuple[bpy.types.Object, registry.Runtime]]:
+def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
     """Objects whose preview is on and has a solved frame to show."""
     for obj, ours in modifier.wrinkled_objects():
-        entry = registry.known(obj)
+        entry = runtimes.known(obj)
         if entry is not None and entry.inputs is not None and entry.fine is not None and _is_wanted(obj, ours):
             yield obj, entry
 
@@ -109,7 +111,7 @@ def takes_over(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
     """
     if _handle is None or _pauses or obj.rumple.method != "PATHS" or not _is_wanted(obj, ours):
         return False
-    held = _on_gpu.get(versions.session_key(obj))
+    held = _on_gpu.get(compat.session_key(obj))
     if held is not None and held.refused:
         return False
     views = [area.spaces.active for window in bpy.context.window_manager.windows for area in window.screen.areas
@@ -138,7 +140,7 @@ def _draw() -> None:
         return  # somebody solves: the next redraw shows it
     try:
         _ask_for_meshes()
-        shown = {versions.session_key(obj): (obj, entry) for obj, entry in shown_objects()}
+        shown = {compat.session_key(obj): (obj, entry) for obj, entry in shown_objects()}
         for key in _on_gpu.keys() - shown.keys():
             del _on_gpu[key]
         if _draws_in(space):
@@ -154,7 +156,7 @@ def _draw() -> None:
 def _ask_for_meshes() -> None:
     """Another shading of a viewport updates nothing: let objects be evaluated that should have another mesh now."""
     for obj, ours in modifier.wrinkled_objects():
-        entry = registry.known(obj)
+        entry = runtimes.known(obj)
         if entry is None or entry.inputs is None or obj.rumple.method != "PATHS":
             continue
         over = takes_over(obj, ours)
@@ -164,7 +166,7 @@ def _ask_for_meshes() -> None:
                 scheduler.tag_soon({obj.name})
 
 
-def _draw_guarded(obj: bpy.types.Object, entry: registry.Runtime, key: int, shading: bpy.types.View3DShading) -> None:
+def _draw_guarded(obj: bpy.types.Object, entry: runtimes.Runtime, key: int, shading: bpy.types.View3DShading) -> None:
     held = _on_gpu.get(key)
     if held is None or held.model is not entry.fine.model:
         held = _on_gpu[key] = _OnGpu(entry.fine.model)
@@ -185,7 +187,7 @@ def _draw_guarded(obj: bpy.types.Object, entry: registry.Runtime, key: int, shad
         gpu.state.face_culling_set("NONE")
 
 
-def _update(obj: bpy.types.Object, entry: registry.Runtime, held: _OnGpu) -> bool:
+def _update(obj: bpy.types.Object, entry: runtimes.Runtime, held: _OnGpu) -> bool:
     """Bring the GPU from what it holds to the frame that was solved last. False where there is none."""
     if entry.inputs is held.inputs:
         return True

@@ -11,7 +11,8 @@ import bpy
 import gpu
 import numpy as np
 
-from . import gpu_arrays, registry, shaders
+from ..objects import runtimes
+from . import glsl, gpu_arrays
 from .gpu_arrays import Pass, Target, read, upload
 
 _NEVER = 1e30  # an offset that no link has: as if it had never been relaxed
@@ -22,7 +23,7 @@ class Passes:
 
     def __init__(self) -> None:
         def source(name: str) -> str:
-            return shaders.source(*shaders.FORMULAS, "preview/texels", f"preview/{name}")
+            return glsl.source(*glsl.FORMULAS, "preview/texels", f"preview/{name}")
 
         self.crush = Pass(source("crush"),
                           ("vertices", "wishes", "neighbours", "positions", "normals", "before", "stretches"),
@@ -184,7 +185,7 @@ def _compile() -> gpu.types.GPUShader:
     return gpu_arrays.drawing_shader(
         between, (("IVEC3", "triangle"), ("INT", "corner"), ("INT", "fan"), ("VEC2", "uv")),
         ("positions", "normals", "waves", "phases", "u_slopes", "v_slopes", "profile", "image"),
-        ("preview/field_vertex",), (*shaders.FORMULAS, "preview/field_fragment"))
+        ("preview/field_vertex",), (*glsl.FORMULAS, "preview/field_fragment"))
 
 
 class Drawing:
@@ -197,7 +198,7 @@ class Drawing:
         self._slots: np.ndarray | None = None  # material slot of every triangle
         self._batches: dict[int, gpu.types.GPUBatch] = {}
 
-    def update(self, obj: bpy.types.Object, entry: registry.Runtime, before: registry.Inputs | None,
+    def update(self, obj: bpy.types.Object, entry: runtimes.Runtime, before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
         """All stages but the last.
 

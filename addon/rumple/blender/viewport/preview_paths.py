@@ -12,8 +12,9 @@ import bpy
 import gpu
 import numpy as np
 
-from ..core import engine
-from . import gpu_arrays, mesh_io, registry, shaders
+from ...core import engine
+from ..objects import mesh_reader, runtimes
+from . import glsl, gpu_arrays
 from .gpu_arrays import upload
 
 PROFILES = ("SPLINE", "QUARTIC", "CIRCULAR_ARCS", "SINE")  # as shaders/shared/wrinkle_paths.glsl numbers them
@@ -65,7 +66,7 @@ def _compile() -> gpu.types.GPUShader:
     between.smooth("VEC2", "image_uv")
     between.smooth("FLOAT", "hem")
     between.flat("IVEC2", "list")
-    formulas = (*shaders.FOLDS, "preview/folds")
+    formulas = (*glsl.FOLDS, "preview/folds")
     return gpu_arrays.drawing_shader(
         between, (("IVEC3", "spot"),),
         ("triangles", "flats", "smooths", "normals", "uvs", "patches", "ranges", "ends", "image"),
@@ -89,13 +90,13 @@ class Drawing:
         self._groups: dict[int, list[tuple[int, int, int]]] = {}  # by material slot: parts, first patch, patches
         self.has_uv = False
 
-    def update(self, obj: bpy.types.Object, entry: registry.Runtime, _before: registry.Inputs | None,
+    def update(self, obj: bpy.types.Object, entry: runtimes.Runtime, _before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
         """Upload what was solved last."""
         if not isinstance(entry.picture, engine.Sketch):
             return False
         drawing = entry.picture.drawing
-        uv = mesh_io.render_uv(obj.data)
+        uv = mesh_reader.render_uv(obj.data)
         self.has_uv = uv is not None
         corners = entry.fine.base.triangle_corner.ravel()
         self._profile, self._curved = PROFILES.index(entry.inputs.settings.profile), float(drawing.curved)
