@@ -66,7 +66,7 @@ def as_steps(function):
     if not inspect.isgenerator(result):
         return
     for pause in result:
-        if getattr(sys.modules.get("sleeve"), "open_overrides", 0):
+        if getattr(sys.modules.get("support.sleeve"), "open_overrides", 0):
             # Blender's event loop would look into the override without holding Python's lock: while a render job
             # runs handlers in its thread, 3.4 crashes there, with no Python frame in the main thread.
             result.close()

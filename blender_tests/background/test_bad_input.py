@@ -7,8 +7,8 @@ import unittest
 
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender.objects import modifier, runtimes
+from support import sleeve
 
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 

@@ -8,12 +8,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-import sleeve
-import stranger
 from rumple.blender import handlers, scheduler
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import modifier, runtimes
 from rumple.core import engine
+from support import sleeve, vanilla_blender
 
 ATTRIBUTES = tuple(attribute.name for attribute in engine.COMMON_ATTRIBUTES)
 
@@ -24,7 +23,7 @@ class Baked(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         self.obj = sleeve.scene()
-        self.blend = os.path.join(self.folder.name, stranger.FILE)
+        self.blend = os.path.join(self.folder.name, vanilla_blender.FILE)
         bpy.ops.wm.save_as_mainfile(filepath=self.blend)
 
     def clip(self):
@@ -79,7 +78,7 @@ class Baked(unittest.TestCase):
         live = {time: self.attributes(time) for time in times}
         bpy.ops.object.rumple_bake()
         bpy.ops.wm.save_mainfile()
-        seen = stranger.look(Path(self.folder.name), "Sleeve", times, attributes=ATTRIBUTES)
+        seen = vanilla_blender.look(Path(self.folder.name), "Sleeve", times, attributes=ATTRIBUTES)
         for time in times:
             here = self.attributes(time)
             for name, value in live[time].items():

@@ -10,13 +10,12 @@ from unittest import mock
 
 import bpy
 import numpy as np
-import shots
-import sleeve
 from rumple.blender import compat, scheduler
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import bodies, modifier, runtimes
 from rumple.core.body import Body
-from worn import outward, placed, posed, solved_body, Worn
+from support import sleeve, small_renders
+from support.worn_sleeve import Worn, outward, placed, posed, solved_body
 
 
 class Places(Worn):
@@ -219,7 +218,7 @@ class Rendered(unittest.TestCase):
         return found
 
     def test_a_body_that_no_render_shows(self) -> None:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         bpy.context.scene.cycles.samples = 1
         body = sleeve.under(obj)
         expected = {}
@@ -229,7 +228,8 @@ class Rendered(unittest.TestCase):
         obj.rumple.body = body
         body.hide_viewport = body.hide_render = True
         bpy.context.scene.frame_start = 3
-        for render, frames in ((lambda: shots.clip(3, 5), (3.0, 4.0, 5.0)), (lambda: shots.still(16), (16.0,))):
+        for render, frames in ((lambda: small_renders.clip(3, 5), (3.0, 4.0, 5.0)),
+                               (lambda: small_renders.still(16), (16.0,))):
             found = self.seen_in(render)
             for frame in frames:
                 np.testing.assert_allclose(found[frame], expected[frame], atol=1e-6, err_msg=str(frame))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import unittest
 
 import bpy
-import sleeve
 from mathutils import Euler, Matrix
 from rumple.blender.objects import runtimes
+from support import sleeve
 
 
 class FirstClick(unittest.TestCase):

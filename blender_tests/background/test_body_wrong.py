@@ -7,11 +7,11 @@ from unittest import mock
 
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender import compat, scheduler
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import bodies, modifier, runtimes
-from worn import solved_body, Worn
+from support import sleeve
+from support.worn_sleeve import Worn, solved_body
 
 
 class Wrong(Worn):

@@ -8,10 +8,10 @@ import unittest
 
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender import compat
 from rumple.blender.brush import operators as brush_operators
 from rumple.blender.objects import mesh_reader, runtimes
+from support import sleeve
 
 
 def field() -> bpy.types.Object:

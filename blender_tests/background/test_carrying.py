@@ -4,10 +4,10 @@ import unittest
 
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender import compat
 from rumple.blender.frame import rebuild
 from rumple.blender.objects import mesh_reader, modifier, output_mesh, runtimes
+from support import sleeve
 
 
 class Carrying(unittest.TestCase):

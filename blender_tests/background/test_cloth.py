@@ -9,14 +9,11 @@ from unittest import mock
 
 import bpy
 import numpy as np
-import rendered
-import shots
-import sleeve
-import solved_apart
-from cloths import Cloth, difference, dressed, final, forget, garment, pictures, played
 from rumple.blender import scheduler
 from rumple.blender.frame import solve
 from rumple.blender.objects import modifier, runtimes
+from support import reference_solve, render_cases, sleeve, small_renders
+from support.cloth_scenes import Cloth, difference, dressed, final, forget, garment, pictures, played
 
 
 # ---------------------------------------------------------------- the first click
@@ -227,7 +224,7 @@ class ToTheBit(Cloth):
         scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         scene.collection.objects.link(scene.camera)
         scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
-        scene.render.resolution_x = scene.render.resolution_y = shots.SIZE
+        scene.render.resolution_x = scene.render.resolution_y = small_renders.SIZE
 
     def test_renders_have_the_played_frames(self) -> None:
         first = {frame: sleeve.picture(self.obj).positions for frame in range(1, 6) if sleeve.at(frame) is None}
@@ -235,16 +232,16 @@ class ToTheBit(Cloth):
         forget(self.obj)
         sleeve.at(20)
         self.body.hide_render = self.body.hide_viewport = True
-        found = self.rendered(lambda: shots.clip(1, 5))
+        found = self.rendered(lambda: small_renders.clip(1, 5))
         self.assertEqual(found.keys(), first.keys())
         self.same(first, found)
 
     def test_motion_blur_has_the_moments_between(self) -> None:
         self.stage()
-        shots.blur(0.5)
-        found = self.rendered(lambda: shots.clip(1, 4))
+        small_renders.blur(0.5)
+        found = self.rendered(lambda: small_renders.clip(1, 4))
         self.assertGreater(sum(time != int(time) for time in found), 3)
-        self.same(found, self.rendered(lambda: shots.clip(1, 4)))
+        self.same(found, self.rendered(lambda: small_renders.clip(1, 4)))
         sleeve.play(1, 4)
         for time in (3.75, 4.0, 4.25):
             sleeve.at(int(time), time - int(time))
@@ -254,13 +251,13 @@ class ToTheBit(Cloth):
 class Rendered(Cloth):
 
     def test_pixels_are_those_of_the_cloth_solved_apart(self) -> None:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         obj.rumple.mesh.base_cloth, obj.rumple.mesh.layers = "HANG", "CLOTH"
-        found = shots.clip(1, 4)
-        for frame, picture in zip(found, solved_apart.expected(obj, range(1, 5))):
-            self.assertLessEqual(solved_apart.unlike(found[frame], picture), rendered.STRAY, f"frame {frame}")
+        found = small_renders.clip(1, 4)
+        for frame, picture in zip(found, reference_solve.expected(obj, range(1, 5))):
+            self.assertLessEqual(reference_solve.unlike(found[frame], picture), render_cases.STRAY, f"frame {frame}")
         obj.rumple.mesh.base_cloth = "OFF"
-        self.assertGreater(solved_apart.unlike(found[4], shots.still(4)), 10 * rendered.STRAY)
+        self.assertGreater(reference_solve.unlike(found[4], small_renders.still(4)), 10 * render_cases.STRAY)
         self.assertEqual(obj.rumple.message, "")
 
 

@@ -6,14 +6,13 @@ import math
 import unittest
 
 import bpy
-import cloths
 import numpy as np
-import sleeve
-from cloths import (DEEPER, Cloth, bared, depth, depths, difference, dressed, final, forget, garment, hang,
-                    off_animation, pictures, played)
 from rumple.blender import handlers
 from rumple.blender.objects import modifier, properties, runtimes
 from rumple.blender.ui import panels
+from support import cloth_scenes, sleeve
+from support.cloth_scenes import (Cloth, DEEPER, bared, depth, depths, difference, dressed, final, forget, garment,
+                                  hang, off_animation, pictures, played)
 
 # Frames in which the arm bends so slowly that the sleeve does not face itself: which of two equally near sides of it
 # bounds a fold is a matter of rounding.
@@ -194,7 +193,7 @@ class Over(Cloth):
     """A garment over another one, that is worn over a body."""
 
     def setUp(self) -> None:
-        self.outer, self.inner = cloths.two()
+        self.outer, self.inner = cloth_scenes.two()
 
     def test_the_outer_one_changes_with_the_inner_one_in_the_same_frame(self) -> None:
         first = played(self.outer, 6)[6]
@@ -253,7 +252,7 @@ class Baked(Cloth):
             handlers.register()
 
     def test_a_garment_over_a_baked_one_sees_it(self) -> None:
-        outer, inner = cloths.two()
+        outer, inner = cloth_scenes.two()
         hung, places = {}, {}
 
         def base_cloth() -> np.ndarray:

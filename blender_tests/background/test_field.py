@@ -8,12 +8,11 @@ import unittest
 
 import bpy
 import numpy as np
-import sleeve
-import waves_rendered
 from rumple.blender import compat, scheduler
 from rumple.blender.nodes import field_profile, field_shader
 from rumple.blender.objects import changes, mesh_reader, modifier, runtimes
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT
+from support import sleeve, wave_shader_cases
 
 
 def waving(**settings: object) -> bpy.types.Object:
@@ -30,7 +29,7 @@ def kinds() -> list[list[str]]:
     return [sleeve.names(getattr(bpy.data, kind)) for kind in ("objects", "meshes", "node_groups", "materials")]
 
 
-class Rendered(waves_rendered.Waves, unittest.TestCase):
+class Rendered(wave_shader_cases.Waves, unittest.TestCase):
     """In -b; the window suite has the same."""
 
 

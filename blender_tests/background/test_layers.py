@@ -8,12 +8,12 @@ import unittest
 
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender import scheduler
 from rumple.blender.frame import clip_status
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import runtimes
 from rumple.blender.ui import panels
+from support import sleeve
 
 FRAMES = (2, 6, 7, 15, 20)
 

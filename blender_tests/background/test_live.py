@@ -8,12 +8,12 @@ from unittest import mock
 import bmesh
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender import handlers, scheduler
 from rumple.blender.frame import solve
 from rumple.blender.maps import sync as maps_sync
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import changes, modifier, output_mesh, runtimes
+from support import sleeve
 
 
 class Frames(unittest.TestCase):

@@ -4,13 +4,12 @@ import unittest
 import unittest.mock
 
 import bpy
-import face
 import numpy as np
-import sleeve
 from mathutils import Euler, Matrix
 from rumple.blender import compat
 from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier
 from rumple.blender.nodes import maps_shader
+from support import face, sleeve
 
 ROUNDING = 1e-4  # of a mask: bones of a head in single precision
 

@@ -7,11 +7,10 @@ import unittest
 from pathlib import Path
 
 import bpy
-import face
-import maps_shots
 import numpy as np
 from rumple.blender.maps import export as maps_export
 from rumple.core import poses
+from support import face, maps_renders
 
 
 def texels(image):
@@ -118,7 +117,7 @@ class Export(unittest.TestCase):
 
     def test_json_images_and_influences(self):
         self.settings.poses[0].image = bpy.data.images.new("Lines", 8, 8, is_data=True)
-        self.obj.material_slots[0].material = maps_shots.material("Pores", bpy.data.images.new("Pores", 8, 8))
+        self.obj.material_slots[0].material = maps_renders.material("Pores", bpy.data.images.new("Pores", 8, 8))
         bpy.ops.rumple.maps_show()
         for frame, height in ((1, 0.0), (5, 0.01)):
             face.pose(self.rig, brow_L=height)

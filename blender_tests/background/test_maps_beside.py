@@ -7,14 +7,12 @@ from pathlib import Path
 from unittest import mock
 
 import bpy
-import face
 import numpy as np
-import sleeve
-import stranger
 from rumple.blender import compat, handlers, scheduler
 from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier, sync as maps_sync
 from rumple.blender.objects import modifier
 from test_maps_render import Renders
+from support import face, sleeve, vanilla_blender
 
 ROUNDING = 1e-4  # of a mask
 METHODS = ("MESH", "FIELD", "PATHS")
@@ -121,8 +119,8 @@ class Beside(unittest.TestCase):
             modifier.find(self.obj).show_viewport = wrinkles
             with tempfile.TemporaryDirectory() as folder:
                 bpy.context.scene.frame_set(1)
-                bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, stranger.FILE))
-                seen = stranger.look(Path(folder), "Face", (11, 4), attributes=("rumple_pose_Surprise",))
+                bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, vanilla_blender.FILE))
+                seen = vanilla_blender.look(Path(folder), "Face", (11, 4), attributes=("rumple_pose_Surprise",))
             for frame in (4, 11):
                 self.check(frame)
                 np.testing.assert_allclose(seen[frame]["rumple_pose_Surprise"][:, 0],

@@ -5,10 +5,9 @@ import tempfile
 import unittest
 
 import bpy
-import face
 import numpy as np
-import sleeve
 from rumple.blender.maps import modifier as maps_modifier
+from support import face, sleeve
 
 ROUNDING = 1e-4  # of a mask
 

@@ -3,10 +3,10 @@
 import unittest
 
 import bpy
-import maps_shots
 import numpy as np
 from rumple.blender.nodes import maps_shader
 from rumple.core.engine import Refused
+from support import maps_renders
 
 
 def links(material):
@@ -23,21 +23,21 @@ def links(material):
 class Blend(unittest.TestCase):
 
     def test_cycles_shows_the_native_blend(self):
-        maps_shots.check(self, "CYCLES")
+        maps_renders.check(self, "CYCLES")
 
     def test_a_pose_without_an_image_does_not_count(self):
-        quad = maps_shots.Quad(3, "WRINKLES")
+        quad = maps_renders.Quad(3, "WRINKLES")
         textures = [node for node in quad.group.nodes if node.type == "TEX_IMAGE"]
         images = sorted({node.image for node in textures}, key=lambda image: image.name)
         maps_shader.fill(quad.group, [images[0], None, images[2]], "WRINKLES", "")
         quad.wrinkles[1] = np.full_like(quad.wrinkles[1], 128)
         quad.slopes[1] = 0.0
-        self.assertLessEqual(np.abs(quad.rendered("CYCLES") - quad.expected()).max(), maps_shots.STEP)
+        self.assertLessEqual(np.abs(quad.rendered("CYCLES") - quad.expected()).max(), maps_renders.STEP)
 
     def test_without_poses_the_neutral_map_is_left(self):
-        quad = maps_shots.Quad(1, "WRINKLES")
+        quad = maps_renders.Quad(1, "WRINKLES")
         maps_shader.fill(quad.group, (), "WRINKLES", "")
-        self.assertLessEqual(np.abs(quad.rendered("CYCLES") - quad.neutral / 255.0).max(), 2 * maps_shots.STEP)
+        self.assertLessEqual(np.abs(quad.rendered("CYCLES") - quad.neutral / 255.0).max(), 2 * maps_renders.STEP)
 
 
 class InAMaterial(unittest.TestCase):

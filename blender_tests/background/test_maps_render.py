@@ -5,11 +5,11 @@ import tempfile
 import unittest
 
 import bpy
-import face
 import numpy as np
 from mathutils import Euler
 from rumple.blender.maps import modifier as maps_modifier
 from rumple.blender.nodes import maps_mask_tree
+from support import face
 
 SIZE = 104  # pixels over the face: the brightest lies within a millimetre of the middle of the brow
 

@@ -2,8 +2,8 @@
 """400 random steps with Wrinkle Maps end with no crash and the right masks."""
 import tempfile
 import unittest
+from support import maps_walk
 
-import maps_walk
 
 
 class MapsWalk(unittest.TestCase):

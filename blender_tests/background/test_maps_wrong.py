@@ -6,12 +6,11 @@ import unittest
 import unittest.mock
 
 import bpy
-import face
 import numpy as np
-import sleeve
 from rumple.blender import scheduler
 from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier, sync as maps_sync
 from rumple.blender.nodes import maps_shader
+from support import face, sleeve
 
 
 class Wrong(unittest.TestCase):

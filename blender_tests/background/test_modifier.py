@@ -5,10 +5,10 @@ import unittest
 
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender import compat, handlers, scheduler
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier
+from support import sleeve
 
 
 class Stack(unittest.TestCase):

@@ -7,11 +7,10 @@ from typing import Any
 
 import bpy
 import numpy as np
-import sleeve
-import wires
-from cloths import Cloth, depths, difference, final, forget, hang, off_animation, pictures, played
 from rumple.blender import handlers
 from rumple.blender.objects import modifier, runtimes
+from support import curve_edges, sleeve
+from support.cloth_scenes import Cloth, depths, difference, final, forget, hang, off_animation, pictures, played
 
 METHODS = {"FIELD": ("field", {}), "WAVES": ("field", {"output": "GEOMETRY"}), "PATHS": ("paths", {})}
 
@@ -122,11 +121,11 @@ class Shown(Cloth):
     def test_curves_ride_on_the_folds_over_the_cloth(self) -> None:
         obj, _body, _settings = worn("PATHS")
         bpy.ops.object.rumple_curves_add()
-        child = wires.child_of(obj)
+        child = curve_edges.child_of(obj)
         sleeve.play()
-        self.assertGreater(wires.same(self, obj, child), 1)
+        self.assertGreater(curve_edges.same(self, obj, child), 1)
         shown = sleeve.shown(obj)
-        _curves, positions, _values = wires.seen(child)
+        _curves, positions, _values = curve_edges.seen(child)
         away = np.linalg.norm(shown[None] - positions[:, None], axis=2).min(axis=1)
         self.assertLess(float(np.median(away)), 0.25 * obj.rumple.paths.width)
 

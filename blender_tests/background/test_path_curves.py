@@ -10,16 +10,13 @@ from unittest import mock
 
 import bpy
 import numpy as np
-import shots
-import sleeve
-import stranger
-import wires
 from rumple.blender import compat, handlers, scheduler
 from rumple.blender.frame import path_curves
 from rumple.blender.nodes import path_curves_tree
 from rumple.blender.objects import modifier, runtimes
 from rumple.core import clip_file
 from rumple.core import curve_rows
+from support import curve_edges, sleeve, small_renders, vanilla_blender
 
 
 def curved() -> tuple[bpy.types.Object, bpy.types.Object]:
@@ -28,19 +25,19 @@ def curved() -> tuple[bpy.types.Object, bpy.types.Object]:
     with sleeve.context():
         bpy.ops.object.rumple_add(method="PATHS")
         bpy.ops.object.rumple_curves_add()
-    return obj, wires.child_of(obj)
+    return obj, curve_edges.child_of(obj)
 
 
 class Curves(unittest.TestCase):
     def test_follow_playback_scrubbing_and_subframes(self) -> None:
         obj, child = curved()
         sleeve.at(1)
-        self.assertEqual(wires.same(self, obj, child), 0, "nothing folds at rest")
+        self.assertEqual(curve_edges.same(self, obj, child), 0, "nothing folds at rest")
         sleeve.play()
-        self.assertGreater(wires.same(self, obj, child), 3)
+        self.assertGreater(curve_edges.same(self, obj, child), 3)
         for frame, subframe in ((3, 0.0), (20, 0.0), (11, 0.5), (15, 0.25), (1, 0.0)):
             sleeve.at(frame, subframe)
-            wires.same(self, obj, child)
+            curve_edges.same(self, obj, child)
         self.assertEqual(obj.rumple.message, "")
 
     def test_they_move_with_the_garment_and_stand_at_its_crests(self) -> None:
@@ -48,7 +45,7 @@ class Curves(unittest.TestCase):
         rig = bpy.data.objects["Arm"]
         obj.parent, rig.location, rig.rotation_euler = rig, (1.0, 2.0, 3.0), (0.4, 0.5, 0.6)
         sleeve.play()
-        _, positions, values = wires.seen(child)
+        _, positions, values = curve_edges.seen(child)
         np.testing.assert_allclose(np.array(child.matrix_world), np.array(obj.matrix_world), atol=1e-6)
         shown, heights = sleeve.shown(obj), sleeve.attribute(obj, "rumple_height")[:, 0]
         width, away = obj.rumple.paths.width, []
@@ -67,25 +64,25 @@ class Curves(unittest.TestCase):
             sleeve.at(15)
         self.assertEqual(obj.rumple.message, "")
         sleeve.at(14)
-        wires.same(self, obj, child)
+        curve_edges.same(self, obj, child)
 
     def test_a_modifier_behind_that_shuffles_the_points_hides_them_and_the_wrinkles_off_too(self) -> None:
         obj, child = curved()
         sleeve.play()
         modifier.find(obj).show_viewport = False
         bpy.context.view_layer.update()
-        self.assertEqual(len(wires.seen(child)[0]), 0, "they shrank to the origin")
+        self.assertEqual(len(curve_edges.seen(child)[0]), 0, "they shrank to the origin")
         modifier.find(obj).show_viewport = True
         sleeve.at(20)
         obj.modifiers.new("Subdivision", "SUBSURF")
         sleeve.at(19)
-        self.assertGreater(wires.same(self, obj, child), 0)
+        self.assertGreater(curve_edges.same(self, obj, child), 0)
 
     def test_a_tube_has_the_radius_that_is_set(self) -> None:
         obj, child = curved()
         sleeve.play()
-        curves, positions, _ = wires.seen(child)
-        child.modifiers.remove(child.modifiers[wires.NAME])
+        curves, positions, _ = curve_edges.seen(child)
+        child.modifiers.remove(child.modifiers[curve_edges.NAME])
         ours = path_curves.find(child)
         compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.002)
         child.update_tag()
@@ -113,14 +110,14 @@ class Curves(unittest.TestCase):
         sleeve.play()
         bpy.ops.object.mode_set(mode="OBJECT")
         sleeve.at(19)
-        self.assertGreater(wires.same(self, obj, child), 0)
+        self.assertGreater(curve_edges.same(self, obj, child), 0)
 
 
 class Rows(unittest.TestCase):
     def test_curves_without_room_are_left_out_whole(self) -> None:
         obj, _ = curved()
         sleeve.play()
-        curves = wires.solved(obj)
+        curves = curve_edges.solved(obj)
         room = int(curves.start[2]) + 1  # two curves and a point
         rows, left_out = curve_rows.rows_of(curves, room)
         self.assertEqual(left_out, len(curves.id) - 2)
@@ -136,7 +133,7 @@ class Rows(unittest.TestCase):
             self.assertEqual(path_curves.room(child.data), 16, "topology changed while it renders")
         scheduler.sync_all()
         sleeve.at(20)
-        self.assertGreater(wires.same(self, obj, child), 3)
+        self.assertGreater(curve_edges.same(self, obj, child), 3)
         self.assertEqual(obj.rumple.message, "")
 
 
@@ -167,11 +164,11 @@ class Lives(unittest.TestCase):
             bpy.ops.object.duplicate(linked=linked)
             scheduler.sync_all()
             copy = next(o for o, _ in modifier.wrinkled_objects() if o != obj)
-            self.assertNotEqual(wires.child_of(copy).data, child.data)
+            self.assertNotEqual(curve_edges.child_of(copy).data, child.data)
             copy.rumple.paths.seed = 7
             sleeve.play()
             for garment in (obj, copy):
-                self.assertGreater(wires.same(self, garment, wires.child_of(garment)), 3)
+                self.assertGreater(curve_edges.same(self, garment, curve_edges.child_of(garment)), 3)
 
     def test_a_copy_of_the_garment_alone_has_none(self) -> None:
         obj, child = curved()
@@ -189,7 +186,7 @@ class Lives(unittest.TestCase):
             bpy.ops.wm.open_mainfile(filepath=path)
             obj = bpy.data.objects["Sleeve"]
             sleeve.play()
-            self.assertGreater(wires.same(self, obj, wires.child_of(obj)), 3)
+            self.assertGreater(curve_edges.same(self, obj, curve_edges.child_of(obj)), 3)
 
 
 class ElseWhere(unittest.TestCase):
@@ -201,16 +198,16 @@ class ElseWhere(unittest.TestCase):
         self.folder = Path(folder.name)
 
     def save(self) -> None:
-        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / stranger.FILE))
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / vanilla_blender.FILE))
 
     def test_without_the_add_on_they_ride_on_the_pose(self) -> None:
         obj, child = curved()
         sleeve.play()
         sleeve.at(12)
-        wires.to_edges(child)
+        curve_edges.to_edges(child)
         self.save()
-        curves = wires.solved(obj)
-        there = stranger.look(self.folder, child.name, (12.0, 20.0), attributes=("rumple_path_height",))
+        curves = curve_edges.solved(obj)
+        there = vanilla_blender.look(self.folder, child.name, (12.0, 20.0), attributes=("rumple_path_height",))
         np.testing.assert_allclose(there[12.0]["position"], curves.positions, atol=2e-6)
         np.testing.assert_array_equal(there[20.0]["rumple_path_height"][:, 0], curves.height)
         sleeve.at(20)
@@ -227,7 +224,7 @@ class ElseWhere(unittest.TestCase):
         live = {}
         for frame in (20, 9, 15):
             sleeve.at(frame)
-            live[frame] = wires.seen(child)
+            live[frame] = curve_edges.seen(child)
         obj.rumple.bake_whole_clip = False  # as in playback
         self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
         self.assertFalse(bpy.ops.object.rumple_curves_add.poll())
@@ -235,17 +232,17 @@ class ElseWhere(unittest.TestCase):
         try:
             for frame, (curves, positions, values) in live.items():
                 sleeve.at(frame)
-                baked = wires.seen(child)
+                baked = curve_edges.seen(child)
                 np.testing.assert_array_equal(baked[0], curves)
                 np.testing.assert_allclose(baked[1], positions, atol=2e-6)
-                for name in wires.ATTRIBUTES if len(curves) else ():
+                for name in curve_edges.ATTRIBUTES if len(curves) else ():
                     np.testing.assert_array_equal(baked[2][name], values[name])
             sleeve.at(15, 0.4)
-            self.assertGreater(len(wires.seen(child)[0]), 0)
+            self.assertGreater(len(curve_edges.seen(child)[0]), 0)
         finally:
             handlers.register()
         self.save()
-        there = stranger.look(self.folder, child.name, (20.0, 15.0), attributes=("rumple_path_width",))
+        there = vanilla_blender.look(self.folder, child.name, (20.0, 15.0), attributes=("rumple_path_width",))
         for frame in (20, 15):
             np.testing.assert_allclose(there[float(frame)]["position"], live[frame][1], atol=2e-6)
 
@@ -254,10 +251,10 @@ class ElseWhere(unittest.TestCase):
         self.save()
         bpy.ops.object.rumple_bake()
         sleeve.at(18)
-        count = len(wires.seen(child)[0])
+        count = len(curve_edges.seen(child)[0])
         for subframe in (0.25, 0.4):
             sleeve.at(18, subframe)
-            curves, positions, _ = wires.seen(child)
+            curves, positions, _ = curve_edges.seen(child)
             self.assertEqual(len(curves), count, "the curves of two samples were mixed")
             shown = sleeve.shown(obj)
             away = max(np.linalg.norm(shown - p, axis=1).min() for p in positions)
@@ -272,39 +269,39 @@ class ElseWhere(unittest.TestCase):
         bpy.ops.object.rumple_bake_free(delete_file=True)
         self.assertEqual(list((self.folder / "rumple").iterdir()), [])
         sleeve.play()
-        self.assertGreater(wires.same(self, obj, child), 3)
+        self.assertGreater(curve_edges.same(self, obj, child), 3)
 
     def test_a_bake_that_breaks_off_leaves_the_former_clip(self) -> None:
         obj, child = curved()
         self.save()
         bpy.ops.object.rumple_bake()
         sleeve.at(18)
-        before = wires.seen(child)[1]
+        before = curve_edges.seen(child)[1]
         with mock.patch.object(clip_file.ClipWriter, "add", side_effect=OSError("disk full")):
             with self.assertRaisesRegex(RuntimeError, "disk full"):
                 bpy.ops.object.rumple_bake()
         sleeve.at(1)
         sleeve.at(18)
-        np.testing.assert_array_equal(wires.seen(child)[1], before)
+        np.testing.assert_array_equal(curve_edges.seen(child)[1], before)
         self.assertIsNotNone(modifier.cache(child))
         obj.rumple.paths.seed = 5
         self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
         sleeve.at(18)
-        self.assertFalse(np.array_equal(wires.seen(child)[1], before), "baked again")
+        self.assertFalse(np.array_equal(curve_edges.seen(child)[1], before), "baked again")
         self.assertEqual([m.type for m in child.modifiers].count("MESH_CACHE"), 1)
 
     def test_rendered_stills_and_animations_show_the_same_curves(self) -> None:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         bpy.ops.object.rumple_remove()
         bpy.ops.object.rumple_add(method="PATHS")
         bpy.ops.object.rumple_curves_add()
-        child = wires.child_of(obj)
+        child = curve_edges.child_of(obj)
         ours = path_curves.find(child)
         compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.006)
         obj.is_holdout = True  # only the curves are seen
         sleeve.play()
-        stills = {frame: shots.still(frame) for frame in (14, 17, 20)}
-        animation = shots.clip(1, 20)
+        stills = {frame: small_renders.still(frame) for frame in (14, 17, 20)}
+        animation = small_renders.clip(1, 20)
         for frame, still in stills.items():
             self.assertGreater((still[..., 3] > 0.5).sum(), 15)
             np.testing.assert_allclose(animation[frame], still, atol=0.02)

@@ -6,9 +6,9 @@ import unittest
 
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender import scheduler
 from rumple.blender.objects import modifier, properties, runtimes
+from support import sleeve
 
 
 def folding(**settings: object) -> bpy.types.Object:

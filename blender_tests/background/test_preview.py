@@ -5,9 +5,9 @@ from __future__ import annotations
 import unittest
 
 import bpy
-import sleeve
 from rumple.blender.objects import runtimes
 from rumple.blender.viewport import gpu_arrays, preview
+from support import sleeve
 
 
 class Background(unittest.TestCase):

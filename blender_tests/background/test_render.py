@@ -8,15 +8,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-import rendered
-import shots
-import sleeve
-import solved_apart
-import stranger
 from rumple.blender.objects import modifier, runtimes
+from support import reference_solve, render_cases, sleeve, small_renders, vanilla_blender
 
 
-class Engines(rendered.Engines, unittest.TestCase):
+class Engines(render_cases.Engines, unittest.TestCase):
     """In -b; the window suite has the same."""
 
 
@@ -26,42 +22,42 @@ class Setups(unittest.TestCase):
     def check(self, obj: bpy.types.Object, frames: range) -> None:
         """An animation of these frames shows them; the first of them is the start of the clip."""
         bpy.context.scene.frame_start = frames[0]
-        found = shots.clip(frames[0], frames[-1])
-        for frame, picture in zip(frames, solved_apart.expected(obj, frames)):
-            self.assertLessEqual(solved_apart.unlike(found[frame], picture), rendered.STRAY, f"frame {frame}")
-        self.assertGreater(solved_apart.unlike(found[frames[0]], found[frames[-1]]), 10 * rendered.STRAY)
+        found = small_renders.clip(frames[0], frames[-1])
+        for frame, picture in zip(frames, reference_solve.expected(obj, frames)):
+            self.assertLessEqual(reference_solve.unlike(found[frame], picture), render_cases.STRAY, f"frame {frame}")
+        self.assertGreater(reference_solve.unlike(found[frames[0]], found[frames[-1]]), 10 * render_cases.STRAY)
         self.assertEqual(obj.rumple.message, "")
 
     def test_switched_off_in_the_viewport_it_renders(self) -> None:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         modifier.find(obj).show_viewport = False
         self.check(obj, range(9, 13))
 
     def test_hidden_in_the_viewport_it_renders(self) -> None:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         obj.hide_viewport = True
-        found = shots.clip(1, 5)
+        found = small_renders.clip(1, 5)
         obj.hide_viewport = False
-        last = solved_apart.expected(obj, range(1, 6))[-1]
-        self.assertLessEqual(solved_apart.unlike(found[5], last), rendered.STRAY)
+        last = reference_solve.expected(obj, range(1, 6))[-1]
+        self.assertLessEqual(reference_solve.unlike(found[5], last), render_cases.STRAY)
 
     def test_switched_off_for_renders_the_coarse_mesh_renders(self) -> None:
-        obj = shots.stage("CYCLES")
-        wrinkled = shots.still(14)
+        obj = small_renders.stage("CYCLES")
+        wrinkled = small_renders.still(14)
         modifier.find(obj).show_render = False
-        coarse = shots.still(14)
+        coarse = small_renders.still(14)
         obj.modifiers.remove(modifier.find(obj))
-        self.assertLessEqual(solved_apart.unlike(coarse, shots.still(14)), rendered.STRAY)
-        self.assertGreater(solved_apart.unlike(coarse, wrinkled), 10 * rendered.STRAY)
+        self.assertLessEqual(reference_solve.unlike(coarse, small_renders.still(14)), render_cases.STRAY)
+        self.assertGreater(reference_solve.unlike(coarse, wrinkled), 10 * render_cases.STRAY)
 
     def test_subdivision_after_with_other_levels_in_renders(self) -> None:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         later = obj.modifiers.new("Subdivision", "SUBSURF")
         later.levels, later.render_levels = 0, 2
         self.check(obj, range(9, 13))
 
     def test_shape_keys_before(self) -> None:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         obj.shape_key_add(name="Basis")
         wide = obj.shape_key_add(name="Wide")
         for point in wide.data:
@@ -72,7 +68,7 @@ class Setups(unittest.TestCase):
         self.check(obj, range(9, 13))
 
     def test_a_figure_that_moves_and_turns(self) -> None:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         rig = bpy.data.objects["Arm"]
         obj.parent = rig
         for frame, place, turn in ((9, 0.0, 0.0), (12, 0.1, 0.5)):
@@ -82,20 +78,20 @@ class Setups(unittest.TestCase):
         self.check(obj, range(9, 13))
 
     def test_the_viewport_keeps_its_frame_after_an_animation(self) -> None:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         sleeve.play()
         sleeve.at(15)
         seen = sleeve.shown(obj)
-        shots.clip(2, 5)
+        small_renders.clip(2, 5)
         sleeve.at(15)
         np.testing.assert_array_equal(sleeve.shown(obj), seen)
 
     def test_motion_blur_switched_off_for_the_object(self) -> None:
-        obj = shots.stage("CYCLES")
-        sharp = shots.clip(1, 4)[4]
-        shots.blur(1.0)
+        obj = small_renders.stage("CYCLES")
+        sharp = small_renders.clip(1, 4)[4]
+        small_renders.blur(1.0)
         obj.cycles.use_motion_blur = False
-        self.assertLessEqual(solved_apart.unlike(sharp, shots.clip(1, 4)[4]), rendered.STRAY)
+        self.assertLessEqual(reference_solve.unlike(sharp, small_renders.clip(1, 4)[4]), render_cases.STRAY)
 
 
 class WithoutTheAddOn(unittest.TestCase):
@@ -105,16 +101,16 @@ class WithoutTheAddOn(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
-        self.obj = shots.stage("CYCLES")
+        self.obj = small_renders.stage("CYCLES")
         self.save()
 
     def save(self) -> None:
-        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / stranger.FILE))
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / vanilla_blender.FILE))
 
     def elsewhere(self, times: tuple[float, ...], render: int = 0) -> dict[float, np.ndarray]:
         """What the other Blender shows at these times."""
-        seen = stranger.look(self.folder, "Sleeve", times, render)
-        return {time: seen[time][stranger.POSITION] for time in times}
+        seen = vanilla_blender.look(self.folder, "Sleeve", times, render)
+        return {time: seen[time][vanilla_blender.POSITION] for time in times}
 
     def here(self, time: float) -> np.ndarray:
         whole = int(np.floor(time))
@@ -141,11 +137,11 @@ class WithoutTheAddOn(unittest.TestCase):
         seen = self.elsewhere(times, render=7)
         for time in times:
             np.testing.assert_allclose(seen[time], self.here(time), atol=1e-6, err_msg=f"frame {time}")
-        there = shots.read(str(self.folder / stranger.STILL))
+        there = small_renders.read(str(self.folder / vanilla_blender.STILL))
         bpy.ops.object.rumple_bake_free()
         bpy.ops.object.rumple_clear_frames()
-        right = solved_apart.expected(self.obj, range(1, 8))[-1]
-        self.assertLessEqual(solved_apart.unlike(there, right), rendered.STRAY)
+        right = reference_solve.expected(self.obj, range(1, 8))[-1]
+        self.assertLessEqual(reference_solve.unlike(there, right), render_cases.STRAY)
 
     def test_baked_and_then_changed_it_shows_the_last_bake(self) -> None:
         bpy.ops.object.rumple_bake()
@@ -167,8 +163,8 @@ class WithoutTheAddOn(unittest.TestCase):
         live = self.here(18.0)
         self.save()
         self.elsewhere((5.0,))
-        self.assertTrue((self.folder / stranger.SAVED).is_file())
-        bpy.ops.wm.open_mainfile(filepath=str(self.folder / stranger.SAVED))
+        self.assertTrue((self.folder / vanilla_blender.SAVED).is_file())
+        bpy.ops.wm.open_mainfile(filepath=str(self.folder / vanilla_blender.SAVED))
         self.obj = bpy.data.objects["Sleeve"]
         sleeve.play()
         np.testing.assert_array_equal(self.here(18.0), live)

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender import scheduler
 from rumple.blender.bake import operators as bake_operators
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import evaluator, modifier, properties, runtimes
+from support import sleeve
 
 METHODS = ("MESH", "FIELD")
 

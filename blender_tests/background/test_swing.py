@@ -9,10 +9,10 @@ import unittest
 
 import bpy
 import numpy as np
-import sleeve
-from cloths import Cloth, bared, depths, difference, dressed, final, garment, pictures, played
 from rumple.blender.objects import runtimes
 from rumple.blender.ui import panels
+from support import sleeve
+from support.cloth_scenes import Cloth, bared, depths, difference, dressed, final, garment, pictures, played
 
 JUMPED = "reached by a jump"
 

@@ -2,8 +2,8 @@
 """500 random steps end with no crash, no lost paint, and the right mesh."""
 import tempfile
 import unittest
+from support import garment_walk
 
-import walk
 
 
 class RandomWalk(unittest.TestCase):
@@ -11,5 +11,5 @@ class RandomWalk(unittest.TestCase):
     def test_many_steps(self):
         for seed in range(5):
             with tempfile.TemporaryDirectory() as folder:
-                for _ in walk.Walk(seed, folder).steps(100):
+                for _ in garment_walk.Walk(seed, folder).steps(100):
                     pass

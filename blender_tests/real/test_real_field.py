@@ -10,10 +10,10 @@ import unittest
 
 import bpy
 import numpy as np
-from one_garment import PlayedOnce
 from rumple.blender import compat
 from rumple.blender.objects import properties, runtimes
 from test_real_scenes import digest
+from support.real_garment import PlayedOnce
 
 HELD = 12  # frames
 

@@ -10,11 +10,11 @@ import unittest
 
 import bpy
 import numpy as np
-from one_garment import PlayedOnce
 from rumple import native
 from rumple.blender import compat
 from rumple.blender.objects import runtimes
 from test_real_scenes import digest
+from support.real_garment import PlayedOnce
 
 
 class Folding(PlayedOnce):

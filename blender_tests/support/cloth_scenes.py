@@ -10,10 +10,10 @@ from typing import Any, Iterable
 
 import bpy
 import numpy as np
-import sleeve
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from rumple.blender.objects import runtimes
+from support import sleeve
 
 DEEPER = 1e-4  # metres that shown cloth may stand deeper inside the body than the bare garment
 

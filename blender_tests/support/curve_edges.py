@@ -3,10 +3,10 @@
 turns them into edges, which keep points, order and attributes."""
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender import compat
 from rumple.blender.frame import path_curves
 from rumple.blender.objects import runtimes
+from support import sleeve
 
 NAME = "Wires"
 ATTRIBUTES = ("rumple_path_id", "rumple_path_height", "rumple_path_width")

@@ -4,12 +4,12 @@ import math
 
 import bpy
 import numpy as np
-import sleeve
 from mathutils import Vector
 from rumple.blender import compat
 from rumple.blender.maps import sync as maps_sync
 from rumple.blender.nodes import maps_mask_tree, wrinkle_tree
 from rumple.blender.objects import modifier
+from support import sleeve
 
 SIDE = 13  # vertices along each side of 0.12 m
 BROWS = ("brow.L", "brow.R")

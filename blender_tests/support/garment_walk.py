@@ -3,13 +3,12 @@
 import bmesh
 import bpy
 import numpy as np
-import sleeve
-import wires
-from random_walk import MOST_OBJECTS, RandomWalk
 from rumple.blender import scheduler
 from rumple.blender.frame import path_curves
 from rumple.blender.objects import bodies, mesh_reader, modifier, properties, runtimes
 from rumple.core import engine
+from support import curve_edges, sleeve
+from support.random_walk import MOST_OBJECTS, RandomWalk
 
 PAINT = "Rumple Radius"
 SETTINGS = dict(
@@ -83,8 +82,8 @@ class Walk(RandomWalk):
             assert child.data.users == 1, f"{trail}: {child.name} shares its mesh"
             seen = obj.name in bpy.context.view_layer.objects and child.name in bpy.context.view_layer.objects
             if seen and modifier.find(obj).show_viewport and modifier.cache(child) is None:
-                _, positions, _ = wires.seen(child)
-                expected = wires.solved(obj).positions
+                _, positions, _ = curve_edges.seen(child)
+                expected = curve_edges.solved(obj).positions
                 assert positions.shape == expected.shape, f"{trail}: {len(positions)} points of {len(expected)}"
                 off = np.abs(positions - expected).max(initial=0.0)
                 assert off < 1e-5, f"{trail}: curves show something else, {off}"

@@ -5,10 +5,10 @@ import tempfile
 
 import bpy
 import numpy as np
-import shots
 from rumple import native
 from rumple.blender import compat
 from rumple.blender.nodes import maps_shader
+from support import small_renders
 
 SIDE = 32
 STEP = 1.0 / 255.0  # of eight bits
@@ -99,7 +99,7 @@ class Quad:
         camera.location, camera.data.type, camera.data.ortho_scale = (0.5, 0.5, 1.0), "ORTHO", 1.0
         scene.collection.objects.link(camera)
         scene.camera, render = camera, scene.render
-        render.engine = shots.eevee() if engine == "EEVEE" else engine
+        render.engine = small_renders.eevee() if engine == "EEVEE" else engine
         render.resolution_x = render.resolution_y = SIDE
         render.resolution_percentage, render.film_transparent = 100, False
         scene.view_settings.view_transform = "Raw"

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A random walk through what an artist may do with Wrinkle Maps: at every step the masks are those of a fresh start."""
 import bpy
-import face
 import numpy as np
-import sleeve
-from random_walk import RandomWalk
 from rumple.blender import compat, scheduler
 from rumple.blender.maps import modifier as maps_modifier, rig as maps_rig
 from rumple.blender.nodes import maps_mask_tree
 from rumple.blender.objects import modifier, properties
 from rumple.core.poses import PoseComparison, strengths
+from support import face, sleeve
+from support.random_walk import RandomWalk
 
 ROUNDING = 2e-4  # of a mask, where the gain is 1: nodes count in single precision
 

@@ -7,10 +7,10 @@ from typing import Iterator
 
 import bpy
 import numpy as np
-import sleeve
-from case import WindowCase
 from rumple.blender.objects import runtimes
 from rumple.blender.viewport import preview
+from support import sleeve
+from support.window_case import WindowCase
 
 
 class PreviewCase(WindowCase):

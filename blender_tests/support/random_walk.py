@@ -5,7 +5,7 @@ import os
 import random
 
 import bpy
-import sleeve
+from support import sleeve
 
 MOST_OBJECTS = 4
 

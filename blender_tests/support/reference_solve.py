@@ -11,11 +11,10 @@ from typing import Sequence
 
 import bpy
 import numpy as np
-import shots
-import sleeve
 from rumple.blender import compat
 from rumple.blender.objects import mesh_reader, modifier, properties
 from rumple.core import engine, wrinkle_mesh
+from support import sleeve, small_renders
 
 STARK = 0.02  # a pixel is another one when a channel differs by more; 0..1
 
@@ -71,7 +70,7 @@ def picture_of(obj: bpy.types.Object, fine: engine.Wrinkles, positions: np.ndarr
     """A render of the plain object in place of the wrinkled one, (SIZE, SIZE, 4). Its parent is where it is then."""
     plain = plain_object(obj, fine, positions)
     hidden, obj.hide_render = obj.hide_render, True
-    result = shots.still(frame)
+    result = small_renders.still(frame)
     obj.hide_render = hidden
     bpy.data.meshes.remove(plain.data)
     return result

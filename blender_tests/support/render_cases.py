@@ -8,9 +8,7 @@ import unittest
 
 import bpy
 import numpy as np
-import shots
-import sleeve
-import solved_apart
+from support import reference_solve, sleeve, small_renders
 
 STRAY = 2  # pixels by which two renders of the same thing may differ
 
@@ -19,28 +17,28 @@ class Engines:
     """Each: a still after a jump, an animation, motion blur (Workbench has none), and that folds show at all."""
 
     def stage(self, engine: str) -> bpy.types.Object:
-        if engine != "CYCLES" and not shots.can_draw():
+        if engine != "CYCLES" and not small_renders.can_draw():
             raise unittest.SkipTest(f"{engine} needs a screen in this Blender: the window suite does it")
-        return shots.stage(engine)
+        return small_renders.stage(engine)
 
     def check_still(self, engine: str) -> None:
         obj = self.stage(engine)
-        found = {frame: shots.still(frame) for frame in (14, 9)}
+        found = {frame: small_renders.still(frame) for frame in (14, 9)}
         for frame, picture in found.items():
-            right, = solved_apart.expected(obj, [frame])
-            self.assertLessEqual(solved_apart.unlike(picture, right), STRAY, f"frame {frame}")
-            for wrong in (*solved_apart.expected(obj, [frame - 1]), solved_apart.unfolded(obj, frame)):
-                self.assertGreater(solved_apart.unlike(picture, wrong), 10 * STRAY, f"frame {frame}")
+            right, = reference_solve.expected(obj, [frame])
+            self.assertLessEqual(reference_solve.unlike(picture, right), STRAY, f"frame {frame}")
+            for wrong in (*reference_solve.expected(obj, [frame - 1]), reference_solve.unfolded(obj, frame)):
+                self.assertGreater(reference_solve.unlike(picture, wrong), 10 * STRAY, f"frame {frame}")
         self.assertEqual(obj.rumple.message, "")
 
     def check_animation(self, engine: str) -> None:
         obj = self.stage(engine)
-        found = shots.clip(1, 6)
-        right = dict(zip(found, solved_apart.expected(obj, range(1, 7))))
+        found = small_renders.clip(1, 6)
+        right = dict(zip(found, reference_solve.expected(obj, range(1, 7))))
         for frame in found:
-            self.assertLessEqual(solved_apart.unlike(found[frame], right[frame]), STRAY, f"frame {frame}")
+            self.assertLessEqual(reference_solve.unlike(found[frame], right[frame]), STRAY, f"frame {frame}")
         for frame in range(3, 7):
-            self.assertGreater(solved_apart.unlike(found[frame], right[frame - 1]), 10 * STRAY, f"frame {frame}")
+            self.assertGreater(reference_solve.unlike(found[frame], right[frame - 1]), 10 * STRAY, f"frame {frame}")
         self.assertEqual(obj.rumple.message, "")
 
     def check_motion_blur(self, engine: str, baked: bool = False) -> None:
@@ -51,15 +49,15 @@ class Engines:
         """
         obj = self.stage(engine)
         sleeve.bend_until(5)
-        right = np.mean(solved_apart.expected(obj, [1, 2, *(3.0 + (np.arange(8) - 3.5) / 8.0)])[2:], axis=0)
+        right = np.mean(reference_solve.expected(obj, [1, 2, *(3.0 + (np.arange(8) - 3.5) / 8.0)])[2:], axis=0)
         if baked:
             self.bake(obj)
-        sharp = shots.clip(1, 3)[3]
-        shots.blur(1.0)
-        blurred = shots.clip(1, 3)[3]
-        self.assertGreater(solved_apart.unlike(sharp, blurred), 10 * STRAY)
-        self.assertLess(solved_apart.uncovered(blurred, right), 0.5 * solved_apart.uncovered(blurred, sharp))
-        self.assertLess(solved_apart.uncovered(blurred, right), 0.5 * solved_apart.uncovered(sharp, right))
+        sharp = small_renders.clip(1, 3)[3]
+        small_renders.blur(1.0)
+        blurred = small_renders.clip(1, 3)[3]
+        self.assertGreater(reference_solve.unlike(sharp, blurred), 10 * STRAY)
+        self.assertLess(reference_solve.uncovered(blurred, right), 0.5 * reference_solve.uncovered(blurred, sharp))
+        self.assertLess(reference_solve.uncovered(blurred, right), 0.5 * reference_solve.uncovered(sharp, right))
         self.assertEqual(obj.rumple.message, "")
 
     def bake(self, obj: bpy.types.Object) -> None:

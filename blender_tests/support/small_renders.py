@@ -6,7 +6,7 @@ import tempfile
 
 import bpy
 import numpy as np
-import sleeve
+from support import sleeve
 
 SIZE = 96
 

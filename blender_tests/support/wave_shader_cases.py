@@ -12,11 +12,10 @@ import unittest
 
 import bpy
 import numpy as np
-import shots
-import sleeve
 from rumple import native
 from rumple.blender.nodes import field_shader
 from rumple.blender.objects import runtimes
+from support import sleeve, small_renders
 
 CELLS, SIZE, PIXELS, SQUEEZE, TILT = 8, 1.0, 96, 0.7, 0.5
 WAVELENGTH = 0.25
@@ -50,7 +49,7 @@ class Waves:
     """Height, normal and parallax of each pixel against the kernel's equations (5), (8), (10) and (11)."""
 
     def stage(self, engine: str, profile: str = "SINE") -> None:
-        if engine != "CYCLES" and not shots.can_draw():
+        if engine != "CYCLES" and not small_renders.can_draw():
             raise unittest.SkipTest(f"{engine} needs a screen in this Blender: the window suite does it")
         self.obj = sheet()
         with sleeve.context():
@@ -71,7 +70,7 @@ class Waves:
         scene.camera = self.camera
         self.lean(0.0)
         render = scene.render
-        render.engine = shots.eevee() if engine == "EEVEE" else engine
+        render.engine = small_renders.eevee() if engine == "EEVEE" else engine
         render.resolution_x = render.resolution_y = PIXELS
         render.resolution_percentage, render.filter_size, render.film_transparent = 100, 0.0, True
         render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"

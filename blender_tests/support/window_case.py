@@ -20,7 +20,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-import sleeve
+from support import sleeve
 
 
 class WindowCase(unittest.TestCase):

@@ -6,9 +6,9 @@ import unittest
 
 import bpy
 import numpy as np
-import sleeve
 from rumple.blender.objects import runtimes
 from rumple.core.body import Body
+from support import sleeve
 
 
 def placed(obj: bpy.types.Object, place: tuple, turn: tuple, scale: tuple) -> None:

@@ -8,13 +8,13 @@ from typing import Iterator
 
 import bpy
 import numpy as np
-import sleeve
 from bpy_extras import view3d_utils
-from case import WindowCase
 from mathutils import Vector
 from rumple.blender import compat
 from rumple.blender.brush import operators as brush_operators
 from rumple.blender.objects import mesh_reader, runtimes
+from support import sleeve
+from support.window_case import WindowCase
 
 FLAT = 1e-4  # metres: the height of a wave that is nothing but the root of a rounding
 MOVES = 4  # events of the mouse in a stroke

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Wrinkle Field in a window: both engines draw its waves."""
 from __future__ import annotations
+from support import wave_shader_cases
+from support.window_case import WindowCase
 
-import waves_rendered
-from case import WindowCase
 
 
-class Rendered(waves_rendered.Waves, WindowCase):
+class Rendered(wave_shader_cases.Waves, WindowCase):
     """In a window; the background suite has the same."""

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 
 import gpu
 import numpy as np
-from case import WindowCase
 from mathutils import Matrix
 from rumple import native
 from rumple.blender.viewport import glsl, gpu_arrays, preview, preview_paths
 from rumple.core import engine
 from rumple.core.settings import PathsSettings
 from rumple.core.wrinkle_paths import WrinklePaths
+from support.window_case import WindowCase
 
 SIDE = 400  # pixels of the drawings into a buffer
 WIDTH = 0.08  # of the folds of the sheet, which is a metre wide

@@ -8,13 +8,12 @@ from typing import Iterator
 
 import bpy
 import numpy as np
-import shots
-import sleeve
-from preview_case import PreviewCase, smooth
 from rumple.blender import handlers
 from rumple.blender.objects import modifier, runtimes
 from rumple.blender.viewport import preview, preview_paths
 from rumple.core.wrinkle_paths import WrinklePaths
+from support import sleeve, small_renders
+from support.preview_case import PreviewCase, smooth
 
 
 class FoldsCase(PreviewCase):
@@ -175,7 +174,7 @@ class Meshes(FoldsCase):
         other.type = former
 
     def test_renders_have_the_fine_mesh(self) -> Iterator[float]:
-        obj = shots.stage("BLENDER_WORKBENCH")
+        obj = small_renders.stage("BLENDER_WORKBENCH")
         with sleeve.context():
             bpy.ops.object.rumple_remove()
             bpy.ops.object.rumple_add(method="PATHS")
@@ -184,7 +183,7 @@ class Meshes(FoldsCase):
         for on in (False, True):
             obj.rumple.paths.gpu_preview = on
             yield from self.settled(on)
-            pictures.append(shots.still(sleeve.LAST))
+            pictures.append(small_renders.still(sleeve.LAST))
         yield from self.settled()  # and the viewport has its own again
         np.testing.assert_array_equal(*pictures)
 

@@ -10,8 +10,8 @@ from typing import Callable
 import gpu
 import numpy as np
 import rumple_native as native
-from case import WindowCase
 from rumple.blender.viewport import glsl, gpu_arrays, preview_field
+from support.window_case import WindowCase
 
 CLOSE = 1e-5  # of the largest number in a result: some roundings of float32
 RANDOM = 4000

@@ -4,10 +4,10 @@ import os
 
 import bpy
 import numpy as np
-import sleeve
-from case import WindowCase
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier, runtimes
+from support import sleeve
+from support.window_case import WindowCase
 
 
 def big_properties():

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrinkle Maps with a window: EEVEE, panels, undo, the modal bake."""
 import bpy
-import face
-import maps_shots
 import numpy as np
-import sleeve
-from case import WindowCase
 from mathutils import Euler
 from rumple.blender.maps import modifier as maps_modifier
+from support import face, maps_renders, sleeve
+from support.window_case import WindowCase
 
 
 def biggest_area():
@@ -17,7 +15,7 @@ def biggest_area():
 class MapsInEevee(WindowCase):
 
     def test_eevee_shows_the_native_blend(self):
-        maps_shots.check(self, "EEVEE")
+        maps_renders.check(self, "EEVEE")
 
 
 class MapsInWindow(WindowCase):

@@ -9,14 +9,12 @@ from typing import Iterator
 
 import bpy
 import numpy as np
-import shots
-import sleeve
-import wires
-from case import WindowCase
 from rumple.blender import compat
 from rumple.blender.frame import path_curves
 from rumple.blender.objects import runtimes
 from rumple.blender.viewport import paths_overlay
+from support import curve_edges, sleeve, small_renders
+from support.window_case import WindowCase
 
 
 class PathsCase(WindowCase):
@@ -117,7 +115,7 @@ class Curves(PathsCase):
 
     def test_they_play_undo_and_are_seen(self) -> Iterator[float]:
         yield from self.make(curves=True)
-        child = wires.child_of(self.obj)
+        child = curve_edges.child_of(self.obj)
         with self.area_context():
             bpy.ops.ed.undo_push(message="curves")
             bpy.ops.screen.animation_play()
@@ -127,8 +125,8 @@ class Curves(PathsCase):
         yield 0.2
         sleeve.at(18)
         with sleeve.context():
-            self.assertGreater(wires.same(self, self.obj, child), 1)
-        child.modifiers.remove(child.modifiers[wires.NAME])
+            self.assertGreater(curve_edges.same(self, self.obj, child), 1)
+        child.modifiers.remove(child.modifiers[curve_edges.NAME])
         ours = path_curves.find(child)
         compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.003)
         child.update_tag()
@@ -146,23 +144,23 @@ class Curves(PathsCase):
         sleeve.at(17)
         yield 0.3
         with sleeve.context():
-            child = wires.child_of(obj)
+            child = curve_edges.child_of(obj)
             compat.set_modifier_input(path_curves.find(child), compat.group_sockets(
                 path_curves.find(child).node_group, "INPUT")["Radius"], 0.0)
             child.update_tag()
             sleeve.at(18)
-            self.assertGreater(wires.same(self, obj, child), 1)
+            self.assertGreater(curve_edges.same(self, obj, child), 1)
 
     def area_context(self) -> object:
         return sleeve.context(area=self.view, region=next(r for r in self.view.regions if r.type == "WINDOW"))
 
     def test_a_render_job_shows_the_curves_of_its_frames_while_the_window_draws(self) -> Iterator[float]:
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         with sleeve.context():
             bpy.ops.object.rumple_remove()
             bpy.ops.object.rumple_add(method="PATHS")
             bpy.ops.object.rumple_curves_add()
-        ours = path_curves.find(wires.child_of(obj))
+        ours = path_curves.find(curve_edges.child_of(obj))
         compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.006)
         obj.is_holdout = True
         view, scene, ended = bpy.context.preferences.view, bpy.context.scene, []
@@ -178,9 +176,9 @@ class Curves(PathsCase):
             with self.area():
                 bpy.ops.render.render("INVOKE_DEFAULT", animation=True)
             yield from self.until(lambda: ended and not bpy.app.is_job_running("RENDER"), 240.0)
-            found = {int(path.stem[1:]): shots.read(str(path)) for path in sorted(Path(folder).iterdir())}
+            found = {int(path.stem[1:]): small_renders.read(str(path)) for path in sorted(Path(folder).iterdir())}
         self.assertEqual(obj.rumple.message, "")
         for frame in (14, 20):
-            still = shots.still(frame)
+            still = small_renders.still(frame)
             self.assertGreater((still[..., 3] > 0.5).sum(), 15)
             np.testing.assert_allclose(found[frame], still, atol=0.02)

@@ -10,13 +10,12 @@ import bpy
 import gpu
 import numpy as np
 import rumple_native as native
-import shots
-import sleeve
 from mathutils import Matrix
-from preview_case import PreviewCase, smooth
 from rumple.blender.objects import modifier, runtimes
 from rumple.blender.viewport import gpu_arrays, preview, preview_field
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, V_GRADIENT, VECTORS, WEIGHT
+from support import sleeve, small_renders
+from support.preview_case import PreviewCase, smooth
 
 SIDE = 400  # pixels of the drawings into a buffer
 
@@ -306,7 +305,7 @@ class Manners(PreviewCase):
         self.assertEqual(len(tried), 1)
 
     def test_never_in_a_render(self) -> Iterator[float]:
-        obj = shots.stage("BLENDER_WORKBENCH")
+        obj = small_renders.stage("BLENDER_WORKBENCH")
         with sleeve.context():
             bpy.ops.object.rumple_remove()
             bpy.ops.object.rumple_add(method="FIELD")
@@ -315,7 +314,7 @@ class Manners(PreviewCase):
         for on in (False, True):
             obj.rumple.field.gpu_preview = on
             yield 0.5
-            pictures.append(shots.still(sleeve.LAST))
+            pictures.append(small_renders.still(sleeve.LAST))
         self.assertEqual(len(preview._on_gpu), 1)
         np.testing.assert_array_equal(*pictures)
 

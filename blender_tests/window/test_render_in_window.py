@@ -9,14 +9,11 @@ from typing import Iterator
 
 import bpy
 import numpy as np
-import rendered
-import shots
-import sleeve
-import solved_apart
-from case import WindowCase
+from support import reference_solve, render_cases, sleeve, small_renders
+from support.window_case import WindowCase
 
 
-class Engines(rendered.Engines, WindowCase):
+class Engines(render_cases.Engines, WindowCase):
     """In a window; the background suite has the same."""
 
 
@@ -37,7 +34,7 @@ class RenderJob(WindowCase):
 
     def files(self, engine: str, **how: bool) -> Iterator[float]:
         """A job on a new stage."""
-        self.obj = shots.stage(engine)
+        self.obj = small_renders.stage(engine)
         yield from self.until(self.settled)
         yield from self.pictures(**how)
 
@@ -49,7 +46,7 @@ class RenderJob(WindowCase):
             scene.render.filepath = os.path.join(folder, "f")
             scene.frame_start, scene.frame_end = 1, 5
             yield from self.job(**how)
-            self.found = {path.stem: shots.read(str(path)) for path in sorted(Path(folder).iterdir())}
+            self.found = {path.stem: small_renders.read(str(path)) for path in sorted(Path(folder).iterdir())}
 
     def settled(self) -> bool:
         """The material of the stage has reached the carrier: a job takes what is there."""
@@ -58,8 +55,8 @@ class RenderJob(WindowCase):
     def check_animation(self, engine: str) -> Iterator[float]:
         yield from self.files(engine, animation=True)
         self.assertEqual(len(self.found), 5)
-        for name, picture in zip(self.found, solved_apart.expected(self.obj, range(1, 6))):
-            self.assertLessEqual(solved_apart.unlike(self.found[name], picture), rendered.STRAY, name)
+        for name, picture in zip(self.found, reference_solve.expected(self.obj, range(1, 6))):
+            self.assertLessEqual(reference_solve.unlike(self.found[name], picture), render_cases.STRAY, name)
         self.assertEqual(self.obj.rumple.message, "")
 
     def setUp(self) -> None:
@@ -79,8 +76,8 @@ class RenderJob(WindowCase):
     def test_cycles_still(self) -> Iterator[float]:
         yield from self.files("CYCLES", write_still=True)
         (name, picture), = self.found.items()
-        right, = solved_apart.expected(self.obj, [bpy.context.scene.frame_current])
-        self.assertLessEqual(solved_apart.unlike(picture, right), rendered.STRAY, name)
+        right, = reference_solve.expected(self.obj, [bpy.context.scene.frame_current])
+        self.assertLessEqual(reference_solve.unlike(picture, right), render_cases.STRAY, name)
 
     def test_the_window_shows_its_own_frame_afterwards(self) -> Iterator[float]:
         yield from self.files("CYCLES", animation=True)
@@ -97,13 +94,13 @@ class RenderJob(WindowCase):
 
     def test_a_job_takes_what_is_there_and_what_is_pending_waits_for_its_end(self) -> Iterator[float]:
         # Nothing may be rebuilt in the thread of a job: the window draws what would be removed.
-        self.obj = shots.stage("CYCLES")
+        self.obj = small_renders.stage("CYCLES")
         yield from self.until(self.settled)
-        before, count = shots.still(15), self.vertices()
+        before, count = small_renders.still(15), self.vertices()
         self.obj.rumple.mesh.level = 2
         yield from self.pictures(write_still=True)
         (name, picture), = self.found.items()
-        self.assertLessEqual(solved_apart.unlike(picture, before), rendered.STRAY, name)
+        self.assertLessEqual(reference_solve.unlike(picture, before), render_cases.STRAY, name)
         yield from self.until(lambda: self.vertices() > 3 * count)
         self.assertGreater(self.vertices(), 3 * count)
 
@@ -112,8 +109,8 @@ class RenderJob(WindowCase):
 
     def test_a_render_from_a_script_takes_what_the_script_just_set(self) -> None:
         # It runs in the main thread, before any timer has had its turn.
-        obj = shots.stage("CYCLES")
+        obj = small_renders.stage("CYCLES")
         obj.rumple.mesh.level = 2
-        found = shots.still(15)
-        right, = solved_apart.expected(obj, [15])
-        self.assertLessEqual(solved_apart.unlike(found, right), rendered.STRAY)
+        found = small_renders.still(15)
+        right, = reference_solve.expected(obj, [15])
+        self.assertLessEqual(reference_solve.unlike(found, right), render_cases.STRAY)

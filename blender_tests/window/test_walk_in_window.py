@@ -3,9 +3,9 @@
 import os
 
 import bpy
-import walk
-from case import WindowCase
 from rumple.blender.viewport import preview
+from support import garment_walk
+from support.window_case import WindowCase
 
 
 class RandomWalk(WindowCase):
@@ -15,7 +15,7 @@ class RandomWalk(WindowCase):
         max(areas, key=lambda a: a.width * a.height).type = "VIEW_3D"
         drawn = 0
         for seed in (14, 15):
-            for _ in walk.Walk(seed, os.environ["RUMPLE_OUT"]).steps(75):
+            for _ in garment_walk.Walk(seed, os.environ["RUMPLE_OUT"]).steps(75):
                 yield 0.05
                 drawn += len(preview._on_gpu)
                 self.assertFalse([held for held in preview._on_gpu.values() if held.refused])

@@ -6,12 +6,12 @@ import math
 import unittest
 
 import numpy as np
-from meshes import rotated, sheet, tube
 from rumple.core.brush import LEAST_SPACING, LONGEST, Easel, Hand
 from rumple.core.engine import Refused
 from rumple.core.settings import FieldSettings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.native import load
+from support.meshes import rotated, sheet, tube
 
 ABOVE = dict(normal=(0.0, 0.0, 1.0), view=(0.0, 0.0, -1.0))
 

@@ -6,12 +6,12 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from meshes import compressed, quad_mesh, rotated, sheet, tube
 from rumple.core.body import Body
 from rumple.core.engine import Refused
 from rumple.core.presets import MESH_PRESETS
 from rumple.core.settings import MeshSettings
 from rumple.core.wrinkle_mesh import WrinkleMesh, fitting_wavelength, level_for, wavelength_of
+from support.meshes import compressed, quad_mesh, rotated, sheet, tube
 
 SETTINGS = MeshSettings(density="LEVEL", level=2)
 FRAMES = range(1, 9)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import tempfile
 import unittest
 from pathlib import Path
+from support import imports
 
-import imports
 
 ADDON = Path(__file__).resolve().parents[2] / "addon" / "rumple"
 # Lowest first. A file or folder imports itself and what stands before it. __init__.py imports any.

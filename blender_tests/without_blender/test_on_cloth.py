@@ -8,13 +8,13 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from meshes import rotated, tube
 from rumple import native
 from rumple.core.body import Body
 from rumple.core.cloth import BaseCloth
 from rumple.core.engine import Picture, Wrinkles
 from rumple.core.settings import FieldSettings, PathsSettings
 from rumple.core.systems import SYSTEMS
+from support.meshes import rotated, tube
 
 FRAMES = range(1, 9)
 CLOTH = dict(base_cloth="HANG", room=0.02, thickness=0.002)

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 import rumple_native as native
-from meshes import compressed, tube
 from rumple.core.engine import Picture, Wrinkles
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from rumple.core.wrinkle_paths import WrinklePaths
+from support.meshes import compressed, tube
 
 FRAMES = range(1, 13)
 SYSTEMS = (

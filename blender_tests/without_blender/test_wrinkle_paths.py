@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import rumple_native as native
-from meshes import compressed, tube
+from support.meshes import compressed, tube
 
 DATA = Path(os.environ.get("RUMPLE_DATA", "../shared/data"))
 

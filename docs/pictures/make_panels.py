@@ -16,7 +16,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE)]
-from windowed import case, picture_of, play, save_jpeg  # noqa: E402
+from windowed import picture_of, play, save_jpeg, window_case  # noqa: E402
 from rumple.blender.ui import panels  # noqa: E402
 
 FRAME = 52
@@ -51,13 +51,13 @@ def steps():
     yield 0.5
     area.spaces.active.context = "MODIFIER"
     yield 2.0
-    (HERE / f"panel_{VERSION}.png").write_bytes(case.png(without_ground(picture_of(area))))
+    (HERE / f"panel_{VERSION}.png").write_bytes(window_case.png(without_ground(picture_of(area))))
     for method in ("FIELD", "PATHS") if VERSION == "3.4" else ():
         another(method)
         for _ in range(3):  # other sub-panels take their places one redraw later
             area.tag_redraw()
             yield 0.7
-        (HERE / f"panel_{method.lower()}.png").write_bytes(case.png(without_ground(picture_of(area))))
+        (HERE / f"panel_{method.lower()}.png").write_bytes(window_case.png(without_ground(picture_of(area))))
 
 
 def another(method: str) -> None:

@@ -12,15 +12,14 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "blender_tests"), str(ROOT / "blender_tests/window"),
-                os.environ["RUMPLE_NATIVE"]]
-import case  # noqa: E402
+sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "blender_tests"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
+from support import window_case  # noqa: E402
 
 
 def picture_of(area: bpy.types.Area) -> np.ndarray:
     """What the screen shows of an area, (height, width, 3) uint8, the top row first."""
-    pixels = case.WindowCase().pixels()
+    pixels = window_case.WindowCase().pixels()
     top = len(pixels) - area.y - area.height
     return pixels[top:top + area.height, area.x:area.x + area.width]
 
