@@ -14,11 +14,7 @@ from support import face, sleeve
 ROUNDING = 1e-4  # of a mask: bones of a head in single precision
 
 
-class Masks(unittest.TestCase):
-
-    def setUp(self):
-        self.obj, self.rig = face.scene()
-        self.settings = face.two_poses(self.obj, self.rig)
+class Masks(face.TwoPoses, unittest.TestCase):
 
     def test_a_mask_is_the_skin_weight_at_the_pose_and_nothing_at_the_neutral_one(self):
         brows = face.weights(self.obj, "brow.L") + face.weights(self.obj, "brow.R")

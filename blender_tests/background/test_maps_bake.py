@@ -109,11 +109,7 @@ class Bake(unittest.TestCase):
         self.assertIsNone(self.settings.poses[0].image)
 
 
-class Export(unittest.TestCase):
-
-    def setUp(self):
-        self.obj, self.rig = face.scene()
-        self.settings = face.two_poses(self.obj, self.rig)
+class Export(face.TwoPoses, unittest.TestCase):
 
     def test_json_images_and_influences(self):
         self.settings.poses[0].image = bpy.data.images.new("Lines", 8, 8, is_data=True)

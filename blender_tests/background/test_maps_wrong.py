@@ -13,12 +13,8 @@ from rumple.blender.nodes import maps_shader
 from support import face, sleeve
 
 
-class Wrong(unittest.TestCase):
+class Wrong(face.TwoPoses, unittest.TestCase):
     """What a file may have gone through. Each is said in words, and the rest goes on."""
-
-    def setUp(self):
-        self.obj, self.rig = face.scene()
-        self.settings = face.two_poses(self.obj, self.rig)
 
     def settle(self):
         self.obj.update_tag()
@@ -105,11 +101,7 @@ class Wrong(unittest.TestCase):
             bpy.ops.rumple.maps_add()
 
 
-class Files(unittest.TestCase):
-
-    def setUp(self):
-        self.obj, self.rig = face.scene()
-        self.settings = face.two_poses(self.obj, self.rig)
+class Files(face.TwoPoses, unittest.TestCase):
 
     def test_saved_and_opened_all_is_there(self):
         bpy.ops.rumple.maps_show()

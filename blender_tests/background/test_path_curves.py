@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import tempfile
 import unittest
-from pathlib import Path
 from unittest import mock
 
 import bpy
@@ -189,16 +188,8 @@ class Lives(unittest.TestCase):
             self.assertGreater(curve_edges.same(self, obj, curve_edges.child_of(obj)), 3)
 
 
-class ElseWhere(unittest.TestCase):
+class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
     """Baked, rendered, and in a Blender without the add-on."""
-
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def save(self) -> None:
-        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / vanilla_blender.FILE))
 
     def test_without_the_add_on_they_ride_on_the_pose(self) -> None:
         obj, child = curved()

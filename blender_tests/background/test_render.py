@@ -2,9 +2,7 @@
 """The frame rendered is the frame solved: renders against plain meshes that were solved apart."""
 from __future__ import annotations
 
-import tempfile
 import unittest
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -94,18 +92,13 @@ class Setups(unittest.TestCase):
         self.assertLessEqual(reference_solve.unlike(sharp, small_renders.clip(1, 4)[4]), render_cases.STRAY)
 
 
-class WithoutTheAddOn(unittest.TestCase):
+class WithoutTheAddOn(vanilla_blender.InAFolder, unittest.TestCase):
     """The file, opened by a Blender of its own that does not know Rumple."""
 
     def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         self.obj = small_renders.stage("CYCLES")
         self.save()
-
-    def save(self) -> None:
-        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / vanilla_blender.FILE))
 
     def elsewhere(self, times: tuple[float, ...], render: int = 0) -> dict[float, np.ndarray]:
         """What the other Blender shows at these times."""

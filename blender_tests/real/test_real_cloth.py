@@ -17,7 +17,8 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from rumple.blender import compat
 from rumple.blender.objects import runtimes
-from test_real_scenes import DATA, OUT, Clip, digest, sides
+from support.real_clip import Clip, digest, sides
+from support.real_garment import DATA, OUT, EveryFrame
 
 DEEP = 5e-4  # metres inside the body
 NEAR = 0.05  # metres: what lies farther from the body does not lie on it
@@ -129,7 +130,7 @@ class ClothClip(Clip):
         return normals
 
 
-class Worn:
+class Worn(EveryFrame):
     """The laws of a clip that was played through once, with what the first click sets."""
 
     file: str
@@ -150,11 +151,6 @@ class Worn:
                        milliseconds=float(np.median([s.milliseconds for s in cls.seen])))
         text = json.dumps(dict(summary=summary, frames=[asdict(s) for s in cls.seen]), indent=1)
         (OUT / f"real_cloth_{cls.file}_{cls.name}.json").write_text(text)
-
-    def for_every_frame(self, law) -> None:
-        """The law holds, or the first frames where it does not are named."""
-        broken = [s for s in self.seen if not law(s)]
-        self.assertEqual(broken[:3], [], f"{len(broken)} of {len(self.seen)} frames")
 
     def test_one_click_made_it_cloth_over_its_body(self) -> None:
         garment = self.clip.garment

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.objects import properties, runtimes
-from test_real_scenes import digest
+from support.real_clip import digest
 from support.real_garment import PlayedOnce
 
 HELD = 12  # frames

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.objects import runtimes
-from test_real_scenes import digest
+from support.real_clip import digest
 from support.real_garment import PlayedOnce
 
 MOST_AREA = 1.06  # over that at rest: what the base is stretched across its waves comes on top of the length kept

@@ -13,7 +13,7 @@ import numpy as np
 from rumple import native
 from rumple.blender import compat
 from rumple.blender.objects import runtimes
-from test_real_scenes import digest
+from support.real_clip import digest
 from support.real_garment import PlayedOnce
 
 

@@ -140,3 +140,11 @@ def weights(obj, name):
 
 def notes(obj):
     return " | ".join(maps_sync.runtime(obj).notes)
+
+
+class TwoPoses:
+    """A test of a face with two reference poses: mix it into a TestCase."""
+
+    def setUp(self):
+        self.obj, self.rig = scene()
+        self.settings = two_poses(self.obj, self.rig)

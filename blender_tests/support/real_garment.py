@@ -14,6 +14,15 @@ DATA = Path(os.environ.get("RUMPLE_DATA", ""))
 OUT = Path(os.environ.get("RUMPLE_OUT", ""))
 
 
+class EveryFrame:
+    """A test of what was measured in the frames of a clip, `seen`: mix it into a TestCase."""
+
+    def for_every_frame(self, law) -> None:
+        """The law holds, or the first frames where it does not are named."""
+        broken = [s for s in self.seen if not law(s)]
+        self.assertEqual(broken[:3], [], f"{len(broken)} of {len(self.seen)} frames")
+
+
 class PlayedOnce:
     """Laws of any system on a whole clip. A system adds method, look() and summary()."""
 

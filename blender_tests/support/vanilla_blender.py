@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import bpy
@@ -16,6 +17,18 @@ import numpy as np
 
 FILE, SEEN, STILL, SAVED = "scene.blend", "seen.npz", "still.png", "resaved.blend"
 POSITION = "position"
+
+
+class InAFolder:
+    """A test with a folder for the file that the other Blender opens: mix it into a TestCase."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def save(self) -> None:
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / FILE))
 
 
 def look(folder: Path, name: str, times: tuple[float, ...], render: int = 0,
