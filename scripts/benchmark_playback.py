@@ -86,7 +86,7 @@ def steps():
             obj.rumple.paths.gpu_preview = preview
         area.tag_redraw()
         yield 1.0
-        assert all(runtimes.runtime(obj).inputs.stands_in == preview for obj in garments) or not wrinkles
+        assert all(runtimes.of(obj).inputs.uses_proxy == preview for obj in garments) or not wrinkles
         for turn in ("solved", "stored"):
             update, draw = play()
             print(f"{name:12} {turn:7} update {update:7.1f}  draw {draw:7.1f}")

@@ -99,7 +99,7 @@ def measure(along: int, across: int, pixels: int) -> dict[str, float]:
     phase = native.random_phases(model, 0)
     drawing = preview_field.Drawing(model)
     field = drawing.waves
-    field.set_wishes(settings, native.wishes_wrinkle_field(model, settings, paint), profile)
+    field.set_wave_parameters(settings, native.wishes_wrinkle_field(model, settings, paint), profile)
     field.begin(phase, model.first_directions)
     pose = model.weld_pose(posed)
     field.pose(*pose)

@@ -71,7 +71,7 @@ def play(garment: bpy.types.Object, frames: range) -> Report:
     """Every frame once, in order, measured."""
     from rumple.blender.objects import properties, runtimes, units
     scene = bpy.context.scene
-    fine = runtimes.runtime(garment).fine
+    fine = runtimes.of(garment).evaluator
     scale = units.metres_per_unit(garment, scene)
     report = Report(dict(object=garment.name, method=garment.rumple.method, blender=bpy.app.version_string,
                          base_vertices=len(garment.data.vertices), shown_vertices=fine.vertex_count,
@@ -81,7 +81,7 @@ def play(garment: bpy.types.Object, frames: range) -> Report:
         began = time.perf_counter()
         scene.frame_set(frame)
         spent = 1e3 * (time.perf_counter() - began)
-        entry = runtimes.runtime(garment)
+        entry = runtimes.of(garment)
         if entry.message or entry.inputs is None:
             say(f"frame {frame}: {entry.message or 'nothing was solved'}")
             raise SystemExit(1)

@@ -101,7 +101,7 @@ def play(garment: bpy.types.Object, rest: np.ndarray, frames: np.ndarray, wanted
         began = time.perf_counter()
         scene.frame_set(frame)
         whole.append(1e3 * (time.perf_counter() - began))
-        entry = runtimes.runtime(garment)
+        entry = runtimes.of(garment)
         if entry.message or entry.picture is None:
             raise SystemExit(f"frame {frame}: {entry.message or 'nothing was solved'}")
         solving.append(sum(entry.picture.milliseconds.values()))

@@ -74,7 +74,7 @@ class BadInput:
 
     def test_loose_vertices_and_edges_are_handled_and_noted(self):
         obj = self.handled(SQUARE + [(5, 5, 5), (6, 5, 5), (7, 7, 7)], [(0, 1, 2, 3)], edges=[(4, 5)])
-        self.assertRegex(" ".join(runtimes.runtime(obj).notes), r"without a face: 3, the first is vertex 4")
+        self.assertRegex(" ".join(runtimes.of(obj).notes), r"without a face: 3, the first is vertex 4")
 
     def test_zero_length_edges_and_flat_triangles_are_handled(self):
         self.handled([(0, 0, 0), (1, 0, 0), (1, 0, 0), (0, 1, 0), (2, 0, 0)], [(0, 1, 2, 3), (1, 4, 2)])
@@ -86,11 +86,11 @@ class BadInput:
         torn.data[1].co.x = 0.5
         torn.value = 1.0
         sleeve.at(2)
-        before = runtimes.runtime(obj).picture
+        before = runtimes.of(obj).picture
         torn.data[2].co.y = math.nan
         sleeve.at(3)
         self.assertEqual(obj.rumple.message, "Rag: positions: vertex 2 is not finite")
-        self.assertIs(runtimes.runtime(obj).picture, before)
+        self.assertIs(runtimes.of(obj).picture, before)
         torn.data[2].co.y = 1.0
         sleeve.at(4)
         self.assertEqual(obj.rumple.message, "")

@@ -29,8 +29,8 @@ class Baked(unittest.TestCase):
     def clip(self):
         return clip_status.clip_path(self.obj)
 
-    def player(self):
-        return modifier.player(modifier.find(self.obj))
+    def cache_object(self):
+        return modifier.cache_object(modifier.find(self.obj))
 
     def test_is_the_played_through_clip_and_needs_no_handlers(self):
         sleeve.play()
@@ -109,10 +109,10 @@ class Baked(unittest.TestCase):
     def test_a_clip_of_another_fine_mesh_is_not_shown(self):
         sleeve.play()
         bpy.ops.object.rumple_bake()
-        self.player().data = bpy.data.meshes.new("Other")
+        self.cache_object().data = bpy.data.meshes.new("Other")
         self.obj.update_tag()
         sleeve.at(20)
-        self.assertEqual(len(sleeve.shown(self.obj)), len(sleeve.carrier(self.obj).data.vertices))
+        self.assertEqual(len(sleeve.shown(self.obj)), len(sleeve.output_object(self.obj).data.vertices))
         self.assertGreater(np.ptp(sleeve.shown(self.obj)[:, 0]), 0.25)
 
     def test_a_duplicate_plays_the_clip_until_it_is_baked_itself(self):
@@ -122,11 +122,11 @@ class Baked(unittest.TestCase):
         scheduler.sync_all()
         sleeve.at(17)
         np.testing.assert_array_equal(sleeve.shown(copy), sleeve.shown(self.obj))
-        first = self.player()
+        first = self.cache_object()
         copy.rumple.mesh.radius = 0.1
         bpy.ops.object.rumple_bake()
         sleeve.at(17)
-        self.assertEqual(self.player(), first)
+        self.assertEqual(self.cache_object(), first)
         self.assertEqual(sleeve.names(self.entries()),
                          ["Sleeve.json", "Sleeve.pc2", "Sleeve_001.json", "Sleeve_001.pc2"])
         self.assertGreater(np.abs(sleeve.shown(copy) - sleeve.shown(self.obj)).max(), 1e-3)
@@ -144,11 +144,11 @@ class Baked(unittest.TestCase):
 
     def test_the_path_is_relative_and_the_file_is_a_whole_pc2(self):
         bpy.ops.object.rumple_bake()
-        self.assertEqual(modifier.cache(self.player()).filepath, "//rumple/Sleeve.pc2")
+        self.assertEqual(modifier.mesh_cache(self.cache_object()).filepath, "//rumple/Sleeve.pc2")
         data = self.clip().read_bytes()
         signature, version, points, start, step, samples = struct.unpack("<12siiffi", data[:32])
         self.assertEqual((signature, version, start, step, samples), (b"POINTCACHE2\0", 1, 1.0, 1.0, 20))
-        self.assertEqual(points, 4 * len(sleeve.carrier(self.obj).data.vertices))  # a float pair, three vectors
+        self.assertEqual(points, 4 * len(sleeve.output_object(self.obj).data.vertices))  # a float pair, three vectors
         self.assertEqual(len(data), 32 + 12 * points * samples)
         self.assertEqual(sleeve.names(self.entries()), ["Sleeve.json", "Sleeve.pc2"])
 
@@ -193,7 +193,7 @@ class Baked(unittest.TestCase):
         sleeve.at(9)
         self.assertIn("not the baked one", self.obj.rumple.message)
         self.clip().unlink()
-        self.assertIn("missing", clip_status.check(self.obj, sleeve.carrier(self.obj)))
+        self.assertIn("missing", clip_status.check(self.obj, sleeve.output_object(self.obj)))
 
     def test_freed_it_is_live_again(self):
         bpy.ops.object.rumple_bake()
@@ -214,7 +214,7 @@ class Baked(unittest.TestCase):
         sleeve.at(20)
         np.testing.assert_allclose(sleeve.shown(self.obj), seen, atol=1e-6)
         self.assertEqual(self.obj.rumple.message, "")
-        self.assertIsNone(runtimes.runtime(self.obj).fine)
+        self.assertIsNone(runtimes.of(self.obj).evaluator)
 
     def test_shape_keys_show_every_frame(self):
         sleeve.play()

@@ -32,7 +32,7 @@ class Places(Worn):
             self.assertEqual(solved_body(self.obj).triangles.dtype, np.int32)
             self.assertEqual(len(solved_body(self.obj).triangles), 2 * len(self.body.data.polygons))
             self.assertEqual(self.obj.rumple.message, "")
-        self.assertEqual(runtimes.runtime(self.obj).inputs.frame, 3.0)
+        self.assertEqual(runtimes.of(self.obj).inputs.frame, 3.0)
 
     def test_in_the_space_of_a_garment_that_is_moved_turned_and_scaled(self) -> None:
         self.obj.rumple.body = self.body
@@ -98,7 +98,7 @@ class Places(Worn):
         for place in (0.0, 0.1, 0.1, 0.0):
             self.body.location.y = place
             sleeve.at(8)
-            seen.append(runtimes.runtime(self.obj).fine.history.get(8.0).inputs)
+            seen.append(runtimes.of(self.obj).evaluator.history.get(8.0).inputs)
         self.assertEqual(seen[1], seen[2])
         self.assertEqual(seen[0], seen[3])
         self.assertNotEqual(seen[0], seen[1])
@@ -109,7 +109,7 @@ class Places(Worn):
         sleeve.make_active(self.body)
         bpy.ops.object.mode_set(mode="EDIT")
         sleeve.at(12)
-        self.assertEqual(runtimes.runtime(self.obj).inputs.frame, 5.0)
+        self.assertEqual(runtimes.of(self.obj).inputs.frame, 5.0)
         bpy.ops.object.mode_set(mode="OBJECT")
         self.check_place(12)
         self.assertEqual(self.obj.rumple.message, "")
@@ -120,7 +120,7 @@ class Places(Worn):
         sleeve.at(5)
         sleeve.make_active(twin)
         bpy.ops.object.mode_set(mode="EDIT")
-        runtimes.runtime(self.obj).stale = True
+        runtimes.of(self.obj).stale = True
         scheduler.sync_all()
         self.assertEqual(self.obj.rumple.message, "")
         bpy.ops.object.mode_set(mode="OBJECT")
@@ -245,7 +245,7 @@ class Connected(Worn):
         sleeve.at(3)
         modifier.set_bodies(modifier.find(self.obj), None, None)  # as an undo may leave it
         sleeve.at(12)
-        self.assertEqual(runtimes.runtime(self.obj).inputs.frame, 3.0)
+        self.assertEqual(runtimes.of(self.obj).inputs.frame, 3.0)
         sleeve.at(13)
         found = solved_body(self.obj).positions
         self.body.hide_viewport = False
@@ -261,9 +261,9 @@ class Baked(Worn):
         with tempfile.TemporaryDirectory() as folder:
             bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "scene.blend"))
             bpy.ops.object.rumple_bake()
-            self.assertEqual(clip_status.check(self.obj, sleeve.carrier(self.obj)), "")
+            self.assertEqual(clip_status.check(self.obj, sleeve.output_object(self.obj)), "")
             self.obj.rumple.body = None
-            self.assertIn("bodies changed since the bake", clip_status.check(self.obj, sleeve.carrier(self.obj)))
+            self.assertIn("bodies changed since the bake", clip_status.check(self.obj, sleeve.output_object(self.obj)))
             sleeve.at(2)
             self.assertIn("bodies changed", self.obj.rumple.message)
             self.obj.rumple.body = self.body

@@ -32,7 +32,7 @@ class FirstClick(unittest.TestCase):
         sleeve.under(self.obj, "Far").data.transform(Matrix.Translation((0, 3, 0)))
         self.assertEqual(self.found(), "Human")
         sleeve.at(4)
-        self.assertIsNotNone(runtimes.runtime(self.obj).inputs.body)
+        self.assertIsNotNone(runtimes.of(self.obj).inputs.body)
 
     def test_nothing_under_it_is_none(self) -> None:
         sleeve.under(self.obj, "Jacket", 1.2)

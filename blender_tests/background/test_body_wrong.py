@@ -22,15 +22,15 @@ class Wrong(Worn):
         sleeve.at(5)
 
     def check_said(self, obj: bpy.types.Object, words: str, frame: int = 9) -> None:
-        before = runtimes.runtime(obj).picture
+        before = runtimes.of(obj).picture
         sleeve.at(frame)
         self.assertRegex(obj.rumple.message, f"^{obj.name}: .*{words}")
-        self.assertIs(runtimes.runtime(obj).picture, before)
+        self.assertIs(runtimes.of(obj).picture, before)
 
     def check_right(self, obj: bpy.types.Object, frame: int = 10) -> None:
         sleeve.at(frame)
         self.assertEqual(obj.rumple.message, "")
-        self.assertEqual(runtimes.runtime(obj).inputs.frame, float(frame))
+        self.assertEqual(runtimes.of(obj).inputs.frame, float(frame))
 
     def test_no_faces(self) -> None:
         self.body.data.clear_geometry()
@@ -48,7 +48,7 @@ class Wrong(Worn):
         self.check_right(self.obj)
 
     def test_the_garment_itself(self) -> None:
-        self.assertFalse(bodies.can_be_body(sleeve.carrier(self.obj)))
+        self.assertFalse(bodies.can_be_body(sleeve.output_object(self.obj)))
         self.obj.rumple.body = self.obj
         self.check_said(self.obj, "worn over itself")
         self.obj.rumple.body = None
@@ -105,11 +105,11 @@ class OlderTree(Worn):
 
     def test_it_gets_the_inputs_and_modifiers_keep_theirs(self) -> None:
         group = modifier.find(self.obj).node_group
-        carrier = sleeve.carrier(self.obj)
+        output_object = sleeve.output_object(self.obj)
         self.make_older(group)
         self.assertFalse(modifier.can_name_bodies(modifier.find(self.obj)))
         scheduler.sync_all()
-        self.assertEqual(sleeve.carrier(self.obj), carrier)
+        self.assertEqual(sleeve.output_object(self.obj), output_object)
         self.body.hide_viewport = True
         self.obj.rumple.body = self.body
         sleeve.at(12)
@@ -133,4 +133,4 @@ class OlderTree(Worn):
             self.obj.rumple.body = self.body
             sleeve.at(13)
             self.assertRegex(self.obj.rumple.message, "^Sleeve: its node group is linked from a file of an older")
-            self.assertEqual(runtimes.runtime(self.obj).inputs.frame, 12.0)
+            self.assertEqual(runtimes.of(self.obj).inputs.frame, 12.0)

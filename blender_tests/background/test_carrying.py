@@ -20,7 +20,7 @@ class Carrying(unittest.TestCase):
         mesh.polygons.foreach_get("material_index", indices)
         coarse = np.empty(len(obj.data.polygons), np.int32)
         obj.data.polygons.foreach_get("material_index", coarse)
-        np.testing.assert_array_equal(indices, coarse[runtimes.runtime(obj).fine.polygon_parent])
+        np.testing.assert_array_equal(indices, coarse[runtimes.of(obj).evaluator.polygon_parent])
 
     def test_a_changed_material_is_carried_again(self):
         obj = sleeve.scene()
@@ -34,7 +34,7 @@ class Carrying(unittest.TestCase):
         obj.material_slots[0].link = "OBJECT"
         obj.material_slots[0].material = bpy.data.materials.new("OfObject")
         bpy.ops.object.rumple_add(method="MESH")
-        self.assertEqual(sleeve.carrier(obj).data.materials[0].name, "OfObject")
+        self.assertEqual(sleeve.output_object(obj).data.materials[0].name, "OfObject")
 
     def test_smooth_shading(self):
         obj = sleeve.scene()
@@ -42,7 +42,7 @@ class Carrying(unittest.TestCase):
 
     def test_uv_corners_stay_on_the_map_of_their_face(self):
         obj = sleeve.scene()
-        fine, mesh = runtimes.runtime(obj).fine, sleeve.carrier(obj).data
+        fine, mesh = runtimes.of(obj).evaluator, sleeve.output_object(obj).data
         coarse_uv, fine_uv = self.uv(obj.data), self.uv(mesh)
         for polygon, parent in zip(mesh.polygons, fine.polygon_parent):
             within = coarse_uv[list(obj.data.polygons[parent].loop_indices)]
@@ -56,7 +56,7 @@ class Carrying(unittest.TestCase):
 
     def test_vertex_groups_by_name_and_weight(self):
         obj = sleeve.scene()
-        held = sleeve.carrier(obj)
+        held = sleeve.output_object(obj)
         self.assertEqual(sleeve.names(held.vertex_groups), sleeve.names(obj.vertex_groups))
         weights = mesh_reader.group_weights(held, held.data, ["upper", "lower"])
         np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-4)
@@ -66,7 +66,7 @@ class Carrying(unittest.TestCase):
         obj.vertex_groups.new(name="empty")
         bpy.context.view_layer.update()
         sleeve.at(2)
-        self.assertIn("empty", sleeve.carrier(obj).vertex_groups)
+        self.assertIn("empty", sleeve.output_object(obj).vertex_groups)
 
     def test_attributes_of_all_domains(self):
         obj = sleeve.scene(wrinkles=False)
@@ -77,7 +77,7 @@ class Carrying(unittest.TestCase):
         compat.write_attribute(mesh, "all", "BOOLEAN", "POINT", np.ones(len(mesh.vertices), bool))
         obj.rumple.mesh.source, obj.rumple.mesh.segments = "REGULAR", 3
         bpy.ops.object.rumple_add(method="MESH")
-        fine, carried = runtimes.runtime(obj).fine, sleeve.carrier(obj).data.attributes
+        fine, carried = runtimes.of(obj).evaluator, sleeve.output_object(obj).data.attributes
         values = {name: compat.read_attribute(carried[name]) for name in ("height", "tint", "panel", "all")}
         self.assertGreaterEqual(values["height"].min(), -1e-6)
         self.assertLessEqual(values["height"].max(), sleeve.LENGTH + 1e-6)
@@ -93,14 +93,14 @@ class Carrying(unittest.TestCase):
             mesh.edges[index].use_seam = mesh.edges[index].use_edge_sharp = True
         obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 2, 0
         bpy.ops.object.rumple_add(method="MESH")
-        marks = compat.edge_marks(sleeve.carrier(obj).data)
+        marks = compat.edge_marks(sleeve.output_object(obj).data)
         self.assertEqual(int(marks["use_seam"].sum()), 4 * len(marked))
         self.assertEqual(int(marks["use_edge_sharp"].sum()), 4 * len(marked))
 
     def test_nothing_is_carried_twice(self):
         obj = sleeve.scene()
-        fine = runtimes.runtime(obj).fine
-        self.assertFalse(output_mesh.carry_changes(sleeve.carrier(obj), obj, fine, obj))
+        fine = runtimes.of(obj).evaluator
+        self.assertFalse(output_mesh.carry_changes(sleeve.output_object(obj), obj, fine, obj))
         self.assertFalse(rebuild.prepare(obj, modifier.find(obj)))
 
     def test_an_own_mesh_brings_its_own_looks_and_the_groups_of_the_coarse_one(self):
@@ -114,8 +114,8 @@ class Carrying(unittest.TestCase):
         sleeve.at(15)
         self.assertEqual(obj.rumple.message, "")
         self.assertEqual(len(sleeve.shown(obj)), len(own.data.vertices))
-        self.assertEqual([m.name for m in sleeve.carrier(obj).data.materials], ["OwnMaterial"])
-        self.assertEqual(sleeve.names(sleeve.carrier(obj).vertex_groups), ["lower", "upper"])
+        self.assertEqual([m.name for m in sleeve.output_object(obj).data.materials], ["OwnMaterial"])
+        self.assertEqual(sleeve.names(sleeve.output_object(obj).vertex_groups), ["lower", "upper"])
 
     def denser(self):
         """The tube, subdivided twice by Blender."""

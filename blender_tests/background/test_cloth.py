@@ -40,7 +40,7 @@ class FirstClick(Cloth):
         self.assertEqual(self.obj.rumple.mesh.hem_rings, 0)
         report = sleeve.picture(self.obj).report
         self.assertIsNotNone(report.cloth)
-        self.assertEqual(len(report.layers), runtimes.runtime(self.obj).fine.level + 1)
+        self.assertEqual(len(report.layers), runtimes.of(self.obj).evaluator.level + 1)
 
     def test_one_that_is_skinned_by_its_parent_too(self) -> None:
         self.obj.modifiers.clear()
@@ -265,9 +265,9 @@ class Changes(Cloth):
 
     def test_each_setting_updates_the_picture_and_the_way_back_is_exact(self) -> None:
         obj = garment(level=2)  # drape, folds and detail
-        settings, entry = obj.rumple.mesh, runtimes.runtime(obj)
+        settings, entry = obj.rumple.mesh, runtimes.of(obj)
         first = played(obj, 10)
-        cloth = entry.fine.state_of(10.0).cloth.positions
+        cloth = entry.evaluator.state_of(10.0).cloth.positions
         for name, value in (("slack", 1.08), ("gravity", 3.0), ("room", 0.004), ("drape", 0.1), ("folds", 0.1),
                             ("detail", 0.2), ("layers", "ONE"), ("base_cloth", "OFF")):
             former = getattr(settings, name)
@@ -279,7 +279,7 @@ class Changes(Cloth):
             other = played(obj, 10)[10]
             self.assertTrue(len(other) != len(first[10]) or difference(other, first[10]) > 2e-4, name)
             if name in ("slack", "gravity", "room"):
-                moved = difference(entry.fine.state_of(10.0).cloth.positions, cloth)
+                moved = difference(entry.evaluator.state_of(10.0).cloth.positions, cloth)
                 self.assertGreater(moved, 1e-4, f"base cloth, {name}")
             setattr(settings, name, former)
             self.same(first, played(obj, 10))

@@ -129,7 +129,7 @@ class Painted(Cloth):
         first = played(self.obj)
         bpy.ops.object.rumple_paint(group="follow")
         group = self.obj.vertex_groups["Rumple Follow"]
-        suggested = runtimes.runtime(self.obj).fine.suggested_follow(
+        suggested = runtimes.of(self.obj).evaluator.suggested_follow(
             properties.settings_of(self.obj, bpy.context.scene))
         weights = [group.weight(vertex.index) for vertex in self.obj.data.vertices]
         np.testing.assert_allclose(weights, suggested, atol=0.026)
@@ -256,20 +256,20 @@ class Baked(Cloth):
         hung, places = {}, {}
 
         def base_cloth() -> np.ndarray:
-            entry = runtimes.runtime(outer)
-            return entry.fine.solved_over(entry.inputs.frame, entry.inputs.positions)
+            entry = runtimes.of(outer)
+            return entry.evaluator.solved_over(entry.inputs.frame, entry.inputs.positions)
 
         def apart(frame: int) -> float:
             return float(np.abs(base_cloth() - hung[frame]).mean())
 
         for frame in range(1, 11):
             sleeve.at(frame)
-            hung[frame], places[frame] = base_cloth(), runtimes.runtime(outer).inputs.body.positions
+            hung[frame], places[frame] = base_cloth(), runtimes.of(outer).inputs.body.positions
         self.bake(inner)
         forget(outer)
         for frame in range(1, 11):
             sleeve.at(frame)
-            np.testing.assert_allclose(runtimes.runtime(outer).inputs.body.positions, places[frame], atol=1e-6)
+            np.testing.assert_allclose(runtimes.of(outer).inputs.body.positions, places[frame], atol=1e-6)
             # Its quads are cut in two by Blender now, some along the other diagonal.
             self.assertLess(apart(frame), 1e-4, f"frame {frame}")
         self.assertEqual(outer.rumple.message, "")

@@ -108,11 +108,11 @@ class Settings(unittest.TestCase):
         lengths = []
         for scale in (1.0, 0.5):
             obj.scale = (scale,) * 3
-            runtimes.runtime(obj).stale = True  # the scale is read when something is made anew
+            runtimes.of(obj).stale = True  # the scale is read when something is made anew
             scheduler.sync_all()
             sleeve.at(19)
             sleeve.at(20)
-            k = runtimes.runtime(obj).picture.attributes[VECTORS[0]]
+            k = runtimes.of(obj).picture.attributes[VECTORS[0]]
             lengths.append(np.median(np.sqrt((k**2).sum(1))) / scale)  # radians per metre
         self.assertAlmostEqual(lengths[0] / lengths[1], 1.0, places=2)  # the arm is not scaled along: other poses
 

@@ -33,7 +33,7 @@ class Follower:
         return sleeve.attribute(self.cuff, wrinkle_tree.BASE_POSITION)[:count]
 
     def solved_for(self):
-        return runtimes.runtime(self.cuff).inputs.positions
+        return runtimes.of(self.cuff).inputs.positions
 
     def settled(self, frame):
         sleeve.at(frame)

@@ -40,7 +40,7 @@ class Frames(unittest.TestCase):
         sleeve.at(12)
         before = sleeve.shown(obj)
         sleeve.at(12, 0.5)
-        self.assertEqual(runtimes.runtime(obj).inputs.frame, 12.5)
+        self.assertEqual(runtimes.of(obj).inputs.frame, 12.5)
         between = sleeve.shown(obj)
         np.testing.assert_allclose(between, sleeve.picture(obj).positions, atol=1e-6)
         self.assertGreater(np.abs(between - before).max(), 1e-4)
@@ -92,7 +92,7 @@ class Frames(unittest.TestCase):
 
     def test_internal_attributes_do_not_reach_later_modifiers(self):
         names = {a.name for a in sleeve.evaluated(sleeve.scene()).data.attributes}
-        self.assertEqual(names & set(wrinkle_tree.CARRIER_ONLY), set())
+        self.assertEqual(names & set(wrinkle_tree.OUTPUT_ONLY), set())
 
 
 class Settings(unittest.TestCase):
@@ -117,9 +117,9 @@ class Settings(unittest.TestCase):
             obj.rumple.mesh.radius = value
             obj.keyframe_insert("rumple.mesh.radius", frame=frame)
         sleeve.at(20)
-        self.assertEqual(runtimes.runtime(obj).inputs.settings.radius, 1.0)
+        self.assertEqual(runtimes.of(obj).inputs.settings.radius, 1.0)
         sleeve.at(1)
-        self.assertEqual(runtimes.runtime(obj).inputs.settings.radius, 0.0)
+        self.assertEqual(runtimes.of(obj).inputs.settings.radius, 0.0)
 
     def test_all_presets(self):
         obj = sleeve.scene()
@@ -135,19 +135,19 @@ class Settings(unittest.TestCase):
         settings.density, settings.wavelength = "WAVELENGTH", 0.03
         chosen = settings.wavelength
         scheduler.sync_all()
-        level = runtimes.runtime(obj).fine.level
+        level = runtimes.of(obj).evaluator.level
         for preset, width in (("DENIM", 2.0), ("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("COTTON", 1.0)):
             bpy.ops.object.rumple_preset(preset=preset)
             scheduler.sync_all()
             self.assertEqual(settings.wavelength, width * chosen)
-            self.assertEqual(runtimes.runtime(obj).fine.level, level - (width == 2.0), preset)
+            self.assertEqual(runtimes.of(obj).evaluator.level, level - (width == 2.0), preset)
 
     def test_lengths_are_metres_whatever_the_unit(self):
         obj = sleeve.scene(wrinkles=False)
         bpy.context.scene.unit_settings.scale_length = 0.01
         bpy.ops.object.rumple_add(method="MESH")
         self.assertAlmostEqual(obj.rumple.mesh.edge_length, 1.0, places=5)
-        self.assertEqual(runtimes.runtime(obj).fine.level, 2, "the fold width suits a doll as well")
+        self.assertEqual(runtimes.of(obj).evaluator.level, 2, "the fold width suits a doll as well")
 
     def test_paint_keeps_folds_away(self):
         obj = sleeve.scene()
@@ -159,7 +159,7 @@ class Settings(unittest.TestCase):
         bpy.context.view_layer.update()
         self.assertGreater(everywhere, 1e-3)
         np.testing.assert_allclose(sleeve.attribute(obj, "rumple_offset"), 0.0, atol=1e-6)
-        self.assertIn("Rumple Radius", sleeve.carrier(obj).vertex_groups)
+        self.assertIn("Rumple Radius", sleeve.output_object(obj).vertex_groups)
 
     def test_rest_from_a_frame(self):
         obj = sleeve.scene()
@@ -185,7 +185,7 @@ class Copies(unittest.TestCase):
             bpy.ops.object.duplicate(linked=linked)
             copy = bpy.context.object
             sleeve.at(20)
-            self.assertNotEqual(sleeve.carrier(copy), sleeve.carrier(obj))
+            self.assertNotEqual(sleeve.output_object(copy), sleeve.output_object(obj))
             np.testing.assert_allclose(sleeve.shown(copy), sleeve.shown(obj), atol=1e-6)
             copy.rumple.mesh.radius = 0.0
             sleeve.at(19)
@@ -204,11 +204,11 @@ class Copies(unittest.TestCase):
     def test_renaming(self):
         obj = sleeve.scene()
         sleeve.play(1, 5)
-        stored = len(runtimes.runtime(obj).fine.history.frames())
+        stored = len(runtimes.of(obj).evaluator.history.frames())
         obj.name = "Shirt"
         sleeve.at(6)
         self.assertEqual(obj.rumple.message, "")
-        self.assertEqual(len(runtimes.runtime(obj).fine.history.frames()), stored + 1)
+        self.assertEqual(len(runtimes.of(obj).evaluator.history.frames()), stored + 1)
 
     def test_removing_one_of_two_that_share_a_mesh(self):
         obj = sleeve.scene()
@@ -226,11 +226,11 @@ class Copies(unittest.TestCase):
         source = modifier.find(obj)
         new = other.modifiers.new("Wrinkle Mesh", "NODES")
         new.node_group = source.node_group
-        modifier.set_carrier(new, sleeve.carrier(obj), modifier.coarse_vertices(source))
+        modifier.set_output_object(new, sleeve.output_object(obj), modifier.coarse_vertices(source))
         sleeve.at(10)
         sleeve.at(11)
         self.assertEqual(other.rumple.method, "MESH")
-        self.assertNotEqual(sleeve.carrier(obj), sleeve.carrier(other))
+        self.assertNotEqual(sleeve.output_object(obj), sleeve.output_object(other))
 
 
 class Edits(unittest.TestCase):
@@ -275,12 +275,12 @@ class Edits(unittest.TestCase):
     def test_a_broken_edit_keeps_the_last_good_mesh(self):
         obj = sleeve.scene()
         sleeve.at(10)
-        fine = runtimes.runtime(obj).fine
+        fine = runtimes.of(obj).evaluator
         obj.data.clear_geometry()
         sleeve.at(11)
         self.assertNotEqual(obj.rumple.message, "")
-        self.assertIs(runtimes.runtime(obj).fine, fine)
-        self.assertEqual(len(sleeve.carrier(obj).data.vertices), fine.vertex_count)
+        self.assertIs(runtimes.of(obj).evaluator, fine)
+        self.assertEqual(len(sleeve.output_object(obj).data.vertices), fine.vertex_count)
 
     def test_undo_and_redo_of_a_setting_and_of_removal(self):
         obj = sleeve.scene()
@@ -338,7 +338,7 @@ class Files(unittest.TestCase):
         sleeve.at(20)
         both = [o for o in bpy.data.objects if modifier.find(o)]
         self.assertEqual(len(both), 2)
-        self.assertNotEqual(*[sleeve.carrier(o) for o in both])
+        self.assertNotEqual(*[sleeve.output_object(o) for o in both])
         self.assertEqual([o.rumple.message for o in both], ["", ""])
 
     def test_linked_and_overridden(self):

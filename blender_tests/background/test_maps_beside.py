@@ -152,7 +152,7 @@ class Beside(unittest.TestCase):
             bpy.context.scene.frame_set(frame)
         self.assertIn("no bone \"nobody\" to be the root", self.obj.rumple_maps.message)
         self.assertFalse(face.mask(self.obj, "Surprise").any())
-        self.assertEqual(maps_modifier.wrinkles(maps_modifier.find(self.obj)), sleeve.carrier(self.obj))
+        self.assertEqual(maps_modifier.wrinkles(maps_modifier.find(self.obj)), sleeve.output_object(self.obj))
         bpy.context.scene.frame_set(10)
         self.assertFalse(maps_sync.runtime(self.obj).stale)
         self.obj.rumple_maps.root = "head"
@@ -166,7 +166,7 @@ class Beside(unittest.TestCase):
 
         def at_the_same_address(*arguments):
             skin = make(*arguments)
-            entry.carrier_key = compat.session_key(skin.data)
+            entry.output_key = compat.session_key(skin.data)
             return skin
 
         self.obj.rumple_maps.root = "nobody"

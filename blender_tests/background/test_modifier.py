@@ -179,7 +179,7 @@ class Tree(unittest.TestCase):
         group[wrinkle_tree.VERSION_KEY] = 0
         group.nodes.clear()
         self.assertTrue(wrinkle_tree.upgrade(group))
-        self.assertIsNotNone(sleeve.carrier(obj))
+        self.assertIsNotNone(sleeve.output_object(obj))
         bpy.context.view_layer.update()
         np.testing.assert_allclose(sleeve.shown(obj), seen, atol=1e-6)
 

@@ -59,7 +59,7 @@ class Curves(unittest.TestCase):
         obj, child = curved()
         sleeve.at(15)
         with mock.patch.object(compat, "set_positions", side_effect=AssertionError("written")):
-            runtimes.runtime(obj).forget_written()
+            runtimes.of(obj).invalidate_output()
             sleeve.at(15)
         self.assertEqual(obj.rumple.message, "")
         sleeve.at(14)
@@ -122,14 +122,14 @@ class Rows(unittest.TestCase):
         self.assertEqual(left_out, len(curves.id) - 2)
         self.assertEqual(rows.reshape(4, room, 3)[3, :, 2].sum(), curves.start[2] - 2, "edges within curves")
 
-    def test_room_grows_where_it_may_and_is_said_where_not(self) -> None:
+    def test_the_capacity_grows_where_it_may_and_is_said_where_not(self) -> None:
         obj, child = curved()
         sleeve.at(1)
-        path_curves._make_room(child.data, 16)
+        path_curves._set_capacity(child.data, 16)
         with mock.patch.object(scheduler, "allowed_now", return_value=False):  # as while it renders
             sleeve.play()
             self.assertRegex(obj.rumple.message, "Sleeve.curves has no room for [0-9]+ of [0-9]+ paths")
-            self.assertEqual(path_curves.room(child.data), 16, "topology changed while it renders")
+            self.assertEqual(path_curves.capacity(child.data), 16, "topology changed while it renders")
         scheduler.sync_all()
         sleeve.at(20)
         self.assertGreater(curve_edges.same(self, obj, child), 3)
@@ -202,7 +202,7 @@ class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
         np.testing.assert_allclose(there[12.0]["position"], curves.positions, atol=2e-6)
         np.testing.assert_array_equal(there[20.0]["rumple_path_height"][:, 0], curves.height)
         sleeve.at(20)
-        pose = runtimes.runtime(obj).inputs.positions
+        pose = runtimes.of(obj).inputs.positions
         p0, p1, p2 = (pose[curves.corners[:, k]] for k in range(3))
         on_triangle = p0 + curves.weights[:, :1] * (p1 - p0) + curves.weights[:, 1:] * (p2 - p0)
         np.testing.assert_allclose(np.linalg.norm(there[20.0]["position"] - on_triangle, axis=1),
@@ -274,7 +274,7 @@ class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
         sleeve.at(1)
         sleeve.at(18)
         np.testing.assert_array_equal(curve_edges.seen(child)[1], before)
-        self.assertIsNotNone(modifier.cache(child))
+        self.assertIsNotNone(modifier.mesh_cache(child))
         obj.rumple.paths.seed = 5
         self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
         sleeve.at(18)

@@ -114,7 +114,7 @@ class WithoutTheAddOn(vanilla_blender.InAFolder, unittest.TestCase):
         sleeve.play()
         sleeve.at(12)
         self.save()
-        fine = runtimes.runtime(self.obj).fine
+        fine = runtimes.of(self.obj).evaluator
         seen = self.elsewhere((12.0, 1.0, 20.0, 12.0))
         np.testing.assert_allclose(seen[12.0], self.here(12.0), atol=1e-6)
         for time in (1.0, 20.0):

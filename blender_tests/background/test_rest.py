@@ -154,7 +154,7 @@ class WholeClip(unittest.TestCase):
 
     def by_hand(self, obj: bpy.types.Object) -> dict[int, np.ndarray]:
         """All frames with the labels of the whole clip, by the engine alone."""
-        scene, entry = bpy.context.scene, runtimes.runtime(obj)
+        scene, entry = bpy.context.scene, runtimes.of(obj)
         now = evaluator.sources(obj)
         fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale)
         poses = {}
@@ -227,7 +227,7 @@ class WholeClip(unittest.TestCase):
         while running.step():
             pass
         running.finish()
-        self.assertTrue(running.playback.looks)
+        self.assertTrue(running.playback.analyzes)
         self.assertEqual(running.note, "")  # it came as it was looked at, in the second pass of every frame
 
     def test_a_cancelled_look_leaves_nothing(self) -> None:
@@ -239,8 +239,8 @@ class WholeClip(unittest.TestCase):
             for _ in range(steps):
                 self.assertTrue(running.step())
             running.cancel()
-            entry = runtimes.runtime(obj)
-            self.assertFalse(entry.looking)
+            entry = runtimes.of(obj)
+            self.assertFalse(entry.analyzing)
             self.assertIsNone(clip_status.clip_path(obj))
             sleeve.at(14)
             sleeve.at(sleeve.LAST)
@@ -267,4 +267,4 @@ class WholeClip(unittest.TestCase):
         modifier.find(obj).show_viewport = False
         with self.assertRaisesRegex(RuntimeError, "nothing is seen at frame 1"):
             bpy.ops.object.rumple_bake()
-        self.assertFalse(runtimes.runtime(obj).looking)
+        self.assertFalse(runtimes.of(obj).analyzing)

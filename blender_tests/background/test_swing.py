@@ -19,8 +19,8 @@ JUMPED = "reached by a jump"
 
 def speed(obj: bpy.types.Object) -> float:
     """Of the fastest vertex of the base cloth, m/s."""
-    entry = runtimes.runtime(obj)
-    velocity = entry.fine.state_of(entry.inputs.frame).cloth.state.velocity
+    entry = runtimes.of(obj)
+    velocity = entry.evaluator.state_of(entry.inputs.frame).cloth.state.velocity
     return float(np.linalg.norm(velocity, axis=1).max())
 
 
@@ -122,8 +122,8 @@ class Swing(Cloth):
         bpy.context.scene.frame_end = 60
         shown = played(self.obj, 60)
         np.testing.assert_array_equal(shown[57], shown[58])
-        self.assertEqual(runtimes.runtime(self.obj).fine.state_of(58.0).cloth.report.steps, 0)
-        self.assertGreater(runtimes.runtime(self.obj).fine.state_of(59.0).cloth.report.steps, 0)
+        self.assertEqual(runtimes.of(self.obj).evaluator.state_of(58.0).cloth.report.steps, 0)
+        self.assertGreater(runtimes.of(self.obj).evaluator.state_of(59.0).cloth.report.steps, 0)
 
     def test_the_motion_of_the_object_is_felt(self) -> None:
         """The armature carries the garment, and a child of it moves with it: no bone is posed."""

@@ -32,7 +32,7 @@ class Waving(PlayedOnce):
         cls.scene.frame_set(frame)
         mesh = cls.garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         values = [compat.read_attribute(mesh.attributes[a.name]) for a in cls.fine.ATTRIBUTES]
-        entry = runtimes.runtime(cls.garment)
+        entry = runtimes.of(cls.garment)
         return dict(frame=frame, message=cls.garment.rumple.message, finite=all(np.isfinite(v).all() for v in values),
                     digest=digest(np.concatenate([v.ravel() for v in values])),
                     phase=cls.fine.history.get(float(frame)).state.phase,
@@ -64,7 +64,7 @@ class Waving(PlayedOnce):
         settings = properties.settings_of(self.garment, self.scene)
         held = self.frames[len(self.frames) // 2]
         self.scene.frame_set(held)
-        positions = runtimes.runtime(self.garment).inputs.positions.copy()
+        positions = runtimes.of(self.garment).inputs.positions.copy()
         expected = self.fine.history.get(float(held)).state.phase
         for frame in range(held + 1, held + HELD):
             self.fine.solve_frame(float(frame), positions, settings, {}, start=self.frames[0])

@@ -30,7 +30,7 @@ class OnCloth(PlayedOnce):
         cls.scene.frame_set(frame)
         mesh = cls.garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         shown = compat.positions(mesh).copy()
-        entry = runtimes.runtime(cls.garment)
+        entry = runtimes.of(cls.garment)
         picture, cloth = entry.picture, cls.fine.solved_over(float(frame), entry.inputs.positions)
         area = cls.area(picture.positions) / cls.area(cls.fine.positions_rest)
         return dict(frame=frame, message=cls.garment.rumple.message, finite=bool(np.isfinite(shown).all()),

@@ -26,7 +26,7 @@ class Folding(PlayedOnce):
         cls.scene.frame_set(frame)
         mesh = cls.garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         shown = compat.positions(mesh)
-        entry = runtimes.runtime(cls.garment)
+        entry = runtimes.of(cls.garment)
         state, report = cls.fine.history.get(float(frame)).state, entry.picture.report
         return dict(frame=frame, message=cls.garment.rumple.message, finite=bool(np.isfinite(shown).all()),
                     digest=digest(shown), fault=native.load().wrinkle_path_fault(cls.fine.model, state),

@@ -47,8 +47,8 @@ def seen(child):
 
 def solved(garment):
     """The curves of the frame that was solved last."""
-    entry = runtimes.runtime(garment)
-    return entry.fine.curves(entry.inputs.frame, entry.inputs.positions, entry.inputs.settings)
+    entry = runtimes.of(garment)
+    return entry.evaluator.curves(entry.inputs.frame, entry.inputs.positions, entry.inputs.settings)
 
 
 def same(test, garment, child):

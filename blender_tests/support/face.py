@@ -125,7 +125,7 @@ def carried(obj, values):
     """(n,) of the coarse vertices on the points that are shown: those of a Wrinkle Mesh (Field, Paths) where one is."""
     if modifier.find(obj) is None or not modifier.find(obj).show_viewport:
         return values
-    attributes = modifier.carrier(modifier.find(obj)).data.attributes
+    attributes = modifier.output_object(modifier.find(obj)).data.attributes
     corners = [values[compat.read_attribute(attributes[name])[:, 0]] for name in wrinkle_tree.CORNERS]
     u, v, _ = compat.read_attribute(attributes[wrinkle_tree.BARYCENTRIC]).T
     return (1.0 - u - v) * corners[0] + u * corners[1] + v * corners[2]

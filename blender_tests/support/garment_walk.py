@@ -46,12 +46,12 @@ class Walk(RandomWalk):
         sleeve.at(self.random.randint(1, sleeve.LAST))
         scheduler.sync_all()
         sleeve.at(self.random.randint(1, sleeve.LAST))
-        carriers = set()
+        outputs = set()
         for obj, ours in list(modifier.wrinkled_objects()):
             trail = f"{obj.name} after {self.done[-8:]}"
-            held = modifier.carrier(ours)
-            assert held is not None and held.name not in carriers, f"{trail}: carrier {held}"
-            carriers.add(held.name)
+            held = modifier.output_object(ours)
+            assert held is not None and held.name not in outputs, f"{trail}: output object {held}"
+            outputs.add(held.name)
             refused = bodies.refusal(obj)
             assert obj.rumple.message == refused or modifier.is_baked(ours), f"{trail}: {obj.rumple.message}"
             if refused:
@@ -70,7 +70,7 @@ class Walk(RandomWalk):
     def check_body(self, obj, trail):
         """What it was solved for is what is shown of its body."""
         if obj.name in bpy.context.view_layer.objects and not modifier.is_baked(modifier.find(obj)):
-            found, seen = runtimes.runtime(obj).inputs.body, bodies.of(obj)
+            found, seen = runtimes.of(obj).inputs.body, bodies.of(obj)
             assert (found is None) == (not seen), f"{trail}: {found} is not of {seen}"
             for body in seen:
                 if modifier.find(body) is None and body.name in bpy.context.view_layer.objects:
@@ -81,7 +81,7 @@ class Walk(RandomWalk):
         for child in path_curves.of(obj):
             assert child.data.users == 1, f"{trail}: {child.name} shares its mesh"
             seen = obj.name in bpy.context.view_layer.objects and child.name in bpy.context.view_layer.objects
-            if seen and modifier.find(obj).show_viewport and modifier.cache(child) is None:
+            if seen and modifier.find(obj).show_viewport and modifier.mesh_cache(child) is None:
                 _, positions, _ = curve_edges.seen(child)
                 expected = curve_edges.solved(obj).positions
                 assert positions.shape == expected.shape, f"{trail}: {len(positions)} points of {len(expected)}"

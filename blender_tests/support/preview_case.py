@@ -66,7 +66,7 @@ class PreviewCase(WindowCase):
     def until_drawn(self, frame: float) -> Iterator[float]:
         """Until the GPU holds what was solved last, of this frame."""
         yield from self.until(lambda: preview._on_gpu and self.held().inputs is not None
-                              and self.held().inputs is runtimes.runtime(self.obj).inputs
+                              and self.held().inputs is runtimes.of(self.obj).inputs
                               and self.held().inputs.frame == frame)
 
     def refuse(self, drawer: ModuleType) -> list[int]:

@@ -62,7 +62,7 @@ class Clip:
         self.scene.frame_set(self.frames[0])
         for garment in self.garments:
             add_wrinkles(garment)
-        self.fine = runtimes.runtime(self.garment).fine
+        self.fine = runtimes.of(self.garment).evaluator
         self.edges = sides(self.fine.polygon_start, self.fine.corner_vertex)
         self.rest_lengths = self.lengths(self.fine.positions_rest)
         self.offsets: np.ndarray | None = None
@@ -86,7 +86,7 @@ class Clip:
     def look(self, frame: int) -> Seen:
         """Show a frame and measure it."""
         shown = self.show(frame)
-        entry = runtimes.runtime(self.garment)
+        entry = runtimes.of(self.garment)
         found = self.fine.measure_frame(float(frame), entry.inputs.positions,
                                         properties.settings_of(self.garment, self.scene))
         former, self.offsets = self.offsets, np.array(found.offsets)

@@ -47,7 +47,7 @@ class PlayedOnce:
         if cls.settings.get("base_cloth") == "OFF":
             cls.garment.rumple.body = None  # set: none is looked for
         assert bpy.ops.object.rumple_add(method=cls.method) == {"FINISHED"}, cls.garment.rumple.message
-        cls.fine = runtimes.runtime(cls.garment).fine
+        cls.fine = runtimes.of(cls.garment).evaluator
         cls.seen = [cls.look(frame) for frame in cls.frames]
         OUT.mkdir(parents=True, exist_ok=True)
         common = dict(file=cls.file, garment=cls.name, blender=bpy.app.version_string, frames=len(cls.seen))

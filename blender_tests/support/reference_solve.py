@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a frame has to look like, solved apart from Blender's handlers, modifier and carrier.
+"""What a frame has to look like, solved apart from Blender's handlers, modifier and output object.
 
 A twin of the coarse mesh without wrinkles says how it is posed; core/engine.py, with a memory of its own,
 solves that; an ordinary mesh object shows it. Whatever the add-on does late, twice or not at all shows as a

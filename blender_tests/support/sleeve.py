@@ -169,11 +169,11 @@ def attribute(obj, name):
 
 def picture(obj):
     """What was solved last."""
-    return runtimes.runtime(obj).picture
+    return runtimes.of(obj).picture
 
 
-def carrier(obj):
-    return modifier.carrier(modifier.find(obj))
+def output_object(obj):
+    return modifier.output_object(modifier.find(obj))
 
 
 def at(frame, subframe=0.0):

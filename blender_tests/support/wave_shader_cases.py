@@ -123,8 +123,8 @@ class Waves:
 
     def computed(self, profile: str = "SINE") -> tuple[np.ndarray, np.ndarray]:
         """Height and gradient at self.points, from the kernel."""
-        entry = runtimes.runtime(self.obj)
-        fine, kernels = entry.fine, native.load()
+        entry = runtimes.of(self.obj)
+        fine, kernels = entry.evaluator, native.load()
         state = fine.history.get(1.0).state
         waves = kernels.shown_waves_wrinkle_field(
             fine.model, fine._native_settings(entry.inputs.settings), kernels.WrinkleFieldProfile(profile), fine._paint,

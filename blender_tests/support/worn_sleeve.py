@@ -17,7 +17,7 @@ def placed(obj: bpy.types.Object, place: tuple, turn: tuple, scale: tuple) -> No
 
 def solved_body(obj: bpy.types.Object) -> Body | None:
     """What the garment was solved for last."""
-    return runtimes.runtime(obj).inputs.body
+    return runtimes.of(obj).inputs.body
 
 
 def posed(body: bpy.types.Object) -> np.ndarray:

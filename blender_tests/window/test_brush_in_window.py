@@ -136,7 +136,7 @@ class Painting(WindowCase):
         view.region_3d.view_location, view.region_3d.view_distance = (0.3, 0.0, 0.0), 0.4
         away = Vector((0.3, -0.12, 0.0))
         self.event("MOUSEMOVE", "NOTHING", self.pixel(away))
-        yield from self.until(lambda: len(sleeve.carrier(self.obj).data.vertices) > 1000)
+        yield from self.until(lambda: len(sleeve.output_object(self.obj).data.vertices) > 1000)
         yield 0.5
         before = self.pixels().astype(float)
         for x in (0.24, 0.28, 0.32):

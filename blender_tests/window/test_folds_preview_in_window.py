@@ -20,13 +20,13 @@ class FoldsCase(PreviewCase):
     method = "PATHS"
 
     def entry(self) -> runtimes.Runtime:
-        return runtimes.runtime(self.obj)
+        return runtimes.of(self.obj)
 
-    def settled(self, stands_in: bool = True) -> Iterator[float]:
+    def settled(self, uses_proxy: bool = True) -> Iterator[float]:
         """Waits until the viewport has the mesh that it should have."""
         self.area.tag_redraw()
-        yield from self.until(lambda: self.entry().inputs is not None and self.entry().inputs.stands_in == stands_in)
-        self.assertEqual(self.entry().inputs.stands_in, stands_in)
+        yield from self.until(lambda: self.entry().inputs is not None and self.entry().inputs.uses_proxy == uses_proxy)
+        self.assertEqual(self.entry().inputs.uses_proxy, uses_proxy)
         yield 0.1
 
     def both(self) -> Iterator[float]:
@@ -107,7 +107,7 @@ class Pictures(FoldsCase):
         self.assertEqual(len(preview._on_gpu), 2)
         self.assertEqual([held.refused for held in preview._on_gpu.values()], [False, False])
         for obj, _ours in modifier.wrinkled_objects():
-            self.assertTrue(runtimes.runtime(obj).inputs.stands_in)
+            self.assertTrue(runtimes.of(obj).inputs.uses_proxy)
 
 
 class Meshes(FoldsCase):
@@ -128,7 +128,7 @@ class Meshes(FoldsCase):
         (held,) = preview._on_gpu.values()
         self.assertIs(held.inputs, self.entry().inputs)
 
-    def test_the_stand_in_has_its_vertices_on_the_drawn_surface(self) -> Iterator[float]:
+    def test_the_proxy_has_its_vertices_on_the_drawn_surface(self) -> Iterator[float]:
         yield from self.make()
         yield from self.settled()
         drawing = self.entry().picture.drawing

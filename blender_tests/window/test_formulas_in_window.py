@@ -242,8 +242,8 @@ class Stages(WindowCase):
         self.posed[:60] = self.posed[0]  # two rows and more at one place: zero normals, collapsed neighbourhoods
         self.waves = native.crush_wrinkle_field(self.model, self.settings, self.paint, self.posed)
         self.field = preview_field.GpuField(preview_field.Passes(), self.model)
-        self.field.set_wishes(self.settings, native.wishes_wrinkle_field(self.model, self.settings, self.paint),
-                              native.WrinkleFieldProfile("PENCIL_PLEATS"))
+        parameters = native.wishes_wrinkle_field(self.model, self.settings, self.paint)
+        self.field.set_wave_parameters(self.settings, parameters, native.WrinkleFieldProfile("PENCIL_PLEATS"))
         gpu_arrays.plain_state()
         self.field.begin(native.random_phases(self.model, 5), self.model.first_directions)
         self.field.pose(*self.model.weld_pose(self.posed))
@@ -306,7 +306,7 @@ class Stages(WindowCase):
         frames = clip["frames"]
         state, _ = native.solve_wrinkle_field(model, settings, paint, frames[0])
         field = preview_field.GpuField(preview_field.Passes(), model)
-        field.set_wishes(settings, native.wishes_wrinkle_field(model, settings, paint),
+        field.set_wave_parameters(settings, native.wishes_wrinkle_field(model, settings, paint),
                          native.WrinkleFieldProfile("SINE"))
         gpu_arrays.plain_state()
         field.begin(state.phase, state.direction, state.solved_offset)

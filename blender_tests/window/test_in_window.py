@@ -60,10 +60,10 @@ class Viewport(WindowCase):
     def test_settings_rebuild_from_a_timer(self):
         obj = self.make()
         yield 0.3
-        coarse = runtimes.runtime(obj).fine.vertex_count
+        coarse = runtimes.of(obj).evaluator.vertex_count
         obj.rumple.mesh.level = 2
-        yield from self.until(lambda: runtimes.runtime(obj).fine.vertex_count > 3 * coarse)
-        self.assertGreater(runtimes.runtime(obj).fine.vertex_count, 3 * coarse)
+        yield from self.until(lambda: runtimes.of(obj).evaluator.vertex_count > 3 * coarse)
+        self.assertGreater(runtimes.of(obj).evaluator.vertex_count, 3 * coarse)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
     def test_playback_solves_every_frame_it_shows(self):
@@ -71,11 +71,11 @@ class Viewport(WindowCase):
         yield 0.2
         with self.area("VIEW_3D"):
             bpy.ops.screen.animation_play()
-        yield from self.until(lambda: len(runtimes.runtime(obj).fine.history.frames()) > 3)
+        yield from self.until(lambda: len(runtimes.of(obj).evaluator.history.frames()) > 3)
         with self.area("VIEW_3D"):
             bpy.ops.screen.animation_cancel(restore_frame=False)
         yield 0.2
-        self.assertGreater(len(runtimes.runtime(obj).fine.history.frames()), 3)
+        self.assertGreater(len(runtimes.of(obj).evaluator.history.frames()), 3)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
     def test_duplicates_are_split_by_the_timer(self):
@@ -84,8 +84,8 @@ class Viewport(WindowCase):
         with self.area("VIEW_3D"):
             bpy.ops.object.duplicate()
         copy = next(o for o in bpy.data.objects if o != obj and modifier.find(o))
-        yield from self.until(lambda: sleeve.carrier(copy) != sleeve.carrier(obj))
-        self.assertNotEqual(sleeve.carrier(copy), sleeve.carrier(obj))
+        yield from self.until(lambda: sleeve.output_object(copy) != sleeve.output_object(obj))
+        self.assertNotEqual(sleeve.output_object(copy), sleeve.output_object(obj))
 
     def test_a_follower_of_another_wrinkled_object_is_settled_by_the_timer(self):
         cuff = sleeve.cuff(self.make(), "SURFACE_DEFORM", "Cuff")
@@ -100,7 +100,7 @@ class Viewport(WindowCase):
     def is_settled(self, obj):
         """Whether its folds are those for the coarse mesh that is shown."""
         posed = sleeve.attribute(obj, wrinkle_tree.BASE_POSITION)[:len(obj.data.vertices)]
-        return np.array_equal(runtimes.runtime(obj).inputs.positions, posed)
+        return np.array_equal(runtimes.of(obj).inputs.positions, posed)
 
     def test_undo_and_redo_of_adding_and_removing(self):
         obj = self.make()
@@ -135,9 +135,9 @@ class Viewport(WindowCase):
         yield 0.3
         with self.area("VIEW_3D"):
             bpy.ops.object.rumple_paint(group="radius")
-        yield from self.until(lambda: "Rumple Radius" in sleeve.carrier(obj).vertex_groups)
+        yield from self.until(lambda: "Rumple Radius" in sleeve.output_object(obj).vertex_groups)
         self.assertEqual(obj.mode, "WEIGHT_PAINT")
-        self.assertIn("Rumple Radius", sleeve.carrier(obj).vertex_groups)
+        self.assertIn("Rumple Radius", sleeve.output_object(obj).vertex_groups)
         self.screenshot("weight_paint")
         obj.vertex_groups["Rumple Radius"].add(range(len(obj.data.vertices)), 0.0, "REPLACE")
         obj.data.update()

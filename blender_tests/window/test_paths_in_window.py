@@ -65,7 +65,7 @@ class Overlay(PathsCase):
         yield from self.shot()
         self.screenshot("paths_overlay")
         blue, green, red = self.coloured()
-        report = runtimes.runtime(self.obj).picture.report
+        report = runtimes.of(self.obj).picture.report
         self.assertGreater(min(report.compressed, report.stretched), 5)
         self.assertGreater(blue, without[0] + 500, "the inside of the bend")
         self.assertGreater(green, without[1] + 2000, "what keeps its shape")

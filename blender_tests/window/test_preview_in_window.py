@@ -82,7 +82,7 @@ class Drawn(PreviewCase):
             sleeve.at(frame)
             self.area.tag_redraw()
             yield from self.until_drawn(frame)
-            expected = runtimes.runtime(self.obj).fine.state_of(float(frame)).phase
+            expected = runtimes.of(self.obj).evaluator.state_of(float(frame)).phase
             off = (self.held().drawing.waves.read_phase() - expected + math.pi) % (2.0 * math.pi) - math.pi
             # Where nothing is compressed k is of no direction, and rounding chooses it.
             wrinkles = self.held().drawing.waves.read_waves()[1][:, 2] > 0.05
@@ -103,17 +103,17 @@ class Drawn(PreviewCase):
         field = self.obj.rumple.field
         field.rest_shape, field.reference = "ADAPTIVE", "FIRST_FRAME"
         bpy.context.scene.frame_start = 10  # bent already
-        yield from self.until(lambda: runtimes.runtime(self.obj).inputs is not None
-                              and runtimes.runtime(self.obj).inputs.settings.adapts)
+        yield from self.until(lambda: runtimes.of(self.obj).inputs is not None
+                              and runtimes.of(self.obj).inputs.settings.adapts)
         for frame in (10, 11, 12, 18):
             sleeve.at(frame)
             self.area.tag_redraw()
             yield from self.until_drawn(frame)
             self.assertFalse(self.held().refused)  # drawn while it was made anew
-            entry = runtimes.runtime(self.obj)
+            entry = runtimes.of(self.obj)
             expected = native.crush_wrinkle_field(
-                entry.fine.model, entry.fine._native_settings(entry.inputs.settings), entry.fine._paint,
-                entry.inputs.positions, entry.fine.state_of(float(frame)))
+                entry.evaluator.model, entry.evaluator._native_settings(entry.inputs.settings), entry.evaluator._paint,
+                entry.inputs.positions, entry.evaluator.state_of(float(frame)))
             fullness = self.held().drawing.waves.read_waves()[1][:, 2]
             np.testing.assert_allclose(fullness**2, expected.fullness**2, atol=1e-5, err_msg=str(frame))
             self.assertLess(fullness.max() if frame == 10 else 0.0, 1e-2)  # the first frame is unwrinkled
@@ -185,8 +185,8 @@ class Exact(PreviewCase):
 
     def expected(self, at: np.ndarray) -> dict[str, np.ndarray]:
         """Of points (n, 2) of the sheet from above: by equations (5), (7), (8) from what the shader nodes read."""
-        entry = runtimes.runtime(self.obj)
-        model, shown = entry.fine.model, entry.picture.attributes
+        entry = runtimes.of(self.obj)
+        model, shown = entry.evaluator.model, entry.picture.attributes
         positions, normals = model.weld_pose(entry.inputs.positions)
         out = {name: np.full((len(at), width), np.nan) for name, width in (
             ("height", 1), ("normal", 3), ("smooth", 3), ("place", 3), ("u", 3), ("v", 3))}
@@ -233,7 +233,7 @@ class Exact(PreviewCase):
         """An image whose colour is the place in it: the picture says which place was taken."""
         yield from self.sheet()
         self.obj.data.materials[0] = image_of_itself()
-        runtimes.runtime(self.obj).forget_written()
+        runtimes.of(self.obj).invalidate_output()
         sleeve.at(3)
         yield from self.until_drawn(3.0)
         shading = SimpleNamespace(light="FLAT", color_type="TEXTURE", show_backface_culling=False,

@@ -49,8 +49,8 @@ class RenderJob(WindowCase):
             self.found = {path.stem: small_renders.read(str(path)) for path in sorted(Path(folder).iterdir())}
 
     def settled(self) -> bool:
-        """The material of the stage has reached the carrier: a job takes what is there."""
-        return sleeve.carrier(self.obj).data.materials[0] == self.obj.data.materials[0]
+        """The material of the stage has reached the output object: a job takes what is there."""
+        return sleeve.output_object(self.obj).data.materials[0] == self.obj.data.materials[0]
 
     def check_animation(self, engine: str) -> Iterator[float]:
         yield from self.files(engine, animation=True)
@@ -105,7 +105,7 @@ class RenderJob(WindowCase):
         self.assertGreater(self.vertices(), 3 * count)
 
     def vertices(self) -> int:
-        return len(sleeve.carrier(self.obj).data.vertices)
+        return len(sleeve.output_object(self.obj).data.vertices)
 
     def test_a_render_from_a_script_takes_what_the_script_just_set(self) -> None:
         # It runs in the main thread, before any timer has had its turn.

@@ -127,13 +127,13 @@ class OnCloth(unittest.TestCase):
                                        atol=1e-6, err_msg=name)
             self.assertGreater(float(np.linalg.norm(way, axis=1).mean()), 1e-3, name)
 
-    def test_curves_and_stand_ins_ride_on_the_animated_mesh(self) -> None:
+    def test_curves_and_proxies_ride_on_the_animated_mesh(self) -> None:
         fine, apart = self.build(PATHS), self.build(PATHS)
         for frame in FRAMES:
             sketch = self.solve(fine, frame, on_cloth(PATHS), sketched=True)
             cloth = fine.solved_over(float(frame), self.clip[frame])
             expected = self.solve(apart, frame, PATHS, cloth, sketched=True)
-            np.testing.assert_allclose(sketch.stand_in + self.clip[frame], expected.stand_in + cloth, atol=1e-6)
+            np.testing.assert_allclose(sketch.proxy_offset + self.clip[frame], expected.proxy_offset + cloth, atol=1e-6)
         self.solve(fine, 5, on_cloth(PATHS))
         curves = fine.curves(5.0, self.clip[5], on_cloth(PATHS))
         over = apart.curves(5.0, fine.solved_over(5.0, self.clip[5]), PATHS)

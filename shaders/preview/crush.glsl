@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // "Crush" (section 4.2), one texel per welded vertex; wrinkle_field::crush() is its twin.
 //   vertices   first neighbour, number of neighbours, W or 0 where the rest pose has no frame, mask
-//   wishes     q, turn of the irregularity
+//   wave_parameters  q, turn of the irregularity
 //   neighbours neighbour, gradient, the vertex itself
 //   before     k of the frame before, in xy
 //   stretches  xx, xy, yy of U from the reference triangles, where the rest shape adapts; else anything
@@ -25,8 +25,8 @@ void main() {
         m += outerProduct(tangent_space(way, t, b, true_lengths), neighbour.yz);
     }
     if (adaptive) m = restretched(m, TEXEL(stretches, v).xyz);
-    vec4 wish = TEXEL(wishes, v);
-    Crushed crushed = crush(m, wish.xy, TEXEL(before, v).xy, wish.zw);
+    vec4 wanted = TEXEL(wave_parameters, v);
+    Crushed crushed = crush(m, wanted.xy, TEXEL(before, v).xy, wanted.zw);
     float fullness = crushed.fullness * vertex.w;
     out_waves.xyz = (kTwoPi / vertex.z) * (crushed.k_deformed.x * t + crushed.k_deformed.y * b);
     out_waves.w = 0.25 * vertex.z * strength * fullness;  // equation (2)

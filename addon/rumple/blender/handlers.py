@@ -49,8 +49,8 @@ def _on_save(*_arguments: object) -> None:
 
 @persistent
 def _on_undo(*_arguments: object) -> None:
-    runtimes.doubt_all()
-    maps_sync.doubt_all()
+    runtimes.invalidate_all()
+    maps_sync.invalidate_all()
     scheduler.request()
 
 
@@ -66,12 +66,12 @@ def _on_render_start(*_arguments: object) -> None:
 
 @persistent
 def _on_render_end(*_arguments: object) -> None:
-    """The carriers hold the last rendered frame: the window needs its own again."""
+    """The output objects hold the last rendered frame: the window needs its own again."""
     with scheduler.LOCK:
         scheduler.set_rendering(False)
         for obj, _ours in modifier.wrinkled_objects():
-            runtimes.runtime(obj).forget_written()
-        maps_sync.forget_written()
+            runtimes.of(obj).invalidate_output()
+        maps_sync.invalidate_output()
     if not bpy.app.background and not bpy.app.timers.is_registered(_tag_all):
         bpy.app.timers.register(_tag_all, first_interval=0.0)
 

@@ -21,19 +21,19 @@ ROWS = 4
 LEAST_ROOM, MOST_ROOM = 1 << 10, 1 << 18
 
 
-def room_for(points: float) -> int:
+def capacity_for(points: float) -> int:
     """A power of two of points, for so many and some more."""
     return int(min(max(2 ** np.ceil(np.log2(max(points, 1.0))), LEAST_ROOM), MOST_ROOM))
 
 
-def rows_of(curves: Any, room: int) -> tuple[np.ndarray, int]:
+def rows_of(curves: Any, capacity: int) -> tuple[np.ndarray, int]:
     """(4 room, 3) float32, and how many curves at the end found no room.
 
     curves: with start (c + 1,), id (c,), and for each of p points corners (p, 3), weights (p, 2), local_offset (p, 3),
     width and height (p,).
     """
-    rows = np.zeros((ROWS, room, 3), np.float32)
-    whole = int(np.searchsorted(curves.start, room, side="right")) - 1  # curves that fit
+    rows = np.zeros((ROWS, capacity, 3), np.float32)
+    whole = int(np.searchsorted(curves.start, capacity, side="right")) - 1  # curves that fit
     starts = curves.start[:whole + 1]
     points = int(starts[-1])
     rows[0, :points] = curves.corners[:points]

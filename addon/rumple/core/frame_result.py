@@ -62,7 +62,7 @@ class Picture:
         return self.attributes["rumple_offset"]
 
     def shows_the_same(self, other: "Picture | Sketch") -> bool:
-        """Whether a carrier would hold the same bits."""
+        """Whether an output object would hold the same bits."""
         return (isinstance(other, Picture) and np.array_equal(self.local_offset, other.local_offset)
                 and self.attributes.keys() == other.attributes.keys()
                 and all(np.array_equal(values, other.attributes[name]) for name, values in self.attributes.items()))
@@ -73,12 +73,12 @@ class Sketch:
     """A frame for a viewport that draws the wrinkles itself: the shown mesh is not made."""
 
     drawing: Any  # native: what is drawn
-    stand_in: np.ndarray  # (n, 3) from the coarse vertices to the surface that is drawn, object space
+    proxy_offset: np.ndarray  # (n, 3) from the coarse vertices to the surface that is drawn, object space
     report: Any = None
     milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
     replayed: bool = False
     unplayed: bool = False  # as a Picture's
 
     def shows_the_same(self, other: "Picture | Sketch") -> bool:
-        """Whether a carrier would hold the same bits."""
-        return isinstance(other, Sketch) and np.array_equal(self.stand_in, other.stand_in)
+        """Whether an output object would hold the same bits."""
+        return isinstance(other, Sketch) and np.array_equal(self.proxy_offset, other.proxy_offset)

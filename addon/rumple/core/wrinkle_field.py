@@ -70,11 +70,11 @@ class WrinkleField(Wrinkles):
         return lines
 
     # --- for whoever draws the waves on the GPU (../blender/viewport/preview.py)
-    def wishes(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
+    def wave_parameters(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
         """(settings, wishes, profile), native, with the paint of the last solve."""
         options = self._native_settings(settings)
-        wishes = native.load().wishes_wrinkle_field(self.model, options, self._paint)
-        return options, wishes, native_profile(settings.profile, self._drawn)
+        wave_parameters = native.load().wishes_wrinkle_field(self.model, options, self._paint)
+        return options, wave_parameters, native_profile(settings.profile, self._drawn)
 
     def reference_stretches(self, state: Any, positions: np.ndarray) -> np.ndarray:
         """(w, 3) of every welded vertex in the pose of a WrinkleFieldState; empty unless the rest shape adapts."""

@@ -37,53 +37,53 @@ class Playback:
         self.scene, self.obj = context.scene, obj
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
-        self.run_up = list(range(min(self.scene.frame_start, start), start))
-        self.looks = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
-        self.count = len(self.run_up) + (end - start) * samples + 1
-        if self.looks:
-            self.count += len(self.run_up) + end - start + 1
+        self.pre_roll = list(range(min(self.scene.frame_start, start), start))
+        self.analyzes = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
+        self.count = len(self.pre_roll) + (end - start) * samples + 1
+        if self.analyzes:
+            self.count += len(self.pre_roll) + end - start + 1
         ours = modifier.find(obj)
-        self.passes = 2 if modifier.leans_on_wrinkled(obj) else 1  # the other one is solved in the first pass
+        self.passes = 2 if modifier.depends_on_wrinkled(obj) else 1  # the other one is solved in the first pass
         self.was_baked = modifier.is_baked(ours)
         if self.was_baked:
             modifier.set_baked(ours, False)
-            runtimes.runtime(obj).stale = True
+            runtimes.of(obj).stale = True
         scheduler.sync_all()
 
     def samples_in_order(self) -> Iterator[tuple[bool, engine.Picture | None, np.ndarray | None]]:
-        """(wanted, picture, coarse positions) of every sample. Not wanted: those of the run-up, and without a picture
+        """(wanted, picture, coarse positions) of every sample. Not wanted: those of the pre-roll, and without a picture
         the frames of a first pass that only looks at the clip."""
-        if self.looks:
-            for _ in self._look():
+        if self.analyzes:
+            for _ in self._analyze():
                 yield False, None, None
-        for frame in self.run_up:
+        for frame in self.pre_roll:
             yield False, *self._solve(frame, 0.0)
         for sample in range((self.end - self.start) * self.samples + 1):
             whole, part = divmod(sample, self.samples)
             yield True, *self._solve(self.start + whole, part / self.samples)
 
-    def _look(self) -> Iterator[None]:
+    def _analyze(self) -> Iterator[None]:
         """Read the pose of every whole frame; the solver then knows the clip. Memory: 12 bytes a vertex and frame."""
-        entry, clip = runtimes.runtime(self.obj), {}
-        entry.looking = True
-        for frame in (*self.run_up, *range(self.start, self.end + 1)):
+        entry, clip = runtimes.of(self.obj), {}
+        entry.analyzing = True
+        for frame in (*self.pre_roll, *range(self.start, self.end + 1)):
             self._visit(frame, 0.0)
-            if entry.looked is None or entry.looked.frame != frame:
+            if entry.analyzed is None or entry.analyzed.frame != frame:
                 raise BakeError(f"{self.obj.name}: nothing is seen at frame {frame}: is the modifier off?")
-            clip[float(frame)] = entry.looked.positions
+            clip[float(frame)] = entry.analyzed.positions
             yield
-        entry.looking = False
+        entry.analyzing = False
         try:
-            entry.fine.look_at_clip(clip, entry.looked.settings, frame_rate=entry.looked.frame_rate)
+            entry.evaluator.look_at_clip(clip, entry.analyzed.settings, frame_rate=entry.analyzed.frame_rate)
         except engine.Refused as error:
             raise BakeError(str(error)) from error
-        entry.forget_written()  # what is shown was solved as live
+        entry.invalidate_output()  # what is shown was solved as live
 
     def _visit(self, frame: int, subframe: float) -> runtimes.Runtime:
         with preview.paused():
             for _ in range(self.passes):
                 self.scene.frame_set(frame, subframe=subframe)
-        entry = runtimes.runtime(self.obj)
+        entry = runtimes.of(self.obj)
         if entry.refusal or entry.message:
             raise BakeError(f"frame {frame + subframe:g}: {entry.refusal or entry.message}")
         return entry
@@ -96,17 +96,17 @@ class Playback:
 
     def note(self) -> str:
         """What is odd about what was solved, for the report; empty when nothing is."""
-        fine = runtimes.runtime(self.obj).fine
+        fine = runtimes.of(self.obj).evaluator
         strayed = sorted(fine.strayed) if fine is not None else []
         return (f". {len(strayed)} frames were not as they had been looked at (first: {strayed[0]:g}): they were "
                 "solved as in playback") if strayed else ""
 
     def end_playback(self, restore_bake: bool) -> None:
-        entry = runtimes.runtime(self.obj)
-        if self.looks and entry.fine is not None:
-            entry.looking, entry.looked = False, None
-            entry.fine.look_at_clip({}, None)
-            entry.forget_written()
+        entry = runtimes.of(self.obj)
+        if self.analyzes and entry.evaluator is not None:
+            entry.analyzing, entry.analyzed = False, None
+            entry.evaluator.look_at_clip({}, None)
+            entry.invalidate_output()
         if restore_bake and self.was_baked:
             modifier.set_baked(modifier.find(self.obj), True)
         self.scene.frame_set(self.now[0], subframe=self.now[1])
@@ -133,16 +133,16 @@ def stored_path(path: Path) -> str:
 
 
 def attach(obj: bpy.types.Object, manifest: clip_file.Manifest, clip: Path) -> None:
-    """Show the clip, through a new player: a former one may belong to a duplicate too."""
+    """Show the clip, through a new cache object: a former one may belong to a duplicate too."""
     ours = modifier.find(obj)
-    player = make_player(obj, modifier.carrier(ours).data)
-    modifier.add_cache(player, manifest, stored_path(clip))
-    modifier.set_player(ours, player)
+    cache_object = make_cache_object(obj, modifier.output_object(ours).data)
+    modifier.add_mesh_cache(cache_object, manifest, stored_path(clip))
+    modifier.set_cache_object(ours, cache_object)
     modifier.set_baked(ours, True)
-    runtimes.runtime(obj).stale = True
+    runtimes.of(obj).stale = True
 
 
-def make_player(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types.Object:
+def make_cache_object(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types.Object:
     """A hidden object with the points of a clip, at rest: that is what shows where the clip cannot be read."""
     attributes = modifier.system(modifier.find(obj)).wrinkles.ATTRIBUTES
     rest = engine.Picture.at_rest(compat.positions(shown), len(shown.loops), attributes)
@@ -151,26 +151,26 @@ def make_player(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types.Objec
     mesh.vertices.add(len(points))
     compat.set_positions(mesh, points)
     mesh.update()
-    player = bpy.data.objects.new(mesh.name, mesh)
-    player[output_mesh.KEY] = True
-    return player
+    cache_object = bpy.data.objects.new(mesh.name, mesh)
+    cache_object[output_mesh.KEY] = True
+    return cache_object
 
 
 def free(obj: bpy.types.Object, delete_file: bool) -> None:
     """Make the wrinkles live again."""
     ours = modifier.find(obj)
     clip = clip_status.clip_path(obj)
-    modifier.set_player(ours, None)
+    modifier.set_cache_object(ours, None)
     modifier.set_baked(ours, False)
     for child in path_curves.of(obj):
         path_curves.free(child)
     if delete_file and clip is not None:
         clip_file.delete(clip)
         path_curves.clip_path(clip).unlink(missing_ok=True)
-    entry = runtimes.runtime(obj)
+    entry = runtimes.of(obj)
     entry.stale = True
-    entry.forget_written()
-    messages.say(entry, "")
+    entry.invalidate_output()
+    messages.set_frame_error(entry, "")
     scheduler.sync_all()
 
 
@@ -182,7 +182,7 @@ class _Bake:
         clip = new_clip_path(obj)
         self.obj, self.done = obj, 0
         self.playback = Playback(context, obj, about.bake_start, about.bake_end, about.bake_samples)
-        fine = runtimes.runtime(obj).fine
+        fine = runtimes.of(obj).evaluator
         if fine is None:
             self.playback.end_playback(restore_bake=True)
             raise BakeError(runtimes.message(obj) or f"{obj.name}: there is nothing to bake")
@@ -357,7 +357,7 @@ class OBJECT_OT_rumple_bake_shape_keys(ui_base.OnWrinkled, bpy.types.Operator):
 def shape_key_object(context: bpy.types.Context, obj: bpy.types.Object, shapes: list[np.ndarray],
                      start: int) -> bpy.types.Object:
     """A copy of obj whose mesh is the fine one, moved by absolute shape keys; later modifiers stay."""
-    mesh = modifier.carrier(modifier.find(obj)).data.copy()
+    mesh = modifier.output_object(modifier.find(obj)).data.copy()
     copy = obj.copy()
     mesh.name = copy.name = f"{obj.name} shape keys"
     last = list(copy.modifiers).index(modifier.find(copy))

@@ -59,12 +59,12 @@ def canvas_of(obj: bpy.types.Object) -> Canvas:
     if modifier.is_baked(ours):
         raise Refused(f"{obj.name}: its wrinkles are baked: free the bake first")
     entry = runtimes.known(obj)
-    if entry is None or not isinstance(entry.fine, WrinkleField):
+    if entry is None or not isinstance(entry.evaluator, WrinkleField):
         raise Refused(runtimes.message(obj) or f"{obj.name}: nothing is solved yet")
-    if len(entry.fine.base.positions) != len(obj.data.vertices):
+    if len(entry.evaluator.base.positions) != len(obj.data.vertices):
         raise Refused(f"{obj.name}: its mesh was edited: one moment")
-    if _last is None or _last.easel.field is not entry.fine:
-        _last = Canvas(entry.fine)
+    if _last is None or _last.easel.field is not entry.evaluator:
+        _last = Canvas(entry.evaluator)
     return _last
 
 

@@ -14,12 +14,12 @@ from ..objects.runtimes import Runtime
 
 
 def clip_path(obj: bpy.types.Object) -> Path | None:
-    """The file that the Mesh Cache of a baked object's player reads, absolute."""
-    player = modifier.player(modifier.find(obj))
-    cache = modifier.cache(player) if player is not None else None
+    """The file that the Mesh Cache of a baked object's cache object reads, absolute."""
+    cache_object = modifier.cache_object(modifier.find(obj))
+    cache = modifier.mesh_cache(cache_object) if cache_object is not None else None
     if cache is None or not cache.filepath:
         return None
-    return Path(bpy.path.abspath(cache.filepath, library=player.library))
+    return Path(bpy.path.abspath(cache.filepath, library=cache_object.library))
 
 
 def sees_ahead(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
@@ -55,7 +55,7 @@ def manifest(clip: Path) -> clip_file.Manifest | None:
     return _manifest(clip, modified)
 
 
-def check(obj: bpy.types.Object, carrier: bpy.types.Object) -> str:
+def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
     """What is wrong with the clip of a baked object; empty when nothing is. The pose is not looked at."""
     clip = clip_path(obj)
     if clip is None or not clip.is_file():
@@ -63,7 +63,7 @@ def check(obj: bpy.types.Object, carrier: bpy.types.Object) -> str:
     about = manifest(clip)
     if about is None:
         return f"{obj.name}: the manifest beside {clip.name} is missing: nobody knows what it was baked from"
-    if not clip_file.is_whole(clip, about) or about.vertices != len(carrier.data.vertices):
+    if not clip_file.is_whole(clip, about) or about.vertices != len(output_object.data.vertices):
         return f"{obj.name}: the baked clip {clip.name} does not fit the fine mesh: bake again"
     if about.inputs != inputs_fingerprint(obj, units.scene_of(obj)):
         return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
@@ -92,7 +92,7 @@ def late_in_renders(obj: bpy.types.Object) -> str:
     Blender calls handlers once a frame: both are solved there, when the follower's coarse mesh does not have the
     other's new folds yet. In the window another update follows (_tag_dependents), in a bake another pass.
     """
-    other = modifier.leans_on_wrinkled(obj)
+    other = modifier.depends_on_wrinkled(obj)
     if other is None:
         return ""
     return f"{obj.name}: it follows {other.name}, wrinkled too: renders show its folds one frame late. Bake it"
@@ -101,7 +101,7 @@ def late_in_renders(obj: bpy.types.Object) -> str:
 def check_before_render() -> None:
     """Say on the console what is missing, stale or late, before hours are spent on it."""
     for obj, ours in modifier.wrinkled_objects():
-        held = modifier.carrier(ours)
+        held = modifier.output_object(ours)
         if held is not None:
             text = check(obj, held) if modifier.is_baked(ours) else late_in_renders(obj)
             if text:

@@ -2,8 +2,8 @@
 """The paths as curves: a child object of the garment whose mesh holds rows of numbers (core/curve_rows.py), of which
 its node group makes curves (path_curves_tree.py).
 
-The mesh has room for some points and never changes its topology while handlers run: they write positions, nothing
-else. Room is made by structural work. Whose curves they are, the modifier's input says.
+The mesh has a capacity of points and never changes its topology while handlers run: they write positions, nothing
+else. Structural work raises the capacity. Whose curves they are, the modifier's input says.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any, Iterator
 import bpy
 import numpy as np
 
-from ...core.curve_rows import ROWS, room_for, rows_of
+from ...core.curve_rows import ROWS, capacity_for, rows_of
 from ...core import clip_file
 from .. import compat, scheduler
 from ..nodes import path_curves_tree
@@ -59,14 +59,14 @@ def add(garment: bpy.types.Object) -> bpy.types.Object:
     """A child that shows the paths of a garment, beside it in its collections."""
     name = garment.name + SUFFIX
     child = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    _make_room(child.data, _room_wanted(garment))
+    _set_capacity(child.data, _wanted_capacity(garment))
     child.parent = garment
     for collection in garment.users_collection:
         collection.objects.link(child)
     ours = child.modifiers.new("Path Curves", "NODES")
     ours.node_group = path_curves_tree.ensure()
     compat.set_modifier_input(ours, _input(ours, path_curves_tree.GARMENT), garment)
-    ours.node_group = ours.node_group  # as in modifier.set_carrier()
+    ours.node_group = ours.node_group  # as in modifier.set_output_object()
     _write_again(garment)
     return child
 
@@ -82,17 +82,17 @@ def remove(child: bpy.types.Object) -> None:
 
 def _write_again(garment: bpy.types.Object) -> None:
     """The next update writes the curves of this frame."""
-    runtimes.runtime(garment).forget_written()
+    runtimes.of(garment).invalidate_output()
     garment.update_tag()
 
 
-# ---------------------------------------------------------------- room
-def room(mesh: bpy.types.Mesh) -> int:
+# ---------------------------------------------------------------- capacity
+def capacity(mesh: bpy.types.Mesh) -> int:
     """For how many points a mesh has rows."""
     return len(mesh.vertices) // ROWS
 
 
-def _make_room(mesh: bpy.types.Mesh, points: int) -> None:
+def _set_capacity(mesh: bpy.types.Mesh, points: int) -> None:
     """Rows for so many points, and edges between those that follow one another."""
     mesh.clear_geometry()
     mesh.vertices.add(ROWS * points)
@@ -102,12 +102,12 @@ def _make_room(mesh: bpy.types.Mesh, points: int) -> None:
     mesh.update()
 
 
-def _room_wanted(garment: bpy.types.Object) -> int:
+def _wanted_capacity(garment: bpy.types.Object) -> int:
     entry = runtimes.known(garment)
-    if entry is None or entry.fine is None:
-        return room_for(0)
+    if entry is None or entry.evaluator is None:
+        return capacity_for(0)
     settings = properties.settings_of(garment, units.scene_of(garment))
-    return room_for(max(entry.fine.curve_points(settings), 1.5 * entry.curve_points))
+    return capacity_for(max(entry.evaluator.curve_points(settings), 1.5 * entry.curve_points))
 
 
 # ---------------------------------------------------------------- every frame
@@ -117,19 +117,20 @@ def write(garment: bpy.types.Object, entry: Runtime) -> None:
     if not children:
         return
     inputs = entry.inputs
-    curves = entry.fine.curves(inputs.frame, inputs.positions, inputs.settings)
+    curves = entry.evaluator.curves(inputs.frame, inputs.positions, inputs.settings)
     points = len(curves.width)
     for child in children:
-        if room(child.data) < points:
+        if capacity(child.data) < points:
             entry.curve_points = points
             if scheduler.allowed_now():
-                _make_room(child.data, _room_wanted(garment))
+                _set_capacity(child.data, _wanted_capacity(garment))
             else:
                 scheduler.request()
-        rows, left_out = rows_of(curves, room(child.data))
+        rows, left_out = rows_of(curves, capacity(child.data))
         if left_out:
-            messages.say(entry, f"{garment.name}: {child.name} has no room for {left_out} of {len(curves.id)} paths "
-                                "in this frame: play the clip through before you render it")
+            text = (f"{garment.name}: {child.name} has no room for {left_out} of {len(curves.id)} paths in this frame: "
+                    "play the clip through before you render it")
+            messages.set_frame_error(entry, text)
         if not np.array_equal(compat.positions(child.data), rows):
             compat.set_positions(child.data, rows)
             child.data.update()
@@ -137,7 +138,7 @@ def write(garment: bpy.types.Object, entry: Runtime) -> None:
 
 def _is_writable(child: bpy.types.Object) -> bool:
     """In Edit Mode the mesh is not what is shown; a baked one is played; linked ones ignore what is written."""
-    return (child.mode == "OBJECT" and modifier.cache(child) is None and compat.is_editable(child)
+    return (child.mode == "OBJECT" and modifier.mesh_cache(child) is None and compat.is_editable(child)
             and compat.is_editable(child.data))
 
 
@@ -156,10 +157,10 @@ def sync(wrinkled: list[bpy.types.Object]) -> None:
         if key in seen or not compat.is_editable(child.data):
             child.data = child.data.copy()
         seen.add(compat.session_key(child.data))
-        if garment is not None and modifier.cache(child) is None and child.mode == "OBJECT":
-            wanted = _room_wanted(garment)
-            if room(child.data) < wanted:
-                _make_room(child.data, wanted)
+        if garment is not None and modifier.mesh_cache(child) is None and child.mode == "OBJECT":
+            wanted = _wanted_capacity(garment)
+            if capacity(child.data) < wanted:
+                _set_capacity(child.data, wanted)
                 _write_again(garment)
 
 
@@ -183,21 +184,22 @@ class Recorder:
     def add(self) -> None:
         """The sample that was solved last."""
         if self.wanted:
-            entry = runtimes.runtime(self.garment)
-            self.curves.append(entry.fine.curves(entry.inputs.frame, entry.inputs.positions, entry.inputs.settings))
+            entry = runtimes.of(self.garment)
+            inputs = entry.inputs
+            self.curves.append(entry.evaluator.curves(inputs.frame, inputs.positions, inputs.settings))
 
     def finish(self, manifest: clip_file.Manifest, clip: Path, stored_path: Any) -> None:
         """Write the clip beside that of the garment. stored_path: how a blend file names it. Raises OSError."""
         if not self.wanted:
             return
-        points = room_for(max(len(curves.width) for curves in self.curves))
+        points = capacity_for(max(len(curves.width) for curves in self.curves))
         path = clip_path(clip)
         clip_file.write_points(path, manifest, ROWS * points, (rows_of(curves, points)[0] for curves in self.curves))
         for child in of(self.garment):
             if compat.is_editable(child):
                 free(child)  # of a former clip, which it played up to now
-                _make_room(child.data, points)
-                cache = modifier.add_cache(child, manifest, stored_path(path))
+                _set_capacity(child.data, points)
+                cache = modifier.add_mesh_cache(child, manifest, stored_path(path))
                 cache.interpolation = "NONE"  # between two samples there may be other curves: they ride on the pose
                 compat.move_modifier(child, len(child.modifiers) - 1, 0)
 
@@ -209,6 +211,6 @@ def clip_path(clip: Path) -> Path:
 
 def free(child: bpy.types.Object) -> None:
     """Live again."""
-    cache = modifier.cache(child)
+    cache = modifier.mesh_cache(child)
     if cache is not None and compat.is_editable(child):
         child.modifiers.remove(cache)

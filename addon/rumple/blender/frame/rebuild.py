@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Structural work: fine meshes, carriers, duplicates, leftovers.
+"""Structural work: fine meshes, output objects, duplicates, leftovers.
 
 It makes and removes data-blocks, so it runs outside handlers: from operators, from a timer in the window, and in
 background mode directly while nothing renders; also before a render that runs in the main thread, but never in the
@@ -19,39 +19,39 @@ from . import clip_status, path_curves
 
 
 def sync_all() -> None:
-    """Bring every wrinkled object in order: node groups, shared carriers, stale meshes, leftovers."""
+    """Bring every wrinkled object in order: node groups, shared output objects, stale meshes, leftovers."""
     for group in list(bpy.data.node_groups):
         if wrinkle_tree.is_ours(group):
             wrinkle_tree.upgrade(group)
     objects = list(modifier.wrinkled_objects())
     runtimes.forget_all_but(obj for obj, _ in objects)
-    _split_shared_carriers(objects)
+    _split_shared_outputs(objects)
     bodies.connect_all()
     for obj, ours in objects:
-        if runtimes.runtime(obj).stale:
+        if runtimes.of(obj).stale:
             prepare(obj, ours)
     _tidy_removed({obj.name_full for obj, _ in objects})
     path_curves.sync([obj for obj, _ in modifier.wrinkled_objects()])
 
 
 def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
-    """Make the fine mesh and the carrier what they should be. True when something was rebuilt.
+    """Make the fine mesh and the output object what they should be. True when something was rebuilt.
 
     Never raises: what is wrong becomes the object's message and the last good mesh stays.
     """
     if obj.mode in mesh_reader.BUSY_MODES or obj.data.is_editmode:  # by another object that shares it
         return False
-    entry = runtimes.runtime(obj)
+    entry = runtimes.of(obj)
     entry.stale = False
     entry.groups = [group.name for group in obj.vertex_groups]
     try:
         changed = _prepare(obj, ours, entry)
-        messages.refuse(entry, entry.bake_note)
+        messages.set_build_error(entry, entry.bake_note)
         return changed
     except (engine.Refused, native.NativeMissing) as error:
-        messages.refuse(entry, str(error))
+        messages.set_build_error(entry, str(error))
     except Exception as error:  # a message on the panel, never a traceback
-        messages.refuse(entry, messages.unexpected(obj, error))
+        messages.set_build_error(entry, messages.unexpected(obj, error))
     return False
 
 
@@ -59,29 +59,29 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
     method = modifier.system(ours).method
     if compat.is_editable(obj) and obj.rumple.method != method:
         obj.rumple.method = method  # the modifier came by Copy Modifiers or an older file
-    if modifier.is_baked(ours) and modifier.carrier(ours) is not None:
-        entry.bake_note = clip_status.check(obj, modifier.carrier(ours))
-        return False  # the clip counts on the carrier as it is
+    if modifier.is_baked(ours) and modifier.output_object(ours) is not None:
+        entry.bake_note = clip_status.check(obj, modifier.output_object(ours))
+        return False  # the clip counts on the output object as it is
     entry.bake_note = ""
     if method == "FIELD":
         _settle_profile(obj, entry)
-    former = entry.fine
+    former = entry.evaluator
     evaluator.ensure(obj, entry)
-    if entry.fine is not former:
-        obj.update_tag()  # the carrier may fit as it is, but nothing is solved by this one
+    if entry.evaluator is not former:
+        obj.update_tag()  # the output object may fit as it is, but nothing is solved by this one
     source = evaluator.source_of(obj)
-    held = modifier.carrier(ours)
+    held = modifier.output_object(ours)
     count = len(obj.data.vertices)
     if held is None or held.type != "MESH" or not _is_local(held):
-        held = output_mesh.make(obj, entry.fine, source)
+        held = output_mesh.make(obj, entry.evaluator, source)
         held[output_mesh.KEY] = True
-    elif not output_mesh.is_embedding_of(held.data, entry.fine):
-        output_mesh.fill(held, obj, entry.fine, source)
-    elif not output_mesh.carry_changes(held, obj, entry.fine, source):
+    elif not output_mesh.is_embedding_of(held.data, entry.evaluator):
+        output_mesh.fill(held, obj, entry.evaluator, source)
+    elif not output_mesh.carry_changes(held, obj, entry.evaluator, source):
         if modifier.coarse_vertices(ours) == count:
             return False
-    modifier.set_carrier(ours, held, count)
-    entry.forget_written()
+    modifier.set_output_object(ours, held, count)
+    entry.invalidate_output()
     return True
 
 
@@ -101,21 +101,21 @@ def _is_local(held: bpy.types.Object) -> bool:
 
 
 # ---------------------------------------------------------------- duplicates and leftovers
-def _split_shared_carriers(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> None:
-    """Every object needs a local carrier of its own: Shift-D and Alt-D share one, linked ones cannot be written."""
+def _split_shared_outputs(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> None:
+    """Every object needs a local output object of its own: duplicates share one, linked ones cannot be written."""
     seen: set[int] = set()
     for obj, ours in objects:
-        held = modifier.carrier(ours)
+        held = modifier.output_object(ours)
         if held is None or held.type != "MESH":
-            runtimes.runtime(obj).stale = True
+            runtimes.of(obj).stale = True
             continue
         key = compat.session_key(held)
         if key in seen or not _is_local(held):
             held = output_mesh.copy_for(obj, held)
             held[output_mesh.KEY] = True
-            modifier.set_carrier(ours, held, modifier.coarse_vertices(ours))
-            runtimes.runtime(obj).stale = True
-            runtimes.runtime(obj).forget_written()
+            modifier.set_output_object(ours, held, modifier.coarse_vertices(ours))
+            runtimes.of(obj).stale = True
+            runtimes.of(obj).invalidate_output()
         seen.add(compat.session_key(held))
 
 
@@ -126,13 +126,14 @@ def _tidy_removed(wrinkled: set[str]) -> None:
             continue
         if obj.rumple.method != "NONE":
             drop_traces(obj)
-    drop_orphan_carriers()
+    drop_orphan_outputs()
     field_profile.drop_orphans()
 
 
-def drop_orphan_carriers() -> None:
-    """Carriers and players without an object. Asked of the user map: 5.2's count keeps applied modifiers."""
-    held = {hidden(ours) for _, ours in modifier.wrinkled_objects() for hidden in (modifier.carrier, modifier.player)}
+def drop_orphan_outputs() -> None:
+    """Output and cache objects without an object. Asked of the user map: 5.2's count keeps applied modifiers."""
+    hidden = (modifier.output_object, modifier.cache_object)
+    held = {of(ours) for _, ours in modifier.wrinkled_objects() for of in hidden}
     candidates = {o for o in bpy.data.objects if output_mesh.KEY in o} - held
     if not candidates:
         return  # the user map looks at the whole file
@@ -155,7 +156,7 @@ def drop_internal_attributes(obj: bpy.types.Object) -> None:
     if not compat.is_editable(mesh) or obj.mode == "EDIT":
         return
     shared = any(other != obj and other.data == mesh for other, _ in modifier.wrinkled_objects())
-    internal = (*wrinkle_tree.CARRIER_ONLY, wrinkle_tree.BASE_POSITION, wrinkle_tree.BASE_INDEX,
+    internal = (*wrinkle_tree.OUTPUT_ONLY, wrinkle_tree.BASE_POSITION, wrinkle_tree.BASE_INDEX,
                 wrinkle_tree.REST_POSITION)
     for name in internal:
         if name in mesh.attributes and not shared:
@@ -163,11 +164,11 @@ def drop_internal_attributes(obj: bpy.types.Object) -> None:
 
 
 def remove_all(obj: bpy.types.Object) -> None:
-    """Modifier, carrier, node group (when the last), attributes and stored frames; the settings stay."""
+    """Modifier, output object, node group (when the last), attributes and stored frames; the settings stay."""
     with scheduler.LOCK:
         for child in path_curves.of(obj):
             path_curves.remove(child)
         modifier.remove(obj)
         drop_traces(obj)
-        drop_orphan_carriers()
+        drop_orphan_outputs()
         runtimes.forget(obj)

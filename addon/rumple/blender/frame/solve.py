@@ -4,7 +4,7 @@
 The picture is a function of the pose and of stored state (core/history.py), so it does not matter how often,
 for which depsgraph and in which order this is called. Rules that keep Blender alive:
 never update a depsgraph here; while a render runs leave viewport depsgraphs alone; write nothing but attributes of
-the carrier's mesh, and nothing at all when nothing changed; leave baked objects alone.
+the output mesh, and nothing at all when nothing changed; leave baked objects alone.
 """
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             _note_groups(obj)
         if scheduler.allowed_now() and any(_needs_structure(obj, ours) for obj, ours in objects):
             _rebuild_here(objects, depsgraph)
-        carriers_seen: set[int] = set()
+        outputs_seen: set[int] = set()
         written = [obj for obj, ours in objects
-                   if obj not in late and _process_guarded(obj, ours, scene, depsgraph, carriers_seen)]
+                   if obj not in late and _process_guarded(obj, ours, scene, depsgraph, outputs_seen)]
         for obj, _ours in objects:
-            runtimes.runtime(obj).pose = None  # it belongs to this call only
+            runtimes.of(obj).pose = None  # it belongs to this call only
         if written and len(objects) > 1:
             _tag_dependents(written, [obj for obj, _ in objects])
 
@@ -49,14 +49,14 @@ def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Ob
     """
     if bpy.app.background or scheduler.rendering():
         return
-    scheduler.tag_soon({obj.name for obj in wrinkled if obj.library is None and modifier.leans_on(obj, written)})
+    scheduler.tag_soon({obj.name for obj in wrinkled if obj.library is None and modifier.depends_on(obj, written)})
 
 
 def _not_connected(objects: list) -> set[bpy.types.Object]:
     """Those whose bodies this depsgraph may not have evaluated: their modifiers do not name them yet."""
     late = {obj for obj, ours in objects if not bodies.is_connected(obj, ours)}
     for obj in late:
-        runtimes.runtime(obj).stale = True
+        runtimes.of(obj).stale = True
         scheduler.request()
     return late
 
@@ -71,7 +71,7 @@ def _note_groups(obj: bpy.types.Object) -> None:
 
 def _needs_structure(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
     entry = runtimes.known(obj)
-    return entry is None or entry.stale or modifier.carrier(ours) is None
+    return entry is None or entry.stale or modifier.output_object(ours) is None
 
 
 def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
@@ -79,7 +79,7 @@ def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
     poses = {obj.name_full: _posed(obj, depsgraph) for obj, _ in objects}
     scheduler.sync_all()
     for obj, _ours in objects:
-        runtimes.runtime(obj).pose = poses[obj.name_full]
+        runtimes.of(obj).pose = poses[obj.name_full]
 
 
 def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
@@ -93,26 +93,26 @@ def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray 
 
 
 def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene: bpy.types.Scene,
-                     depsgraph: bpy.types.Depsgraph, carriers_seen: set[int]) -> bool:
-    """True when the carrier was written."""
-    entry = runtimes.runtime(obj)
+                     depsgraph: bpy.types.Depsgraph, outputs_seen: set[int]) -> bool:
+    """True when the output object was written."""
+    entry = runtimes.of(obj)
     try:
-        held = modifier.carrier(ours)
+        held = modifier.output_object(ours)
         if held is None or held.type != "MESH":
             scheduler.request()
             return False
         key = compat.session_key(held)
-        if key in carriers_seen or held.library is not None or held.data.library is not None:
+        if key in outputs_seen or held.library is not None or held.data.library is not None:
             scheduler.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
             return False
-        carriers_seen.add(key)
+        outputs_seen.add(key)
         return _process(obj, ours, held, entry, scene, depsgraph)
     except (engine.Refused, native.NativeMissing) as error:
-        messages.say(entry, str(error))
+        messages.set_frame_error(entry, str(error))
     except mesh_reader.Reordered as error:
-        messages.say(entry, f"{obj.name}: {error}")
+        messages.set_frame_error(entry, f"{obj.name}: {error}")
     except Exception as error:  # handlers must not throw: the last good picture stays, the panel says why
-        messages.say(entry, messages.unexpected(obj, error))
+        messages.set_frame_error(entry, messages.unexpected(obj, error))
     return False
 
 
@@ -122,9 +122,10 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
     if not evaluated.is_evaluated or obj.mode in mesh_reader.BUSY_MODES:
         return False
     if modifier.is_baked(ours):
-        messages.say(entry, clip_status.compare_pose(obj, entry, evaluated, float(scene.frame_current_final)))
+        frame = float(scene.frame_current_final)
+        messages.set_frame_error(entry, clip_status.compare_pose(obj, entry, evaluated, frame))
         return False
-    if entry.fine is None:
+    if entry.evaluator is None:
         evaluator.ensure(obj, entry)
     if not _fits(held, entry):
         entry.stale = True
@@ -133,43 +134,43 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
     inputs = _inputs(obj, ours, entry, evaluated, scene, depsgraph)
     if inputs is None:
         return False
-    if entry.looking:
-        entry.looked = inputs
-        messages.say(entry, "")
+    if entry.analyzing:
+        entry.analyzed = inputs
+        messages.set_frame_error(entry, "")
         return False
-    if inputs.same_as(entry.inputs) and entry.carrier_key == compat.session_key(held.data):
-        messages.say(entry, "")  # what was wrong in between is as it was before
+    if inputs.same_as(entry.inputs) and entry.output_key == compat.session_key(held.data):
+        messages.set_frame_error(entry, "")  # what was wrong in between is as it was before
         messages.note_unplayed(entry, entry.unplayed, depsgraph.mode == "RENDER")
         return False
-    picture = _solve(entry, inputs, scene, inputs.stands_in)
+    picture = _solve(entry, inputs, scene, inputs.uses_proxy)
     entry.inputs = inputs
-    messages.say(entry, "")
-    unplayed = entry.fine.unplayed_message(inputs.frame, scene.frame_start) if picture.unplayed else ""
+    messages.set_frame_error(entry, "")
+    unplayed = entry.evaluator.unplayed_message(inputs.frame, scene.frame_start) if picture.unplayed else ""
     messages.note_unplayed(entry, unplayed, depsgraph.mode == "RENDER")
-    if entry.fine.HAS_CURVES:
+    if entry.evaluator.HAS_CURVES:
         path_curves.write(obj, entry)
     return _show(held, entry, picture, depsgraph.mode == "VIEWPORT")
 
 
 def _solve(entry: Runtime, inputs: Inputs, scene: bpy.types.Scene, sketched: bool) -> engine.Picture | engine.Sketch:
-    return entry.fine.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
+    return entry.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
                                   start=scene.frame_start, world_from_object=inputs.world_from_object,
                                   frame_rate=inputs.frame_rate, sketched=sketched, body=inputs.body,
                                   surroundings=inputs.surroundings)
 
 
 def show_fine_meshes() -> None:
-    """Before a file is saved: without the add-on it shows what its carriers hold. Viewports get theirs back at once."""
+    """Before a file is saved: without the add-on it shows what its output objects hold. Viewports get theirs back."""
     with LOCK:
         for obj, ours in modifier.wrinkled_objects():
-            entry, held = runtimes.known(obj), modifier.carrier(ours)
-            if held is None or entry is None or entry.inputs is None or not entry.inputs.stands_in:
+            entry, held = runtimes.known(obj), modifier.output_object(ours)
+            if held is None or entry is None or entry.inputs is None or not entry.inputs.uses_proxy:
                 continue
             try:
                 _show(held, entry, _solve(entry, entry.inputs, units.scene_of(obj), sketched=False), True)
             except Exception as error:  # the file is saved all the same
                 print(f"Rumple: {messages.unexpected(obj, error)}")
-            entry.forget_written()
+            entry.invalidate_output()
             scheduler.tag_soon({obj.name})
 
 
@@ -185,17 +186,17 @@ def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime
     # The evaluated copy: animated settings are right there, in renders too.
     settings = properties.settings_of(evaluated, scene)
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
-    stands_in = depsgraph.mode == "VIEWPORT" and preview.takes_over(obj, ours)
+    uses_proxy = depsgraph.mode == "VIEWPORT" and preview.uses_proxy(obj, ours)
     return Inputs(float(scene.frame_current_final), settings, positions, world, entry.paint,
-                  scene.render.fps / scene.render.fps_base, stands_in, body,
+                  scene.render.fps / scene.render.fps_base, uses_proxy, body,
                   wind.surroundings(evaluated, depsgraph, settings))
 
 
 def _fits(held: bpy.types.Object, entry: Runtime) -> bool:
-    """Whether the carrier is the fine mesh that is solved. The costly comparison is made once for a carrier."""
-    if entry.carrier_key == compat.session_key(held.data):
-        return len(held.data.vertices) == entry.fine.vertex_count
-    return output_mesh.is_embedding_of(held.data, entry.fine)
+    """Whether the output object is the fine mesh that is solved. The costly comparison is made once for each."""
+    if entry.output_key == compat.session_key(held.data):
+        return len(held.data.vertices) == entry.evaluator.vertex_count
+    return output_mesh.is_embedding_of(held.data, entry.evaluator)
 
 
 def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, evaluated: bpy.types.Object,
@@ -203,7 +204,7 @@ def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runti
     """Coarse positions of this frame; None where the modifier is off or passed the coarse mesh through."""
     if entry.pose is not None:
         return entry.pose
-    count = len(entry.fine.base.positions)
+    count = len(entry.evaluator.base.positions)
     positions = mesh_reader.posed_positions(evaluated, count)
     shown = ours.show_render if depsgraph.mode == "RENDER" else ours.show_viewport
     if positions is not None or not shown:
@@ -220,17 +221,17 @@ def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runti
 
 
 def _show(held: bpy.types.Object, entry: Runtime, picture: engine.Picture | engine.Sketch, in_viewport: bool) -> bool:
-    """Write the picture, unless the carrier has it already: a write tags the mesh and costs another evaluation."""
+    """Write the picture, unless it is there already: a write tags the mesh and costs another evaluation."""
     key = compat.session_key(held.data)
     last = entry.picture
     entry.picture = picture
-    if last is not None and entry.carrier_key == key and last.shows_the_same(picture):
+    if last is not None and entry.output_key == key and last.shows_the_same(picture):
         return False
     if isinstance(picture, engine.Sketch):
-        output_mesh.write_stand_in(held.data, picture.stand_in)
+        output_mesh.write_proxy(held.data, picture.proxy_offset)
     else:
-        output_mesh.write_picture(held.data, picture, entry.fine.ATTRIBUTES)
+        output_mesh.write_picture(held.data, picture, entry.evaluator.ATTRIBUTES)
         if in_viewport:
-            output_mesh.write_stand_in(held.data, None)
-    entry.carrier_key = key
+            output_mesh.write_proxy(held.data, None)
+    entry.output_key = key
     return True

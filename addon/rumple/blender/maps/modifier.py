@@ -14,7 +14,7 @@ import bpy
 
 from .. import compat
 from ..nodes import maps_mask_tree
-from ..nodes.maps_mask_tree import BONES, CARRIER, COUNT, WRINKLES, Shape
+from ..nodes.maps_mask_tree import BONES, SKIN, COUNT, WRINKLES, Shape
 from ..objects import modifier
 
 NAME = "Wrinkle Maps"
@@ -84,7 +84,7 @@ def remove(obj: bpy.types.Object) -> None:
     if ours is None:
         return
     group, held = ours.node_group, hidden(ours)
-    for name in (CARRIER, BONES, WRINKLES):
+    for name in (SKIN, BONES, WRINKLES):
         if _get(ours, name) is not None:
             _set(ours, name, None)
     obj.modifiers.remove(ours)
@@ -111,7 +111,7 @@ def _mesh_object(ours: bpy.types.NodesModifier, name: str) -> bpy.types.Object |
 
 def skin(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object with the weights."""
-    return _mesh_object(ours, CARRIER)
+    return _mesh_object(ours, SKIN)
 
 
 def skeleton(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
@@ -120,7 +120,7 @@ def skeleton(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
 
 
 def wrinkles(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    """The carrier of other wrinkles that it knows of."""
+    """The output object of other wrinkles that it knows of."""
     return _mesh_object(ours, WRINKLES)
 
 
@@ -133,10 +133,10 @@ def connect(obj: bpy.types.Object, ours: bpy.types.NodesModifier, new_skin: bpy.
             new_skeleton: bpy.types.Object | None, wrinkles: bpy.types.Object | None) -> None:
     """Let the modifier read these; count of vertices as obj has them now. The former ones go, unless others read them.
 
-    wrinkles: the carrier of the modifier that makes other wrinkles in front of this one.
+    wrinkles: the output object of the modifier that makes other wrinkles in front of this one.
     """
     count, former = len(obj.data.vertices), hidden(ours)
-    wanted = {CARRIER: new_skin, BONES: new_skeleton, WRINKLES: wrinkles, COUNT: count}
+    wanted = {SKIN: new_skin, BONES: new_skeleton, WRINKLES: wrinkles, COUNT: count}
     if all((_get(ours, name) or None) == (value or None) for name, value in wanted.items()):
         return
     for name, value in wanted.items():

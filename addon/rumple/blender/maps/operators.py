@@ -84,7 +84,7 @@ def add_maps(obj: bpy.types.Object) -> None:
 
 
 def remove_maps(obj: bpy.types.Object) -> None:
-    """Modifier, carrier and the nodes in materials; the reference poses stay with the object."""
+    """Modifier, output object and the nodes in materials; the reference poses stay with the object."""
     hide(obj)
     maps_modifier.remove(obj)
     group = obj.rumple_maps.group

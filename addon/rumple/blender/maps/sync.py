@@ -31,7 +31,7 @@ class Runtime(runtimes.Messages):
     shape: str = ""  # fingerprint of what it was made from
     stale: bool = True
     lifted: tuple | None = None  # gain and strengths that were written ...
-    carrier_key: int = 0  # ... to which skin
+    output_key: int = 0  # ... to which skin
     seen: tuple | None = None  # the present bones, and what presence was found for them
 
 
@@ -72,15 +72,15 @@ def forget_all() -> None:
     _runtimes.clear()
 
 
-def forget_written() -> None:
+def invalidate_output() -> None:
     """The skins may hold something else now: write gain and strengths again, whatever they are."""
     for entry in _runtimes.values():
-        entry.lifted, entry.carrier_key = None, 0
+        entry.lifted, entry.output_key = None, 0
 
 
-def doubt_all() -> None:
+def invalidate_all() -> None:
     """After undo and redo everything in the file may be another version of itself."""
-    forget_written()
+    invalidate_output()
     for entry in _runtimes.values():
         entry.stale = True
 
@@ -135,11 +135,11 @@ def sync() -> None:
 
 
 def _wrinkles_in_front(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    """The carrier of a Wrinkle Mesh, Field or Paths in front of the maps."""
+    """The output object of a Wrinkle Mesh, Field or Paths in front of the maps."""
     wrinkles, stack = modifier.find(obj), list(obj.modifiers)
     if wrinkles is None or stack.index(wrinkles) > stack.index(ours):
         return None
-    return modifier.carrier(wrinkles)
+    return modifier.output_object(wrinkles)
 
 
 def _is_behind_others(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
@@ -153,14 +153,14 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
     entry.stale = False
     try:
         _prepare(obj, ours, entry)
-        messages.refuse(entry, "")
+        messages.set_build_error(entry, "")
     except Refused as error:
-        messages.refuse(entry, str(error))
+        messages.set_build_error(entry, str(error))
         maps_modifier.connect(obj, ours, None, None, _wrinkles_in_front(obj, ours))  # no masks rather than wrong ones
     except native.NativeMissing as error:  # the nodes go on without
-        messages.refuse(entry, str(error))
+        messages.set_build_error(entry, str(error))
     except Exception as error:  # a message on the panel, never a traceback
-        messages.refuse(entry, messages.unexpected(obj, error))
+        messages.set_build_error(entry, messages.unexpected(obj, error))
 
 
 def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> None:
@@ -189,9 +189,9 @@ def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtim
 def _lift(obj: bpy.types.Object, skin: bpy.types.Object, entry: Runtime, settings: bpy.types.PropertyGroup) -> None:
     """Gain, strengths, mute and solo, where the skin has others. A write costs another evaluation."""
     wanted, key = (settings.gain, tuple(strengths(settings.poses))), compat.session_key(skin.data)
-    if wanted != entry.lifted or key != entry.carrier_key:
+    if wanted != entry.lifted or key != entry.output_key:
         maps_meshes.write_weights(skin, entry.comparison, *wanted)
-        entry.lifted, entry.carrier_key = wanted, key
+        entry.lifted, entry.output_key = wanted, key
 
 
 def ensure_comparison(obj: bpy.types.Object, entry: Runtime) -> None:
@@ -278,11 +278,11 @@ def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, depsg
     entry = runtime(obj)
     try:
         _process(obj, ours, entry, depsgraph)
-        messages.say(entry, "")
+        messages.set_frame_error(entry, "")
     except (Refused, native.NativeMissing) as error:
-        messages.say(entry, str(error))
+        messages.set_frame_error(entry, str(error))
     except Exception as error:  # handlers must not throw: the last good masks stay, the panel says why
-        messages.say(entry, messages.unexpected(obj, error))
+        messages.set_frame_error(entry, messages.unexpected(obj, error))
 
 
 def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, depsgraph: bpy.types.Depsgraph

@@ -25,8 +25,8 @@ from .builder import GeometryNodes
 from .maps_shader import MASKS
 
 MASK = "rumple_pose_{}"
-CARRIER, COUNT, BONES, WRINKLES = "Carrier", "Vertices", "Bones", "Wrinkles"
-INPUTS = (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
+SKIN, COUNT, BONES, WRINKLES = "Carrier", "Vertices", "Bones", "Wrinkles"
+INPUTS = (("Geometry", "NodeSocketGeometry"), (SKIN, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
           (BONES, "NodeSocketObject"), (WRINKLES, "NodeSocketObject"))
 
 # Attributes of the hidden meshes. {} is a pose, a pack of three poses, a column or a further row of the weight table.
@@ -64,7 +64,7 @@ class Builder(GeometryNodes):
         geometry = inputs["Geometry"]
         if self.shape.poses:
             skeleton = self.with_influences(self.mesh_of(inputs[BONES]))
-            geometry = self.shown(geometry, self.mesh_of(inputs[CARRIER]), skeleton, inputs)
+            geometry = self.shown(geometry, self.mesh_of(inputs[SKIN]), skeleton, inputs)
         self.group.links.new(geometry, self.node("NodeGroupOutput").inputs[0])
 
     # --- section 5.1

@@ -64,8 +64,8 @@ class _Curves(GeometryNodes):
 
     def row(self, geometry: Socket, number: int, index: Socket) -> Socket:
         """One of the rows of the point `index`."""
-        room = self.math("DIVIDE", self.element_count(geometry, "POINT"), float(ROWS))
-        return self.sample(geometry, self.math("MULTIPLY_ADD", room, float(number), index))
+        capacity = self.math("DIVIDE", self.element_count(geometry, "POINT"), float(ROWS))
+        return self.sample(geometry, self.math("MULTIPLY_ADD", capacity, float(number), index))
 
     def is_number(self, garment: Socket, index: Socket) -> Socket:
         """Whether a coarse point still is where it was on the result of the wrinkles."""

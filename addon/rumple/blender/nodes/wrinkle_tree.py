@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The node groups "Rumple Wrinkle Mesh", "Rumple Wrinkle Field" and so on, built by code: one for each system.
 
-It shows the mesh of a hidden carrier object in place of the coarse mesh that comes in:
+It shows the mesh of a hidden output object in place of the coarse mesh that comes in:
 
     position = p0 + u (p1 - p0) + v (p2 - p0) + t o.x + b o.y + n o.z
     t = normalize(p1 - p0),  n = normalize((p1 - p0) x (p2 - p0)),  b = n x t
@@ -10,11 +10,11 @@ where p0 p1 p2 are incoming points. The offset is orthonormal, not affine, becau
 the cloth where no add-on writes new offsets. A collapsed triangle has
 t = n = b = 0: Blender's Normalize gives zero for zero, so nothing becomes NaN.
 
-Baked, positions and attributes come from the points of another hidden object, the player, which a Mesh
+Baked, positions and attributes come from the points of another hidden object, the cache object, which a Mesh
 Cache moves (clip_file.py says what they mean): only positions can be cached so that no add-on is needed.
 
 Attributes, all starting with "rumple_":
-  on the carrier only, removed from the result
+  on the output object only, removed from the result
     rumple_corner_0, _1, _2   INT     incoming points the vertex is embedded in
     rumple_barycentric        VECTOR  (u, v, 0)
     rumple_local_offset       VECTOR  (o.x, o.y, o.z), rewritten for every frame
@@ -51,14 +51,14 @@ LOCAL_OFFSET = "rumple_local_offset"
 BASE_POSITION = "rumple_base_position"
 BASE_INDEX = "rumple_base_index"
 REST_POSITION = "rumple_rest_position"
-STANDS_IN = "rumple_stands_in"
-STAND_IN = "rumple_stand_in"
-CARRIER_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET, STANDS_IN, STAND_IN)
+SHOWS_PROXY = "rumple_stands_in"
+PROXY_OFFSET = "rumple_stand_in"
+OUTPUT_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET, SHOWS_PROXY, PROXY_OFFSET)
 
-CARRIER, COUNT, BAKED, PLAYER = "Carrier", "Coarse Vertices", "Baked", "Player"
+OUTPUT, COUNT, BAKED, CACHE = "Carrier", "Coarse Vertices", "Baked", "Player"
 BODY, BODIES = "Body", "Bodies"  # no node reads them: what an input names is evaluated first, also where it is hidden
-_INPUTS = (("Geometry", "NodeSocketGeometry"), (CARRIER, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
-           (BAKED, "NodeSocketBool"), (PLAYER, "NodeSocketObject"), (BODY, "NodeSocketObject"),
+_INPUTS = (("Geometry", "NodeSocketGeometry"), (OUTPUT, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
+           (BAKED, "NodeSocketBool"), (CACHE, "NodeSocketObject"), (BODY, "NodeSocketObject"),
            (BODIES, "NodeSocketCollection"))
 
 
@@ -139,16 +139,16 @@ class _Builder(GeometryNodes):
     def store_base_position(self, geometry: bpy.types.NodeSocket, fine: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         return self.store(fine, BASE_POSITION, "FLOAT_VECTOR", self.sample(geometry, self.index()))
 
-    def stand_in(self, geometry: bpy.types.NodeSocket, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """The coarse mesh, moved by what the carrier holds for its points."""
+    def proxy(self, geometry: bpy.types.NodeSocket, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """The coarse mesh, moved by what the output object holds for its points."""
         index = self.index()
-        way = self.at(carried, self.named(STAND_IN, "FLOAT_VECTOR"), index)
+        way = self.at(carried, self.named(PROXY_OFFSET, "FLOAT_VECTOR"), index)
         return self.moved(self.store(geometry, BASE_INDEX, "INT", index), self.added(self.position(), way))
 
-    def stands_in(self, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    def uses_proxy(self, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Whether this is a viewport that shows the coarse mesh."""
         return self.both(self.node("GeometryNodeIsViewport").outputs[0],
-                         self.at(carried, self.named(STANDS_IN, "INT"), 0, "INT"))
+                         self.at(carried, self.named(SHOWS_PROXY, "INT"), 0, "INT"))
 
     def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
@@ -158,16 +158,16 @@ class _Builder(GeometryNodes):
 
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
-        geometry, carried = inputs["Geometry"], self.mesh_of(inputs[CARRIER])
-        clip = self.mesh_of(inputs[PLAYER])
+        geometry, carried = inputs["Geometry"], self.mesh_of(inputs[OUTPUT])
+        clip = self.mesh_of(inputs[CACHE])
         # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
         baked = self.both(inputs[BAKED], self.counts_match(clip, self.clip_points(carried)))
         # Switches evaluate only the branch they take: a baked clip costs no embedding.
-        live = self.switch(self.stands_in(carried), self.moved(carried, self.embedded_position(geometry)),
-                           self.stand_in(geometry, carried))
+        live = self.switch(self.uses_proxy(carried), self.moved(carried, self.embedded_position(geometry)),
+                           self.proxy(geometry, carried))
         fine = self.switch(baked, live, self.played(carried, clip))
         fine = self.store_base_position(geometry, fine)
-        for name in CARRIER_ONLY:
+        for name in OUTPUT_ONLY:
             fine = self.without(fine, name)
         shown = self.switch(self.counts_match(geometry, inputs[COUNT]), geometry, fine)
         output = self.node("NodeGroupOutput")

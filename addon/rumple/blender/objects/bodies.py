@@ -23,7 +23,7 @@ Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
 # ---------------------------------------------------------------- which
 def can_be_body(obj: bpy.types.Object) -> bool:
-    """A mesh that is neither paths as curves nor a carrier."""
+    """A mesh that is neither paths as curves nor an output object."""
     return _is_surface(obj) and _is_somewhere(obj)
 
 
@@ -42,7 +42,7 @@ def _is_surface(obj: bpy.types.Object) -> bool:
 
 
 def _is_somewhere(obj: bpy.types.Object) -> bool:
-    """In some collection. What was deleted while a garment names it is in none, and neither are carriers."""
+    """In some collection. What was deleted while a garment names it is in none, and neither are output objects."""
     key = compat.session_key(obj)
     last = bpy.data.collections.get(_found_in.get(key, ""))
     collections = (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections)
@@ -169,9 +169,9 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
 def _folded(body: bpy.types.Object, frame: float) -> Body | None:
     """A garment that is worn under another one, as it was solved for this frame: it comes first in in_order()."""
     ours, entry = modifier.find(body), runtimes.known(body)
-    if ours is None or entry is None or entry.fine is None or entry.message or modifier.is_baked(ours):
+    if ours is None or entry is None or entry.evaluator is None or entry.message or modifier.is_baked(ours):
         return None
-    return entry.fine.worn_surface(frame) if entry.inputs is not None and entry.inputs.frame == frame else None
+    return entry.evaluator.worn_surface(frame) if entry.inputs is not None and entry.inputs.frame == frame else None
 
 
 def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Body:

@@ -18,9 +18,9 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
     """
     if obj.rumple.method == "NONE" or modifier.find(obj) is None:
         return
-    entry = runtimes.runtime(obj)
-    if entry.fine is not None:
-        entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
+    entry = runtimes.of(obj)
+    if entry.evaluator is not None:
+        entry.evaluator.history.limit_bytes = obj.rumple.memory_limit << 20
     if affects == "PAINT":
         entry.paint = None
     if affects == "BODY":
@@ -72,7 +72,7 @@ def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
 
 def note_drawn_profile(obj: bpy.types.Object) -> None:
     """Called by the panel that shows the curve: editing a curve tells nobody."""
-    entry = runtimes.runtime(obj)
+    entry = runtimes.of(obj)
     used = entry.paint.get("profile") if entry.paint is not None else None
     if used is not None and not np.array_equal(used, field_profile.heights(obj)):
         entry.stale = True

@@ -75,7 +75,7 @@ def is_skinned(obj: bpy.types.Object) -> bool:
 
 def fill_follow(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> None:
     """Start a new group from where the base cloth is pinned by itself."""
-    fine = runtimes.runtime(obj).fine
+    fine = runtimes.of(obj).evaluator
     if fine is None:
         return
     settings = properties.settings_of(obj, units.scene_of(obj))

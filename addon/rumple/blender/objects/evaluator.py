@@ -43,24 +43,24 @@ def sources(obj: bpy.types.Object) -> Sources:
 
 
 def ensure(obj: bpy.types.Object, entry: Runtime) -> None:
-    """Make entry.fine for the object as it is now. Reads only: allowed in any handler. Raises engine.Refused."""
+    """Make entry.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.Refused."""
     now = sources(obj)
-    if entry.fine is not None and entry.shape == now.shape:
+    if entry.evaluator is not None and entry.shape == now.shape:
         return
     if entry.refused == now.shape:
         raise engine.Refused(entry.refusal)
     try:
-        entry.fine = _build(obj, now)
+        entry.evaluator = _build(obj, now)
     except engine.Refused as error:
         entry.refused = now.shape
-        messages.refuse(entry, str(error))
+        messages.set_build_error(entry, str(error))
         raise
     entry.shape, entry.refused, entry.paint = now.shape, "", None
     entry.inputs = None  # solved by the former one: who draws by them must wait
-    entry.notes = list(entry.fine.warnings)
+    entry.notes = list(entry.evaluator.warnings)
     if compat.has_custom_normals(obj.data):
         entry.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
-    entry.fine.history.limit_bytes = obj.rumple.memory_limit << 20
+    entry.evaluator.history.limit_bytes = obj.rumple.memory_limit << 20
 
 
 def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:

@@ -19,13 +19,13 @@ class Messages:
     notes: list[str] = field(default_factory=list)
 
 
-def say(entry: Messages, text: str) -> None:
+def set_frame_error(entry: Messages, text: str) -> None:
     """Set the message on the current frame; a new one goes to the console once."""
     _print_new(text, entry.message)
     entry.message = text
 
 
-def refuse(entry: Messages, text: str) -> None:
+def set_build_error(entry: Messages, text: str) -> None:
     """Set the message on the structure; empty when it is right again."""
     _print_new(text, entry.refusal)
     entry.refusal = text

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modifier, "Wrinkle Mesh" or another system: adding, finding and removing it, and its carrier object."""
+"""The modifier, "Wrinkle Mesh" or another system: adding, finding and removing it, and its output object."""
 from __future__ import annotations
 
 from typing import Iterator
@@ -11,7 +11,7 @@ from ...core import clip_file
 from .. import compat
 from ..nodes import wrinkle_tree
 
-CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the player of a baked clip
+CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the cache object of a baked clip
 
 # Modifiers that move points and keep their number: the wrinkles stand behind the last of them.
 DEFORMING = frozenset((
@@ -65,7 +65,7 @@ def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
     return next((m for m in list(obj.modifiers)[:last] if changes_topology(m)), None)
 
 
-def leans_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bpy.types.Object | None:
+def depends_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bpy.types.Object | None:
     """Which of the others a modifier in front of the wrinkles follows (Shrinkwrap, Surface Deform, ...)."""
     for modifier in obj.modifiers:
         if wrinkle_tree.is_ours(getattr(modifier, "node_group", None)):
@@ -76,9 +76,9 @@ def leans_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bpy.types
     return None
 
 
-def leans_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
+def depends_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
     """The other wrinkled object that a wrinkled one follows."""
-    return leans_on(obj, [other for other, _ in wrinkled_objects() if other != obj])
+    return depends_on(obj, [other for other, _ in wrinkled_objects() if other != obj])
 
 
 def place_behind_deforming(obj: bpy.types.Object) -> int:
@@ -91,7 +91,7 @@ def place_behind_deforming(obj: bpy.types.Object) -> int:
 
 
 def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
-    """Put the modifier behind the last deforming one. It has no carrier yet and shows the coarse mesh."""
+    """Put the modifier behind the last deforming one. It has no output object yet and shows the coarse mesh."""
     place = place_behind_deforming(obj)
     modifier = obj.modifiers.new(SYSTEMS[method].label, "NODES")
     modifier.node_group = wrinkle_tree.ensure(method)
@@ -111,15 +111,15 @@ def _get(modifier: bpy.types.NodesModifier, name: str) -> object:
     return compat.modifier_input(modifier, identifier) if identifier else None
 
 
-def carrier(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
+def output_object(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object whose mesh the modifier shows."""
-    found = _get(modifier, wrinkle_tree.CARRIER)
+    found = _get(modifier, wrinkle_tree.OUTPUT)
     return found if isinstance(found, bpy.types.Object) else None
 
 
-def set_carrier(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None, coarse_vertices: int) -> None:
-    """Point the modifier to a carrier for a coarse mesh of that many vertices."""
-    _set(modifier, wrinkle_tree.CARRIER, new)
+def set_output_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None, coarse_vertices: int) -> None:
+    """Point the modifier to an output object for a coarse mesh of that many vertices."""
+    _set(modifier, wrinkle_tree.OUTPUT, new)
     _set(modifier, wrinkle_tree.COUNT, coarse_vertices)
     # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
     modifier.node_group = modifier.node_group
@@ -127,24 +127,24 @@ def set_carrier(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None,
 
 
 def coarse_vertices(modifier: bpy.types.NodesModifier) -> int:
-    """The number of incoming vertices that the carrier was made for."""
+    """The number of incoming vertices that the output object was made for."""
     return int(_get(modifier, wrinkle_tree.COUNT) or 0)
 
 
-def player(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
+def cache_object(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object whose points play the baked clip."""
-    found = _get(modifier, wrinkle_tree.PLAYER)
+    found = _get(modifier, wrinkle_tree.CACHE)
     return found if isinstance(found, bpy.types.Object) else None
 
 
-def set_player(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
-    _set(modifier, wrinkle_tree.PLAYER, new)
-    modifier.node_group = modifier.node_group  # as in set_carrier()
+def set_cache_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
+    _set(modifier, wrinkle_tree.CACHE, new)
+    modifier.node_group = modifier.node_group  # as in set_output_object()
     modifier.id_data.update_tag()
 
 
 def set_baked(modifier: bpy.types.NodesModifier, baked: bool) -> None:
-    """Show what the player has instead of embedding the carrier."""
+    """Show what the cache object has instead of embedding the output object."""
     _set(modifier, wrinkle_tree.BAKED, baked)
     modifier.id_data.update_tag()
 
@@ -168,14 +168,14 @@ def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,
     """Let Blender evaluate these before the garment."""
     _set(modifier, wrinkle_tree.BODY, body)
     _set(modifier, wrinkle_tree.BODIES, collection)
-    modifier.node_group = modifier.node_group  # as in set_carrier()
+    modifier.node_group = modifier.node_group  # as in set_output_object()
     modifier.id_data.update_tag()
 
 
-def add_cache(player_object: bpy.types.Object, manifest: clip_file.Manifest,
+def add_mesh_cache(cache_obj: bpy.types.Object, manifest: clip_file.Manifest,
               path: str) -> bpy.types.MeshCacheModifier:
-    """Let the points of a player be those of a clip. path: as a blend file names it."""
-    cache = player_object.modifiers.new(CACHE_NAME, "MESH_CACHE")
+    """Let the points of a cache object be those of a clip. path: as a blend file names it."""
+    cache = cache_obj.modifiers.new(CACHE_NAME, "MESH_CACHE")
     cache.cache_format, cache.play_mode, cache.time_mode = "PC2", "SCENE", "FRAME"
     cache.deform_mode, cache.interpolation = "OVERWRITE", "LINEAR"
     # Mesh Cache takes sample number frame * scale - start.
@@ -184,13 +184,13 @@ def add_cache(player_object: bpy.types.Object, manifest: clip_file.Manifest,
     return cache
 
 
-def cache(player_object: bpy.types.Object) -> bpy.types.MeshCacheModifier | None:
-    """The Mesh Cache modifier of a player."""
-    return next((m for m in player_object.modifiers if m.type == "MESH_CACHE"), None)
+def mesh_cache(cache_obj: bpy.types.Object) -> bpy.types.MeshCacheModifier | None:
+    """The Mesh Cache modifier of a cache object."""
+    return next((m for m in cache_obj.modifiers if m.type == "MESH_CACHE"), None)
 
 
 def delete_hidden(hidden: bpy.types.Object) -> None:
-    """Remove a carrier or player that nothing refers to, and its mesh."""
+    """Remove an output or cache object that nothing refers to, and its mesh."""
     if not compat.is_editable(hidden):
         return
     mesh = hidden.data
@@ -200,12 +200,12 @@ def delete_hidden(hidden: bpy.types.Object) -> None:
 
 
 def remove(obj: bpy.types.Object) -> None:
-    """Take the modifier away, and the node group when it was the last. Carrier and player are left to the caller."""
+    """Take the modifier away, and the node group when it was the last. Hidden objects are left to the caller."""
     modifier = find(obj)
     if modifier is None:
         return
     group = modifier.node_group
-    for name in (wrinkle_tree.CARRIER, wrinkle_tree.PLAYER, wrinkle_tree.BODY, wrinkle_tree.BODIES):
+    for name in (wrinkle_tree.OUTPUT, wrinkle_tree.CACHE, wrinkle_tree.BODY, wrinkle_tree.BODIES):
         if _get(modifier, name) is not None:
             _set(modifier, name, None)
     obj.modifiers.remove(modifier)

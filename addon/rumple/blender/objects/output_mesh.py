@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Making the carrier: the hidden object with the fine mesh and all that it inherits from the coarse one.
+"""Making the output object: the hidden object with the fine mesh and all that it inherits from the coarse one.
 
 Carried: materials and their slots, smooth shading, UV maps, colours and other attributes (points, corners,
 faces), vertex groups, seams, sharp edges, creases and bevel weights, Auto Smooth (3.4).
@@ -18,28 +18,28 @@ from .. import compat
 from ..nodes import wrinkle_tree
 from . import mesh_reader
 
-KEY = "rumple_carrier"  # custom property on carriers and players: tells leftovers from the artist's objects
-CARRIED_KEY = "rumple_carried"  # custom property on the carrier's mesh: fingerprints of what it inherited, JSON
+KEY = "rumple_carrier"  # custom property on output and cache objects: tells leftovers from the artist's objects
+CARRIED_KEY = "rumple_carried"  # custom property on the output mesh: fingerprints of what it inherited, JSON
 SUFFIX = ".wrinkles"
 
 
 def make(obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> bpy.types.Object:
-    """A new carrier object, in no collection: the modifier's input keeps it alive."""
-    carrier = bpy.data.objects.new(obj.name + SUFFIX, bpy.data.meshes.new(obj.name + SUFFIX))
-    fill(carrier, obj, fine, source)
-    return carrier
+    """A new output object, in no collection: the modifier's input keeps it alive."""
+    output = bpy.data.objects.new(obj.name + SUFFIX, bpy.data.meshes.new(obj.name + SUFFIX))
+    fill(output, obj, fine, source)
+    return output
 
 
-def fill(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> None:
-    """Give the carrier the fine mesh, embedded and at rest, and everything carried.
+def fill(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> None:
+    """Give the output object the fine mesh, embedded and at rest, and everything carried.
 
     source: whose materials, UV maps and attributes it inherits: obj, or the artist's own fine mesh.
     """
-    mesh = carrier.data
+    mesh = output.data
     mesh.clear_geometry()
     compat.fill_polygons(mesh, fine.positions_rest, fine.polygon_start, fine.corner_vertex)
     write_embedding(mesh, fine)
-    carry(carrier, obj, fine, source)
+    carry(output, obj, fine, source)
     mesh.update()
 
 
@@ -58,7 +58,7 @@ def write_embedding(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
 
 
 def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> bool:
-    """True where the carrier (from a file, perhaps) already is this fine mesh, bound in this way."""
+    """True where the output object (from a file, perhaps) already is this fine mesh, bound in this way."""
     if len(mesh.vertices) != fine.vertex_count or len(mesh.loops) != len(fine.corner_vertex):
         return False
     corner_vertex = np.empty(len(mesh.loops), np.int32)
@@ -82,19 +82,19 @@ def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tup
     mesh.update()
 
 
-def write_stand_in(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
+def write_proxy(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
     """What viewports show in place of the fine mesh: the coarse vertices moved by (n, 3) ways. None: the fine mesh."""
-    stands_in = ways is not None
-    known = mesh.attributes.get(wrinkle_tree.STANDS_IN)
-    if known is None and not stands_in:
+    uses_proxy = ways is not None
+    known = mesh.attributes.get(wrinkle_tree.SHOWS_PROXY)
+    if known is None and not uses_proxy:
         return
-    if known is None or bool(known.data[0].value) != stands_in:
-        compat.write_attribute(mesh, wrinkle_tree.STANDS_IN, "INT", "POINT",
-                                 np.full(len(mesh.vertices), stands_in, np.int32))
-    if stands_in:
+    if known is None or bool(known.data[0].value) != uses_proxy:
+        compat.write_attribute(mesh, wrinkle_tree.SHOWS_PROXY, "INT", "POINT",
+                                 np.full(len(mesh.vertices), uses_proxy, np.int32))
+    if uses_proxy:
         padded = np.zeros((len(mesh.vertices), 3), np.float32)  # the fine mesh has at least as many vertices
         padded[:len(ways)] = ways
-        compat.write_attribute(mesh, wrinkle_tree.STAND_IN, "FLOAT_VECTOR", "POINT", padded)
+        compat.write_attribute(mesh, wrinkle_tree.PROXY_OFFSET, "FLOAT_VECTOR", "POINT", padded)
     mesh.update()
 
 
@@ -104,9 +104,9 @@ def _write_attributes(mesh: bpy.types.Mesh, picture: engine.Picture, attributes:
 
 
 # ---------------------------------------------------------------- carrying
-def carry(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> None:
+def carry(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> None:
     """Everything inherited, again: called when it changed while the topology did not."""
-    mesh, inherited = carrier.data, source.data
+    mesh, inherited = output.data, source.data
     _drop_inherited(mesh)
     _carry_materials(mesh, source)
     _carry_faces(mesh, inherited, fine)
@@ -114,7 +114,7 @@ def carry(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkle
     _carry_uv_maps(mesh, inherited, fine)
     _carry_attributes(mesh, inherited, fine)
     compat.copy_smoothing(inherited, mesh)
-    carry_vertex_groups(carrier, obj, fine, [group.name for group in obj.vertex_groups])
+    carry_vertex_groups(output, obj, fine, [group.name for group in obj.vertex_groups])
     _note_carried(mesh, surface_fingerprint(source), group_fingerprints(obj))
 
 
@@ -126,7 +126,7 @@ def _drop_inherited(mesh: bpy.types.Mesh) -> None:
 
 
 def _carry_materials(mesh: bpy.types.Mesh, source: bpy.types.Object) -> None:
-    """Slots by index. Only the carrier's slots count in the result, and a slot linked to the object wins there."""
+    """Slots by index. Only these slots count in the result, and a slot linked to the object wins there."""
     mesh.materials.clear()
     for slot in source.material_slots:
         mesh.materials.append(slot.material)
@@ -212,20 +212,20 @@ def _carried_values(fine: engine.Wrinkles, domain: str, values: np.ndarray) -> n
     return result if values.dtype == np.float32 else np.rint(result).astype(values.dtype)
 
 
-def carry_vertex_groups(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles,
+def carry_vertex_groups(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles,
                         names: list[str]) -> None:
     """Weights of the named groups. Every group gets its name: a missing one makes a modifier act on everything."""
     wanted = [group.name for group in obj.vertex_groups]
-    for group in [group for group in carrier.vertex_groups if group.name not in wanted or group.name in names]:
-        carrier.vertex_groups.remove(group)
+    for group in [group for group in output.vertex_groups if group.name not in wanted or group.name in names]:
+        output.vertex_groups.remove(group)
     for name in wanted:
-        if name not in carrier.vertex_groups:
-            carrier.vertex_groups.new(name=name)
+        if name not in output.vertex_groups:
+            output.vertex_groups.new(name=name)
     if not names:
         return
     weights = _from_base(fine, mesh_reader.group_weights(obj, obj.data, names))
     for column, name in enumerate(names):
-        _write_group(carrier.vertex_groups[name], weights[:, column])
+        _write_group(output.vertex_groups[name], weights[:, column])
 
 
 def _from_base(fine: engine.Wrinkles, values: np.ndarray) -> np.ndarray:
@@ -247,18 +247,18 @@ def _write_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
 
 
 # ---------------------------------------------------------------- what changed
-def carry_changes(carrier: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles,
+def carry_changes(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles,
                   source: bpy.types.Object) -> bool:
-    """Carry again what differs from what the carrier has. True when something did."""
-    mesh = carrier.data
+    """Carry again what differs from what the output object has. True when something did."""
+    mesh = output.data
     surface, groups = surface_fingerprint(source), group_fingerprints(obj)
     stored = json.loads(mesh.get(CARRIED_KEY, "{}"))
     stored_groups = stored.get("groups", {})
     changed = [name for name in groups if groups[name] != stored_groups.get(name)]
     if surface != stored.get("surface"):
-        carry(carrier, obj, fine, source)
+        carry(output, obj, fine, source)
     elif changed or groups.keys() != stored_groups.keys():
-        carry_vertex_groups(carrier, obj, fine, changed)
+        carry_vertex_groups(output, obj, fine, changed)
         _note_carried(mesh, surface, groups)
     else:
         return False
@@ -299,9 +299,9 @@ def group_fingerprints(obj: bpy.types.Object) -> dict[str, str]:
 
 
 def copy_for(obj: bpy.types.Object, shared: bpy.types.Object) -> bpy.types.Object:
-    """A carrier of its own for an object that shares one (a duplicate) or whose carrier is linked."""
+    """An output object of its own for an object that shares one (a duplicate) or whose output object is linked."""
     mesh = shared.data.copy()
-    carrier = shared.copy()
-    carrier.data = mesh
-    carrier.name = mesh.name = obj.name + SUFFIX
-    return carrier
+    output = shared.copy()
+    output.data = mesh
+    output.name = mesh.name = obj.name + SUFFIX
+    return output

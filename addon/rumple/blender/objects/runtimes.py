@@ -29,13 +29,13 @@ class Inputs:
     world_from_object: np.ndarray
     paint: dict[str, np.ndarray]
     frame_rate: float  # frames a second
-    stands_in: bool = False  # solved for a mesh that only stands in for what the viewport draws (preview.py)
+    uses_proxy: bool = False  # the mesh is a proxy for depth and clicks: the viewport draws the folds (preview.py)
     body: Body | None = None
     surroundings: Surroundings = Surroundings()  # read where the cloth swings
 
     def same_as(self, other: "Inputs | None") -> bool:
         return (other is not None and self.frame == other.frame and self.settings == other.settings
-                and (self.frame_rate, self.stands_in) == (other.frame_rate, other.stands_in)
+                and (self.frame_rate, self.uses_proxy) == (other.frame_rate, other.uses_proxy)
                 and self.surroundings == other.surroundings
                 and (other.body is None if self.body is None else self.body.same_as(other.body))
                 and self.paint.keys() == other.paint.keys()
@@ -48,32 +48,32 @@ class Inputs:
 class Runtime(Messages):
     """One wrinkled object."""
 
-    fine: engine.Wrinkles | None = None
-    shape: str = ""  # fingerprint of what `fine` was made from
+    evaluator: engine.Wrinkles | None = None
+    shape: str = ""  # fingerprint of what `evaluator` was made from
     refused: str = ""  # fingerprint of what could not be made: not tried again until it changes
-    stale: bool = True  # the base, the settings or the carrier may have changed: check before the next structural step
+    stale: bool = True  # base, settings or output object may have changed: check before the next structural step
     paint: dict[str, np.ndarray] | None = None  # None: read again
-    groups: list[str] | None = None  # names of the vertex groups when the carrier was last checked
+    groups: list[str] | None = None  # names of the vertex groups when the output object was last checked
     inputs: Inputs | None = None
-    picture: engine.Picture | engine.Sketch | None = None  # what the carrier holds
-    carrier_key: int = 0  # ... which carrier
-    looking: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
-    looked: Inputs | None = None  # ... and this is what was read
-    asked_to_stand_in: bool = False  # by the preview, last
+    picture: engine.Picture | engine.Sketch | None = None  # what the output object holds
+    output_key: int = 0  # ... which output object
+    analyzing: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
+    analyzed: Inputs | None = None  # ... and this is what was read
+    asked_for_proxy: bool = False  # by the preview, last
     bake_note: str = ""  # what is wrong with the baked clip, whatever the frame
     curve_points: int = 0  # the most points that its curves had no room for
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it
 
-    def forget_written(self) -> None:
-        """The carrier may hold something else now: write the next picture whatever it is."""
+    def invalidate_output(self) -> None:
+        """The output object may hold something else now: write the next picture whatever it is."""
         self.inputs = self.picture = None
-        self.carrier_key = 0
+        self.output_key = 0
 
 
 _runtimes: dict[int, Runtime] = {}
 
 
-def runtime(obj: bpy.types.Object) -> Runtime:
+def of(obj: bpy.types.Object) -> Runtime:
     """The runtime of an original (not evaluated) object, made where there is none."""
     return _runtimes.setdefault(compat.session_key(obj), Runtime())
 
@@ -98,12 +98,12 @@ def forget_all_but(objects: Iterable[bpy.types.Object]) -> None:
         del _runtimes[key]
 
 
-def doubt_all() -> None:
+def invalidate_all() -> None:
     """After undo and redo: stored frames stay, but everything in the file may be another version of itself."""
     for entry in _runtimes.values():
         entry.stale = True
         entry.paint = None
-        entry.forget_written()
+        entry.invalidate_output()
 
 
 def message(obj: bpy.types.Object) -> str:

@@ -64,7 +64,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             field_shader.shade_object(obj)
         rebuild.prepare(obj, ours)
         bodies.connect_all()
-        if modifier.carrier(ours) is None:
+        if modifier.output_object(ours) is None:
             self.report({"ERROR"}, runtimes.message(obj) or f"{obj.name}: nothing to wrinkle")
             rebuild.remove_all(obj)
             return {"CANCELLED"}
@@ -105,7 +105,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"WARNING"}, f"{changer.name} stands in front of {ours.name} and changes the number of "
                                      "vertices: apply it, or move it behind")
             return
-        fine = runtimes.runtime(obj).fine
+        fine = runtimes.of(obj).evaluator
         worn_over = ", ".join(body.name for body in bodies.of(obj))
         self.report({"INFO"}, f"{fine.vertex_count} vertices over {len(obj.data.vertices)}"
                               + (f", body: {worn_over}" if worn_over else ""))
@@ -132,7 +132,7 @@ class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         count = field_shader.shade_object(context.object)
-        runtimes.runtime(context.object).stale = True  # a new slot is carried
+        runtimes.of(context.object).stale = True  # a new slot is carried
         scheduler.sync_all()
         if count == 0:
             self.report({"ERROR"}, f"{context.object.name}: its materials are linked from another file")
@@ -268,7 +268,7 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
         if positions is not None:
             compat.write_attribute(obj.data, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
             properties.group_of(obj).rest_shape = "FRAME"
-            runtimes.runtime(obj).stale = True
+            runtimes.of(obj).stale = True
             scheduler.sync_all()
         scene.frame_set(now[0], subframe=now[1])
         if positions is None:
@@ -299,7 +299,7 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
             else:
                 group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")  # 1: as before the group was there
         obj.vertex_groups.active_index = obj.vertex_groups[name].index
-        entry = runtimes.runtime(obj)
+        entry = runtimes.of(obj)
         entry.paint, entry.stale = None, True
         scheduler.request()
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
@@ -316,10 +316,10 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         with scheduler.LOCK:
-            entry = runtimes.runtime(context.object)
-            if entry.fine is not None:
-                entry.fine.history.clear()
-            entry.forget_written()
+            entry = runtimes.of(context.object)
+            if entry.evaluator is not None:
+                entry.evaluator.history.clear()
+            entry.invalidate_output()
         context.object.update_tag()
         return {"FINISHED"}
 

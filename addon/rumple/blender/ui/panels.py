@@ -149,9 +149,9 @@ class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
         column, obj = property_column(self.layout), context.object
         column.prop(obj.rumple, "memory_limit")
         entry = runtimes.known(obj)
-        if entry is None or entry.fine is None:
+        if entry is None or entry.evaluator is None:
             return
-        history = entry.fine.history
+        history = entry.evaluator.history
         frames = history.frames()
         for label, final in (("Played through", True), ("After a jump", False)):
             numbers = [frame for frame, is_final in frames if is_final == final]
@@ -205,10 +205,10 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     entry = runtimes.known(obj)
     if modifier.is_baked(modifier.find(obj)):
         return [("Baked: the clip is shown, nothing is solved", "CHECKMARK")]
-    if entry is None or entry.fine is None:
+    if entry is None or entry.evaluator is None:
         return [("Nothing solved yet", "INFO")]
-    fine, picture, lines = entry.fine, entry.picture, []
-    if entry.inputs is not None and entry.inputs.stands_in:
+    fine, picture, lines = entry.evaluator, entry.picture, []
+    if entry.inputs is not None and entry.inputs.uses_proxy:
         lines.append((f"Drawn on the graphics card; {fine.vertex_count} vertices in renders", "SHADING_SOLID"))
     else:
         lines.append((f"{fine.vertex_count} vertices are shown", "MESH_DATA"))

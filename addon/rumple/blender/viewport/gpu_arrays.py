@@ -192,19 +192,19 @@ def layers(size: tuple[int, int]) -> tuple[Layer, Layer]:
     return found[size]
 
 
-def lay_over(layer: Layer, stand_in: Layer, origin: tuple[int, int]) -> None:
+def composite_layer(layer: Layer, proxy: Layer, origin: tuple[int, int]) -> None:
     """Into the bound frame buffer, whose viewport begins at origin."""
-    shader, batch = kept("lay over", _lay_over_shader), kept("whole", whole)
+    shader, batch = kept("composite layer", _composite_shader), kept("whole", whole)
     shader.bind()
-    for name, texture in zip(("layer", "layer_depth", "stand_in_depth"), (*layer.textures, *stand_in.textures)):
+    for name, texture in zip(("layer", "layer_depth", "proxy_depth"), (*layer.textures, *proxy.textures)):
         shader.uniform_sampler(name, texture)
     shader.uniform_int("origin", origin)
     batch.draw(shader)
 
 
-def _lay_over_shader() -> gpu.types.GPUShader:
+def _composite_shader() -> gpu.types.GPUShader:
     info = gpu.types.GPUShaderCreateInfo()
-    for slot, name in enumerate(("layer", "layer_depth", "stand_in_depth")):
+    for slot, name in enumerate(("layer", "layer_depth", "proxy_depth")):
         info.sampler(slot, "FLOAT_2D", name)
     info.push_constant("IVEC2", "origin")
     info.vertex_in(0, "VEC2", "corner")
@@ -212,5 +212,5 @@ def _lay_over_shader() -> gpu.types.GPUShader:
     if hasattr(info, "depth_write"):
         info.depth_write("ANY")
     info.vertex_source(glsl.source("preview/pass_vertex"))
-    info.fragment_source(glsl.source("preview/lay_over"))
+    info.fragment_source(glsl.source("preview/composite_layer"))
     return gpu.shader.create_from_info(info)

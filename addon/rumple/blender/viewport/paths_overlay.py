@@ -34,7 +34,7 @@ def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
         if obj.rumple.method != "PATHS" or not obj.rumple.paths.show_overlay:
             continue
         entry = runtimes.known(obj)
-        if (entry is not None and entry.inputs is not None and entry.fine is not None and ours.show_viewport
+        if (entry is not None and entry.inputs is not None and entry.evaluator is not None and ours.show_viewport
                 and not modifier.is_baked(ours) and obj.mode not in mesh_reader.BUSY_MODES):
             yield obj, entry
 
@@ -96,7 +96,7 @@ def _batch(key: int, entry: runtimes.Runtime) -> Any:
     if held is None or held[0] is not inputs:
         import gpu  # not at the top: it needs a window in 3.4
         from gpu_extras.batch import batch_for_shader
-        points, colours, triangles = faces(*entry.fine.labels_and_ellipses(inputs.frame, inputs.positions))
+        points, colours, triangles = faces(*entry.evaluator.labels_and_ellipses(inputs.frame, inputs.positions))
         shader = gpu.shader.from_builtin(compat.SMOOTH_COLOR_SHADER)
         held = _drawn[key] = inputs, batch_for_shader(shader, "TRIS", dict(pos=points, color=colours),
                                                       indices=triangles)

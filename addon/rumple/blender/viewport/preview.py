@@ -5,7 +5,7 @@ All of it happens in a viewport draw handler: in the main thread, with a drawing
 preview_field.py and preview_paths.py. Off in background mode and while a render runs.
 
 The waves of a Wrinkle Field are drawn over Blender's own triangles, and the handlers that solve know nothing of it.
-The folds of Wrinkle Paths change the shape: while all viewports draw them (takes_over()), the handlers leave out the
+The folds of Wrinkle Paths change the shape: while all viewports draw them (uses_proxy()), the handlers leave out the
 fine mesh, and Blender has a coarse mesh just under the drawn surface, for depth, outlines and clicks.
 """
 from __future__ import annotations
@@ -96,7 +96,7 @@ def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
     """Objects whose preview is on and has a solved frame to show."""
     for obj, ours in modifier.wrinkled_objects():
         entry = runtimes.known(obj)
-        if entry is not None and entry.inputs is not None and entry.fine is not None and _is_wanted(obj, ours):
+        if entry is not None and entry.inputs is not None and entry.evaluator is not None and _is_wanted(obj, ours):
             yield obj, entry
 
 
@@ -104,7 +104,7 @@ def _draws_in(space: bpy.types.SpaceView3D) -> bool:
     return space.shading.type == "SOLID" and not space.shading.show_xray
 
 
-def takes_over(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+def uses_proxy(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
     """Whether viewports draw the folds of an object themselves, all that are open, so that none needs its fine mesh.
 
     Never in background mode; in the main thread.
@@ -159,17 +159,17 @@ def _ask_for_meshes() -> None:
         entry = runtimes.known(obj)
         if entry is None or entry.inputs is None or obj.rumple.method != "PATHS":
             continue
-        over = takes_over(obj, ours)
-        if over != entry.asked_to_stand_in:  # once: what cannot be evaluated now is not asked for again
-            entry.asked_to_stand_in = over
-            if over != entry.inputs.stands_in:
+        over = uses_proxy(obj, ours)
+        if over != entry.asked_for_proxy:  # once: what cannot be evaluated now is not asked for again
+            entry.asked_for_proxy = over
+            if over != entry.inputs.uses_proxy:
                 scheduler.tag_soon({obj.name})
 
 
 def _draw_guarded(obj: bpy.types.Object, entry: runtimes.Runtime, key: int, shading: bpy.types.View3DShading) -> None:
     held = _on_gpu.get(key)
-    if held is None or held.model is not entry.fine.model:
-        held = _on_gpu[key] = _OnGpu(entry.fine.model)
+    if held is None or held.model is not entry.evaluator.model:
+        held = _on_gpu[key] = _OnGpu(entry.evaluator.model)
     if held.refused:
         return
     blend, depth_test, depth_mask = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
@@ -194,7 +194,8 @@ def _update(obj: bpy.types.Object, entry: runtimes.Runtime, held: _OnGpu) -> boo
     gpu_arrays.plain_state()
     if held.drawing is None:
         held.drawing = _DRAWINGS[obj.rumple.method](held.model)
-    if not held.drawing.update(obj, entry, held.inputs, _material_slots(obj, len(entry.fine.base.triangle_corner))):
+    slots = _material_slots(obj, len(entry.evaluator.base.triangle_corner))
+    if not held.drawing.update(obj, entry, held.inputs, slots):
         return False
     held.inputs = entry.inputs
     return True

@@ -26,7 +26,7 @@ class Passes:
             return glsl.source(*glsl.FORMULAS, "preview/texels", f"preview/{name}")
 
         self.crush = Pass(source("crush"),
-                          ("vertices", "wishes", "neighbours", "positions", "normals", "before", "stretches"),
+                          ("vertices", "wave_parameters", "neighbours", "positions", "normals", "before", "stretches"),
                           ("out_waves", "out_crushed"),
                           (("FLOAT", "strength"), ("BOOL", "true_lengths"), ("BOOL", "adaptive")))
         self.link = Pass(source("link"), ("neighbours", "waves", "crushed", "positions", "solved"),
@@ -77,13 +77,13 @@ class GpuField:
         self._fan_arrays = (upload(np.column_stack((np.cumsum(counts) - counts, counts))),
                             upload(corners.reshape(-1, 4)))
 
-    def set_wishes(self, settings: Any, wishes: Any, profile: Any) -> None:
+    def set_wave_parameters(self, settings: Any, wave_parameters: Any, profile: Any) -> None:
         """settings: WrinkleFieldSettings; wishes: WrinkleFieldWishes; profile: WrinkleFieldProfile."""
         self._strength, self._rate = float(settings.strength), float(settings.rate)
         self._dissolves = bool(settings.dissolve)
-        wavelength = np.where(self._has_frame, wishes.wavelength, 0.0)
-        self._vertices = upload(np.column_stack((self._first, self._counts, wavelength, wishes.mask)))
-        self._wishes = upload(np.column_stack((wishes.rest_wrinkle, wishes.turn)))
+        wavelength = np.where(self._has_frame, wave_parameters.wavelength, 0.0)
+        self._vertices = upload(np.column_stack((self._first, self._counts, wavelength, wave_parameters.mask)))
+        self._wave_parameters = upload(np.column_stack((wave_parameters.rest_wrinkle, wave_parameters.turn)))
         self.profile = upload(np.column_stack((profile.height, profile.slope)))
 
     def begin(self, phase: np.ndarray, direction: np.ndarray, solved_offset: np.ndarray | None = None) -> None:
@@ -111,7 +111,8 @@ class GpuField:
         self._start_direction = None
         self._waves.reverse()
         self._passes.crush.run(self._waves[0], {
-            "vertices": self._vertices, "wishes": self._wishes, "neighbours": self._neighbours, "before": before,
+            "vertices": self._vertices, "wave_parameters": self._wave_parameters, "neighbours": self._neighbours,
+            "before": before,
             "positions": self._positions, "normals": self._normals,
             "stretches": self._stretches or self._positions},
             strength=self._strength, true_lengths=self._true_lengths, adaptive=self._stretches is not None)
@@ -205,9 +206,9 @@ class Drawing:
         Where the engine solves a frame from the one before, the GPU does so by itself; after a jump, after a change at
         the same frame and up to the clip's first frame it takes over the engine's state.
         """
-        inputs, fine = entry.inputs, entry.fine
+        inputs, fine = entry.inputs, entry.evaluator
         if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
-            self.waves.set_wishes(*fine.wishes(inputs.settings))
+            self.waves.set_wave_parameters(*fine.wave_parameters(inputs.settings))
         goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
                    and inputs.frame == before.frame + 1.0 > bpy.context.scene.frame_start)
         if not goes_on:

@@ -75,9 +75,9 @@ def _compile() -> gpu.types.GPUShader:
         (("VEC4", "out_color"), ("FLOAT", "out_depth")))
 
 
-def _compile_stand_in() -> gpu.types.GPUShader:
-    return gpu_arrays.drawing_shader(None, (("IVEC2", "spot"),), ("triangles", "smooths"), ("preview/stand_in_vertex",),
-                                     ("preview/stand_in_fragment",), outputs=(("FLOAT", "out_depth"),))
+def _compile_proxy() -> gpu.types.GPUShader:
+    return gpu_arrays.drawing_shader(None, (("IVEC2", "spot"),), ("triangles", "smooths"), ("preview/proxy_vertex",),
+                                     ("preview/proxy_fragment",), outputs=(("FLOAT", "out_depth"),))
 
 
 class Drawing:
@@ -86,7 +86,7 @@ class Drawing:
     def __init__(self, model: Any) -> None:
         self._arrays = {"triangles": upload(model.triangle_vertex)}
         corners = np.indices((len(model.triangle_vertex), 3), np.int32).reshape(2, -1).T
-        self._stand_in = gpu.types.GPUBatch(type="TRIS", buf=gpu_arrays.vertex_buffer(spot=corners))
+        self._proxy = gpu.types.GPUBatch(type="TRIS", buf=gpu_arrays.vertex_buffer(spot=corners))
         self._groups: dict[int, list[tuple[int, int, int]]] = {}  # by material slot: parts, first patch, patches
         self.has_uv = False
 
@@ -98,7 +98,7 @@ class Drawing:
         drawing = entry.picture.drawing
         uv = mesh_reader.render_uv(obj.data)
         self.has_uv = uv is not None
-        corners = entry.fine.base.triangle_corner.ravel()
+        corners = entry.evaluator.base.triangle_corner.ravel()
         self._profile, self._curved = PROFILES.index(entry.inputs.settings.profile), float(drawing.curved)
         self._arrays.update(
             uvs=upload(uv[corners]) if self.has_uv else gpu_arrays.blank(),
@@ -134,18 +134,18 @@ class Drawing:
     def present(self, paint: Callable[[], None], block: gpu.types.GPUUniformBuf) -> None:
         """In itself it is hidden by its own depth; against all else it is no farther than what Blender has there."""
         left, bottom, width, height = gpu.state.viewport_get()
-        layer, stand_in = gpu_arrays.layers((width, height))
-        stand_in.drawn(lambda: self._draw_stand_in(block))
+        layer, proxy = gpu_arrays.layers((width, height))
+        proxy.drawn(lambda: self._draw_proxy(block))
         layer.drawn(paint)
-        gpu_arrays.lay_over(layer, stand_in, (left, bottom))
+        gpu_arrays.composite_layer(layer, proxy, (left, bottom))
 
-    def _draw_stand_in(self, block: gpu.types.GPUUniformBuf) -> None:
-        shader = gpu_arrays.kept("stand-in", _compile_stand_in)
+    def _draw_proxy(self, block: gpu.types.GPUUniformBuf) -> None:
+        shader = gpu_arrays.kept("proxy", _compile_proxy)
         shader.bind()
         for name in ("triangles", "smooths"):
             shader.uniform_sampler(name, self._arrays[name])
         shader.uniform_block("preview", block)
-        self._stand_in.draw(shader)
+        self._proxy.draw(shader)
 
     def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:
         shader.uniform_int("profile", self._profile)
