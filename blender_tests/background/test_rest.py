@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from rumple.blender import scheduler
-from rumple.blender.bake import operators as bake_operators
+from rumple.blender.bake import clip
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import evaluator, modifier, properties, runtimes
 from support import sleeve
@@ -223,22 +223,22 @@ class WholeClip(unittest.TestCase):
         cuff = sleeve.cuff(other, "SHRINKWRAP", "Cuff")
         cuff.rumple.mesh.rest_shape, cuff.rumple.bake_end = "ADAPTIVE", sleeve.LAST
         scheduler.sync_all()
-        running = bake_operators._Bake(bpy.context, cuff)
-        while running.step():
+        bake = clip.ClipBake(bpy.context, cuff)
+        while bake.step():
             pass
-        running.finish()
-        self.assertTrue(running.playback.analyzes)
-        self.assertEqual(running.note, "")  # it came as it was looked at, in the second pass of every frame
+        bake.finish()
+        self.assertTrue(bake.playback.analyzes)
+        self.assertEqual(bake.note, "")  # it came as it was looked at, in the second pass of every frame
 
     def test_a_cancelled_look_leaves_nothing(self) -> None:
         obj = self.made("MESH")
         live = self.played(obj)
         for steps in (0, 3, sleeve.LAST, sleeve.LAST + 3):
-            running = bake_operators._Bake(bpy.context, obj)
-            self.assertEqual(running.playback.count, 2 * sleeve.LAST)
+            bake = clip.ClipBake(bpy.context, obj)
+            self.assertEqual(bake.playback.count, 2 * sleeve.LAST)
             for _ in range(steps):
-                self.assertTrue(running.step())
-            running.cancel()
+                self.assertTrue(bake.step())
+            bake.cancel()
             entry = runtimes.of(obj)
             self.assertFalse(entry.analyzing)
             self.assertIsNone(clip_status.clip_path(obj))

@@ -6,6 +6,7 @@ import bpy
 
 from ...core.systems import SYSTEMS
 from .. import compat, ui_base
+from ..bake import panel as bake_panel
 from ..brush import panel as brush_panel
 from ..frame import clip_status
 from ..maps import modifier as maps_modifier
@@ -173,23 +174,6 @@ def ranges(frames: list[float], most: int = 6) -> str:
     return ", ".join(words[:most]) + (" ..." if len(words) > most else "")
 
 
-class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
-    bl_label = "Bake"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: bpy.types.Context) -> None:
-        column, obj = property_column(self.layout), context.object
-        for name in ("bake_start", "bake_end", "bake_samples", "bake_folder"):
-            column.prop(obj.rumple, name)
-        if clip_status.sees_ahead(obj, context.scene):
-            column.prop(obj.rumple, "bake_whole_clip")
-        row = column.row(align=True)
-        row.operator("object.rumple_bake", icon="RENDER_ANIMATION")
-        if modifier.is_baked(modifier.find(obj)):
-            row.operator("object.rumple_bake_free")
-        column.operator("object.rumple_bake_shape_keys")
-
-
 class DATA_PT_rumple_status(Panel, bpy.types.Panel):
     bl_label = "Status"
 
@@ -243,7 +227,7 @@ CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT
            DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
            *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, rest_panel.DATA_PT_rumple_rest,
            DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
-           DATA_PT_rumple_bake, DATA_PT_rumple_status)
+           bake_panel.DATA_PT_rumple_bake, DATA_PT_rumple_status)
 
 
 def register() -> None:

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Plays an object through a range of frames, so that each frame is solved from the one before it."""
+from __future__ import annotations
+
+from typing import Iterator
+
+import bpy
+import numpy as np
+
+from ...core import engine
+from .. import scheduler
+from ..frame import clip_status
+from ..objects import modifier, runtimes
+from ..viewport import preview
+
+
+class BakeError(RuntimeError):
+    """Why a bake cannot be made or go on, in words."""
+
+
+class Playback:
+    """Plays an object through a range of frames and hands out what was solved."""
+
+    def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, start: int, end: int, samples: int) -> None:
+        if end < start:
+            raise BakeError(f"The last frame ({end}) is before the first ({start})")
+        self.scene, self.obj = context.scene, obj
+        self.start, self.end, self.samples = start, end, samples
+        self.now = self.scene.frame_current, self.scene.frame_subframe
+        self.pre_roll = list(range(min(self.scene.frame_start, start), start))
+        self.analyzes = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
+        self.count = len(self.pre_roll) + (end - start) * samples + 1
+        if self.analyzes:
+            self.count += len(self.pre_roll) + end - start + 1
+        ours = modifier.find(obj)
+        self.passes = 2 if modifier.depends_on_wrinkled(obj) else 1  # the other one is solved in the first pass
+        self.was_baked = modifier.is_baked(ours)
+        if self.was_baked:
+            modifier.set_baked(ours, False)
+            runtimes.of(obj).stale = True
+        scheduler.sync_all()
+
+    def samples_in_order(self) -> Iterator[tuple[bool, engine.Picture | None, np.ndarray | None]]:
+        """(wanted, picture, coarse positions) of every sample. Not wanted: those of the pre-roll, and without a picture
+        the frames of a first pass that only looks at the clip."""
+        if self.analyzes:
+            for _ in self._analyze():
+                yield False, None, None
+        for frame in self.pre_roll:
+            yield False, *self._solve(frame, 0.0)
+        for sample in range((self.end - self.start) * self.samples + 1):
+            whole, part = divmod(sample, self.samples)
+            yield True, *self._solve(self.start + whole, part / self.samples)
+
+    def _analyze(self) -> Iterator[None]:
+        """Read the pose of every whole frame; the solver then knows the clip. Memory: 12 bytes a vertex and frame."""
+        entry, clip = runtimes.of(self.obj), {}
+        entry.analyzing = True
+        for frame in (*self.pre_roll, *range(self.start, self.end + 1)):
+            self._visit(frame, 0.0)
+            if entry.analyzed is None or entry.analyzed.frame != frame:
+                raise BakeError(f"{self.obj.name}: nothing is seen at frame {frame}: is the modifier off?")
+            clip[float(frame)] = entry.analyzed.positions
+            yield
+        entry.analyzing = False
+        try:
+            entry.evaluator.look_at_clip(clip, entry.analyzed.settings, frame_rate=entry.analyzed.frame_rate)
+        except engine.Refused as error:
+            raise BakeError(str(error)) from error
+        entry.invalidate_output()  # what is shown was solved as live
+
+    def _visit(self, frame: int, subframe: float) -> runtimes.Runtime:
+        with preview.paused():
+            for _ in range(self.passes):
+                self.scene.frame_set(frame, subframe=subframe)
+        entry = runtimes.of(self.obj)
+        if entry.refusal or entry.message:
+            raise BakeError(f"frame {frame + subframe:g}: {entry.refusal or entry.message}")
+        return entry
+
+    def _solve(self, frame: int, subframe: float) -> tuple[engine.Picture, np.ndarray]:
+        entry = self._visit(frame, subframe)
+        if entry.picture is None or entry.inputs is None or abs(entry.inputs.frame - frame - subframe) > 1e-3:
+            raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: is the modifier off?")
+        return entry.picture, entry.inputs.positions
+
+    def note(self) -> str:
+        """What is odd about what was solved, for the report; empty when nothing is."""
+        fine = runtimes.of(self.obj).evaluator
+        strayed = sorted(fine.strayed) if fine is not None else []
+        return (f". {len(strayed)} frames were not as they had been looked at (first: {strayed[0]:g}): they were "
+                "solved as in playback") if strayed else ""
+
+    def end_playback(self, restore_bake: bool) -> None:
+        entry = runtimes.of(self.obj)
+        if self.analyzes and entry.evaluator is not None:
+            entry.analyzing, entry.analyzed = False, None
+            entry.evaluator.look_at_clip({}, None)
+            entry.invalidate_output()
+        if restore_bake and self.was_baked:
+            modifier.set_baked(modifier.find(self.obj), True)
+        self.scene.frame_set(self.now[0], subframe=self.now[1])
