@@ -13,6 +13,7 @@ from rumple.blender.frame import solve
 from rumple.blender.maps import sync as maps_sync
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import changes, modifier, output_mesh, runtimes
+from rumple.blender.objects.kept_lists import ModifiedObjects
 from support import sleeve
 
 
@@ -81,6 +82,40 @@ class Frames(unittest.TestCase):
                 calls.reset_mock()
                 handler(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
                 self.assertEqual([call[0] for call in calls.mock_calls], ["note", "note", "work", "work"])
+
+    def test_a_handler_searches_the_file_once_for_each_kind(self):
+        sleeve.scene()
+        sleeve.at(2)
+        searched = []
+        original = ModifiedObjects._searched
+
+        def counted(kept):
+            searched.append(kept)
+            return original(kept)
+        with mock.patch.object(ModifiedObjects, "_searched", counted):
+            for handler in (handlers._on_frame, handlers._on_update):
+                searched.clear()
+                handler(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+                self.assertIn(modifier._WRINKLED, searched)
+                self.assertEqual(len(searched), len(set(searched)))
+
+    def test_the_kept_list_follows_what_scripts_do(self):
+        obj = sleeve.scene()
+        sleeve.at(2)
+
+        def names():
+            return [found.name for found, _ in modifier.wrinkled_objects()]
+        self.assertEqual(names(), ["Sleeve"])
+        obj.name = "Cuff"
+        self.assertEqual(names(), ["Cuff"])
+        copy = obj.copy()
+        bpy.context.collection.objects.link(copy)
+        bpy.context.view_layer.update()
+        self.assertEqual(names(), ["Cuff", "Cuff.001"])
+        bpy.data.objects.remove(obj)
+        self.assertEqual(names(), ["Cuff.001"])
+        copy.modifiers.remove(modifier.find(copy))
+        self.assertEqual(names(), [])
 
     def test_stretch_attributes_are_sane(self):
         obj = sleeve.scene()

@@ -10,7 +10,7 @@ from bpy.app.handlers import persistent
 from . import scheduler
 from .frame import clip_status, rebuild, solve
 from .maps import modifier as maps_modifier, sync as maps_sync
-from .objects import bodies, changes, modifier, runtimes
+from .objects import bodies, changes, kept_lists, modifier, runtimes
 
 
 @persistent
@@ -24,6 +24,7 @@ def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 
 def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    kept_lists.forget_all()
     # All updates are read before anything is made anew: the depsgraph goes on listing the copy of a mesh that was
     # removed since, and what it is the copy of is freed memory then.
     changes.note_updates(depsgraph)
@@ -36,6 +37,7 @@ def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 def _on_load(*_arguments: object) -> None:
     """Another file: nothing of the former one counts. Structural work is allowed here."""
     scheduler.set_rendering(False)
+    kept_lists.forget_all()
     runtimes.forget_all()
     maps_sync.forget_all()
     bodies.forget_all()
@@ -49,6 +51,7 @@ def _on_save(*_arguments: object) -> None:
 
 @persistent
 def _on_undo(*_arguments: object) -> None:
+    kept_lists.forget_all()
     runtimes.invalidate_all()
     maps_sync.invalidate_all()
     scheduler.request()
@@ -60,6 +63,7 @@ def _on_render_start(*_arguments: object) -> None:
     # job: the window draws meanwhile, and data-blocks must not come and go under it.
     if threading.get_ident() == threading.main_thread().ident:
         scheduler.sync_all()
+    kept_lists.forget_all()
     clip_status.check_before_render()
     scheduler.set_rendering(True)
 

@@ -13,31 +13,29 @@ from typing import Any, Iterator
 import bpy
 import numpy as np
 
-from ...core.curve_rows import ROWS, capacity_for, rows_of
 from ...core import clip_file
+from ...core.curve_rows import ROWS, capacity_for, rows_of
 from .. import compat, scheduler
 from ..nodes import path_curves_tree
 from ..objects import messages, modifier, properties, runtimes, units
+from ..objects.kept_lists import ModifiedObjects
 from ..objects.runtimes import Runtime
 
 SUFFIX = ".curves"
 
 
 # ---------------------------------------------------------------- whose they are
+_CURVES = ModifiedObjects(path_curves_tree.is_ours)
+
+
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """The modifier that makes curves of an object's mesh."""
-    return next((m for m in obj.modifiers if m.type == "NODES" and path_curves_tree.is_ours(m.node_group)), None)
+    return _CURVES.find(obj)
 
 
 def all_curves() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
-    """Every object that shows paths, in the order of their names."""
-    if not any(path_curves_tree.is_ours(group) for group in bpy.data.node_groups):
-        return
-    for obj in bpy.data.objects:
-        if obj.type == "MESH" and len(obj.modifiers):
-            found = find(obj)
-            if found is not None:
-                yield obj, found
+    """Every object that shows paths, in the order of their names. The list is kept."""
+    return iter(_CURVES)
 
 
 def garment_of(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
@@ -65,6 +63,7 @@ def add(garment: bpy.types.Object) -> bpy.types.Object:
         collection.objects.link(child)
     ours = child.modifiers.new("Path Curves", "NODES")
     ours.node_group = path_curves_tree.ensure()
+    _CURVES.forget()
     compat.set_modifier_input(ours, _input(ours, path_curves_tree.GARMENT), garment)
     ours.node_group = ours.node_group  # as in modifier.set_output_object()
     _write_again(garment)
@@ -76,6 +75,7 @@ def remove(child: bpy.types.Object) -> None:
     group = find(child).node_group
     compat.set_modifier_input(find(child), _input(find(child), path_curves_tree.GARMENT), None)
     modifier.delete_hidden(child)
+    _CURVES.forget()
     if group.users == 0 and compat.is_editable(group):
         bpy.data.node_groups.remove(group)
 

@@ -13,13 +13,14 @@ from ... import native
 from ...core import engine
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
-from ..objects import bodies, evaluator, mesh_reader, messages, modifier, output_mesh, runtimes
+from ..objects import bodies, evaluator, kept_lists, mesh_reader, messages, modifier, output_mesh, runtimes
 from ..objects.runtimes import Runtime
 from . import clip_status, path_curves
 
 
 def sync_all() -> None:
     """Bring every wrinkled object in order: node groups, shared output objects, stale meshes, leftovers."""
+    kept_lists.forget_all()
     for group in list(bpy.data.node_groups):
         if wrinkle_tree.is_ours(group):
             wrinkle_tree.upgrade(group)

@@ -14,8 +14,9 @@ import bpy
 
 from .. import compat
 from ..nodes import maps_mask_tree
-from ..nodes.maps_mask_tree import BONES, SKIN, COUNT, WRINKLES, Shape
+from ..nodes.maps_mask_tree import BONES, COUNT, SKIN, WRINKLES, Shape
 from ..objects import modifier
+from ..objects.kept_lists import ModifiedObjects
 
 NAME = "Wrinkle Maps"
 KEY = "rumple_maps_tree"  # custom property of the trees
@@ -25,20 +26,17 @@ def is_ours(group: bpy.types.NodeTree | None) -> bool:
     return group is not None and KEY in group
 
 
+_MAPPED = ModifiedObjects(is_ours)
+
+
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """The Wrinkle Maps modifier of an object."""
-    return next((m for m in obj.modifiers if m.type == "NODES" and is_ours(m.node_group)), None)
+    return _MAPPED.find(obj)
 
 
 def mapped_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
-    """Every object with the modifier, in the order of their names."""
-    if not any(is_ours(group) for group in bpy.data.node_groups):
-        return  # the common case in big files must cost nothing
-    for obj in bpy.data.objects:
-        if obj.type == "MESH" and len(obj.modifiers):
-            found = find(obj)
-            if found is not None:
-                yield obj, found
+    """Every object with the modifier, in the order of their names. The list is kept."""
+    return iter(_MAPPED)
 
 
 # ---------------------------------------------------------------- the tree
@@ -72,6 +70,7 @@ def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
     place = modifier.place_behind_deforming(obj) if wrinkles is None else list(obj.modifiers).index(wrinkles) + 1
     made = obj.modifiers.new(NAME, "NODES")
     made.node_group = new_tree(obj.name)
+    _MAPPED.forget()
     last = len(obj.modifiers) - 1
     if place != last:
         compat.move_modifier(obj, last, place)
@@ -88,6 +87,7 @@ def remove(obj: bpy.types.Object) -> None:
         if _get(ours, name) is not None:
             _set(ours, name, None)
     obj.modifiers.remove(ours)
+    _MAPPED.forget()
     if group.users == 0 and compat.is_editable(group):
         bpy.data.node_groups.remove(group)
     still_held = {other for _, another in mapped_objects() for other in hidden(another)}

@@ -35,9 +35,9 @@ from __future__ import annotations
 
 import bpy
 
+from ...core import clip_file
 from ...core.engine import Attribute
 from ...core.systems import SYSTEMS, System
-from ...core import clip_file
 from .. import compat
 from .builder import GeometryNodes
 

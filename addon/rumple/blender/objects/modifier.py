@@ -6,10 +6,11 @@ from typing import Iterator
 
 import bpy
 
-from ...core.systems import SYSTEMS, System
 from ...core import clip_file
+from ...core.systems import SYSTEMS, System
 from .. import compat
 from ..nodes import wrinkle_tree
+from .kept_lists import ModifiedObjects
 
 CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the cache object of a baked clip
 
@@ -24,12 +25,12 @@ NEUTRAL = DEFORMING | frozenset((
     "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY", "WEIGHTED_NORMAL"))
 
 
+_WRINKLED = ModifiedObjects(wrinkle_tree.is_ours)
+
+
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """The wrinkles of an object, by their node group: artists may rename the modifier."""
-    for candidate in obj.modifiers:
-        if candidate.type == "NODES" and wrinkle_tree.is_ours(candidate.node_group):
-            return candidate
-    return None
+    """The wrinkles of an object."""
+    return _WRINKLED.find(obj)
 
 
 def system(modifier: bpy.types.NodesModifier) -> System:
@@ -38,17 +39,8 @@ def system(modifier: bpy.types.NodesModifier) -> System:
 
 
 def wrinkled_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
-    """Every object with the modifier, in the order of their names.
-
-    From bpy.data, not from the scene: scene.objects misses the insides of collection instances.
-    """
-    if not any(wrinkle_tree.is_ours(group) for group in bpy.data.node_groups):
-        return  # the common case in big files must cost nothing
-    for obj in bpy.data.objects:
-        if obj.type == "MESH" and len(obj.modifiers):
-            found = find(obj)
-            if found is not None:
-                yield obj, found
+    """Every object with the modifier, in the order of their names. The list is kept: see kept_lists.py."""
+    return iter(_WRINKLED)
 
 
 def changes_topology(modifier: bpy.types.Modifier) -> bool:
@@ -95,6 +87,7 @@ def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
     place = place_behind_deforming(obj)
     modifier = obj.modifiers.new(SYSTEMS[method].label, "NODES")
     modifier.node_group = wrinkle_tree.ensure(method)
+    _WRINKLED.forget()
     last = len(obj.modifiers) - 1
     if place != last:
         compat.move_modifier(obj, last, place)
@@ -209,5 +202,6 @@ def remove(obj: bpy.types.Object) -> None:
         if _get(modifier, name) is not None:
             _set(modifier, name, None)
     obj.modifiers.remove(modifier)
+    _WRINKLED.forget()
     if group.users == 0 and compat.is_editable(group):
         bpy.data.node_groups.remove(group)

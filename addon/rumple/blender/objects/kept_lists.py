@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects have one of our modifiers: searched for once after something may have changed, then kept.
+
+Kept are names, not objects: undo and deletion free those behind Python's back. Every use looks them up again. What
+adds, removes or copies modifiers outside of our own code is followed by an update, a frame, a file or an undo, and
+handlers.py lets go of the lists then.
+"""
+from __future__ import annotations
+
+from typing import Callable, Iterator
+
+import bpy
+
+Found = tuple[bpy.types.Object, bpy.types.NodesModifier]
+
+
+class ModifiedObjects:
+    """The objects with a modifier of some kind, in the order of their names."""
+
+    def __init__(self, is_ours: Callable[[bpy.types.NodeTree | None], bool]) -> None:
+        """is_ours: of the node groups of that kind."""
+        self.is_ours = is_ours
+        self._names: list[tuple[str, str | None]] | None = None  # with the file that a linked object comes from
+        _all.append(self)
+
+    def find(self, obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
+        """The first such modifier of an object, by its node group: artists may rename modifiers."""
+        return next((m for m in obj.modifiers if m.type == "NODES" and self.is_ours(m.node_group)), None)
+
+    def forget(self) -> None:
+        """Search again."""
+        self._names = None
+
+    def __iter__(self) -> Iterator[Found]:
+        found = self._looked_up()
+        if found is None:
+            found = self._searched()
+            self._names = [(obj.name, obj.library and obj.library.filepath) for obj, _ in found]
+        return iter(found)
+
+    def _looked_up(self) -> list[Found] | None:
+        """None where the list does not hold any more."""
+        if self._names is None:
+            return None
+        found = []
+        for name in self._names:
+            obj = bpy.data.objects.get(name)
+            ours = self.find(obj) if obj is not None and obj.type == "MESH" else None
+            if ours is None:
+                return None
+            found.append((obj, ours))
+        return found
+
+    def _searched(self) -> list[Found]:
+        """From bpy.data, not from the scene: scene.objects misses the insides of collection instances."""
+        if not any(self.is_ours(group) for group in bpy.data.node_groups):
+            return []  # the common case in big files must cost nothing
+        candidates = (obj for obj in bpy.data.objects if obj.type == "MESH" and len(obj.modifiers))
+        pairs = ((obj, self.find(obj)) for obj in candidates)
+        return [(obj, ours) for obj, ours in pairs if ours is not None]
+
+
+_all: list[ModifiedObjects] = []
+
+
+def forget_all() -> None:
+    """Anything may have been added, removed or renamed."""
+    for objects in _all:
+        objects.forget()
