@@ -10,6 +10,7 @@ import numpy as np
 from rumple.blender import scheduler
 from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier, sync as maps_sync
 from rumple.blender.nodes import maps_shader
+from rumple.blender.objects import modifier
 from support import face, sleeve
 
 
@@ -138,7 +139,36 @@ class Files(face.TwoPoses, unittest.TestCase):
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         self.assertEqual(self.settings.poses["Surprise"].present, 1.0)
 
-    def test_deleted_by_blenders_own_button_the_carrier_goes(self):
+    def test_the_method_is_maps_unless_other_wrinkles_stand_beside_them(self):
+        sleeve.make_active(self.obj)
+        self.assertEqual(self.obj.rumple.method, "MAPS")
+        for way in (lambda: bpy.ops.object.rumple_remove(),
+                    lambda: self.obj.modifiers.remove(modifier.find(self.obj))):
+            bpy.ops.object.rumple_add(method="MESH")
+            scheduler.sync_all()
+            self.assertEqual(self.obj.rumple.method, "MESH")
+            way()
+            scheduler.sync_all()
+            self.assertEqual(self.obj.rumple.method, "MAPS")
+        bpy.ops.rumple.maps_remove()
+        self.assertEqual(self.obj.rumple.method, "NONE")
+        bpy.ops.object.rumple_add(method="MAPS")
+        self.assertEqual(self.obj.rumple.method, "MAPS")
+        self.obj.modifiers.remove(maps_modifier.find(self.obj))
+        scheduler.sync_all()
+        self.assertEqual(self.obj.rumple.method, "NONE")
+
+    def test_a_file_from_before_maps_were_a_method(self):
+        self.obj.rumple.method = "NONE"
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "older.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            bpy.ops.wm.open_mainfile(filepath=path)
+        obj = bpy.data.objects["Face"]
+        self.assertEqual(obj.rumple.method, "MAPS")
+        self.assertEqual(obj.rumple_maps.message, "")
+
+    def test_deleted_by_blenders_own_button_its_hidden_meshes_go(self):
         self.obj.modifiers.remove(maps_modifier.find(self.obj))
         scheduler.sync_all()
         self.assertFalse([o for o in bpy.data.objects if maps_meshes.KEY in o])

@@ -125,7 +125,7 @@ def _tidy_removed(wrinkled: set[str]) -> None:
     for obj in bpy.data.objects:
         if obj.type != "MESH" or obj.name_full in wrinkled or not compat.is_editable(obj):
             continue
-        if obj.rumple.method != "NONE":
+        if obj.rumple.method not in ("NONE", "MAPS"):  # those are up to maps/sync.py
             drop_traces(obj)
     drop_orphan_outputs()
     field_profile.drop_orphans()

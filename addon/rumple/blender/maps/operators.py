@@ -81,12 +81,14 @@ def add_maps(obj: bpy.types.Object) -> None:
     with scheduler.suspended():
         ours = maps_modifier.add(obj)
     maps_sync.prepare(obj, ours)
+    maps_sync.note_method(obj)
 
 
 def remove_maps(obj: bpy.types.Object) -> None:
     """Modifier, output object and the nodes in materials; the reference poses stay with the object."""
     hide(obj)
     maps_modifier.remove(obj)
+    maps_sync.note_method(obj)
     group = obj.rumple_maps.group
     obj.rumple_maps.group = None
     if group is not None and group.users == 0 and compat.is_editable(group):

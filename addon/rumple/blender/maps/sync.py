@@ -131,7 +131,21 @@ def sync() -> None:
     for obj, ours in objects:
         if runtime(obj).stale or _is_behind_others(obj, ours):
             prepare(obj, ours)
+    for obj in bpy.data.objects:
+        note_method(obj)
     _tidy(held | {hidden for _, ours in objects for hidden in maps_modifier.hidden(ours)})
+
+
+def note_method(obj: bpy.types.Object) -> None:
+    """The method is MAPS where there are no other wrinkles."""
+    method = obj.rumple.method
+    if obj.type != "MESH" or not compat.is_editable(obj) or (method == "NONE" and not len(obj.modifiers)):
+        return
+    if maps_modifier.find(obj) is not None:
+        if method != "MAPS" and modifier.find(obj) is None:
+            obj.rumple.method = "MAPS"
+    elif method == "MAPS":
+        obj.rumple.method = "NONE"
 
 
 def _wrinkles_in_front(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bpy.types.Object | None:

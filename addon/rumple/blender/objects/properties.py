@@ -11,6 +11,7 @@ from ...core.systems import SYSTEMS, System
 from . import bodies, changes, runtimes, units
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
+MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
 DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}  # else a linked character's garments could not be tuned
@@ -104,8 +105,10 @@ def _message(group: bpy.types.PropertyGroup) -> str:
 class RUMPLE_Object(bpy.types.PropertyGroup):
     """Everything Rumple keeps with an object."""
 
-    method: bpy.props.EnumProperty(name="Method", items=METHODS, default="NONE", options=set(), override=_OVERRIDE,
-                                   description="How wrinkles are made; set by adding and removing them")
+    method: bpy.props.EnumProperty(name="Method", items=(*METHODS, MAPS), default="NONE", options=set(),
+                                   override=_OVERRIDE,
+                                   description="How wrinkles are made; set by adding and removing them. Beside "
+                                               "Wrinkle Maps other wrinkles may stand: then it is theirs")
     mesh: bpy.props.PointerProperty(type=RUMPLE_MeshSettings, override=_OVERRIDE)
     field: bpy.props.PointerProperty(type=RUMPLE_FieldSettings, override=_OVERRIDE)
     paths: bpy.props.PointerProperty(type=RUMPLE_PathsSettings, override=_OVERRIDE)

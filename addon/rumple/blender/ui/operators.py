@@ -13,12 +13,10 @@ from ...core.presets import touched
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
 from ..frame import rebuild
+from ..maps import sync as maps_sync
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import bodies, body_search, cloth_defaults, mesh_reader, modifier, properties, runtimes, units
 from ..viewport import preview
-
-# No method of its own: it may stand beside the wrinkles that its maps are baked from.
-MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
@@ -30,7 +28,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     bl_label = "Add Wrinkles"
     bl_options = {"REGISTER", "UNDO"}
 
-    method: bpy.props.EnumProperty(name="Method", items=(*properties.METHODS[1:], MAPS), default="MESH",
+    method: bpy.props.EnumProperty(name="Method", items=(*properties.METHODS[1:], properties.MAPS), default="MESH",
                                    options={"SKIP_SAVE"})
     shade: bpy.props.BoolProperty(name="Add to Materials", default=True, options={"SKIP_SAVE"},
                                   description="Wrinkle Field: let the materials of the object draw the waves")
@@ -66,7 +64,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         bodies.connect_all()
         if modifier.output_object(ours) is None:
             self.report({"ERROR"}, runtimes.message(obj) or f"{obj.name}: nothing to wrinkle")
-            rebuild.remove_all(obj)
+            _remove(obj)
             return {"CANCELLED"}
         self._report(obj, ours)
         return {"FINISHED"}
@@ -152,6 +150,12 @@ class OBJECT_OT_rumple_unshade(_OnWaves, bpy.types.Operator):
         return {"FINISHED"}
 
 
+def _remove(obj: bpy.types.Object) -> None:
+    """The wrinkles. Wrinkle Maps beside them stay, and are the object's method then."""
+    rebuild.remove_all(obj)
+    maps_sync.note_method(obj)
+
+
 class OBJECT_OT_rumple_remove(ui_base.OnWrinkled, bpy.types.Operator):
     """Take the wrinkles away and everything that was made for them"""
 
@@ -159,7 +163,7 @@ class OBJECT_OT_rumple_remove(ui_base.OnWrinkled, bpy.types.Operator):
     bl_label = "Remove Wrinkles"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        rebuild.remove_all(context.object)
+        _remove(context.object)
         return {"FINISHED"}
 
 
@@ -187,7 +191,7 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
             obj.shape_key_clear()
         name = former.name
         obj.data = mesh
-        rebuild.remove_all(obj)
+        _remove(obj)
         if former.users == 0:
             bpy.data.meshes.remove(former)
         mesh.name = name
