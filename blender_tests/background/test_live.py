@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from rumple.blender import handlers, scheduler
 from rumple.blender.frame import solve
-from rumple.blender.maps import sync as maps_sync
+from rumple.blender.maps import changes as maps_changes, solve as maps_solve
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import changes, modifier, output_mesh, runtimes
 from rumple.blender.objects.kept_lists import ModifiedObjects
@@ -75,9 +75,9 @@ class Frames(unittest.TestCase):
         freed memory, and crashed at the next file."""
         sleeve.scene()
         calls = mock.Mock()
-        with mock.patch.object(changes, "note_updates", calls.note), \
-                mock.patch.object(solve, "process", calls.work), \
-                mock.patch.multiple(maps_sync, note_updates=calls.note, process=calls.work):
+        with mock.patch.object(changes, "note_updates", calls.note), mock.patch.object(solve, "process", calls.work), \
+                mock.patch.object(maps_changes, "note_updates", calls.note), \
+                mock.patch.object(maps_solve, "process", calls.work):
             for handler in (handlers._on_frame, handlers._on_update):
                 calls.reset_mock()
                 handler(bpy.context.scene, bpy.context.evaluated_depsgraph_get())

@@ -9,7 +9,8 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import compat, handlers, scheduler
-from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier, sync as maps_sync
+from rumple.blender.maps import (changes as maps_changes, hidden_meshes as maps_meshes, modifier as maps_modifier,
+                                 runtimes as maps_runtimes)
 from rumple.blender.objects import modifier
 from test_maps_render import Renders
 from support import face, sleeve, vanilla_blender
@@ -130,7 +131,7 @@ class Beside(unittest.TestCase):
         add_wrinkles(self.obj, "MESH")
         stack = list(self.obj.modifiers)
         compat.move_modifier(self.obj, stack.index(maps_modifier.find(self.obj)), stack.index(modifier.find(self.obj)))
-        maps_sync.rig_changed(self.obj)
+        maps_changes.rig_changed(self.obj)
         bpy.context.scene.frame_set(6)
         bpy.context.scene.frame_set(7)
         self.assertIn("Wrinkle Mesh stands behind Wrinkle Maps and drops the masks", face.notes(self.obj))
@@ -154,7 +155,7 @@ class Beside(unittest.TestCase):
         self.assertFalse(face.mask(self.obj, "Surprise").any())
         self.assertEqual(maps_modifier.wrinkles(maps_modifier.find(self.obj)), sleeve.output_object(self.obj))
         bpy.context.scene.frame_set(10)
-        self.assertFalse(maps_sync.runtime(self.obj).stale)
+        self.assertFalse(maps_runtimes.of(self.obj).stale)
         self.obj.rumple_maps.root = "head"
         bpy.context.scene.frame_set(2)
         self.check(6)
@@ -162,7 +163,7 @@ class Beside(unittest.TestCase):
     def test_a_new_skin_at_the_address_of_the_former_one_gets_its_weights(self):
         """In 3.4 keys are addresses: the weights of a new skin were taken to be written, and every mask was 0."""
         self.check(6)
-        entry, make = maps_sync.runtime(self.obj), maps_meshes.new_skin
+        entry, make = maps_runtimes.of(self.obj), maps_meshes.new_skin
 
         def at_the_same_address(*arguments):
             skin = make(*arguments)
@@ -179,7 +180,7 @@ class Beside(unittest.TestCase):
     def test_subdivision_in_front_shows_no_mask_and_is_named(self):
         subdivision = self.obj.modifiers.new("Smooth", "SUBSURF")
         compat.move_modifier(self.obj, len(self.obj.modifiers) - 1, 1)
-        maps_sync.rig_changed(self.obj)
+        maps_changes.rig_changed(self.obj)
         bpy.context.scene.frame_set(10)
         bpy.context.scene.frame_set(11)
         self.assertFalse(face.mask(self.obj, "Surprise").any())

@@ -8,7 +8,7 @@ import unittest.mock
 import bpy
 import numpy as np
 from rumple.blender import scheduler
-from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier, sync as maps_sync
+from rumple.blender.maps import changes as maps_changes, hidden_meshes as maps_meshes, modifier as maps_modifier
 from rumple.blender.nodes import maps_shader
 from rumple.blender.objects import modifier
 from support import face, sleeve
@@ -38,7 +38,7 @@ class Wrong(face.TwoPoses, unittest.TestCase):
 
     def test_a_renamed_bone_is_named(self):
         self.rig.data.bones["jaw"].name = "chin"
-        maps_sync.rig_changed(self.obj)
+        maps_changes.rig_changed(self.obj)
         self.settle()
         self.assertIn("no bone jaw", face.notes(self.obj))
         face.pose(self.rig, brow_L=0.01)
@@ -52,24 +52,24 @@ class Wrong(face.TwoPoses, unittest.TestCase):
     def test_another_armature_without_these_bones(self):
         self.obj.modifiers["Armature"].object = sleeve.arm()
         sleeve.make_active(self.obj)
-        maps_sync.rig_changed(self.obj)
+        maps_changes.rig_changed(self.obj)
         self.settle()
         self.assertIn("Arm has no bone \"head\"", self.obj.rumple_maps.message)
         self.obj.modifiers["Armature"].object = self.rig
-        maps_sync.rig_changed(self.obj)
+        maps_changes.rig_changed(self.obj)
         self.settle()
         self.assertEqual(self.obj.rumple_maps.message, "")
 
     def test_a_mesh_without_the_vertex_group(self):
         self.obj.vertex_groups.remove(self.obj.vertex_groups["brow.L"])
-        maps_sync.rig_changed(self.obj)
+        maps_changes.rig_changed(self.obj)
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         self.assertIn("no vertex group brow.L", face.notes(self.obj))
         self.assertGreater(face.mask(self.obj, "Surprise").max(), 0.9)
 
     def test_weights_that_do_not_sum_to_one_are_counted(self):
         self.obj.vertex_groups["head"].add([0, 1, 2], 0.5, "REPLACE")
-        maps_sync.rig_changed(self.obj)
+        maps_changes.rig_changed(self.obj)
         self.settle()
         self.assertIn("the skin weights of 3 vertices do not sum to 1", face.notes(self.obj))
 
@@ -82,7 +82,7 @@ class Wrong(face.TwoPoses, unittest.TestCase):
         self.settings.poses[0].image.colorspace_settings.name = "sRGB"
         self.settings.poses[1].image.source = "FILE"
         self.settings.poses[1].image.filepath = "//not_there.png"
-        maps_sync.maps_changed(self.obj)
+        maps_changes.maps_changed(self.obj)
         self.settle()
         self.assertIn("Surprise is read as a colour", face.notes(self.obj))
         self.assertIn("Anger of pose Anger cannot be found: //not_there.png", face.notes(self.obj))

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from rumple.blender import compat
-from rumple.blender.maps import modifier as maps_modifier, sync as maps_sync
+from rumple.blender.maps import modifier as maps_modifier, runtimes as maps_runtimes
 from rumple.blender.nodes import maps_mask_tree
 
 DATA = Path(os.environ["RUMPLE_DATA"])
@@ -44,7 +44,7 @@ class Face(unittest.TestCase):
         self.assertEqual(self.settings.root, "head")
         self.assertEqual(len(self.settings.bones), 21)
         self.assertEqual(self.settings.message, "")
-        self.assertEqual(maps_sync.runtime(self.head).notes, [])
+        self.assertEqual(maps_runtimes.of(self.head).notes, [])
 
     def test_every_frame_of_the_clip(self):
         """Within 0 and 1; 1 in the frames that hold a pose; 0 where the face is neutral; rising on the way."""

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 from rumple.blender import compat
-from rumple.blender.maps import sync as maps_sync
+from rumple.blender.maps import runtimes as maps_runtimes
 from rumple.blender.nodes import maps_mask_tree, wrinkle_tree
 from rumple.blender.objects import modifier
 from support import sleeve
@@ -139,7 +139,7 @@ def weights(obj, name):
 
 
 def notes(obj):
-    return " | ".join(maps_sync.runtime(obj).notes)
+    return " | ".join(maps_runtimes.of(obj).notes)
 
 
 class TwoPoses:

@@ -9,8 +9,18 @@ from bpy.app.handlers import persistent
 
 from . import scheduler
 from .frame import clip_status, rebuild, solve
-from .maps import modifier as maps_modifier, sync as maps_sync
+from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
+                   runtimes as maps_runtimes, solve as maps_solve)
 from .objects import bodies, changes, kept_lists, modifier, runtimes
+
+
+_RUNTIMES = (runtimes, maps_runtimes)
+
+
+def _forget_all() -> None:
+    for table in _RUNTIMES:
+        table.forget_all()
+    bodies.forget_all()
 
 
 @persistent
@@ -27,10 +37,10 @@ def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     kept_lists.forget_all()
     # All updates are read before anything is made anew: the depsgraph goes on listing the copy of a mesh that was
     # removed since, and what it is the copy of is freed memory then.
-    changes.note_updates(depsgraph)
-    maps_sync.note_updates(depsgraph)
-    solve.process(scene, depsgraph)
-    maps_sync.process(depsgraph)
+    for system in (changes, maps_changes):
+        system.note_updates(depsgraph)
+    for system in (solve, maps_solve):
+        system.process(scene, depsgraph)
 
 
 @persistent
@@ -38,9 +48,7 @@ def _on_load(*_arguments: object) -> None:
     """Another file: nothing of the former one counts. Structural work is allowed here."""
     scheduler.set_rendering(False)
     kept_lists.forget_all()
-    runtimes.forget_all()
-    maps_sync.forget_all()
-    bodies.forget_all()
+    _forget_all()
     scheduler.sync_all()
 
 
@@ -52,8 +60,8 @@ def _on_save(*_arguments: object) -> None:
 @persistent
 def _on_undo(*_arguments: object) -> None:
     kept_lists.forget_all()
-    runtimes.invalidate_all()
-    maps_sync.invalidate_all()
+    for table in _RUNTIMES:
+        table.invalidate_all()
     scheduler.request()
 
 
@@ -73,9 +81,8 @@ def _on_render_end(*_arguments: object) -> None:
     """The output objects hold the last rendered frame: the window needs its own again."""
     with scheduler.LOCK:
         scheduler.set_rendering(False)
-        for obj, _ours in modifier.wrinkled_objects():
-            runtimes.of(obj).invalidate_output()
-        maps_sync.invalidate_output()
+        for table in _RUNTIMES:
+            table.invalidate_outputs()
     if not bpy.app.background and not bpy.app.timers.is_registered(_tag_all):
         bpy.app.timers.register(_tag_all, first_interval=0.0)
 
@@ -94,7 +101,7 @@ def _pairs() -> tuple:
 
 
 def register() -> None:
-    scheduler.set_workers(rebuild.sync_all, maps_sync.sync)  # in this order: Maps look at the wrinkles before them
+    scheduler.set_workers(rebuild.sync_all, maps_rebuild.sync)  # in this order: Maps look at the wrinkles before them
     for functions, function in _pairs():
         if function not in functions:
             functions.append(function)
@@ -107,6 +114,4 @@ def unregister() -> None:
     if bpy.app.timers.is_registered(_tag_all):
         bpy.app.timers.unregister(_tag_all)
     scheduler.stop()
-    maps_sync.forget_all()
-    bodies.forget_all()
-    runtimes.forget_all()
+    _forget_all()

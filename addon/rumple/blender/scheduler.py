@@ -58,8 +58,11 @@ def suspended() -> Iterator[None]:
         _suspended = False
 
 
-def is_suspended() -> bool:
-    return _suspended
+def may_process(depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether handlers may solve and write what a depsgraph shows."""
+    if _render_running and depsgraph.mode == "VIEWPORT":
+        return False  # unguarded: a wrong frame in 3.4, a crash in 4.3
+    return not _suspended
 
 
 # ---------------------------------------------------------------- structural work

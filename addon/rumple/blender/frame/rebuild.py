@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import bpy
 
-from ... import native
-from ...core import engine
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
 from ..objects import bodies, evaluator, kept_lists, mesh_reader, messages, modifier, output_mesh, runtimes
@@ -45,14 +43,10 @@ def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
     entry = runtimes.of(obj)
     entry.stale = False
     entry.groups = [group.name for group in obj.vertex_groups]
-    try:
+    with messages.build_errors(obj, entry):
         changed = _prepare(obj, ours, entry)
         messages.set_build_error(entry, entry.bake_note)
         return changed
-    except (engine.Refused, native.NativeMissing) as error:
-        messages.set_build_error(entry, str(error))
-    except Exception as error:  # a message on the panel, never a traceback
-        messages.set_build_error(entry, messages.unexpected(obj, error))
     return False
 
 
@@ -125,7 +119,7 @@ def _tidy_removed(wrinkled: set[str]) -> None:
     for obj in bpy.data.objects:
         if obj.type != "MESH" or obj.name_full in wrinkled or not compat.is_editable(obj):
             continue
-        if obj.rumple.method not in ("NONE", "MAPS"):  # those are up to maps/sync.py
+        if obj.rumple.method not in ("NONE", "MAPS"):  # those are up to maps/rebuild.py
             drop_traces(obj)
     drop_orphan_outputs()
     field_profile.drop_orphans()

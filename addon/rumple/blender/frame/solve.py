@@ -11,7 +11,6 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ... import native
 from ...core import engine
 from .. import compat, scheduler
 from ..objects import bodies, evaluator, mesh_reader, messages, modifier, output_mesh, properties, runtimes, units, wind
@@ -22,9 +21,7 @@ from . import clip_status, path_curves
 
 def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Solve what this depsgraph shows. Never raises."""
-    if scheduler.rendering() and depsgraph.mode == "VIEWPORT":
-        return  # unguarded: a wrong frame in 3.4, a crash in 4.3
-    if scheduler.is_suspended():
+    if not scheduler.may_process(depsgraph):
         return
     with LOCK:
         objects = bodies.in_order(list(modifier.wrinkled_objects()))
@@ -96,7 +93,7 @@ def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene
                      depsgraph: bpy.types.Depsgraph, outputs_seen: set[int]) -> bool:
     """True when the output object was written."""
     entry = runtimes.of(obj)
-    try:
+    with messages.frame_errors(obj, entry):
         held = modifier.output_object(ours)
         if held is None or held.type != "MESH":
             scheduler.request()
@@ -106,13 +103,10 @@ def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene
             scheduler.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
             return False
         outputs_seen.add(key)
-        return _process(obj, ours, held, entry, scene, depsgraph)
-    except (engine.Refused, native.NativeMissing) as error:
-        messages.set_frame_error(entry, str(error))
-    except mesh_reader.Reordered as error:
-        messages.set_frame_error(entry, f"{obj.name}: {error}")
-    except Exception as error:  # handlers must not throw: the last good picture stays, the panel says why
-        messages.set_frame_error(entry, messages.unexpected(obj, error))
+        try:
+            return _process(obj, ours, held, entry, scene, depsgraph)
+        except mesh_reader.Reordered as error:
+            raise engine.Refused(f"{obj.name}: {error}") from error
     return False
 
 

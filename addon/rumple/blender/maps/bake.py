@@ -20,8 +20,8 @@ from .. import compat, scheduler
 from ..frame import rebuild
 from ..nodes import maps_shader
 from ..objects import modifier, properties, runtimes, units
-from . import (export as maps_export, modifier as maps_modifier, operators as maps_operators, rig as maps_rig,
-               sync as maps_sync)
+from . import (changes as maps_changes, export as maps_export, modifier as maps_modifier, operators as maps_operators,
+               rig as maps_rig)
 
 SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single picture may take its time
@@ -71,7 +71,7 @@ class MapBake:
         """Put the armature back."""
         for name, basis in self._former:
             self.armature.pose.bones[name].matrix_basis = basis
-        maps_sync.maps_changed(self.obj)
+        maps_changes.maps_changed(self.obj)
         self.context.view_layer.update()
 
     # --- the two meshes

@@ -15,7 +15,7 @@ from ... import native
 from ...core.engine import Refused
 from .. import compat, scheduler
 from ..nodes import maps_shader
-from . import modifier as maps_modifier, rig as maps_rig, sync as maps_sync
+from . import changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild, rig as maps_rig
 
 
 def target(context: bpy.types.Context) -> bpy.types.Object | None:
@@ -80,15 +80,15 @@ def add_maps(obj: bpy.types.Object) -> None:
     native.load()
     with scheduler.suspended():
         ours = maps_modifier.add(obj)
-    maps_sync.prepare(obj, ours)
-    maps_sync.note_method(obj)
+    maps_rebuild.prepare(obj, ours)
+    maps_rebuild.note_method(obj)
 
 
 def remove_maps(obj: bpy.types.Object) -> None:
     """Modifier, output object and the nodes in materials; the reference poses stay with the object."""
     hide(obj)
     maps_modifier.remove(obj)
-    maps_sync.note_method(obj)
+    maps_rebuild.note_method(obj)
     group = obj.rumple_maps.group
     obj.rumple_maps.group = None
     if group is not None and group.users == 0 and compat.is_editable(group):
@@ -177,7 +177,7 @@ class RUMPLE_OT_maps_bones(OnMaps, bpy.types.Operator):
 
         def choose() -> None:
             maps_rig.choose_by_default(obj)
-            maps_sync.rig_changed(obj)
+            maps_changes.rig_changed(obj)
         return self.guarded(choose)
 
 

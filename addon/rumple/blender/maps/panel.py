@@ -6,7 +6,7 @@ import bpy
 
 from ..nodes import maps_shader
 from ..ui_base import draw_message, wrapped
-from . import modifier as maps_modifier, operators as maps_operators, sync as maps_sync
+from . import modifier as maps_modifier, operators as maps_operators, runtimes as maps_runtimes
 
 
 class RUMPLE_UL_poses(bpy.types.UIList):
@@ -63,7 +63,7 @@ class _Poses(_Maps):
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, self.object(context)
         settings = obj.rumple_maps
-        draw_message(layout, maps_sync.message(obj))
+        draw_message(layout, maps_runtimes.message(obj))
         row = layout.row(align=True)
         row.operator("rumple.pose_add", icon="ADD")
         row.operator("rumple.maps_remove", text="", icon="X")
@@ -141,7 +141,7 @@ class _Status(_Maps):
     bl_label = "Status"
 
     def draw(self, context: bpy.types.Context) -> None:
-        entry = maps_sync.runtime(self.object(context))
+        entry = maps_runtimes.of(self.object(context))
         lines = list(entry.notes)
         if entry.comparison is not None:
             model = entry.comparison.model

@@ -12,7 +12,7 @@ import bpy
 
 from ...core.engine import Refused
 from ...core.poses import MOST_POSES, PoseComparison
-from . import rig as maps_rig, sync as maps_sync
+from . import changes as maps_changes, rig as maps_rig
 from .operators import OnMaps, OnPose, target
 from .properties import unused_name
 
@@ -57,7 +57,7 @@ class RUMPLE_OT_pose_add(OnMaps, bpy.types.Operator):
             settings.poses.remove(len(settings.poses) - 1)
             raise
         settings.active = len(settings.poses) - 1
-        maps_sync.maps_changed(obj)
+        maps_changes.maps_changed(obj)
 
 
 class RUMPLE_OT_pose_update(OnPose, bpy.types.Operator):
@@ -84,7 +84,7 @@ def _replace(obj: bpy.types.Object, records: bpy.types.bpy_prop_collection, pose
     except Refused:
         maps_rig.write(records, former)
         raise
-    maps_sync.rig_changed(obj)
+    maps_changes.rig_changed(obj)
 
 
 class RUMPLE_OT_pose_remove(OnPose, bpy.types.Operator):
@@ -100,7 +100,7 @@ class RUMPLE_OT_pose_remove(OnPose, bpy.types.Operator):
         settings = obj.rumple_maps
         settings.poses.remove(settings.active)
         settings.active = max(0, min(settings.active, len(settings.poses) - 1))
-        maps_sync.maps_changed(obj)
+        maps_changes.maps_changed(obj)
 
 
 class RUMPLE_OT_pose_move(OnPose, bpy.types.Operator):
@@ -123,7 +123,7 @@ class RUMPLE_OT_pose_move(OnPose, bpy.types.Operator):
         settings = obj.rumple_maps
         settings.poses.move(settings.active, place)
         settings.active = place
-        maps_sync.maps_changed(obj)
+        maps_changes.maps_changed(obj)
 
 
 class RUMPLE_OT_pose_rename(OnPose, bpy.types.Operator):
@@ -218,7 +218,7 @@ class RUMPLE_OT_neutral_rest(OnMaps, bpy.types.Operator):
 
         def rest() -> None:
             obj.rumple_maps.neutral.clear()
-            maps_sync.rig_changed(obj)
+            maps_changes.rig_changed(obj)
         return self.guarded(rest)
 
 

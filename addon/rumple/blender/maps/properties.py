@@ -6,7 +6,7 @@ import bpy
 
 from ...core.poses import GAINS, MOST_POSES
 from ..objects.properties import METHODS
-from . import sync as maps_sync
+from . import changes as maps_changes, comparison, runtimes as maps_runtimes
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
 _TRACKED = (
@@ -22,7 +22,7 @@ _MAPS = (
 
 def _rig_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Poses, bones, weights of the comparison."""
-    maps_sync.rig_changed(group.id_data)
+    maps_changes.rig_changed(group.id_data)
 
 
 def _frame_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
@@ -32,7 +32,7 @@ def _frame_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) 
 
 def _maps_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """The images or how they are blended."""
-    maps_sync.maps_changed(group.id_data)
+    maps_changes.maps_changed(group.id_data)
 
 
 def _pose_renamed(pose: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
@@ -56,11 +56,11 @@ def unused_name(wanted: str, taken: list[str]) -> str:
 
 
 def _presence(pose: bpy.types.PropertyGroup) -> float:
-    return maps_sync.presence(pose.id_data, pose.name)
+    return comparison.presence(pose.id_data, pose.name)
 
 
 def _message(settings: bpy.types.PropertyGroup) -> str:
-    return maps_sync.message(settings.id_data)
+    return maps_runtimes.message(settings.id_data)
 
 
 class RUMPLE_PosedBone(bpy.types.PropertyGroup):

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import traceback
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Callable, Iterator
 
 import bpy
+
+from ...core.engine import Refused
+from ...native import NativeMissing
 
 
 @dataclass
@@ -42,6 +47,30 @@ def note_unplayed(entry: Messages, text: str, rendering: bool) -> None:
 def _print_new(text: str, former: str) -> None:
     if text and text != former:
         print(f"Rumple: {text}")
+
+
+@contextmanager
+def frame_errors(obj: bpy.types.Object, entry: Messages) -> Iterator[None]:
+    """Errors become the message on this frame: handlers must not throw. The last good picture stays."""
+    with _errors(obj, entry, set_frame_error):
+        yield
+
+
+@contextmanager
+def build_errors(obj: bpy.types.Object, entry: Messages) -> Iterator[None]:
+    """Errors become the message on the structure. The last good mesh stays."""
+    with _errors(obj, entry, set_build_error):
+        yield
+
+
+@contextmanager
+def _errors(obj: bpy.types.Object, entry: Messages, tell: Callable[[Messages, str], None]) -> Iterator[None]:
+    try:
+        yield
+    except (Refused, NativeMissing) as error:
+        tell(entry, str(error))
+    except Exception as error:  # a message on the panel, never a traceback
+        tell(entry, unexpected(obj, error))
 
 
 def unexpected(obj: bpy.types.Object, error: Exception) -> str:

@@ -13,7 +13,7 @@ from ...core.presets import touched
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
 from ..frame import rebuild
-from ..maps import sync as maps_sync
+from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import bodies, body_search, cloth_defaults, mesh_reader, modifier, properties, runtimes, units
 from ..viewport import preview
@@ -153,7 +153,7 @@ class OBJECT_OT_rumple_unshade(_OnWaves, bpy.types.Operator):
 def _remove(obj: bpy.types.Object) -> None:
     """The wrinkles. Wrinkle Maps beside them stay, and are the object's method then."""
     rebuild.remove_all(obj)
-    maps_sync.note_method(obj)
+    maps_rebuild.note_method(obj)
 
 
 class OBJECT_OT_rumple_remove(ui_base.OnWrinkled, bpy.types.Operator):

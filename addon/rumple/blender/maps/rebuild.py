@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The structural work of the Wrinkle Maps: comparisons, trees, hidden meshes, duplicates, leftovers."""
+from __future__ import annotations
+
+import bpy
+
+from ...core.engine import Refused
+from ...core.poses import strengths
+from .. import compat
+from ..nodes.maps_mask_tree import Shape
+from ..objects import messages, modifier
+from . import (comparison as comparisons, hidden_meshes as maps_meshes, modifier as maps_modifier, rig as maps_rig,
+               runtimes as maps_runtimes)
+from .runtimes import Runtime
+
+
+def sync() -> None:
+    """Bring every object in order: trees, shared skins and groups, comparisons, leftovers."""
+    objects = list(maps_modifier.mapped_objects())
+    maps_runtimes.forget_all_but(obj for obj, _ in objects)
+    held = {hidden for _, ours in objects for hidden in maps_modifier.hidden(ours)}
+    objects = [(obj, ours) for obj, ours in objects if compat.is_editable(obj)]  # linked ones cannot be written
+    _split_shared(objects)
+    for obj, ours in objects:
+        if maps_runtimes.of(obj).stale or is_behind_others(obj, ours):
+            prepare(obj, ours)
+    for obj in bpy.data.objects:
+        note_method(obj)
+    _tidy(held | {hidden for _, ours in objects for hidden in maps_modifier.hidden(ours)})
+
+
+def note_method(obj: bpy.types.Object) -> None:
+    """The method is MAPS where there are no other wrinkles."""
+    method = obj.rumple.method
+    if obj.type != "MESH" or not compat.is_editable(obj) or (method == "NONE" and not len(obj.modifiers)):
+        return
+    if maps_modifier.find(obj) is not None:
+        if method != "MAPS" and modifier.find(obj) is None:
+            obj.rumple.method = "MAPS"
+    elif method == "MAPS":
+        obj.rumple.method = "NONE"
+
+
+def _wrinkles_in_front(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    """The output object of a Wrinkle Mesh, Field or Paths in front of the maps."""
+    wrinkles, stack = modifier.find(obj), list(obj.modifiers)
+    if wrinkles is None or stack.index(wrinkles) > stack.index(ours):
+        return None
+    return modifier.output_object(wrinkles)
+
+
+def is_behind_others(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+    """Other wrinkles came, went or were made anew since the modifier was prepared."""
+    return _wrinkles_in_front(obj, ours) != maps_modifier.wrinkles(ours)
+
+
+def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
+    """Make comparison, tree, skin and skeleton what they should be. What is wrong becomes the object's message."""
+    entry = maps_runtimes.of(obj)
+    entry.stale = False
+    with messages.build_errors(obj, entry):  # without the native module the nodes go on
+        try:
+            _prepare(obj, ours, entry)
+        except Refused:  # no masks rather than wrong ones
+            maps_modifier.connect(obj, ours, None, None, _wrinkles_in_front(obj, ours))
+            raise
+        messages.set_build_error(entry, "")
+
+
+def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> None:
+    comparisons.ensure(obj, entry)
+    comparison, front = entry.comparison, _wrinkles_in_front(obj, ours)
+    if comparison is None:
+        maps_modifier.fill(ours.node_group, Shape())
+        maps_modifier.connect(obj, ours, None, None, front)
+        return
+    table = comparison.table()
+    maps_modifier.fill(ours.node_group, Shape(
+        tuple(pose.name for pose in comparison.rig.poses), len(comparison.rig.bones), 1 + len(table.more),
+        bool((comparison.rig.group_numbers() >= 0).any()), front is not None))
+    armature = maps_rig.armature_of(obj)
+    skin, skeleton = maps_modifier.skin(ours), maps_modifier.skeleton(ours)
+    if not maps_meshes.made_from(skin, entry.shape):
+        skin = maps_meshes.new_skin(obj.name, comparison, entry.shape)
+        entry.written = None  # whatever its key: in 3.4 that is an address, which the former skin may have had
+    if not maps_meshes.made_from(skeleton, entry.shape) or \
+            maps_meshes.armature_of(skeleton) != armature:
+        skeleton = maps_meshes.new_skeleton(obj.name, comparison, armature, entry.shape)
+    write_gain(skin, entry, obj.rumple_maps)
+    maps_modifier.connect(obj, ours, skin, skeleton, front)
+
+
+def write_gain(skin: bpy.types.Object, entry: Runtime, settings: bpy.types.PropertyGroup) -> None:
+    """Gain, strengths, mute and solo, where the skin has others. A write costs another evaluation."""
+    wanted, key = (settings.gain, tuple(strengths(settings.poses))), compat.session_key(skin.data)
+    if wanted != entry.written or key != entry.output_key:
+        maps_meshes.write_weights(skin, entry.comparison, *wanted)
+        entry.written, entry.output_key = wanted, key
+
+
+def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> None:
+    """Duplicates share tree, skin and shader group with their original until they get their own; overrides, with the
+    linked file. A skeleton is never written to: it may be shared until the poses differ."""
+    seen: set[bpy.types.ID] = set()
+    for obj, ours in objects:
+        if ours.node_group in seen or not compat.is_editable(ours.node_group):
+            ours.node_group = ours.node_group.copy()
+        skin = maps_modifier.skin(ours)
+        if skin is not None and skin in seen:
+            maps_modifier.connect(obj, ours, None, maps_modifier.skeleton(ours), maps_modifier.wrinkles(ours))
+            maps_runtimes.of(obj).stale = True
+        group = obj.rumple_maps.group
+        if group is not None and group in seen:
+            obj.rumple_maps.group = group.copy()  # its materials show the original's maps until it has its own
+        seen |= {ours.node_group, maps_modifier.skin(ours), obj.rumple_maps.group}
+
+
+def _tidy(held: set[bpy.types.Object | None]) -> None:
+    """Skins and skeletons whose modifier was removed or applied by Blender's own buttons."""
+    candidates = {o for o in bpy.data.objects if maps_meshes.KEY in o} - held
+    if candidates:
+        for candidate, users in bpy.data.user_map(subset=candidates).items():
+            if not users:
+                modifier.delete_hidden(candidate)

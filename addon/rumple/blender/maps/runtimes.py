@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What lives from frame to frame for every object with Wrinkle Maps, outside the file."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...core.poses import PoseComparison
+from ..objects.runtime_table import Entry, RuntimeTable
+
+
+@dataclass
+class Runtime(Entry):
+    """One object with Wrinkle Maps."""
+
+    comparison: PoseComparison | None = None
+    shape: str = ""  # fingerprint of what it was made from
+    written: tuple | None = None  # gain and strengths that the skin has
+    seen: tuple | None = None  # the present bones, and what presence was found for them
+
+    def invalidate_output(self) -> None:
+        self.written = None
+        super().invalidate_output()
+
+
+_TABLE = RuntimeTable(Runtime)
+of, known, message = _TABLE.of, _TABLE.known, _TABLE.message
+forget, forget_all, forget_all_but = _TABLE.forget, _TABLE.forget_all, _TABLE.forget_all_but
+invalidate_outputs, invalidate_all = _TABLE.invalidate_outputs, _TABLE.invalidate_all
