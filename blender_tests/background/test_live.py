@@ -12,8 +12,9 @@ from rumple.blender import handlers, scheduler
 from rumple.blender.frame import solve
 from rumple.blender.maps import changes as maps_changes, solve as maps_solve
 from rumple.blender.nodes import wrinkle_tree
-from rumple.blender.objects import changes, modifier, output_mesh, runtimes
+from rumple.blender.objects import changes, modifier, output_mesh, properties, runtimes
 from rumple.blender.objects.kept_lists import ModifiedObjects
+from rumple.core.presets import MESH_PRESETS
 from support import sleeve
 
 
@@ -158,7 +159,7 @@ class Settings(unittest.TestCase):
 
     def test_all_presets(self):
         obj = sleeve.scene()
-        for preset in ("DENIM", "LEATHER", "SILK", "SKIN", "PAPER", "COTTON"):
+        for preset in (*(key for key in MESH_PRESETS if key != "COTTON"), "COTTON"):
             bpy.ops.object.rumple_preset(preset=preset)
             sleeve.at(15)
             self.assertEqual(obj.rumple.message, "", preset)
@@ -167,15 +168,24 @@ class Settings(unittest.TestCase):
     def test_stiff_cloth_has_wider_folds_than_what_was_chosen_and_the_way_back_is_exact(self):
         obj = sleeve.scene()
         settings = obj.rumple.mesh
-        settings.density, settings.wavelength = "WAVELENGTH", 0.03
-        chosen = settings.wavelength
-        scheduler.sync_all()
-        level = runtimes.of(obj).evaluator.level
-        for preset, width in (("DENIM", 2.0), ("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("COTTON", 1.0)):
+        for chosen in (0.03, 0.0317234):
+            settings.wavelength = chosen
+            chosen = settings.wavelength
+            for preset, width in (("DENIM", 1.35), ("DENIM", 1.35), ("LEATHER", 1.85), ("SILK", 0.75), ("COTTON", 1.0)):
+                bpy.ops.object.rumple_preset(preset=preset)
+                self.assertAlmostEqual(settings.wavelength, width * chosen, 8)
+            self.assertEqual(settings.wavelength, chosen)
+
+    def test_the_preset_of_the_paper_brings_back_what_it_replaced(self):
+        obj = sleeve.scene()
+        settings = obj.rumple.mesh
+        settings.base_cloth, settings.layers, settings.display_steps = "HANG", "CLOTH", 2
+        before = properties.settings_of(obj, bpy.context.scene)
+        for preset in ("PAPER", "PAPER", "DENIM", "COTTON"):
             bpy.ops.object.rumple_preset(preset=preset)
-            scheduler.sync_all()
-            self.assertEqual(settings.wavelength, width * chosen)
-            self.assertEqual(runtimes.of(obj).evaluator.level, level - (width == 2.0), preset)
+            paper = preset == "PAPER"
+            self.assertEqual((settings.layers, settings.display_steps), ("ONE", 0) if paper else ("CLOTH", 2), preset)
+        self.assertEqual(properties.settings_of(obj, bpy.context.scene), before)
 
     def test_lengths_are_metres_whatever_the_unit(self):
         obj = sleeve.scene(wrinkles=False)

@@ -21,15 +21,29 @@ EDGES_PER_WAVELENGTH = 5.0  # measured on garments with bend stiffness of 0.7 an
 FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the base's diagonal is refused
 
 
-def level_for(base: BaseMesh, wavelength: float, unit_scale: float) -> int:
-    """Subdivisions after which the mean edge is nearest to wavelength / 5 (in powers of two), 0 to 5.
+def halvings(base: BaseMesh, wavelength: float, unit_scale: float) -> float:
+    """How often the mean edge must be halved to be wavelength / 5, 0 to 5.
 
     wavelength: metres; unit_scale: metres per object unit.
     """
     edge = base.mean_edge() * unit_scale
     if edge <= 0.0 or wavelength <= 0.0:
-        return 0
-    return min(max(round(math.log2(edge * EDGES_PER_WAVELENGTH / wavelength)), 0), MOST_LEVEL)
+        return 0.0
+    return min(max(math.log2(edge * EDGES_PER_WAVELENGTH / wavelength), 0.0), float(MOST_LEVEL))
+
+
+def level_for(base: BaseMesh, wavelength: float, unit_scale: float) -> int:
+    """Subdivisions after which the mean edge is nearest to wavelength / 5 (in powers of two)."""
+    return round(halvings(base, wavelength, unit_scale))
+
+
+def layers_for(base: BaseMesh, wavelength: float, unit_scale: float) -> tuple[int, float]:
+    """Subdivisions of the finest layer, and its share, 0 to 1: folds between two layers fade in on the finer one, so
+    that any wavelength can be asked for. A finer layer begins a quarter of a halving on, and is whole after a half."""
+    count = halvings(base, wavelength, unit_scale)
+    level = math.floor(count)
+    share = min(4.0 * (count - level) - 1.0, 1.0)
+    return (level + 1, share) if share > 0.0 else (level, 1.0)
 
 
 def wavelength_of(base: BaseMesh, level: int, unit_scale: float) -> float:
@@ -106,7 +120,11 @@ class WrinkleMesh(Wrinkles):
             raise Refused(f"{base.name}: choose your own fine mesh first")
         surface, warnings = checked_surface(base, settings.weld, unit_scale)
         own_surface = own.surface(False) if own is not None and settings.source == "OBJECT" else None
-        level = settings.level if settings.density == "LEVEL" else level_for(base, settings.wavelength, unit_scale)
+        level, finest = settings.level, 1.0
+        if settings.density == "WAVELENGTH" and settings.layered:
+            level, finest = layers_for(base, settings.wavelength, unit_scale)
+        elif settings.density == "WAVELENGTH":
+            level = level_for(base, settings.wavelength, unit_scale)
         try:
             model = cls._layers(surface, settings, level) if settings.layered else native.load().build_wrinkle_mesh(
                 surface, source=settings.source, level=level, segments=settings.segments,
@@ -123,7 +141,7 @@ class WrinkleMesh(Wrinkles):
         mesh = cls(base, own if own_surface is not None else base, surface, model, warnings, unit_scale)
         mesh.layer_count = level + 1 if settings.layered else 0
         edges = model.local_edge(level) if settings.layered else model.local_edge
-        mesh.edge_mean, mesh.level = float(edges.mean()) * unit_scale, level
+        mesh.edge_mean, mesh.level, mesh.finest_share = float(edges.mean()) * unit_scale, level, finest
         mesh._finest = None
         return mesh
 
@@ -193,8 +211,9 @@ class WrinkleMesh(Wrinkles):
         if not self.layer_count:
             return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
                                                     before, moment.world_from_object, **moment.in_time())
-        return native.load().solve_wrinkle_layers(self.model, layer_settings(settings, self.layer_count), self._paint,
-                                                  positions, state=before, **self._contact(settings, moment))
+        layers = layer_settings(settings, self.layer_count, self.finest_share)
+        return native.load().solve_wrinkle_layers(self.model, layers, self._paint, positions, state=before,
+                                                  **self._contact(settings, moment))
 
     def _contact(self, settings: MeshSettings, moment: Moment) -> dict[str, Any]:
         """What keeps layers off what is worn under the base cloth."""
@@ -245,12 +264,14 @@ TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along 
 LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
 
 
-def layer_settings(settings: MeshSettings, count: int) -> list[Any]:
-    """The native settings of every layer, coarse first."""
+def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0) -> list[Any]:
+    """The native settings of every layer, coarse first. finest: how much there is of the last one, 0 to 1."""
     out = []
     for number, word in enumerate(layer_words(count)):
         options = native_settings(settings)
-        options.radius = settings.radius * getattr(settings, word) * (WIDEST_RADIUS if number == 0 else 1.0)
+        # Of the radius and of what the layer is wider alike: much cloth in little room is crumpled.
+        share = getattr(settings, word) * (finest if number == count - 1 else 1.0)
+        options.radius = settings.radius * share * (WIDEST_RADIUS if number == 0 else 1.0)
         options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
         options.hem_rings = min(settings.hem_rings, number + 1)
         options.bending = LAYER_BENDING * settings.bending
@@ -258,7 +279,9 @@ def layer_settings(settings: MeshSettings, count: int) -> list[Any]:
         options.apart, options.slide = APART, SLIDE
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
-            options.prestretch = settings.prestretch * (1.0 + LOOSER * (settings.slack - 1.0))
+            # Stiff cloth spends what it has to spare on its widest folds.
+            looser = LOOSER * (ClothSettings.bending_length / settings.bending_length if number > 0 else 1.0)
+            options.prestretch = settings.prestretch * (1.0 + share * looser * (settings.slack - 1.0))
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
         out.append(options)
     return out

@@ -40,10 +40,11 @@ class ModifiedObjects:
 
     def _looked_up(self) -> list[Found] | None:
         """None where the list does not hold any more."""
-        if self._names is None:
+        names = self._names  # of now: a render's thread may forget them meanwhile
+        if names is None:
             return None
         found = []
-        for name in self._names:
+        for name in names:
             obj = bpy.data.objects.get(name)
             ours = self.find(obj) if obj is not None and obj.type == "MESH" else None
             if ours is None:
