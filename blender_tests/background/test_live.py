@@ -224,7 +224,7 @@ class Settings(unittest.TestCase):
 
 class Copies(unittest.TestCase):
 
-    def test_duplicates_get_carriers_of_their_own(self):
+    def test_duplicates_get_output_objects_of_their_own(self):
         for linked in (False, True):
             obj = sleeve.scene()
             bpy.ops.object.duplicate(linked=linked)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the curves of a garment's paths are: evaluated curves have no door to Python before 5.0, so a modifier behind
+"""What the curves of a garment's paths are: Python cannot read evaluated curves before 5.0, so a modifier behind
 turns them into edges, which keep points, order and attributes."""
 import bpy
 import numpy as np

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code."""
+"""What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code.
+
+Each folder imports only from those below it: ui, bake, brush, maps, ui_base.py, frame, viewport, objects, nodes,
+scheduler.py, compat.py (blender_tests/without_blender/test_import_order.py).
+"""
 from __future__ import annotations
 
 from . import handlers, scheduler

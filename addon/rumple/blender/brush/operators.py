@@ -33,8 +33,7 @@ class RUMPLE_Brush(bpy.types.PropertyGroup):
     radius: bpy.props.IntProperty(name="Radius", default=50, min=1, max=2000, soft_max=500, subtype="PIXEL",
                                   options=set(), description="Of the brush, in pixels. F in the viewport changes it")
     strength: bpy.props.FloatProperty(name="Strength", default=0.5, min=0.0, max=1.0, subtype="FACTOR", options=set(),
-                                      description="How far one touch goes towards what is painted. Shift F in the "
-                                                  "viewport changes it")
+                                      description="Blend factor of one dab. Shift F in the viewport changes it")
     length: bpy.props.FloatProperty(options=set(), **_LENGTH)
     falloff: bpy.props.EnumProperty(name="Falloff", default="SMOOTH", options=set(), items=[
         ("SMOOTH", "Smooth", "Soft at the rim and in the middle", "SMOOTHCURVE", 0),

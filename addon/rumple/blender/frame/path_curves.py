@@ -144,7 +144,7 @@ def _is_writable(child: bpy.types.Object) -> bool:
 
 # ---------------------------------------------------------------- structural work
 def sync(wrinkled: list[bpy.types.Object]) -> None:
-    """After other structural work: no mesh belongs to two, none is too small, none is left over."""
+    """After other structural work: gives every child a mesh of its own that is large enough, and removes leftovers."""
     seen: set[int] = set()
     for child, ours in list(all_curves()):
         if not compat.is_editable(child):
