@@ -44,6 +44,7 @@ class Walk(RandomWalk):
     # --- the law
     def check(self):
         sleeve.at(self.random.randint(1, sleeve.LAST))
+        self.check_lists()
         scheduler.sync_all()
         sleeve.at(self.random.randint(1, sleeve.LAST))
         outputs = set()

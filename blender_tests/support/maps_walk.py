@@ -28,6 +28,7 @@ class Walk(RandomWalk):
     def check(self):
         scheduler.sync_all()
         self.do_pose()
+        self.check_lists()
         mapped = maps_modifier.mapped_objects()
         shown = [(obj, ours) for obj, ours in mapped if obj.name in bpy.context.view_layer.objects]
         owned = [ours.node_group for _, ours in shown]

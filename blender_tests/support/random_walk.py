@@ -5,6 +5,7 @@ import os
 import random
 
 import bpy
+from rumple.blender.objects import kept_lists
 from support import sleeve
 
 MOST_OBJECTS = 4
@@ -58,6 +59,12 @@ class RandomWalk:
         raise NotImplementedError
 
     # --- helpers
+    def check_lists(self):
+        """What is kept of the file's objects is what a search finds."""
+        for kept in kept_lists._all:
+            found, searched = ([obj.name_full for obj, _ in pairs] for pairs in (kept, kept._searched()))
+            assert found == searched, f"after {self.done[-8:]}: {found} are kept, {searched} are there"
+
     def leave_mode(self):
         active = bpy.context.view_layer.objects.active
         if active is not None and active.mode != "OBJECT":
