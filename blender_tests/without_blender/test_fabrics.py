@@ -57,7 +57,7 @@ class Wavelengths(unittest.TestCase):
         longest = wavelength_of(self.base, 0, 1.0)
         amounts = []
         for wavelength in np.geomspace(longest, longest / 31.0, 2000):
-            level, share = layers_for(self.base, float(wavelength), 1.0)
+            level, share = layers_for(self.base.mean_edge(), float(wavelength))
             self.assertTrue(0.0 < share <= 1.0)
             amounts.append(level - 1 + share)
         steps = np.diff(amounts)
@@ -67,13 +67,13 @@ class Wavelengths(unittest.TestCase):
 
     def test_at_the_wavelength_of_a_layer_it_is_the_last_and_whole(self) -> None:
         for level in range(6):
-            self.assertEqual(layers_for(self.base, wavelength_of(self.base, level, 1.0), 1.0), (level, 1.0))
+            self.assertEqual(layers_for(self.base.mean_edge(), wavelength_of(self.base, level, 1.0)), (level, 1.0))
 
     def test_a_finer_layer_begins_with_nothing(self) -> None:
         squeezed = compressed(self.base.positions, 0.85)
         begins = wavelength_of(self.base, 1, 1.0) / 2.0**0.2501
         settings = replace(CLOTH, slack=1.05, wavelength=begins)
-        self.assertAlmostEqual(halvings(self.base, begins, 1.0), 1.2501, 6)
+        self.assertAlmostEqual(halvings(self.base.mean_edge(), begins), 1.2501, 6)
         mesh = WrinkleMesh.build(self.base, settings)
         self.assertEqual(mesh.level, 2)
         shown = lambda values: mesh.solve_frame(1.0, squeezed, replace(settings, **values), {}, start=1).positions

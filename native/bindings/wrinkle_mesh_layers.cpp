@@ -5,6 +5,7 @@
 
 #include "bindings/arrays.h"
 #include "bindings/module.h"
+#include "systems/wrinkle_mesh_transfer.h"
 
 namespace rumple::bindings {
 namespace {
@@ -67,6 +68,78 @@ struct Frame {
         input.bodies = &*bodies;
     }
 };
+
+void bind_coarse(py::module_& module) {
+    py::class_<CoarseMesh, std::shared_ptr<CoarseMesh>>(
+        module, "CoarseMesh", "A coarse mesh that stands for a dense one. Made by build_coarse.")
+        .def_property_readonly(
+            "surface", [](const CoarseMesh& m) -> const Surface& { return m.surface; },
+            py::return_value_policy::reference_internal, "Its Surface: triangles.")
+        .def_property_readonly(
+            "dense_vertex", [](const CoarseMesh& m) { return to_numpy<Index>(m.dense_vertex, 0); },
+            "(m,) int32: of every vertex a vertex of the dense mesh.")
+        .def_property_readonly(
+            "mean_edge",
+            [](const CoarseMesh& m) {
+                double sum = 0.0;
+                for (const Edge& e : m.surface.edges)
+                    sum += glm::distance(m.surface.positions_rest[e.a], m.surface.positions_rest[e.b]);
+                return sum / double(m.surface.edges.size());
+            },
+            "Mean length of its edges, object units.")
+        .def(
+            "positions",
+            [](const CoarseMesh& m, const Surface& dense, const py::array& positions) {
+                return to_numpy(coarse_positions(m, dense, vectors(positions, "positions")));
+            },
+            py::arg("dense"), py::arg("positions"),
+            "(n, 3) float32 of the dense mesh's vertices -> (m, 3), such that the smooth surfaces lie on one "
+            "another.");
+    module.def(
+        "build_coarse",
+        [](const Surface& dense, float spacing) {
+            const py::gil_scoped_release release;
+            return std::const_pointer_cast<CoarseMesh>(build_coarse(dense, spacing));
+        },
+        py::arg("dense"), py::arg("spacing"),
+        "spacing: about the mean length of its edges, object units. Raises ValueError where the mesh is too "
+        "small for it.");
+}
+
+void bind_transfer(py::module_& module) {
+    py::class_<Transfer, std::shared_ptr<Transfer>>(
+        module, "WrinkleTransfer",
+        "What shows layers over a coarse mesh on the dense one. Made by "
+        "build_wrinkle_transfer.")
+        .def_property_readonly(
+            "shown", [](const Transfer& m) -> const ShownMesh& { return m.shown; },
+            py::return_value_policy::reference_internal, "The ShownMesh.");
+    module.def(
+        "build_wrinkle_transfer",
+        [](const Surface& base, const CoarseMesh& coarse, const Layers& layers, Index level,
+           Index display_steps, Index most_vertices) {
+            const py::gil_scoped_release release;
+            return std::const_pointer_cast<Transfer>(
+                build_transfer(base, coarse, layers, level, display_steps, most_vertices));
+        },
+        py::arg("base"), py::arg("coarse"), py::arg("layers"), py::arg("level"), py::arg("display_steps") = 0,
+        py::arg("most_vertices") = 4'000'000,
+        "base: the dense mesh. level: its subdivisions that are moved; display_steps: of these that are "
+        "shown.");
+    module.def(
+        "show_wrinkle_transfer",
+        [](const Transfer& transfer, const CoarseMesh& coarse, const Layers& layers,
+           const py::array& animated, const LayersState& state) {
+            const auto at = vectors(animated, "animated");
+            const py::gil_scoped_release release;
+            Picture picture;
+            show(transfer, coarse, layers, at, state, picture);
+            return picture;
+        },
+        py::arg("transfer"), py::arg("coarse"), py::arg("layers"), py::arg("animated"), py::arg("state"),
+        "The ShownFrame of a solved frame. animated: (n, 3) float32 of the dense mesh before it became "
+        "cloth.");
+}
 
 }  // namespace
 
@@ -160,6 +233,8 @@ void bind_wrinkle_mesh_layers(py::module_& module) {
         "The ShownFrame of a solved frame. animated: (n, 3) float32 of the base before it became cloth, "
         "which the\n"
         "shown mesh is embedded in. positions: (n, 3) float32, as they were solved.");
+    bind_coarse(module);
+    bind_transfer(module);
 }
 
 }  // namespace rumple::bindings

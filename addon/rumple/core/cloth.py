@@ -95,12 +95,6 @@ class BaseCloth:
             self._collider = body.triangles, native.load().Collider(body.positions, body.triangles)
         return self._collider[1]
 
-    def follow(self, up: str) -> np.ndarray:
-        """(n,) float32: how firmly every vertex follows the animation where nothing is painted. up: of settings."""
-        direction = np.zeros(3)
-        direction["XYZ".index(up[-1])] = -1.0 if up[0] == "-" else 1.0
-        return native.load().suggest_follow(self.surface, tuple(direction))
-
     def thickness(self, settings: ClothSettings) -> float:
         """Of the cloth, object units."""
         return settings.thickness / self.unit_scale
@@ -110,7 +104,7 @@ class BaseCloth:
         return self._settings_to_scale().depth
 
     def _take_paint(self, paint: dict[str, np.ndarray], up: str) -> None:
-        values = paint if "follow" in paint else {**paint, "follow": self.follow(up)}
+        values = paint if "follow" in paint else {**paint, "follow": suggested_follow(self.surface, up)}
         self._paint, self._painted, self._up = native.load().BaseClothPaint(self.model, values), paint, up
 
     def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingMoment,
@@ -157,6 +151,13 @@ class BaseCloth:
         options.slack, options.room = settings.slack, settings.room / self.unit_scale
         options.thickness = self.thickness(settings)
         return options
+
+
+def suggested_follow(surface: Any, up: str) -> np.ndarray:
+    """(n,) float32: how firmly every vertex follows the animation where nothing is painted. up: of settings."""
+    direction = np.zeros(3)
+    direction["XYZ".index(up[-1])] = -1.0 if up[0] == "-" else 1.0
+    return native.load().suggest_follow(surface, tuple(direction))
 
 
 def stiffness_over_cotton(bending_length: float) -> float:

@@ -222,7 +222,8 @@ class MeshSettings(AdaptiveRest, ClothSettings):
 
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
+        made_from = {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
+        return made_from | {"base_cloth": self.base_cloth != "OFF"}  # which may be solved on a coarse mesh
 
 
 OUTPUTS = (
