@@ -23,8 +23,7 @@ typedef struct rumple_surface_plan {
     size_t polygon_start_count;
     const int32_t* corner_vertex;  // (corners), 0..n - 1
     size_t corner_vertex_count;
-    const int32_t*
-        triangle_corner;  // (t, 3): corners; each polygon has as many triangles as corners less two
+    const int32_t* triangle_corner;  // (t, 3): corners of one polygon each, which has two corners more
     size_t triangle_corner_count;
     bool weld_seams;  // join border vertices that stand at one place
 } rumple_surface_plan;

@@ -17,9 +17,8 @@ typedef struct rumple_wrinkle_mesh rumple_wrinkle_mesh;
 
 typedef struct rumple_wrinkle_mesh_plan {
     rumple_fine_plan fine;
-    const rumple_surface*
-        own;                  // RUMPLE_FINE_OBJECT: the artist's mesh at rest, in the base's space; else NULL
-    const uint8_t* attached;  // (vertices of own): 0 where it is not attached; or none: all are
+    const rumple_surface* own;  // RUMPLE_FINE_OBJECT: a mesh at rest, in the base's space; else NULL
+    const uint8_t* attached;    // (vertices of own): 0 where it is not attached; or none: all are
     size_t attached_count;
     float farthest;         // an own mesh farther than this from the base is refused, object units; 0: any
     int32_t display_steps;  // further subdivisions, of the shown mesh, that are not solved, >= 0

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""NumPy arrays on their way into the library and out of it. Never copies what is right already."""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+FLOAT, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
+INT, BYTE = np.dtype(np.int32), np.dtype(np.uint8)
+
+
+def checked(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> np.ndarray:
+    """The array itself, where it is C-contiguous, of this dtype and of shape (n,) or (n, columns). Raises ValueError
+    that names the argument, what was expected and what came."""
+    if (isinstance(array, np.ndarray) and array.dtype == dtype and array.flags.c_contiguous and array.flags.aligned
+            and (array.ndim == 1 if columns == 0 else array.ndim == 2 and array.shape[1] == columns)):
+        return array
+    wanted = "(n,)" if columns == 0 else f"(n, {columns})"
+    came = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
+    if isinstance(array, np.ndarray) and not array.flags.c_contiguous:
+        came += ", not contiguous"
+    raise ValueError(f"{name}: expected a C-contiguous {dtype} array of shape {wanted}, got {came}")
+
+
+def address(array: np.ndarray) -> int:
+    """Where its numbers are. The array must outlive what is done with it."""
+    return array.ctypes.data
+
+
+def given(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> tuple[int, int]:
+    """Address and rows of an argument, checked. It must outlive the call: keep a name on it."""
+    array = checked(array, name, dtype, columns)
+    return array.ctypes.data, len(array)
+
+
+def optional(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> tuple[int | None, int]:
+    """The same of an argument that may be None."""
+    return (None, 0) if array is None else given(array, name, dtype, columns)
+
+
+def fill(struct: Any, name: str, array: Any, dtype: np.dtype, columns: int = 0) -> None:
+    """Puts an array, or None, into the fields `name` and `name`_count of a struct."""
+    place, count = optional(array, name, dtype, columns)
+    setattr(struct, name, place)
+    setattr(struct, f"{name}_count", count)
+
+
+def new(dtype: np.dtype, *shape: int) -> np.ndarray:
+    """An array for the library to write."""
+    return np.empty(shape, dtype)
+
+
+class _Lent:
+    """An array of the library, in the words of NumPy's array interface. Holds what owns it."""
+
+    __slots__ = ("__array_interface__", "owner")
+
+    def __init__(self, owner: Any, interface: dict[str, Any]) -> None:
+        self.owner, self.__array_interface__ = owner, interface
+
+
+def lent(owner: Any, place: int | None, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
+    """A read-only view of an array inside a handle. It keeps the handle."""
+    if not place or 0 in shape:
+        array = np.empty(shape, dtype)
+        array.flags.writeable = False
+        return array
+    return np.asarray(_Lent(owner, {"data": (place, True), "shape": shape, "typestr": dtype.str, "version": 3}))
