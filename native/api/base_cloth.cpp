@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "rumple/base_cloth.h"
-
 #include "api/handles.h"
+#include "rumple.h"
 #include "surface/cloth/cover.h"
 #include "surface/cloth/swing.h"
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "rumple/surface.h"
-
 #include <algorithm>
 
 #include "api/handles.h"
+#include "rumple.h"
 #include "surface/cloth/pins.h"
 
 using namespace rumple;

@@ -84,8 +84,7 @@ rumple_status rumple_dab_apply(const rumple_canvas* canvas, const rumple_dab* da
     return guarded([&] {
         const rumple_canvas& c = given(canvas, "canvas");
         const auto* mirrored = of_model(twins, c, "twins");
-        const auto out =
-            output<Vec3>(painted, painted_count, size_t(c.model->base.display.vertex_count), "painted");
+        const auto out = output<Vec3>(painted, painted_count, painted_count, "painted");
         std::vector<Vec3> after(out.begin(), out.end());  // nothing is written where it is refused
         apply(*c.model, c.canvas, native_of<Dab>(dab, "dab"),
               mirrored ? std::span(mirrored->places) : std::span<const SurfacePoint>(), after);
