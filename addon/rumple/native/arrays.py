@@ -6,8 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from .struct import put
+
 FLOAT, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
 INT, BYTE = np.dtype(np.int32), np.dtype(np.uint8)
+
+_STRINGS = {dtype: dtype.str for dtype in (FLOAT, DOUBLE, INT, BYTE)}
 
 
 def checked(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> np.ndarray:
@@ -40,10 +44,11 @@ def optional(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> tuple[
 
 
 def fill(struct: Any, name: str, array: Any, dtype: np.dtype, columns: int = 0) -> None:
-    """Puts an array, or None, into the fields `name` and `name`_count of a struct."""
-    place, count = optional(array, name, dtype, columns)
-    setattr(struct, name, place)
-    setattr(struct, f"{name}_count", count)
+    """Puts an array into the fields `name` and `name`_count of a struct; of None they stay empty."""
+    if array is not None:
+        place, count = given(array, name, dtype, columns)
+        put(struct, name, place)
+        put(struct, f"{name}_count", count)
 
 
 def new(dtype: np.dtype, *shape: int) -> np.ndarray:
@@ -66,4 +71,4 @@ def lent(owner: Any, place: int | None, dtype: np.dtype, shape: tuple[int, ...])
         array = np.empty(shape, dtype)
         array.flags.writeable = False
         return array
-    return np.asarray(_Lent(owner, {"data": (place, True), "shape": shape, "typestr": dtype.str, "version": 3}))
+    return np.asarray(_Lent(owner, {"data": (place, True), "shape": shape, "typestr": _STRINGS[dtype], "version": 3}))

@@ -7,10 +7,10 @@ from typing import Any, Sequence
 import numpy as np
 
 from . import c
-from .arrays import FLOAT, INT, address, checked, fill, given, new
+from .arrays import FLOAT, INT, address, fill, given, new
 from .handle import Array, Handle, Number
 from .library import lib
-from .struct import Vector
+from .struct import Vector, put
 from .surface import Surface
 
 
@@ -37,8 +37,10 @@ def bodies(collider: Collider | None, positions: np.ndarray | None) -> Any:
     if collider is not None:
         if positions is None:
             raise ValueError("body_positions: expected an array, got None")
-        out.collider = collider._as_parameter_
-        fill(out, "positions", checked(positions, "body_positions", FLOAT, 3), FLOAT, 3)
+        place, count = given(positions, "body_positions", FLOAT, 3)
+        put(out, "collider", collider._as_parameter_)
+        put(out, "positions", place)
+        put(out, "positions_count", count)
     return out
 
 

@@ -11,7 +11,7 @@ from . import c
 from .arrays import BYTE, DOUBLE, FLOAT, INT, address, checked, fill, given, new
 from .handle import Array, Handle, Number
 from .library import lib
-from .struct import Choice, Within, chosen
+from .struct import Choice, Within, chosen, put
 
 
 class Surface(Handle):
@@ -169,8 +169,11 @@ def pose(positions: np.ndarray, time: float = 0.0, labels: np.ndarray | None = N
          world_from_object: np.ndarray | None = None) -> Any:
     """The base in one frame. positions: (n, 3) float32. The arrays must outlive it."""
     out = lib.rumple_pose_default()
-    fill(out, "positions", positions, FLOAT, 3)
-    out.time, out.next_time = time, next_time
+    place, count = given(positions, "positions", FLOAT, 3)
+    put(out, "positions", place)
+    put(out, "positions_count", count)
+    put(out, "time", time)
+    put(out, "next_time", next_time)
     if labels is not None:
         fill(out, "labels", labels, BYTE)
     if next_positions is not None:
