@@ -10,7 +10,8 @@ import bpy
 import numpy as np
 import sleeve
 from rumple.blender import carrier as carriers
-from rumple.blender import handlers, live, maps_live, modifier, node_tree, registry, structure
+from rumple.blender import handlers, live, maps_live, modifier, node_tree, properties, registry, structure
+from rumple.core.presets import MESH_PRESETS
 
 
 class Frames(unittest.TestCase):
@@ -119,7 +120,7 @@ class Settings(unittest.TestCase):
 
     def test_all_presets(self):
         obj = sleeve.scene()
-        for preset in ("DENIM", "LEATHER", "SILK", "SKIN", "PAPER", "COTTON"):
+        for preset in (*(key for key in MESH_PRESETS if key != "COTTON"), "COTTON"):
             bpy.ops.object.rumple_preset(preset=preset)
             sleeve.at(15)
             self.assertEqual(obj.rumple.message, "", preset)
@@ -128,15 +129,24 @@ class Settings(unittest.TestCase):
     def test_stiff_cloth_has_wider_folds_than_what_was_chosen_and_the_way_back_is_exact(self):
         obj = sleeve.scene()
         settings = obj.rumple.mesh
-        settings.density, settings.wavelength = "WAVELENGTH", 0.03
-        chosen = settings.wavelength
-        structure.settle_all()
-        level = registry.runtime(obj).fine.level
-        for preset, width in (("DENIM", 2.0), ("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("COTTON", 1.0)):
+        for chosen in (0.03, 0.0317234):
+            settings.wavelength = chosen
+            chosen = settings.wavelength
+            for preset, width in (("DENIM", 1.35), ("DENIM", 1.35), ("LEATHER", 1.85), ("SILK", 0.75), ("COTTON", 1.0)):
+                bpy.ops.object.rumple_preset(preset=preset)
+                self.assertAlmostEqual(settings.wavelength, width * chosen, 8)
+            self.assertEqual(settings.wavelength, chosen)
+
+    def test_the_preset_of_the_paper_brings_back_what_it_replaced(self):
+        obj = sleeve.scene()
+        settings = obj.rumple.mesh
+        settings.base_cloth, settings.layers, settings.display_steps = "HANG", "CLOTH", 2
+        before = properties.settings_of(obj, bpy.context.scene)
+        for preset in ("PAPER", "PAPER", "DENIM", "COTTON"):
             bpy.ops.object.rumple_preset(preset=preset)
-            structure.settle_all()
-            self.assertEqual(settings.wavelength, width * chosen)
-            self.assertEqual(registry.runtime(obj).fine.level, level - (width == 2.0), preset)
+            paper = preset == "PAPER"
+            self.assertEqual((settings.layers, settings.display_steps), ("ONE", 0) if paper else ("CLOTH", 2), preset)
+        self.assertEqual(properties.settings_of(obj, bpy.context.scene), before)
 
     def test_lengths_are_metres_whatever_the_unit(self):
         obj = sleeve.scene(wrinkles=False)

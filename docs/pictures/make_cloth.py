@@ -147,10 +147,10 @@ def layers(folder: Path) -> tuple[list[Tile], int]:
 
 def fabrics(folder: Path) -> tuple[list[Tile], int]:
     at, tiles = middles(SHIRT), []
-    for preset in ("COTTON", "DENIM", "LEATHER", "SILK"):
+    for preset in ("SILK", "JERSEY", "COTTON", "WOOL", "DENIM", "LEATHER"):
         open_scene(SHIRT, {}, preset)
         tiles += play(SHIRT, at, lambda frame, preset=preset: preset.title(), folder)
-    return tiles, 1
+    return tiles, 3
 
 
 def demo(folder: Path) -> tuple[list[Tile], int]:

@@ -14,7 +14,11 @@
 #include "systems/wrinkle_paths.h"
 
 struct rumple_surface {
-    rumple::Surface surface;
+    explicit rumple_surface(std::shared_ptr<const rumple::Surface> of)
+        : shared(std::move(of)), surface(*shared) {}
+
+    std::shared_ptr<const rumple::Surface> shared;
+    const rumple::Surface& surface;
 };
 
 // Part of a model's handle. What a view cannot point at is kept beside it.

@@ -23,6 +23,7 @@ inline constexpr StructSize kStructSizes[] = {
     RUMPLE_SIZE(rumple_base_cloth_swing),
     RUMPLE_SIZE(rumple_bodies),
     RUMPLE_SIZE(rumple_cloth_cover_settings),
+    RUMPLE_SIZE(rumple_coarse_view),
     RUMPLE_SIZE(rumple_curves_view),
     RUMPLE_SIZE(rumple_dab),
     RUMPLE_SIZE(rumple_drawing_view),
@@ -68,6 +69,7 @@ inline constexpr StructSize kStructSizes[] = {
     RUMPLE_SIZE(rumple_wrinkle_paths_settings),
     RUMPLE_SIZE(rumple_wrinkle_paths_state_view),
     RUMPLE_SIZE(rumple_wrinkle_paths_view),
+    RUMPLE_SIZE(rumple_wrinkle_transfer_plan),
 };
 #undef RUMPLE_SIZE
 

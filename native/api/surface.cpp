@@ -24,7 +24,7 @@ rumple_status rumple_surface_build(const rumple_surface_plan* plan, rumple_surfa
         rows<std::array<Index, 3>>(from.triangle_corner, from.triangle_corner_count, "triangle_corner");
         input.triangle_corner = {from.triangle_corner, 3 * from.triangle_corner_count};
         input.weld_seams = from.weld_seams;
-        return new rumple_surface{build_surface(input)};
+        return new rumple_surface(std::make_shared<const Surface>(build_surface(input)));
     });
 }
 

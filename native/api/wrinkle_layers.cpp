@@ -1,23 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/wrinkle_layers.h"
+
 #include "api/wrinkle_mesh.h"
-#include "systems/wrinkle_mesh_layers.h"
 
 using namespace rumple;
 using namespace rumple::api;
 using namespace rumple::wrinkle_mesh;
-
-struct rumple_wrinkle_layers {
-    std::shared_ptr<const Layers> model;
-    rumple_shown_mesh shown;
-};
-struct rumple_wrinkle_layers_paint {
-    std::shared_ptr<const Layers> model;
-    std::vector<Paint> layers;
-};
-struct rumple_wrinkle_layers_state {
-    std::shared_ptr<const Layers> model;
-    LayersState state;
-};
 
 namespace {
 

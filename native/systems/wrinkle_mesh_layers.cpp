@@ -11,20 +11,6 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// The solved mesh of a layer at rest, as the base of the next one.
-Surface surface_of(const Model& layer) {
-    const PolygonMesh& mesh = layer.solved;
-    std::vector<Index> triangle_corner;
-    for (Index p = 0; p < mesh.polygons(); ++p) {
-        for (Index k = 1; k + 1 < mesh.polygon_size(p); ++k) {
-            for (const Index c : {Index(0), k, Index(k + 1)})
-                triangle_corner.push_back(mesh.polygon_start[p] + c);
-        }
-    }
-    return build_surface(
-        {layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false});
-}
-
 // Where a layer has its vertices, without folds of its own, over positions of the base or of the layer below.
 std::vector<Vec3> attached_over(const Model& layer, std::span<const Vec3> below) {
     std::vector<Vec3> welded(layer.base.welded.vertex_count), out(layer.attached.size());
@@ -150,6 +136,19 @@ bool fits(const Layers& layers, const LayersState* state) {
 
 }  // namespace
 
+Surface solved_surface(const Model& layer) {
+    const PolygonMesh& mesh = layer.solved;
+    std::vector<Index> triangle_corner;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        for (Index k = 1; k + 1 < mesh.polygon_size(p); ++k) {
+            for (const Index c : {Index(0), k, Index(k + 1)})
+                triangle_corner.push_back(mesh.polygon_start[p] + c);
+        }
+    }
+    return build_surface(
+        {layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false});
+}
+
 std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps,
                                            Index most_vertices) {
     expect_within("levels", levels, 0, kMostLevels);
@@ -164,7 +163,7 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
         Source source;
         source.level = level > 0 ? 1 : 0;
         source.most_vertices = most_vertices;
-        Surface on = level > 0 ? surface_of(*out->layers.back()) : out->base;
+        Surface on = level > 0 ? solved_surface(*out->layers.back()) : out->base;
         if (level > 0) fine = compose(refine_subdivision(on.welded, 1), fine);
         // The base mesh is what its surface is subdivided from: it stays where it is.
         const AttachmentKind kind = level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear;
@@ -216,13 +215,18 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     return out;
 }
 
-void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
-          const LayersState& state, Picture& picture) {
+std::vector<Vec3> offsets(const Layers& layers, std::span<const Vec3> animated, const LayersState& state) {
     expect_count("state", state.solved.size(), layers.layers.back()->attached.size(), "positions");
     std::vector<Vec3> bare(animated.begin(), animated.end());
     for (const auto& layer : layers.layers) bare = attached_over(*layer, bare);
     std::vector<Vec3> offset(state.solved);
     for (size_t v = 0; v < offset.size(); ++v) offset[v] -= bare[v];
+    return offset;
+}
+
+void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
+          const LayersState& state, Picture& picture) {
+    const std::vector<Vec3> offset = offsets(layers, animated, state);
     std::vector<Vec3> base(layers.base.welded.vertex_count);
     weld_positions(layers.base, positions, base);
     std::vector<TriangleFrame> frames(layers.base.triangles.size());

@@ -26,6 +26,9 @@ struct Layers {
 std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps,
                                            Index most_vertices);
 
+// The solved mesh of a layer at rest, as the base of what lies on it.
+Surface solved_surface(const Model& layer);
+
 // Painted values of the base's vertices -> solved vertices of every layer.
 std::vector<std::vector<float>> carry_paint(const Layers& layers, std::span<const float> base_values);
 
@@ -38,6 +41,10 @@ LayersState woken(const LayersState& state);
 // settings, paint: one for each layer. Report: of each layer. Everything else as solve() has it.
 LayersState solve(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
                   const Input& input, const LayersState* state, std::vector<Report>& reports);
+
+// Of every vertex of the finest layer, from where it would be without cloth and folds, object space.
+// animated: of the base's vertices before they became cloth.
+std::vector<Vec3> offsets(const Layers& layers, std::span<const Vec3> animated, const LayersState& state);
 
 // animated: of the base's vertices before they became cloth (or the positions that were solved, where they
 // did not): what the shown mesh is embedded in and what its offsets start from. positions: as they were

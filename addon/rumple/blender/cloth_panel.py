@@ -22,7 +22,7 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
             return
         if settings.base_cloth == "SWING":
             _draw_swing(column, settings)
-        for name in ("slack", "gravity"):
+        for name in ("slack", "bending_length", "gravity"):
             column.prop(settings, name)
         painted(column, obj, "room")
         row = column.row(align=True)

@@ -6,6 +6,8 @@ rumple_shade(), rumple_unshade(), rumple_capture_rest(), rumple_paint(group="rad
 """
 from __future__ import annotations
 
+import json
+
 import bpy
 
 from .. import native
@@ -279,10 +281,15 @@ class OBJECT_OT_rumple_preset(OnWrinkled, bpy.types.Operator):
         obj = context.object
         system, settings = properties.system_of(obj), properties.group_of(obj)
         chosen, former = system.presets[self.preset], system.presets[settings.preset]
-        properties.apply_values(obj, context.scene,
-                                {**properties.defaults(obj, touched(system.presets)), **chosen.values})
+        restored = json.loads(settings.preset_replaced or "{}")
+        now = {**vars(properties.settings_of(obj, context.scene)), **restored}
+        properties.apply_values(obj, context.scene, {**restored, **properties.defaults(obj, touched(system.presets)),
+                                                     **chosen.values, **chosen.replaced})
+        replaced = {name: now[name] for name in chosen.replaced}
+        settings.preset_replaced = json.dumps(replaced) if replaced else ""
         length = system.wrinkles.FITTING
-        setattr(settings, length, getattr(settings, length) * chosen.fold_width / former.fold_width)
+        scaled = getattr(settings, length) * chosen.fold_width / former.fold_width
+        setattr(settings, length, float(f"{scaled:.7g}"))  # what a float holds: the way back is exact
         settings.preset = self.preset
         return {"FINISHED"}
 

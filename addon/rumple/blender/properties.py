@@ -61,6 +61,9 @@ def _settings_group(method: str, **others: Any) -> type:
         annotations["preset"] = bpy.props.EnumProperty(
             name="Cloth", default=next(iter(system.presets)), items=preset_items(system), options=set(),
             override=_OVERRIDE, description="The material that was chosen last")
+        annotations["preset_replaced"] = bpy.props.StringProperty(
+            options={"HIDDEN"}, override=_OVERRIDE,
+            description="Settings as they were before that choice, for the next one to bring back")
     return type(f"RUMPLE_{system.settings.__name__}", (bpy.types.PropertyGroup,),
                 {"__annotations__": annotations, "__doc__": system.settings.__doc__})
 

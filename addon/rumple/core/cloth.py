@@ -9,10 +9,10 @@ import numpy as np
 
 from .. import native
 from .body import Body
+from .fabrics import GRAVITY
 from .settings import ClothSettings
 from .surroundings import Surroundings
 
-GRAVITY = 9.81  # m/s^2
 AIR = 1.2  # kg/m^3
 FOLLOW = 150.0  # 1/s^2: gravity sags cloth by 2 cm, so that it hangs from the shoulders and not from its animation
 THIRTIETH = 1.0 / 30.0  # s: what substeps divide
@@ -95,12 +95,6 @@ class BaseCloth:
             self._collider = body.triangles, native.load().Collider(body.positions, body.triangles)
         return self._collider[1]
 
-    def follow(self, up: str) -> np.ndarray:
-        """(n,) float32: how firmly every vertex follows the animation where nothing is painted. up: of settings."""
-        direction = np.zeros(3)
-        direction["XYZ".index(up[-1])] = -1.0 if up[0] == "-" else 1.0
-        return native.load().suggest_follow(self.surface, tuple(direction))
-
     def thickness(self, settings: ClothSettings) -> float:
         """Of the cloth, object units."""
         return settings.thickness / self.unit_scale
@@ -110,7 +104,7 @@ class BaseCloth:
         return self._settings_to_scale().depth
 
     def _take_paint(self, paint: dict[str, np.ndarray], up: str) -> None:
-        values = paint if "follow" in paint else {**paint, "follow": self.follow(up)}
+        values = paint if "follow" in paint else {**paint, "follow": suggested_follow(self.surface, up)}
         self._paint, self._painted, self._up = native.load().BaseClothPaint(self.model, values), paint, up
 
     def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingMoment,
@@ -145,6 +139,8 @@ class BaseCloth:
     def _native_settings(self, settings: ClothSettings, object_from_world: np.ndarray) -> Any:
         options = self._settings_to_scale()
         to_scale = self.size_factor / self.unit_scale
+        for name in ("compression", "folded", "smoothing"):
+            setattr(options, name, getattr(options, name) * stiffness_over_cotton(settings.bending_length))
         down = object_from_world @ np.array((0.0, 0.0, -1.0))
         length = float(np.linalg.norm(down))
         gravity = GRAVITY * settings.gravity * to_scale * (down / length if length > 0.0 else down)
@@ -155,6 +151,19 @@ class BaseCloth:
         options.slack, options.room = settings.slack, settings.room / self.unit_scale
         options.thickness = self.thickness(settings)
         return options
+
+
+def suggested_follow(surface: Any, up: str) -> np.ndarray:
+    """(n,) float32: how firmly every vertex follows the animation where nothing is painted. up: of settings."""
+    direction = np.zeros(3)
+    direction["XYZ".index(up[-1])] = -1.0 if up[0] == "-" else 1.0
+    return native.load().suggest_follow(surface, tuple(direction))
+
+
+def stiffness_over_cotton(bending_length: float) -> float:
+    """Of the bending, per mass. What the base cloth holds against being pushed together is that: it buckles between
+    its vertices. bending_length: metres."""
+    return (bending_length / ClothSettings.bending_length) ** 3
 
 
 def _invertible(world_from_object: np.ndarray | None) -> np.ndarray:

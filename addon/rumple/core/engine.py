@@ -16,7 +16,7 @@ import numpy as np
 from .. import native
 from .base_mesh import BaseMesh, Refused
 from .body import Body
-from .cloth import ClothFrame
+from .cloth import ClothFrame, suggested_follow
 from .frame_result import COMMON_ATTRIBUTES, Attribute, Picture, Sketch
 from .history import Entry, History
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
@@ -63,7 +63,9 @@ class Wrinkles:
         self.name = base.name
         self.base = base
         self.surface = surface
+        self.solved_surface = surface  # what the base cloth and the system are solved on
         self.model = model
+        self.shown = model.shown
         self.warnings = warnings
         self.unit_scale = unit_scale  # metres per object unit
         self.history = History()
@@ -79,50 +81,50 @@ class Wrinkles:
     # --- the shown mesh, for whoever makes the carrier
     @property
     def vertex_count(self) -> int:
-        return self.model.shown.vertex_count
+        return self.shown.vertex_count
 
     @property
     def polygon_start(self) -> np.ndarray:
-        return self.model.shown.polygon_start
+        return self.shown.polygon_start
 
     @property
     def corner_vertex(self) -> np.ndarray:
-        return self.model.shown.corner_vertex
+        return self.shown.corner_vertex
 
     @property
     def positions_rest(self) -> np.ndarray:
-        return self.model.shown.positions_rest
+        return self.shown.positions_rest
 
     @property
     def polygon_parent(self) -> np.ndarray:
         """(q,) polygon of the source (base or own mesh) of every shown polygon."""
-        return self.model.shown.polygon_source
+        return self.shown.polygon_source
 
     @property
     def edges(self) -> np.ndarray:
         """(e, 2) shown edges that lie on an edge of the source."""
-        return self.model.shown.edges
+        return self.shown.edges
 
     @property
     def edge_parent(self) -> np.ndarray:
         """(e, 2) vertices of that edge, ascending."""
-        return self.model.shown.edge_sources
+        return self.shown.edge_sources
 
     @property
     def triangle_vertex(self) -> np.ndarray:
-        return self.model.shown.triangle_vertex
+        return self.shown.triangle_vertex
 
     @property
     def barycentric(self) -> np.ndarray:
-        return self.model.shown.barycentric
+        return self.shown.barycentric
 
     def carry_points(self, values: np.ndarray) -> np.ndarray:
         """(n, k) float32 values of the source's vertices -> (d, k)."""
-        return self.model.shown.carry_points(np.ascontiguousarray(values, np.float32), self._source_vertices)
+        return self.shown.carry_points(np.ascontiguousarray(values, np.float32), self._source_vertices)
 
     def carry_corners(self, values: np.ndarray) -> np.ndarray:
         """(c, k) float32 values of the source's corners -> corners of the shown mesh. Seams stay sharp."""
-        return self.model.shown.carry_corners(np.ascontiguousarray(values, np.float32), self._source_corners)
+        return self.shown.carry_corners(np.ascontiguousarray(values, np.float32), self._source_corners)
 
     # --- frames
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
@@ -166,7 +168,7 @@ class Wrinkles:
         replayed = entry is not None and entry.inputs == digest and (entry.final or not final)
         if not replayed:
             state = before.state if before is not None else None
-            state, report = self._solve_over(settings, positions, state,
+            state, report = self._solve_over(settings, self._positions_solved(positions), state,
                                              before is not None and before.chosen == chosen, moment)
             entry = Entry(state, digest, chosen, final, report)
             self.history.put(frame, entry)
@@ -213,18 +215,18 @@ class Wrinkles:
 
     def _base_cloth(self) -> Stage:
         if self._stage is None:
-            self._stage = Stage(self.surface, self.base.diagonal(), self.unit_scale)
+            self._stage = Stage(self.solved_surface, self.base.diagonal(), self.unit_scale)
         return self._stage
 
     def suggested_follow(self, settings: Any) -> np.ndarray:
         """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
         from."""
-        return self._base_cloth().cloth.follow(settings.up)
+        return suggested_follow(self.surface, settings.up)
 
     def _picture(self, shown: Any, moment: Moment, **own: np.ndarray) -> Picture:
         """From a native picture of a frame: what was solved over the base cloth is embedded in the animated mesh."""
         if moment.cloth is not None:
-            native.load().embed_frame(self.surface, self.model.shown, moment.animated, shown)
+            native.load().embed_frame(self.surface, self.shown, moment.animated, shown)
         return Picture.of(shown, **own)
 
     def _frame_before(self, frame: float) -> Entry | None:
@@ -244,8 +246,9 @@ class Wrinkles:
         chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
         repainted = self._paint is None or painted.digest() != self._painted
         if repainted:
-            self._cloth_paint = {name: paint[name] for name in PAINTED if name in paint}
-            self._paint = self._take_paint({name: paint[name] for name in paint if name not in PAINTED})
+            solved = {name: self._where_solved(values) for name, values in paint.items()}
+            self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
+            self._paint = self._take_paint(solved)
         # Another rate tells stored frames to be of other times.
         if repainted or (chosen != self._chosen and frame == self._frame) or frame_rate != self._frame_rate:
             self.history.clear()
@@ -334,6 +337,14 @@ class Wrinkles:
     def _keeps_off_bodies(self) -> bool:
         """Whether it sees itself to what is worn under the base cloth."""
         return False
+
+    def _where_solved(self, values: np.ndarray) -> np.ndarray:
+        """(n,) of the base's vertices -> of the vertices that are solved on."""
+        return values
+
+    def _positions_solved(self, positions: np.ndarray) -> np.ndarray:
+        """(n, 3) float32 of the deformed base -> of the vertices that are solved on."""
+        return positions
 
     def _reads_world(self, settings: Any) -> bool:
         """Whether the solve depends on where the object stands in the world."""

@@ -120,11 +120,15 @@ class ClothSettings:
                           unit="LENGTH")
     up: str = setting("Z", "Up At Rest", "Axis of the garment's own mesh that points up at rest: where nothing is "
                       "painted, the highest opening is pinned", choices=UPS)
+    bending_length: float = setting(0.022, "Bending Length", "How far a strip of the fabric juts out over an edge "
+                                    "before it droops, as textile laboratories measure it: silk 16 mm, cotton 22, "
+                                    "denim 29, leather 40. Longer: the cloth keeps its shape and stands off", low=0.001,
+                                    high=1.0, soft=0.1, unit="LENGTH")
     thickness: float = setting(0.003, "Thickness", "How far the cloth stays off the body", low=0.0, high=1.0,
                                unit="LENGTH")
     # Of Swing
-    mass: float = setting(0.2, "Mass", "Kilograms of a square metre: silk 0.06, cotton 0.15, denim 0.4. Heavier cloth "
-                          "gives less to wind and air", low=0.01, high=10.0, soft=1.0)
+    mass: float = setting(0.2, "Mass", "Kilograms of a square metre: silk 0.07, cotton 0.2, denim 0.32, leather 0.6. "
+                          "Heavier cloth gives less to wind and air", low=0.01, high=10.0, soft=1.0)
     swing_damping: float = setting(10.0, "Swing Damping", "How fast swaying dies away, per second. 0: only what "
                                    "the solver loses", low=0.0, high=1000.0, soft=50.0)
     substeps: int = setting(2, "Substeps", "Time steps of the solver in a thirtieth of a second, whatever the frame "
@@ -218,7 +222,8 @@ class MeshSettings(AdaptiveRest, ClothSettings):
 
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
+        made_from = {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
+        return made_from | {"base_cloth": self.base_cloth != "OFF"}  # which may be solved on a coarse mesh
 
 
 OUTPUTS = (

@@ -21,15 +21,30 @@ EDGES_PER_WAVELENGTH = 5.0  # measured on garments with bend stiffness of 0.7 an
 FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the base's diagonal is refused
 
 
+def halvings(edge: float, wavelength: float) -> float:
+    """How often a mean edge must be halved to be wavelength / 5, at most 5; below 0 where it is shorter. Both metres.
+    """
+    if edge <= 0.0 or wavelength <= 0.0:
+        return 0.0
+    return min(math.log2(edge * EDGES_PER_WAVELENGTH / wavelength), float(MOST_LEVEL))
+
+
 def level_for(base: BaseMesh, wavelength: float, unit_scale: float) -> int:
     """Subdivisions after which the mean edge is nearest to wavelength / 5 (in powers of two), 0 to 5.
 
     wavelength: metres; unit_scale: metres per object unit.
     """
-    edge = base.mean_edge() * unit_scale
-    if edge <= 0.0 or wavelength <= 0.0:
-        return 0
-    return min(max(round(math.log2(edge * EDGES_PER_WAVELENGTH / wavelength)), 0), MOST_LEVEL)
+    return max(round(halvings(base.mean_edge() * unit_scale, wavelength)), 0)
+
+
+def layers_for(edge: float, wavelength: float) -> tuple[int, float]:
+    """Subdivisions of the finest layer over a mesh with this mean edge (metres), and its share, 0 to 1: folds between
+    two layers fade in on the finer one, so that any wavelength can be asked for. A finer layer begins a quarter of a
+    halving on, and is whole after a half."""
+    count = max(halvings(edge, wavelength), 0.0)
+    level = math.floor(count)
+    share = min(4.0 * (count - level) - 1.0, 1.0)
+    return (level + 1, share) if share > 0.0 else (level, 1.0)
 
 
 def wavelength_of(base: BaseMesh, level: int, unit_scale: float) -> float:
@@ -49,6 +64,8 @@ def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{wavelength:.2g}") if wavelength > 0.0 else MeshSettings.wavelength
 
 
+COARSE_EDGE = 0.03  # metres, of a garment that an adult wears: its widest folds are five of them
+DENSE = 2.0 / 3.0  # of that: a base with shorter edges is solved on a coarse mesh in its place
 CLOTH_WAVELENGTH = 0.04  # metres: the finest folds of a cotton garment that an adult wears
 LEAST_OPENINGS = 2  # of a garment: a head has one
 
@@ -65,16 +82,27 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     """Settings of a garment that becomes cloth: folds as wide as the fabric and the wearer's size make them, lengths
     in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest."""
     scale = size_factor(base.diagonal(), unit_scale)
-    finest = max(CLOTH_WAVELENGTH * scale, fitting_wavelength(base, unit_scale) if is_dense(base) else 0.0)
     # The base cloth holds collars and cuffs; a hem that bears no folds is a ring, with folds gathered above it.
     return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
-                wavelength=float(f"{finest:.2g}"),
+                wavelength=float(f"{CLOTH_WAVELENGTH * scale:.2g}"),
                 room=float(f"{ClothSettings.room * scale:.2g}"),
                 thickness=float(f"{ClothSettings.thickness * scale:.2g}"))
 
 
 # Of a simulated garment: folds of several sizes, and none where the simulation is compressed by its own noise.
 SIMULATED_DEFAULTS = dict(layers="CLOTH", buckling_threshold=0.01)
+
+
+def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale: float) -> Any:
+    """Native: what stands for a base that is too dense for wide folds; None where it is not, or too small."""
+    spacing = COARSE_EDGE * size_factor(base.diagonal(), unit_scale)
+    dense = base.mean_edge() * unit_scale < DENSE * spacing
+    if not dense or settings.density != "WAVELENGTH" or settings.base_cloth == "OFF":
+        return None
+    try:
+        return native.load().build_coarse(surface, spacing / unit_scale)
+    except ValueError:
+        return None
 
 
 def upward_axis(world_from_object: np.ndarray) -> str:
@@ -84,15 +112,15 @@ def upward_axis(world_from_object: np.ndarray) -> str:
     return ("-" if heights[axis] < 0.0 else "") + "XYZ"[axis]
 
 
-def is_dense(base: BaseMesh) -> bool:
-    """Whether a mesh is too dense to be subdivided twice and still play."""
-    return 4 * len(base.corner_vertex) > MOST_PLAYABLE
-
-
 class WrinkleMesh(Wrinkles):
     """A fine mesh that is solved over the base: one, or several layers, over a base cloth or the animated mesh."""
 
     fitting_length = staticmethod(fitting_wavelength)
+
+    layer_count = 0  # 0: one mesh, as in the paper
+    coarse: Any = None  # native: stands for a dense base
+    transfer: Any = None  # native: what shows the layers on it then
+    _finest: np.ndarray | None = None
 
     @classmethod
     def build(cls, base: BaseMesh, settings: MeshSettings, *, unit_scale: float = 1.0, own: BaseMesh | None = None,
@@ -106,9 +134,11 @@ class WrinkleMesh(Wrinkles):
             raise Refused(f"{base.name}: choose your own fine mesh first")
         surface, warnings = checked_surface(base, settings.weld, unit_scale)
         own_surface = own.surface(False) if own is not None and settings.source == "OBJECT" else None
+        if settings.layered:
+            return cls._build_layers(base, settings, surface, warnings, unit_scale)
         level = settings.level if settings.density == "LEVEL" else level_for(base, settings.wavelength, unit_scale)
         try:
-            model = cls._layers(surface, settings, level) if settings.layered else native.load().build_wrinkle_mesh(
+            model = native.load().build_wrinkle_mesh(
                 surface, source=settings.source, level=level, segments=settings.segments,
                 longest_edge=settings.edge_length / unit_scale, most_vertices=MOST_VERTICES, own=own_surface,
                 attached=None if attached is None else np.ascontiguousarray(attached, np.uint8),
@@ -121,15 +151,44 @@ class WrinkleMesh(Wrinkles):
             if attached is not None and not attached.all():
                 warnings.append(f"{own.name}: {int((~attached.astype(bool)).sum())} vertices are not attached")
         mesh = cls(base, own if own_surface is not None else base, surface, model, warnings, unit_scale)
-        mesh.layer_count = level + 1 if settings.layered else 0
-        edges = model.local_edge(level) if settings.layered else model.local_edge
-        mesh.edge_mean, mesh.level = float(edges.mean()) * unit_scale, level
-        mesh._finest = None
+        mesh.edge_mean, mesh.level = float(model.local_edge.mean()) * unit_scale, level
         return mesh
 
-    @staticmethod
-    def _layers(surface: Any, settings: MeshSettings, levels: int) -> Any:
-        return native.load().build_wrinkle_layers(surface, levels, settings.display_steps, MOST_VERTICES)
+    @classmethod
+    def _build_layers(cls, base: BaseMesh, settings: MeshSettings, surface: Any, warnings: list[str],
+                      unit_scale: float) -> "WrinkleMesh":
+        """Layers over the base, or over a coarse mesh in its place where it is dense."""
+        coarse = coarse_mesh(base, settings, surface, unit_scale)
+        edge = (base.mean_edge() if coarse is None else coarse.mean_edge) * unit_scale
+        level, share = settings.level, 1.0
+        if settings.density == "WAVELENGTH":
+            level, share = layers_for(edge, settings.wavelength)
+        try:
+            model = native.load().build_wrinkle_layers(surface if coarse is None else coarse.surface, level,
+                                                       settings.display_steps if coarse is None else 0, MOST_VERTICES)
+            mesh = cls(base, base, surface, model, warnings, unit_scale)
+            if coarse is not None:
+                mesh._show_on_dense(coarse, settings)
+        except ValueError as error:
+            raise Refused(f"{base.name}: {error}") from error
+        mesh.layer_count, mesh.level, mesh.finest_share = level + 1, level, share
+        mesh.edge_mean = float(model.local_edge(level).mean()) * unit_scale
+        return mesh
+
+    def _show_on_dense(self, coarse: Any, settings: MeshSettings) -> None:
+        """What was solved on the coarse mesh moves the dense one, subdivided as far as its folds need."""
+        steps = round(halvings(self.base.mean_edge() * self.unit_scale, settings.wavelength)) + settings.display_steps
+        level = max(steps - settings.display_steps, 0)
+        self.coarse, self.solved_surface = coarse, coarse.surface
+        self.transfer = native.load().build_wrinkle_transfer(self.surface, coarse, self.model, level,
+                                                             max(steps - level, 0), MOST_VERTICES)
+        self.shown = self.transfer.shown
+
+    def _where_solved(self, values: np.ndarray) -> np.ndarray:
+        return values if self.coarse is None else np.ascontiguousarray(values[self.coarse.dense_vertex])
+
+    def _positions_solved(self, positions: np.ndarray) -> np.ndarray:
+        return positions if self.coarse is None else self.coarse.positions(self.surface, positions)
 
     @property
     def solve_vertex_count(self) -> int:
@@ -193,8 +252,9 @@ class WrinkleMesh(Wrinkles):
         if not self.layer_count:
             return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
                                                     before, moment.world_from_object, **moment.in_time())
-        return native.load().solve_wrinkle_layers(self.model, layer_settings(settings, self.layer_count), self._paint,
-                                                  positions, state=before, **self._contact(settings, moment))
+        layers = layer_settings(settings, self.layer_count, self.finest_share)
+        return native.load().solve_wrinkle_layers(self.model, layers, self._paint, positions, state=before,
+                                                  **self._contact(settings, moment))
 
     def _contact(self, settings: MeshSettings, moment: Moment) -> dict[str, Any]:
         """What keeps layers off what is worn under the base cloth."""
@@ -209,6 +269,9 @@ class WrinkleMesh(Wrinkles):
                     thickness=base_cloth.thickness(settings))
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
+        if self.coarse is not None:
+            return Picture.of(native.load().show_wrinkle_transfer(self.transfer, self.coarse, self.model,
+                                                                  moment.animated, state))
         if self.layer_count:
             return Picture.of(native.load().show_wrinkle_layers(self.model, moment.animated, positions, state))
         shown = native.load().show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
@@ -245,12 +308,14 @@ TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along 
 LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
 
 
-def layer_settings(settings: MeshSettings, count: int) -> list[Any]:
-    """The native settings of every layer, coarse first."""
+def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0) -> list[Any]:
+    """The native settings of every layer, coarse first. finest: how much there is of the last one, 0 to 1."""
     out = []
     for number, word in enumerate(layer_words(count)):
         options = native_settings(settings)
-        options.radius = settings.radius * getattr(settings, word) * (WIDEST_RADIUS if number == 0 else 1.0)
+        # Of the radius and of what the layer is wider alike: much cloth in little room is crumpled.
+        share = getattr(settings, word) * (finest if number == count - 1 else 1.0)
+        options.radius = settings.radius * share * (WIDEST_RADIUS if number == 0 else 1.0)
         options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
         options.hem_rings = min(settings.hem_rings, number + 1)
         options.bending = LAYER_BENDING * settings.bending
@@ -258,7 +323,9 @@ def layer_settings(settings: MeshSettings, count: int) -> list[Any]:
         options.apart, options.slide = APART, SLIDE
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
-            options.prestretch = settings.prestretch * (1.0 + LOOSER * (settings.slack - 1.0))
+            # Stiff cloth spends what it has to spare on its widest folds.
+            looser = LOOSER * (ClothSettings.bending_length / settings.bending_length if number > 0 else 1.0)
+            options.prestretch = settings.prestretch * (1.0 + share * looser * (settings.slack - 1.0))
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
         out.append(options)
     return out

@@ -66,6 +66,36 @@ def suggest_follow(surface: Surface, up: Sequence[float]) -> np.ndarray:
     return follow
 
 
+class CoarseMesh(Handle):
+    """A coarse mesh that stands for a dense one. Made by build_coarse. m vertices."""
+
+    __slots__ = ("surface", "dense")
+    POINTER, FREE = c.CoarsePointer, "rumple_coarse_free"
+    VIEW, LOOK = c.CoarseView, "rumple_coarse_get_view"
+
+    surface: Surface  # its triangles
+    dense: Surface
+    dense_vertex = Array("(m,) int32: of every vertex a vertex of the dense mesh", INT, "vertex_count")
+    mean_edge = Number("mean length of its edges, object units")
+
+    def positions(self, dense: Surface, positions: np.ndarray) -> np.ndarray:
+        """(n, 3) float32 of the dense mesh's vertices -> (m, 3), such that the smooth surfaces lie on one another."""
+        if dense is not self.dense:
+            raise ValueError("dense: the coarse mesh was made for another mesh")
+        place, count = given(positions, "positions", FLOAT, 3)
+        out = new(FLOAT, self.view.vertex_count, 3)
+        lib.rumple_coarse_positions(self, place, count, address(out), len(out))
+        return out
+
+
+def build_coarse(dense: Surface, spacing: float) -> CoarseMesh:
+    """spacing: about the mean length of its edges, object units. Raises ValueError where the mesh is too small for it.
+    Peyre and Cohen 2006."""
+    coarse = CoarseMesh.made(lib.rumple_coarse_build, dense, spacing)
+    coarse.dense, coarse.surface = dense, Surface.made(lib.rumple_coarse_surface, coarse)
+    return coarse
+
+
 class ShownMesh(Handle):
     """The mesh that is shown in place of the base: d vertices, q polygons, k corners. Part of a model."""
 
@@ -228,5 +258,5 @@ def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarr
     return labels
 
 
-__all__ = ["ShownFrame", "ShownMesh", "Surface", "build_surface", "count_openings", "embed_frame", "label_clip",
+__all__ = ["CoarseMesh", "ShownFrame", "ShownMesh", "Surface", "build_coarse", "build_surface", "count_openings", "embed_frame", "label_clip",
            "suggest_follow"]

@@ -12,7 +12,7 @@ from .arrays import FLOAT, INT, checked, fill, given, lent
 from .base_cloth import Collider, bodies
 from .handle import Array, Handle, Number
 from .library import lib
-from .surface import Model, ShownFrame, Surface
+from .surface import CoarseMesh, Model, ShownFrame, Surface
 from .wrinkle_mesh import PAINTED, WrinkleMeshReport, WrinkleMeshSettings, painted_factors
 
 
@@ -125,5 +125,35 @@ def show_wrinkle_layers(model: WrinkleMeshLayers, animated: np.ndarray, position
                          *given(positions, "positions", FLOAT, 3), state)
 
 
-__all__ = ["WrinkleLayersPaint", "WrinkleLayersState", "WrinkleMeshLayers", "build_wrinkle_layers",
-           "show_wrinkle_layers", "solve_wrinkle_layers"]
+class WrinkleTransfer(Model):
+    """What shows layers over a coarse mesh on the dense one. Made by build_wrinkle_transfer."""
+
+    __slots__ = ("coarse", "layers")
+    POINTER, FREE = c.WrinkleTransferPointer, "rumple_wrinkle_transfer_free"
+    SHOWN = "rumple_wrinkle_transfer_shown"
+
+
+def build_wrinkle_transfer(base: Surface, coarse: CoarseMesh, layers: WrinkleMeshLayers, level: int,
+                           display_steps: int = 0, most_vertices: int = 4_000_000) -> WrinkleTransfer:
+    """base: the dense mesh. level: its subdivisions that are moved; display_steps: of these that are shown. Raises
+    ValueError."""
+    plan = lib.rumple_wrinkle_transfer_plan_default()
+    plan.level, plan.display_steps, plan.most_vertices = level, display_steps, most_vertices
+    transfer = WrinkleTransfer.made(lib.rumple_wrinkle_transfer_build, base, coarse, layers, plan)
+    transfer.coarse, transfer.layers = coarse, layers
+    return transfer
+
+
+def show_wrinkle_transfer(transfer: WrinkleTransfer, coarse: CoarseMesh, layers: WrinkleMeshLayers,
+                          animated: np.ndarray, state: WrinkleLayersState) -> ShownFrame:
+    """The ShownFrame of a solved frame. animated: (n, 3) float32 of the dense mesh before it became cloth. coarse,
+    layers: those that the transfer was built with."""
+    if transfer.coarse is not coarse or transfer.layers is not layers:
+        raise ValueError("transfer: it was made for another coarse mesh or other layers")
+    return ShownFrame.of(transfer, lib.rumple_wrinkle_transfer_show, transfer, *given(animated, "animated", FLOAT, 3),
+                         state)
+
+
+__all__ = ["WrinkleLayersPaint", "WrinkleLayersState", "WrinkleMeshLayers", "WrinkleTransfer",
+           "build_wrinkle_layers", "build_wrinkle_transfer", "show_wrinkle_layers", "show_wrinkle_transfer",
+           "solve_wrinkle_layers"]

@@ -101,6 +101,35 @@ RUMPLE_API rumple_status rumple_wrinkle_layers_show(const rumple_wrinkle_layers*
                                                     const rumple_wrinkle_layers_state* state,
                                                     rumple_frame** frame);
 
+// ---- layers over a coarse mesh, shown on the dense one
+
+// Every vertex of the dense mesh moves as the surface of the finest layer does beside it.
+typedef struct rumple_wrinkle_transfer rumple_wrinkle_transfer;
+
+typedef struct rumple_wrinkle_transfer_plan {
+    int32_t level;          // subdivisions of the dense mesh that are moved, >= 0
+    int32_t display_steps;  // further ones that are shown, >= 0
+    int32_t most_vertices;  // a shown mesh with more is refused
+} rumple_wrinkle_transfer_plan;
+RUMPLE_API rumple_wrinkle_transfer_plan rumple_wrinkle_transfer_plan_default(void);
+
+// dense: the mesh that coarse was built over. layers: built over the surface of coarse.
+RUMPLE_API rumple_status rumple_wrinkle_transfer_build(const rumple_surface* dense,
+                                                       const rumple_coarse* coarse,
+                                                       const rumple_wrinkle_layers* layers,
+                                                       const rumple_wrinkle_transfer_plan* plan,
+                                                       rumple_wrinkle_transfer** model);
+RUMPLE_API void rumple_wrinkle_transfer_free(rumple_wrinkle_transfer* model);
+// Borrowed; NULL for NULL.
+RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_transfer_shown(const rumple_wrinkle_transfer* model);
+
+// The shown mesh of a solved frame. animated: (n, 3) of the dense mesh before it became cloth. state: of the
+// layers.
+RUMPLE_API rumple_status rumple_wrinkle_transfer_show(const rumple_wrinkle_transfer* model,
+                                                      const float* animated, size_t animated_count,
+                                                      const rumple_wrinkle_layers_state* state,
+                                                      rumple_frame** frame);
+
 #ifdef __cplusplus
 }
 #endif

@@ -28,6 +28,7 @@ FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
 STRUCTS: dict[str, Any] = {
     "rumple_surface_plan": SurfacePlan,
     "rumple_surface_view": SurfaceView,
+    "rumple_coarse_view": CoarseView,
     "rumple_fine_plan": FinePlan,
     "rumple_shown_mesh_view": ShownMeshView,
     "rumple_pose": Pose,
@@ -53,6 +54,7 @@ STRUCTS: dict[str, Any] = {
     "rumple_wrinkle_layers_painted": WrinkleLayersPainted,
     "rumple_wrinkle_layers_state_view": WrinkleLayersStateView,
     "rumple_wrinkle_layers_input": WrinkleLayersInput,
+    "rumple_wrinkle_transfer_plan": WrinkleTransferPlan,
     "rumple_wrinkle_field_plan": WrinkleFieldPlan,
     "rumple_wrinkle_field_view": WrinkleFieldView,
     "rumple_wrinkle_field_settings": WrinkleFieldSettings,

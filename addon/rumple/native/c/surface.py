@@ -16,6 +16,7 @@ FINE_SOURCE = {"SUBDIVISION": 0, "REGULAR": 1, "EDGE_LENGTH": 2, "OBJECT": 3}
 ATTACHMENT = {"LINEAR": 0, "PN": 1, "LIMIT": 2}
 REFERENCE = {"REST": 0, "FIRST_FRAME": 1, "STATIC_REST": 2}
 SurfacePointer = pointer_to("rumple_surface")
+CoarsePointer = pointer_to("rumple_coarse")
 ShownMeshPointer = pointer_to("rumple_shown_mesh")
 FramePointer = pointer_to("rumple_frame")
 
@@ -48,6 +49,16 @@ class SurfaceView(Struct):
     warning_count: int
     _fields_ = (("vertex_count", c_int32), ("welded_vertex_count", c_int32), ("triangle_count", c_int32),
         ("warning_count", c_int32),)
+
+
+class CoarseView(Struct):
+    """struct rumple_coarse_view"""
+
+    __slots__ = ()
+    vertex_count: int  # m
+    mean_edge: float  # mean length of its edges, object units
+    dense_vertex: int | None  # (m): of every vertex a vertex of the dense mesh
+    _fields_ = (("vertex_count", c_int32), ("mean_edge", c_float), ("dense_vertex", c_void_p),)
 
 
 class FinePlan(Struct):
@@ -158,6 +169,11 @@ SURFACE_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_surface_warning": (c_char_p, (SurfacePointer, c_int32)),
     "rumple_surface_count_openings": (CHECKED, (SurfacePointer, c_void_p)),
     "rumple_surface_suggest_follow": (CHECKED, (SurfacePointer, c_void_p, c_void_p, c_size_t)),
+    "rumple_coarse_build": (CHECKED, (SurfacePointer, c_float, POINTER(CoarsePointer))),
+    "rumple_coarse_free": (None, (CoarsePointer,)),
+    "rumple_coarse_get_view": (CHECKED, (CoarsePointer, POINTER(CoarseView))),
+    "rumple_coarse_surface": (CHECKED, (CoarsePointer, POINTER(SurfacePointer))),
+    "rumple_coarse_positions": (CHECKED, (CoarsePointer, c_void_p, c_size_t, c_void_p, c_size_t)),
     "rumple_shown_mesh_get_view": (CHECKED, (ShownMeshPointer, POINTER(ShownMeshView))),
     "rumple_shown_mesh_carry_points": (CHECKED, (ShownMeshPointer, c_void_p, c_size_t, c_int32, c_void_p, c_size_t)),
     "rumple_shown_mesh_carry_corners": (CHECKED, (ShownMeshPointer, c_void_p, c_size_t, c_int32, c_void_p, c_size_t)),

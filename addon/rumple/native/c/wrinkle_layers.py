@@ -17,6 +17,7 @@ from .wrinkle_mesh import *
 WrinkleLayersPointer = pointer_to("rumple_wrinkle_layers")
 WrinkleLayersPaintPointer = pointer_to("rumple_wrinkle_layers_paint")
 WrinkleLayersStatePointer = pointer_to("rumple_wrinkle_layers_state")
+WrinkleTransferPointer = pointer_to("rumple_wrinkle_transfer")
 
 
 class WrinkleLayersPlan(Struct):
@@ -78,6 +79,16 @@ class WrinkleLayersInput(Struct):
         ("bodies", Bodies), ("body_hint", c_void_p), ("body_hint_count", c_size_t), ("thickness", c_float),)
 
 
+class WrinkleTransferPlan(Struct):
+    """struct rumple_wrinkle_transfer_plan"""
+
+    __slots__ = ()
+    level: int  # subdivisions of the dense mesh that are moved, >= 0
+    display_steps: int  # further ones that are shown, >= 0
+    most_vertices: int  # a shown mesh with more is refused
+    _fields_ = (("level", c_int32), ("display_steps", c_int32), ("most_vertices", c_int32),)
+
+
 WRINKLE_LAYERS_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_wrinkle_layers_plan_default": (WrinkleLayersPlan, ()),
     "rumple_wrinkle_layers_build": (CHECKED, (SurfacePointer, POINTER(WrinkleLayersPlan),
@@ -100,4 +111,11 @@ WRINKLE_LAYERS_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         c_size_t, POINTER(WrinkleLayersStatePointer))),
     "rumple_wrinkle_layers_show": (CHECKED, (WrinkleLayersPointer, c_void_p, c_size_t, c_void_p, c_size_t,
         WrinkleLayersStatePointer, POINTER(FramePointer))),
+    "rumple_wrinkle_transfer_plan_default": (WrinkleTransferPlan, ()),
+    "rumple_wrinkle_transfer_build": (CHECKED, (SurfacePointer, CoarsePointer, WrinkleLayersPointer,
+        POINTER(WrinkleTransferPlan), POINTER(WrinkleTransferPointer))),
+    "rumple_wrinkle_transfer_free": (None, (WrinkleTransferPointer,)),
+    "rumple_wrinkle_transfer_shown": (ShownMeshPointer, (WrinkleTransferPointer,)),
+    "rumple_wrinkle_transfer_show": (CHECKED, (WrinkleTransferPointer, c_void_p, c_size_t, WrinkleLayersStatePointer,
+        POINTER(FramePointer))),
 }

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Garments that are modelled densely: solved on a coarse mesh, shown on their own, in every way that Blender asks."""
+from __future__ import annotations
+
+import unittest
+
+import bmesh
+import bpy
+import cloths
+import numpy as np
+import sleeve
+from rumple.blender import registry, structure
+
+LAST = 5
+
+
+def dense() -> bpy.types.Object:
+    """A sleeve of 3,000 vertices over an arm, wrinkled by one click."""
+    obj = sleeve.scene(wrinkles=False)
+    obj.data.flip_normals()
+    body = sleeve.under(obj, radius=0.8)
+    mesh = bmesh.new()
+    mesh.from_mesh(obj.data)
+    bmesh.ops.subdivide_edges(mesh, edges=mesh.edges, cuts=3, use_grid_fill=True)
+    mesh.to_mesh(obj.data)
+    mesh.free()
+    obj.rumple.mesh.property_unset("base_cloth")
+    sleeve.make_active(obj)
+    bpy.ops.object.rumple_add(method="MESH")
+    bpy.context.view_layer.update()
+    assert obj.rumple.body == body and obj.rumple.mesh.layers == "CLOTH"
+    return obj
+
+
+class Dense(cloths.Cloth):
+    def setUp(self) -> None:
+        self.obj = dense()
+
+    def fine(self):
+        return registry.runtime(self.obj).fine
+
+    def test_one_click_solves_it_on_a_coarse_mesh(self) -> None:
+        self.assertEqual(self.obj.rumple.message, "")
+        self.assertLess(self.fine().coarse.surface.vertex_count, 0.2 * len(self.obj.data.vertices))
+        sleeve.play(LAST)
+        bare = np.array([v.co for v in self.obj.data.vertices])
+        self.assertGreaterEqual(len(sleeve.shown(self.obj)), len(bare))
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_played_frames_look_the_same_in_any_order(self) -> None:
+        seen = cloths.played(self.obj, LAST)
+        self.same(seen, cloths.pictures(self.obj, (5, 1, LAST, 3)))
+
+    def test_base_cloth_off_takes_its_own_vertices_and_the_way_back_is_exact(self) -> None:
+        seen = cloths.played(self.obj, LAST)
+        settings = self.obj.rumple.mesh
+        settings.base_cloth = "OFF"
+        structure.settle_all()
+        self.assertIsNone(self.fine().coarse)
+        cloths.played(self.obj, 2)
+        self.assertEqual(self.obj.rumple.message, "")
+        settings.base_cloth = "HANG"
+        structure.settle_all()
+        self.assertIsNotNone(self.fine().coarse)
+        self.same(seen, cloths.played(self.obj, LAST))
+
+    def test_paint_starts_with_a_value_for_every_vertex_and_pins_the_cloth(self) -> None:
+        sleeve.play(LAST)
+        free = np.linalg.norm(registry.runtime(self.obj).picture.offset, axis=1)
+        bpy.ops.object.rumple_paint(group="follow")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        group = self.obj.vertex_groups["Rumple Follow"]
+        weights = [next((g.weight for g in v.groups if g.group == group.index), None) for v in self.obj.data.vertices]
+        self.assertTrue(all(weight is not None for weight in weights))
+        group.add(range(len(weights)), 1.0, "REPLACE")
+        self.obj.rumple.mesh.radius = 0.0
+        structure.settle_all()
+        sleeve.play(LAST)
+        pinned = np.linalg.norm(registry.runtime(self.obj).picture.offset, axis=1)
+        self.assertLess(np.median(pinned), 0.1 * np.median(free))
+
+    def test_it_stays_out_of_the_body(self) -> None:
+        body = self.obj.rumple.body
+        found = cloths.depths(self.obj, body, range(1, LAST + 1))
+        self.check_no_deeper(found, cloths.depths(cloths.bared(self.obj), body, found))
+
+    def test_saved_and_opened_again_it_looks_the_same(self) -> None:
+        seen = cloths.played(self.obj, 4)
+        path = self.saved()
+        bpy.ops.wm.save_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        self.same(seen, cloths.played(bpy.data.objects["Sleeve"], 4))
+
+    def test_another_garment_is_worn_over_it(self) -> None:
+        coat = cloths.hang(sleeve.under(self.obj, "Coat", 1.1))
+        coat.rumple.body = self.obj
+        sleeve.play(4)
+        self.assertEqual((self.obj.rumple.message, coat.rumple.message), ("", ""))
+
+
+if __name__ == "__main__":
+    unittest.main()

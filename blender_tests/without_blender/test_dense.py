@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Laws of garments that are modelled densely: they hang and fold as the same garment with fewer vertices does."""
+from __future__ import annotations
+
+import unittest
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from meshes import tube
+from rumple.core.base_mesh import BaseMesh
+from rumple.core.body import Body
+from rumple.core.settings import MeshSettings
+from rumple.core.wrinkle_mesh import WrinkleMesh, cloth_defaults, coarse_mesh
+
+# 10 cm wide and 50 cm long, as a sleeve is.
+WIDTH, LENGTH = 0.2, 0.5
+
+
+def sleeve(around: int, along: int) -> BaseMesh:
+    base = tube(around, along)
+    return replace(base, positions=np.ascontiguousarray(base.positions * sleeve_scale(base), np.float32))
+
+
+def sleeve_scale(base: BaseMesh) -> np.ndarray:
+    return np.array((WIDTH, WIDTH, LENGTH)) / np.ptp(base.positions, axis=0)
+
+
+def pushed_together(base: BaseMesh, factor: float) -> np.ndarray:
+    return np.ascontiguousarray(base.positions * np.array((1.0, 1.0, factor)), np.float32)
+
+
+def settings_of(base: BaseMesh, **values: Any) -> MeshSettings:
+    return MeshSettings(**{**cloth_defaults(base, 1.0, np.eye(3)), **values})
+
+
+class Dense(unittest.TestCase):
+    def setUp(self) -> None:
+        self.base = sleeve(80, 62)  # edges of 8 mm
+        self.settings = settings_of(self.base)
+        self.mesh = WrinkleMesh.build(self.base, self.settings)
+
+    def solve(self, frame: int, factor: float, **values: Any):
+        positions = pushed_together(self.base, factor)
+        return self.mesh.solve_frame(float(frame), positions, replace(self.settings, **values), {}, start=1)
+
+    def test_it_is_solved_on_fewer_vertices_and_shown_on_all(self) -> None:
+        self.assertIsNotNone(self.mesh.coarse)
+        self.assertLess(self.mesh.coarse.surface.vertex_count, 0.15 * len(self.base.positions))
+        self.assertGreaterEqual(self.mesh.vertex_count, len(self.base.positions))
+        self.assertEqual(len(self.solve(1, 0.85).positions), self.mesh.vertex_count)
+
+    def test_it_folds_as_much_as_it_does_with_fewer_vertices(self) -> None:
+        heights = []
+        for around, along in ((21, 17), (42, 34), (80, 62)):
+            base = sleeve(around, along)
+            settings = settings_of(base, gravity=0.0)
+            mesh = WrinkleMesh.build(base, settings)
+            self.assertEqual(mesh.coarse is None, around == 21)
+            for frame in range(1, 6):
+                pushed = pushed_together(base, 1.0 - 0.04 * frame)
+                picture = mesh.solve_frame(float(frame), pushed, settings, {}, start=1)
+            heights.append(float(np.sqrt((picture.offset ** 2).sum(axis=1).mean())))
+        self.assertLess(max(abs(height - heights[0]) for height in heights), 0.2 * heights[0], heights)
+        self.assertGreater(min(heights), 0.002)
+
+    def test_rest_without_gravity_stays_where_it_was_modelled(self) -> None:
+        picture = self.solve(1, 1.0, gravity=0.0, slack=1.0)
+        shown = picture.positions - self.mesh.positions_rest
+        self.assertLess(float(np.linalg.norm(shown, axis=1).max()), 0.002)
+        still = self.solve(1, 1.0, gravity=0.0, slack=1.0, radius=0.0, room=0.0)
+        np.testing.assert_allclose(still.positions, self.mesh.positions_rest, atol=1e-6)
+
+    def test_played_frames_replay_to_the_bit_in_any_order(self) -> None:
+        factors = {frame: 1.0 - 0.03 * frame for frame in range(1, 6)}
+        played = {frame: self.solve(frame, factor).positions for frame, factor in factors.items()}
+        for frame in (4, 1, 5, 2, 3):
+            picture = self.solve(frame, factors[frame])
+            self.assertTrue(picture.replayed)
+            np.testing.assert_array_equal(picture.positions, played[frame])
+
+    def test_paint_counts_where_it_is_painted(self) -> None:
+        half = self.base.positions[:, 2] < np.median(self.base.positions[:, 2])
+        paint = {"radius": np.where(half, 0.0, 1.0).astype(np.float32), "follow": np.ones(len(half), np.float32)}
+        picture = self.mesh.solve_frame(1.0, pushed_together(self.base, 0.8), self.settings, paint, start=1)
+        height = np.linalg.norm(picture.offset, axis=1)
+        low = self.mesh.positions_rest[:, 2] < np.quantile(self.base.positions[:, 2], 0.35)
+        high = self.mesh.positions_rest[:, 2] > np.quantile(self.base.positions[:, 2], 0.65)
+        self.assertGreater(np.median(height[high]), 10.0 * np.median(height[low]))
+
+    def test_what_paint_starts_from_has_a_value_for_every_vertex(self) -> None:
+        follow = self.mesh.suggested_follow(self.settings)
+        self.assertEqual(len(follow), len(self.base.positions))
+        self.assertGreater(follow.max(), 0.0)
+
+    def test_it_stays_out_of_a_body(self) -> None:
+        inner = sleeve(40, 31)
+        inner.positions[:, :2] *= 0.95
+        body = Body(inner.positions, np.ascontiguousarray(inner.corner_vertex[inner.triangle_corner]))
+        picture = None
+        for frame in range(1, 6):
+            picture = self.mesh.solve_frame(float(frame), pushed_together(self.base, 1.0 - 0.03 * frame), self.settings,
+                                            {}, start=1, body=body)
+        middle = np.abs(picture.positions[:, 2] - picture.positions[:, 2].mean()) < 0.3 * LENGTH
+        radius = np.linalg.norm(picture.positions[middle, :2], axis=1)
+        self.assertGreater(radius.min(), 0.95 * WIDTH / 2.0 * np.cos(np.pi / 40.0) - 1e-4)
+
+    def test_another_garment_can_lie_on_it(self) -> None:
+        self.solve(1, 0.9)
+        worn = self.mesh.worn_surface(1.0)
+        self.assertLess(worn.triangles.max(), len(worn.positions))
+        self.assertLess(abs(np.ptp(worn.positions[:, 2]) - 0.9 * LENGTH), 0.05)
+
+
+class Kept(unittest.TestCase):
+    """Where no coarse mesh stands for a base."""
+
+    def test_a_base_that_is_coarse_a_level_by_hand_and_no_base_cloth(self) -> None:
+        dense, coarse = sleeve(80, 62), sleeve(21, 17)
+        for base, values in ((coarse, {}), (dense, dict(density="LEVEL")), (dense, dict(base_cloth="OFF"))):
+            self.assertIsNone(coarse_mesh(base, settings_of(base, **values), base.surface(True), 1.0), values)
+
+    def test_a_thing_that_is_too_small(self) -> None:
+        base = tube(80, 62)
+        small = replace(base, positions=np.ascontiguousarray(0.001 * base.positions, np.float32))
+        far = small.positions.copy()
+        far[0] = (100.0, 0.0, 0.0)  # so large a bounding box that nothing on it is dense
+        mesh = WrinkleMesh.build(replace(small, positions=far), settings_of(base))
+        self.assertIsNone(mesh.coarse)
+
+
+if __name__ == "__main__":
+    unittest.main()

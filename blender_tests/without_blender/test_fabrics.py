@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Laws of fabrics: what their weight and bending length do to the base cloth and to the layers on it."""
+from __future__ import annotations
+
+import unittest
+from dataclasses import replace
+
+import numpy as np
+from meshes import compressed, tube
+from rumple.core.cloth import BaseCloth, stiffness_over_cotton
+from rumple.core.fabrics import COTTON, FABRICS, GRAVITY
+from rumple.core.presets import MESH_PRESETS, PATHS_PRESETS
+from rumple.core.settings import ClothSettings, MeshSettings
+from rumple.core.wrinkle_mesh import WrinkleMesh, halvings, layer_settings, layers_for, wavelength_of
+
+CLOTH = MeshSettings(base_cloth="HANG", layers="CLOTH", room=0.02, thickness=0.002, hem_rings=0)
+
+
+class Fabrics(unittest.TestCase):
+    def test_the_bending_length_is_that_of_peirce(self) -> None:
+        for name, fabric in FABRICS.items():
+            self.assertAlmostEqual(fabric.bending_length ** 3 * fabric.mass * GRAVITY, fabric.rigidity, 12, name)
+
+    def test_cotton_is_what_nobody_chose(self) -> None:
+        settings = ClothSettings()
+        for name, value in COTTON.values.items():
+            self.assertEqual(getattr(settings, name), value, name)
+        self.assertEqual(stiffness_over_cotton(settings.bending_length), 1.0)
+
+    def test_a_preset_has_the_weight_of_its_fabric(self) -> None:
+        for presets in (MESH_PRESETS, PATHS_PRESETS):
+            for name in FABRICS.keys() & presets.keys():
+                self.assertLessEqual(FABRICS[name].values.items(), presets[name].values.items(), name)
+
+    def test_the_longer_it_bends_the_less_it_is_pushed_together(self) -> None:
+        base = tube(16, 16)
+        cloth = BaseCloth(base.surface(True), base.diagonal(), 1.0)
+        squeezed = compressed(base.positions, 0.8)
+        heights = [0.8 * float(np.ptp(base.positions[:, 2]))]
+        for length in (0.001, 0.016, 0.022, 0.04, 0.2):
+            settings = ClothSettings(base_cloth="HANG", gravity=0.0, slack=1.0, room=0.05, bending_length=length)
+            paint = {"follow": np.zeros(len(squeezed), np.float32)}
+            solved = cloth.solve(squeezed, settings, paint, None, None, None).positions
+            heights.append(float(np.ptp(solved[:, 2])))
+        self.assertEqual(heights, sorted(heights))
+        self.assertLess(heights[1], 1.001 * heights[0])
+        self.assertGreater(heights[-1], 1.04 * heights[0])
+
+
+class Wavelengths(unittest.TestCase):
+    """Any wavelength may be asked for, though layers are halved from one to the next."""
+
+    def setUp(self) -> None:
+        self.base = tube(12, 12)
+
+    def test_there_is_more_of_the_finer_layers_the_shorter_the_wavelength(self) -> None:
+        longest = wavelength_of(self.base, 0, 1.0)
+        amounts = []
+        for wavelength in np.geomspace(longest, longest / 31.0, 2000):
+            level, share = layers_for(self.base.mean_edge(), float(wavelength))
+            self.assertTrue(0.0 < share <= 1.0)
+            amounts.append(level - 1 + share)
+        steps = np.diff(amounts)
+        self.assertGreaterEqual(steps.min(), 0.0)
+        self.assertLess(steps.max(), 0.02)  # no step: 4 a halving, of 2000 / 5
+        self.assertEqual((round(amounts[0]), round(amounts[-1])), (0, 5))
+
+    def test_at_the_wavelength_of_a_layer_it_is_the_last_and_whole(self) -> None:
+        for level in range(6):
+            self.assertEqual(layers_for(self.base.mean_edge(), wavelength_of(self.base, level, 1.0)), (level, 1.0))
+
+    def test_a_finer_layer_begins_with_nothing(self) -> None:
+        squeezed = compressed(self.base.positions, 0.85)
+        begins = wavelength_of(self.base, 1, 1.0) / 2.0**0.2501
+        settings = replace(CLOTH, slack=1.05, wavelength=begins)
+        self.assertAlmostEqual(halvings(self.base.mean_edge(), begins), 1.2501, 6)
+        mesh = WrinkleMesh.build(self.base, settings)
+        self.assertEqual(mesh.level, 2)
+        shown = lambda values: mesh.solve_frame(1.0, squeezed, replace(settings, **values), {}, start=1).positions
+        np.testing.assert_allclose(shown({}), shown(dict(detail=0.0)), atol=1e-5)
+        mesh.finest_share = 1.0
+        self.assertGreater(np.abs(shown(dict(seed=1)) - shown(dict(detail=0.0))).max(), 1e-4)
+
+    def test_what_a_layer_has_less_of_it_is_less_wider_by(self) -> None:
+        whole, half = (layer_settings(replace(CLOTH, slack=1.05, detail=d, folds=d, drape=d), 3) for d in (1.0, 0.5))
+        for a, b in zip(whole, half):
+            self.assertAlmostEqual(b.radius, 0.5 * a.radius, 6)
+            self.assertAlmostEqual(b.prestretch - 1.0, 0.5 * (a.prestretch - 1.0), 6)
+
+    def test_stiff_cloth_is_wider_in_its_widest_folds_alone(self) -> None:
+        cotton, stiff = (layer_settings(replace(CLOTH, slack=1.05, bending_length=c), 3) for c in (0.022, 0.044))
+        self.assertEqual(stiff[0].prestretch, cotton[0].prestretch)
+        for a, b in zip(cotton[1:], stiff[1:]):
+            self.assertAlmostEqual(b.prestretch - 1.0, 0.5 * (a.prestretch - 1.0), 6)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Laws of the coarse mesh that stands for a dense one.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "surface/coarse.h"
+#include "surface/refinement.h"
+#include "tests/meshes.h"
+#include "tests/refusals.h"
+
+namespace rumple::tests {
+namespace {
+
+constexpr float kSpacing = 0.03f;
+
+MeshData dense_tube(Index around) {
+    return tube(around, around, 0.08f, 0.5f);
+}
+
+double mean_edge(const Surface& surface) {
+    double sum = 0.0;
+    for (const Edge& e : surface.edges)
+        sum += glm::distance(surface.positions_rest[e.a], surface.positions_rest[e.b]);
+    return sum / double(surface.edges.size());
+}
+
+// Closed borders, by walking along them.
+int borders(const Surface& surface) {
+    std::map<Index, std::vector<Index>> along;
+    for (const Edge& e : surface.edges) {
+        if (e.right != kNone) continue;
+        along[e.a].push_back(e.b);
+        along[e.b].push_back(e.a);
+    }
+    int count = 0;
+    std::set<Index> seen;
+    for (const auto& [start, unused] : along) {
+        if (seen.contains(start)) continue;
+        ++count;
+        std::vector<Index> front{start};
+        while (!front.empty()) {
+            const Index v = front.back();
+            front.pop_back();
+            if (seen.insert(v).second) front.insert(front.end(), along[v].begin(), along[v].end());
+        }
+    }
+    return count;
+}
+
+// Of a closed surface 2, of a tube 0, of a sheet 1.
+Index euler(const Surface& surface) {
+    std::set<Index> used(surface.welded.corner_vertex.begin(), surface.welded.corner_vertex.end());
+    return Index(used.size()) - Index(surface.edges.size()) + Index(surface.triangles.size());
+}
+
+TEST(Coarse, HasTheSameTopologyAsTheDenseMesh) {
+    const struct {
+        MeshData mesh;
+        Index euler;
+        int borders;
+    } cases[] = {{dense_tube(80), 0, 2},
+                 {grid(60, 40, 0.006f), 1, 1},
+                 {triangulated(dense_tube(50)), 0, 2},
+                 {shaken(grid(60, 40, 0.006f), 0.002f, 7), 1, 1}};
+    for (const auto& [mesh, wanted, loops] : cases) {
+        const auto coarse = build_coarse(build(mesh), kSpacing);
+        EXPECT_EQ(euler(coarse->surface), wanted);
+        EXPECT_EQ(borders(coarse->surface), loops);
+        EXPECT_TRUE(coarse->surface.warnings.empty());
+    }
+}
+
+TEST(Coarse, ItsEdgesAreAboutTheSpacingWhateverTheDensity) {
+    for (const Index around : {60, 90, 130}) {
+        const auto coarse = build_coarse(build(dense_tube(around)), kSpacing);
+        EXPECT_NEAR(mean_edge(coarse->surface), kSpacing, 0.2 * kSpacing) << around;
+    }
+}
+
+TEST(Coarse, ItIsWoundAsTheDenseMesh) {
+    const auto coarse = build_coarse(build(dense_tube(80)), kSpacing);
+    for (Index t = 0; t < Index(coarse->surface.triangles.size()); ++t) {
+        const auto [a, b, c] = welded_vertices(coarse->surface, t);
+        const auto& p = coarse->surface.positions_rest;
+        const Vec3 middle = (p[a] + p[b] + p[c]) / 3.0f;
+        EXPECT_GT(glm::dot(glm::cross(p[b] - p[a], p[c] - p[a]), Vec3(0.0f, middle.y, middle.z)), 0.0f);
+    }
+}
+
+TEST(Coarse, ItsVerticesAreOfTheDenseMeshAndEachIsOneOnce) {
+    const Surface dense = build(dense_tube(80));
+    const auto coarse = build_coarse(dense, kSpacing);
+    const std::set<Index> once(coarse->dense_vertex.begin(), coarse->dense_vertex.end());
+    EXPECT_EQ(once.size(), coarse->dense_vertex.size());
+    EXPECT_GE(*once.begin(), 0);
+    EXPECT_LT(*once.rbegin(), dense.display.vertex_count);
+}
+
+TEST(Coarse, ItsSmoothSurfaceRunsThroughTheDenseMesh) {
+    const MeshData mesh = dense_tube(80);
+    const Surface dense = build(mesh);
+    const auto coarse = build_coarse(dense, kSpacing);
+    const SparseRows limit = subdivision_stencils(coarse->surface.welded, 0, true);
+    const std::vector<Vec3> at = coarse_positions(*coarse, dense, mesh.positions);
+    std::vector<Vec3> smooth(at.size());
+    apply<Vec3>(limit, at, smooth);
+    float cage = 0.0f, sum = 0.0f;
+    for (size_t v = 0; v < at.size(); ++v) {
+        const Vec3& wanted = mesh.positions[coarse->dense_vertex[v]];
+        const float beside = std::abs(std::hypot(smooth[v].y, smooth[v].z) - std::hypot(wanted.y, wanted.z));
+        EXPECT_LT(beside, 0.001f);
+        EXPECT_EQ(at[v], coarse->surface.positions_rest[v]) << "at rest it is the rest shape, to the bit";
+        sum += beside;
+        cage = std::max(cage, glm::distance(at[v], wanted));
+    }
+    EXPECT_LT(sum, 0.0002f * float(at.size()));
+    EXPECT_GT(cage, 0.002f) << "without the correction it would run inside";
+}
+
+TEST(Coarse, RigidMotionCarriesItRigidly) {
+    const MeshData mesh = dense_tube(60);
+    const Surface dense = build(mesh);
+    const auto coarse = build_coarse(dense, kSpacing);
+    const auto turned = [](const Vec3& p) { return Vec3(-p.y, p.x, p.z) + Vec3(0.3f, -0.2f, 0.1f); };
+    std::vector<Vec3> moved;
+    for (const Vec3& p : mesh.positions) moved.push_back(turned(p));
+    const std::vector<Vec3> at = coarse_positions(*coarse, dense, moved);
+    for (size_t v = 0; v < at.size(); ++v)
+        EXPECT_LT(glm::distance(at[v], turned(coarse->surface.positions_rest[v])), 2e-6f);
+}
+
+TEST(Coarse, PartsStayApartAndASmallOneIsLeftOut) {
+    MeshData mesh = grid(40, 40, 0.006f);
+    const MeshData button = grid(1, 1, 0.006f);
+    const Index first = Index(mesh.positions.size());
+    for (const Vec3& p : button.positions) mesh.positions.push_back(p + Vec3(0.1f, 0.1f, 0.002f));
+    mesh.add_polygon({first, first + 1, first + 3, first + 2});
+    const auto coarse = build_coarse(build(mesh), kSpacing);
+    EXPECT_EQ(euler(coarse->surface), 1);
+    EXPECT_EQ(std::ranges::count_if(coarse->dense_vertex, [=](Index v) { return v >= first; }), 1);
+}
+
+TEST(Coarse, RefusesWhatCannotBe) {
+    const MeshData mesh = grid(8, 8, 0.01f);
+    const Surface dense = build(mesh);
+    for (const float spacing : {0.0f, -1.0f, kNan})
+        expect_refused([&] { build_coarse(dense, spacing); }, {"spacing", "above 0"});
+    expect_refused([&] { build_coarse(dense, 5.0f); }, {"too small", "5.0"});
+    const auto coarse = build_coarse(dense, kSpacing);
+    const std::vector<Vec3> fewer(mesh.positions.begin(), mesh.positions.end() - 1);
+    expect_refused([&] { coarse_positions(*coarse, dense, fewer); }, {"positions", "81", "80"});
+}
+
+}  // namespace
+}  // namespace rumple::tests

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Laws of layers that are solved on a coarse mesh and shown on the dense one.
+#include "systems/wrinkle_mesh_transfer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/refusals.h"
+#include "tests/wrinkle_mesh_stack.h"
+
+namespace rumple::tests {
+namespace {
+
+using namespace wrinkle_mesh;
+
+struct Dense {
+    MeshData mesh = tube(80, 80, 0.08f, 0.5f);
+    Surface surface = tests::build(mesh);
+    std::shared_ptr<const CoarseMesh> coarse = build_coarse(surface, 0.03f);
+    std::shared_ptr<const Layers> layers = build_layers(coarse->surface, 2, 0, 4'000'000);
+    std::shared_ptr<const Transfer> transfer;
+
+    explicit Dense(Index level = 0)
+        : transfer(build_transfer(tests::build(mesh), *coarse, *layers, level, 0, 4'000'000)) {}
+
+    LayersState solve(const Pose3& animated, float radius) const {
+        Settings settings;
+        settings.radius = radius;
+        std::vector<Report> reports;
+        const Pose3 at = coarse_positions(*coarse, surface, animated);
+        const std::vector<Paint> paint(layers->layers.size());
+        return wrinkle_mesh::solve(*layers, alike(layers->layers.size(), settings), paint, {at}, nullptr,
+                                   reports);
+    }
+    Picture show(const Pose3& animated, const LayersState& state) const {
+        Picture picture;
+        wrinkle_mesh::show(*transfer, *coarse, *layers, animated, state, picture);
+        return picture;
+    }
+    Pose3 squeezed(float factor) const {
+        return each_moved(mesh.positions, [=](const Vec3& p) { return p * Vec3(factor, 1.0f, 1.0f); });
+    }
+};
+
+TEST(Transfer, WithoutFoldsTheDenseMeshStaysWhereItIs) {
+    const Dense dense;
+    const Pose3 pose = dense.squeezed(0.8f);
+    const Picture picture = dense.show(pose, dense.solve(pose, 0.0f));
+    ASSERT_EQ(picture.positions.size(), pose.size());
+    for (size_t v = 0; v < pose.size(); ++v) EXPECT_LT(glm::distance(picture.positions[v], pose[v]), 1e-6f);
+}
+
+TEST(Transfer, WhatMovesAsAWholeCarriesEveryVertexAsFar) {
+    for (const Index level : {0, 1}) {
+        const Dense dense(level);
+        LayersState state = dense.solve(dense.mesh.positions, 0.0f);
+        const Picture bare = dense.show(dense.mesh.positions, state);
+        const Vec3 way(0.01f, -0.02f, 0.03f);
+        for (Vec3& p : state.solved) p += way;
+        const Picture moved = dense.show(dense.mesh.positions, state);
+        for (size_t v = 0; v < bare.positions.size(); ++v) {
+            EXPECT_LT(glm::distance(moved.positions[v], bare.positions[v] + way), 2e-6f);
+            EXPECT_LT(glm::distance(moved.offset[v], way), 2e-6f);
+        }
+    }
+}
+
+TEST(Transfer, ASqueezedTubeFoldsAsItsLayersDo) {
+    const Dense dense;
+    const Pose3 pose = dense.squeezed(0.8f);
+    const LayersState state = dense.solve(pose, 1.0f);
+    const auto rms = [](const std::vector<Vec3>& ways) {
+        double sum = 0.0;
+        for (const Vec3& way : ways) sum += glm::dot(way, way);
+        return std::sqrt(sum / double(ways.size()));
+    };
+    const double layers =
+        rms(offsets(*dense.layers, coarse_positions(*dense.coarse, dense.surface, pose), state));
+    EXPECT_GT(layers, 1e-3);
+    EXPECT_NEAR(rms(dense.show(pose, state).offset), layers, 0.15 * layers);
+}
+
+TEST(Transfer, WhatIsFarFromTheCoarseMeshStaysPut) {
+    MeshData mesh = grid(40, 40, 0.006f);
+    const Index first = Index(mesh.positions.size());
+    for (const Vec3& p : grid(1, 1, 0.006f).positions) mesh.positions.push_back(p + Vec3(0.5f, 0.1f, 0.0f));
+    mesh.add_polygon({first, first + 1, first + 3, first + 2});
+    const Surface surface = tests::build(mesh);
+    const auto coarse = build_coarse(surface, 0.03f);
+    const auto layers = build_layers(coarse->surface, 1, 0, 4'000'000);
+    const auto transfer = build_transfer(tests::build(mesh), *coarse, *layers, 0, 0, 4'000'000);
+    LayersState state;
+    state.solved = layers->layers.back()->positions_rest;
+    for (Vec3& p : state.solved) p.z += 0.01f;
+    Picture picture;
+    show(*transfer, *coarse, *layers, mesh.positions, state, picture);
+    for (Index v = 0; v < Index(mesh.positions.size()); ++v) {
+        const float up = picture.positions[v].z - mesh.positions[v].z;
+        if (v >= first)
+            EXPECT_EQ(up, 0.0f);
+        else
+            EXPECT_NEAR(up, 0.01f, 1e-5f);
+    }
+}
+
+TEST(Transfer, RefusesAnotherModelsStateAndMesh) {
+    const Dense dense;
+    LayersState state = dense.solve(dense.mesh.positions, 0.0f);
+    const Pose3 fewer(dense.mesh.positions.begin(), dense.mesh.positions.end() - 1);
+    expect_refused([&] { dense.show(fewer, state); }, {"positions"});
+    state.solved.pop_back();
+    expect_refused([&] { dense.show(dense.mesh.positions, state); }, {"state"});
+    const auto other = build_layers(tests::build(grid(4, 4, 0.1f)), 1, 0, 1'000);
+    expect_refused([&] { build_transfer(tests::build(dense.mesh), *dense.coarse, *other, 0, 0, 4'000'000); },
+                   {"layers"});
+}
+
+}  // namespace
+}  // namespace rumple::tests
