@@ -258,5 +258,5 @@ def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarr
     return labels
 
 
-__all__ = ["CoarseMesh", "ShownFrame", "ShownMesh", "Surface", "build_coarse", "build_surface", "count_openings", "embed_frame", "label_clip",
-           "suggest_follow"]
+__all__ = ["CoarseMesh", "ShownFrame", "ShownMesh", "Surface", "build_coarse", "build_surface", "count_openings",
+           "embed_frame", "label_clip", "suggest_follow"]
