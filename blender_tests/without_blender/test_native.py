@@ -2,9 +2,11 @@
 """The layer between Python and librumple: it says what is wrong, copies nothing, and agrees with the header."""
 from __future__ import annotations
 
+import copy
 import ctypes
 import gc
 import inspect
+import pickle
 import re
 import subprocess
 import sys
@@ -185,6 +187,12 @@ class Handles(OnATube):
                 kernels.solve_wrinkle_mesh(wrong, self.settings, self.paint, self.squeezed)
         with self.assertRaisesRegex(ValueError, "model: expected a pointer, got NULL"):
             kernels.solve_wrinkle_mesh(None, self.settings, self.paint, self.squeezed)
+
+    def test_a_handle_is_not_copied_for_it_is_freed_once(self) -> None:
+        state, _ = self.solve()
+        for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(TypeError, "WrinkleMeshState cannot be copied"):
+                copied(state)
 
     def test_what_was_refused_frees_nothing(self) -> None:
         for _ in range(3):

@@ -2,6 +2,7 @@
 """NumPy arrays on their way into the library and out of it. Never copies what is right already."""
 from __future__ import annotations
 
+import ctypes
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,6 @@ from .struct import put
 
 FLOAT, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
 INT, BYTE = np.dtype(np.int32), np.dtype(np.uint8)
-
-_STRINGS = {dtype: dtype.str for dtype in (FLOAT, DOUBLE, INT, BYTE)}
 
 
 def checked(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> np.ndarray:
@@ -56,19 +55,19 @@ def new(dtype: np.dtype, *shape: int) -> np.ndarray:
     return np.empty(shape, dtype)
 
 
-class _Lent:
-    """An array of the library, in the words of NumPy's array interface. Holds what owns it."""
-
-    __slots__ = ("__array_interface__", "owner")
-
-    def __init__(self, owner: Any, interface: dict[str, Any]) -> None:
-        self.owner, self.__array_interface__ = owner, interface
+# Memory of the library that holds what owns it, by the power of two of bytes that it is taken to have: NumPy asks for
+# at least as much as an array has, and reads no more. A type for each size would cost more than the array.
+_MEMORY = [type("Memory", (ctypes.c_char * (1 << bits),), {"__slots__": ("owner",)}) for bits in range(48)]
 
 
 def lent(owner: Any, place: int | None, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
     """A read-only view of an array inside a handle. It keeps the handle."""
-    if not place or 0 in shape:
+    count = shape[0] * (shape[1] if len(shape) > 1 else 1)
+    if not place or not count:
         array = np.empty(shape, dtype)
-        array.flags.writeable = False
-        return array
-    return np.asarray(_Lent(owner, {"data": (place, True), "shape": shape, "typestr": _STRINGS[dtype], "version": 3}))
+    else:
+        memory = _MEMORY[(count * dtype.itemsize - 1).bit_length()].from_address(place)
+        memory.owner = owner
+        array = np.ndarray(shape, dtype, memory)
+    array.setflags(write=False)
+    return array

@@ -42,6 +42,9 @@ class Handle:
             self._seen = view
         return self._seen
 
+    def __reduce__(self) -> Any:
+        raise TypeError(f"a {type(self).__name__} cannot be copied or stored: it would be freed twice")
+
     def __del__(self) -> None:
         if hasattr(self, "_free"):  # where its making was refused there is nothing to free
             self._free(self._as_parameter_)
@@ -50,12 +53,14 @@ class Handle:
 class Array:
     """An array inside a handle: a read-only view, valid as long as anyone holds it.
 
-    shape: numbers, or names of numbers of the view; name + n: one more than that. source: where the view has it under
-    another name, dots included.
+    rows: the name of a number of the view; more: what is added to it. columns: numbers, or such a name; none: (rows,).
+    source: where the view has it, if under another name. view: the property that is the view.
     """
 
-    def __init__(self, doc: str, dtype: np.dtype, *shape: int | str, source: str = "", more: int = 0) -> None:
-        self.__doc__, self.dtype, self.shape, self.source, self.more = doc, dtype, shape, source, more
+    def __init__(self, doc: str, dtype: np.dtype, rows: str, columns: int | str = 0, *, source: str = "", more: int = 0,
+                 view: str = "view") -> None:
+        self.__doc__, self.dtype, self.rows, self.columns = doc, dtype, rows, columns
+        self.source, self.more, self.of = source, more, view
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.source = self.source or name
@@ -63,9 +68,11 @@ class Array:
     def __get__(self, handle: Any, owner: type | None = None) -> Any:
         if handle is None:
             return self
-        view = handle.view
-        shape = tuple(size if isinstance(size, int) else getattr(view, size) for size in self.shape)
-        return lent(handle, getattr(view, self.source), self.dtype, (shape[0] + self.more, *shape[1:]))
+        view, columns = getattr(handle, self.of), self.columns
+        rows = getattr(view, self.rows) + self.more
+        if columns.__class__ is str:
+            columns = getattr(view, columns)
+        return lent(handle, getattr(view, self.source), self.dtype, (rows, columns) if columns else (rows,))
 
 
 class Number:

@@ -175,42 +175,31 @@ class WrinkleFieldPicture(ShownFrame):
 
     __slots__ = ("_waves",)
 
-    amplitude = Array("(d,) float32, object units", FLOAT, "vertex_count", source="amplitude")
-    direction = Array("(d, 3) float32, unit, rest space", FLOAT, "vertex_count", 3)
-    phase = Array("(d,) float32, radians", FLOAT, "vertex_count")
-    corner_phase = Array("(3 t, 3) float32, radians", FLOAT, "corner_count", 3)
-    corner_weight = Array("(3 t, 3) float32, object units", FLOAT, "corner_count", 3)
+    amplitude = Array("(d,) float32, object units", FLOAT, "vertex_count", view="waves")
+    direction = Array("(d, 3) float32, unit, rest space", FLOAT, "vertex_count", 3, view="waves")
+    phase = Array("(d,) float32, radians", FLOAT, "vertex_count", view="waves")
+    corner_phase = Array("(3 t, 3) float32, radians", FLOAT, "corner_count", 3, view="waves")
+    corner_weight = Array("(3 t, 3) float32, object units", FLOAT, "corner_count", 3, view="waves")
     corner_wave_vector_0 = Array("(3 t, 3) float32, radians per object unit, of the first corner", FLOAT,
-                                 "corner_count", 3)
-    corner_wave_vector_1 = Array("of the second", FLOAT, "corner_count", 3)
-    corner_wave_vector_2 = Array("of the third", FLOAT, "corner_count", 3)
-    corner_u_gradient = Array("(3 t, 3) float32 or empty", FLOAT, "uv_count", 3)
-    corner_v_gradient = Array("(3 t, 3) float32 or empty", FLOAT, "uv_count", 3)
+                                 "corner_count", 3, view="waves")
+    corner_wave_vector_1 = Array("of the second", FLOAT, "corner_count", 3, view="waves")
+    corner_wave_vector_2 = Array("of the third", FLOAT, "corner_count", 3, view="waves")
+    corner_u_gradient = Array("(3 t, 3) float32 or empty", FLOAT, "uv_count", 3, view="waves")
+    corner_v_gradient = Array("(3 t, 3) float32 or empty", FLOAT, "uv_count", 3, view="waves")
 
     @property
-    def view(self) -> Any:
-        """What all frames have, and the waves."""
-        if self._seen is None:
-            self._seen = _Both(super().view, c.FrameWavesView())
-            lib.rumple_frame_get_waves(self, self._seen.waves)
-        return self._seen
+    def waves(self) -> Any:
+        """The struct of the view of the waves."""
+        if not hasattr(self, "_waves"):
+            waves = c.FrameWavesView()
+            lib.rumple_frame_get_waves(self, waves)
+            self._waves = waves
+        return self._waves
 
     @property
     def corner_wave_vector(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """three (3 t, 3) float32, radians per object unit"""
         return self.corner_wave_vector_0, self.corner_wave_vector_1, self.corner_wave_vector_2
-
-
-class _Both:
-    """The views of a frame and of its waves as one."""
-
-    __slots__ = ("frame", "waves")
-
-    def __init__(self, frame: Any, waves: Any) -> None:
-        self.frame, self.waves = frame, waves
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.waves if hasattr(self.waves, name) else self.frame, name)
 
 
 def solve_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings, paint: WrinkleFieldPaint,
