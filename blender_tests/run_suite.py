@@ -13,7 +13,7 @@ A traceback that is printed while a test runs fails the test, whoever printed it
 panels and timers swallow their exceptions. For this everything that a test prints, Blender's own output
 included, goes to a file and is shown only for a test that failed.
 
-Environment: RUMPLE_NATIVE, folder of rumple_native; RUMPLE_OUT, where tests leave pictures; RUMPLE_DATA,
+Environment: RUMPLE_NATIVE, folder of librumple; RUMPLE_OUT, where tests leave pictures; RUMPLE_DATA,
 the real scenes. The last line is `SUITE name ran=N failed=N skipped=N`.
 """
 import ctypes
@@ -207,7 +207,7 @@ def make_ready(suite):
         return
     import addon_utils
     import bpy
-    import rumple_native    # noqa: F401  a missing module fails here, in words, and not in every test
+    import rumple_native    # noqa: F401  a missing library fails here, in words, and not in every test
     if suite == "window" and bpy.app.background:
         raise RuntimeError("the window suite was started with -b: it needs a window (scripts/suite window)")
     errors = []

@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-LAYERS = ["shared", "base", "surface", "systems", "bindings"]  # shared: the formulas of shaders/shared
+LAYERS = ["shared", "base", "surface", "systems", "api"]  # shared: the formulas of shaders/shared
 SYSTEMS = ["wrinkle_mesh", "wrinkle_field", "wrinkle_paths", "wrinkle_maps"]
 CODE = {".h", ".cpp", ".py", ".glsl"}
 

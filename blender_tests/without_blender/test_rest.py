@@ -39,6 +39,13 @@ class OnATube(unittest.TestCase):
         state = fine.history.get(float(frame)).state
         return (state.arrays if isinstance(fine, WrinklePaths) else state.reference)["reference"]
 
+    def stored(self, model: Any, state: Any) -> Any:
+        if isinstance(state, native.WrinkleMeshState):
+            return native.WrinkleMeshState(model, state.offset, state.solved_length, state.reference)
+        if isinstance(state, native.WrinkleFieldState):
+            return native.WrinkleFieldState(model, state.phase, state.direction, state.solved_offset, state.reference)
+        return native.WrinklePathsState(model, state.arrays)
+
     def each(self):
         for system, settings in SYSTEMS:
             with self.subTest(system.__name__):
@@ -117,16 +124,9 @@ class Adapting(OnATube):
             expected = self.solve(fine, 7, settings).positions
             other = system.build(self.base, settings)
             self.solve(other, 6, settings)
-            other.history.get(6.0).state, other.history.get(6.0).final = self.stored(entry.state), True
+            other.history.get(6.0).state, other.history.get(6.0).final = self.stored(other.model, entry.state), True
             np.testing.assert_array_equal(self.solve(other, 7, settings).positions, expected)
             self.assertGreater(entry.state.nbytes, self.clip[1].nbytes)
-
-    def stored(self, state: Any) -> Any:
-        if isinstance(state, native.WrinkleMeshState):
-            return native.WrinkleMeshState(state.offset, state.solved_length, state.reference)
-        if isinstance(state, native.WrinkleFieldState):
-            return native.WrinkleFieldState(state.phase, state.direction, state.solved_offset, state.reference)
-        return native.WrinklePathsState(state.arrays)
 
     def test_a_spoiled_reference_is_named(self) -> None:
         settings = SYSTEMS[0][1]
@@ -137,9 +137,9 @@ class Adapting(OnATube):
         for name, value in (("labels", good["labels"].astype(np.int32)), ("reference", good["reference"][:, :2]),
                             ("past_times", good["past_times"][None])):
             with self.assertRaisesRegex(ValueError, name):
-                native.WrinkleMeshState(state.offset, state.solved_length, {**good, name: value})
+                native.WrinkleMeshState(fine.model, state.offset, state.solved_length, {**good, name: value})
         with self.assertRaisesRegex(ValueError, "past_positions"):
-            native.WrinkleMeshState(state.offset, state.solved_length,
+            native.WrinkleMeshState(fine.model, state.offset, state.solved_length,
                                     {k: v for k, v in good.items() if k != "past_positions"})
 
 
@@ -217,7 +217,8 @@ class SeeingAhead(OnATube):
             before = fine.history.get(4.0).state
             alone = system.build(self.base, settings)
             self.solve(alone, 4, settings)
-            alone.history.get(4.0).state, alone.history.get(4.0).final = before, True
+            alone.history.get(4.0).state = self.stored(alone.model, before)
+            alone.history.get(4.0).final = True
             self.solve(alone, 5, settings)
             live = alone.history.get(5.0).state
             np.testing.assert_array_equal(found, (live.arrays if system is WrinklePaths else live.reference)["labels"])

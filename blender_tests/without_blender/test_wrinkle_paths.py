@@ -48,7 +48,7 @@ class StoredStates(unittest.TestCase):
         through = [state for state, _ in play(self.model, self.settings, self.frames, 30.0)]
         self.assertGreater(through[-1].path_count, 3)
         for cut in (1, 7, 14):
-            stored = native.WrinklePathsState(through[cut].arrays)
+            stored = native.WrinklePathsState(self.model, through[cut].arrays)
             self.assert_same(stored.arrays, through[cut].arrays)
             *_, (last, _) = play(self.model, self.settings, self.frames, 30.0, stored, cut + 1)
             self.assert_same(last.arrays, through[-1].arrays)
@@ -59,12 +59,12 @@ class StoredStates(unittest.TestCase):
         for name, value in (("path_start", good["path_start"] + 99), ("path_fade", good["path_fade"][:-1]),
                             ("point_at", good["point_at"].astype(np.float64)), ("labels", good["labels"][None])):
             with self.assertRaisesRegex(ValueError, name):
-                native.WrinklePathsState({**good, name: value})
+                native.WrinklePathsState(self.model, {**good, name: value})
         for name in good:
             if name in ("time", "next_id"):
                 continue
             with self.assertRaisesRegex(ValueError, name):
-                native.WrinklePathsState({k: v for k, v in good.items() if k != name})
+                native.WrinklePathsState(self.model, {k: v for k, v in good.items() if k != name})
 
     def test_lists_name_pieces_that_are_there(self) -> None:
         *_, (state, _) = play(self.model, self.settings, self.frames, 30.0)

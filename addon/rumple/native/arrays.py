@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""NumPy arrays on their way into the library and out of it. Never copies what is right already."""
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+import numpy as np
+
+from .struct import put
+
+FLOAT, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
+INT, BYTE = np.dtype(np.int32), np.dtype(np.uint8)
+
+
+def checked(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> np.ndarray:
+    """The array itself, where it is C-contiguous, of this dtype and of shape (n,) or (n, columns). Raises ValueError
+    that names the argument, what was expected and what came."""
+    if (isinstance(array, np.ndarray) and array.dtype == dtype and array.flags.c_contiguous and array.flags.aligned
+            and (array.ndim == 1 if columns == 0 else array.ndim == 2 and array.shape[1] == columns)):
+        return array
+    wanted = "(n,)" if columns == 0 else f"(n, {columns})"
+    came = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
+    if isinstance(array, np.ndarray) and not array.flags.c_contiguous:
+        came += ", not contiguous"
+    raise ValueError(f"{name}: expected a C-contiguous {dtype} array of shape {wanted}, got {came}")
+
+
+def address(array: np.ndarray) -> int:
+    """Where its numbers are. The array must outlive what is done with it."""
+    return array.ctypes.data
+
+
+def given(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> tuple[int, int]:
+    """Address and rows of an argument, checked. It must outlive the call: keep a name on it."""
+    array = checked(array, name, dtype, columns)
+    return array.ctypes.data, len(array)
+
+
+def optional(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> tuple[int | None, int]:
+    """The same of an argument that may be None."""
+    return (None, 0) if array is None else given(array, name, dtype, columns)
+
+
+def fill(struct: Any, name: str, array: Any, dtype: np.dtype, columns: int = 0) -> None:
+    """Puts an array into the fields `name` and `name`_count of a struct; of None they stay empty."""
+    if array is not None:
+        place, count = given(array, name, dtype, columns)
+        put(struct, name, place)
+        put(struct, f"{name}_count", count)
+
+
+def new(dtype: np.dtype, *shape: int) -> np.ndarray:
+    """An array for the library to write."""
+    return np.empty(shape, dtype)
+
+
+# Memory of the library that holds what owns it, by the power of two of bytes that it is taken to have: NumPy asks for
+# at least as much as an array has, and reads no more. A type for each size would cost more than the array.
+_MEMORY = [type("Memory", (ctypes.c_char * (1 << bits),), {"__slots__": ("owner",)}) for bits in range(48)]
+
+
+def lent(owner: Any, place: int | None, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
+    """A read-only view of an array inside a handle. It keeps the handle."""
+    count = shape[0] * (shape[1] if len(shape) > 1 else 1)
+    if not place or not count:
+        array = np.empty(shape, dtype)
+    else:
+        memory = _MEMORY[(count * dtype.itemsize - 1).bit_length()].from_address(place)
+        memory.owner = owner
+        array = np.ndarray(shape, dtype, memory)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The base cloth: native/include/rumple/base_cloth.h; docs/base_cloth.md has the mathematics."""
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import numpy as np
+
+from . import c
+from .arrays import FLOAT, INT, address, fill, given, new
+from .handle import Array, Handle, Number
+from .library import lib
+from .struct import Vector, put
+from .surface import Surface
+
+
+class Collider(Handle):
+    """Bodies that cloth stays outside of."""
+
+    __slots__ = ()
+    POINTER, FREE = c.ColliderPointer, "rumple_collider_free"
+
+    def __init__(self, positions: np.ndarray, triangles: np.ndarray) -> None:
+        """positions: (b, 3) float32, any pose. triangles: (t, 3) int32, counter-clockwise from outside."""
+        self._filled(self, lib.rumple_collider_build, *given(positions, "positions", FLOAT, 3),
+                     *given(triangles, "triangles", INT, 3))
+
+    @property
+    def vertex_count(self) -> int:
+        """b"""
+        return lib.rumple_collider_vertex_count(self)
+
+
+def bodies(collider: Collider | None, positions: np.ndarray | None) -> Any:
+    """Bodies in the pose of a frame. positions: (b, 3) float32; it must outlive them."""
+    out = c.Bodies()
+    if collider is not None:
+        if positions is None:
+            raise ValueError("body_positions: expected an array, got None")
+        place, count = given(positions, "body_positions", FLOAT, 3)
+        put(out, "collider", collider._as_parameter_)
+        put(out, "positions", place)
+        put(out, "positions_count", count)
+    return out
+
+
+class BaseClothModel(Handle):
+    """Springs and contacts of a coarse mesh. Made by build_base_cloth."""
+
+    __slots__ = ("base",)
+    POINTER, FREE = c.BaseClothPointer, "rumple_base_cloth_free"
+
+
+def build_base_cloth(surface: Surface) -> BaseClothModel:
+    """The springs and contacts of a coarse mesh at rest."""
+    model = BaseClothModel.made(lib.rumple_base_cloth_build, surface)
+    model.base = surface
+    return model
+
+
+class BaseClothSettings(c.BaseClothSettings):
+    """Settings of the base cloth. Stiffness is per mass: object units^2 / s^2. Lengths are object units."""
+
+    __slots__ = ()
+    gravity = Vector("three floats, object space, object units / s^2")
+
+    def __new__(cls) -> "BaseClothSettings":
+        return cls.from_buffer_copy(lib.rumple_base_cloth_settings_default())
+
+
+class BaseClothSwing(c.BaseClothSwing):
+    """What swing_base_cloth needs beside BaseClothSettings."""
+
+    __slots__ = ()
+    wind = Vector("three floats, object space, object units / s")
+
+    def __new__(cls) -> "BaseClothSwing":
+        return cls.from_buffer_copy(lib.rumple_base_cloth_swing_default())
+
+    def place(self, matrix: Sequence[Sequence[float]], shift: Sequence[float]) -> None:
+        """From the object space of the frame before to that of this one: (3, 3), then (3,) object units."""
+        self.matrix[:] = [value for row in matrix for value in row]
+        self.shift[:] = list(shift)
+
+
+class BaseClothPaint(Handle):
+    """Painted factors."""
+
+    __slots__ = ()
+    POINTER, FREE = c.BaseClothPaintPointer, "rumple_base_cloth_paint_free"
+
+    def __init__(self, model: BaseClothModel, painted: dict[str, np.ndarray] | None = None) -> None:
+        """painted: follow, room -> (n,) float32, 0..1; other names are left alone."""
+        values = c.BaseClothPainted()
+        for name in ("follow", "room"):
+            fill(values, name, (painted or {}).get(name), FLOAT)
+        self._filled(self, lib.rumple_base_cloth_paint_build, model, values)
+
+
+class BaseClothState(Handle):
+    """A solved frame, and what lives from it to the next one. w welded vertices."""
+
+    __slots__ = ()
+    POINTER, FREE = c.BaseClothStatePointer, "rumple_base_cloth_state_free"
+    VIEW, LOOK = c.BaseClothStateView, "rumple_base_cloth_state_get_view"
+
+    positions = Array("(n, 3) float32: the cloth, object space", FLOAT, "vertex_count", 3)
+    gap = Array("(n,) float32: its height above what is worn under it, object units", FLOAT, "vertex_count")
+    body_hint = Array("(n,) int32: a triangle of the collider near every vertex or -1; (0,) without one", INT,
+                      "body_hint_count")
+    offset = Array("(w, 3) float32, in the tangent frame of the animated vertex", FLOAT, "offset_count", 3)
+    clearance = Array("(w,) float32: how far each may go inwards, object units", FLOAT, "clearance_count")
+    velocity = Array("(w, 3) float32, object units / s; (0, 3) where it does not swing", FLOAT, "velocity_count", 3)
+    nbytes = Number("memory of what lives on", "bytes")
+
+    def woken(self) -> "BaseClothState":
+        """A copy that is not held, for a solve with other settings. Of cloth that swings."""
+        return BaseClothState.made(lib.rumple_base_cloth_state_woken, self)
+
+
+class BaseClothReport(c.BaseClothReport):
+    """How a solve went."""
+
+    __slots__ = ()
+
+
+Solved = tuple[np.ndarray, np.ndarray, np.ndarray, BaseClothState, BaseClothReport]
+
+
+def _solved(solve: Any, arguments: tuple[Any, ...], positions: np.ndarray, collider: Collider | None,
+            body_positions: np.ndarray | None, state: BaseClothState | None) -> Solved:
+    report = BaseClothReport()
+    out = BaseClothState.made(solve, *arguments, *given(positions, "positions", FLOAT, 3),
+                              bodies(collider, body_positions), state, report)
+    return out.positions, out.gap, out.body_hint, out, report
+
+
+def solve_base_cloth(model: BaseClothModel, settings: BaseClothSettings, paint: BaseClothPaint, positions: np.ndarray,
+                     collider: Collider | None = None, body_positions: np.ndarray | None = None,
+                     state: BaseClothState | None = None) -> Solved:
+    """Solve one frame; returns (positions, gap, body_hint, state, report): positions: (n, 3) float32 of the cloth,
+    object space; gap: (n,) float32, its height above what is worn under it, object units; body_hint: (n,) int32, a
+    triangle of the collider near it or -1; (0,) without one.
+
+    positions: (n, 3) float32, animated. body_positions: (b, 3) float32 of the collider in this pose. state: of the
+    frame before, or None. Mueller and Chentanez 2010, section 4.3.
+    """
+    return _solved(lib.rumple_base_cloth_solve, (model, settings, paint), positions, collider, body_positions, state)
+
+
+def swing_base_cloth(model: BaseClothModel, settings: BaseClothSettings, swing: BaseClothSwing, paint: BaseClothPaint,
+                     positions: np.ndarray, collider: Collider | None = None, body_positions: np.ndarray | None = None,
+                     state: BaseClothState | None = None) -> Solved:
+    """One frame of cloth with inertia; as solve_base_cloth. Without a state that swings: its equilibrium, at rest.
+    Baraff and Witkin 1998."""
+    return _solved(lib.rumple_base_cloth_swing_solve, (model, settings, swing, paint), positions, collider,
+                   body_positions, state)
+
+
+class ClothCover(Handle):
+    """The points of a smooth surface that stay off bodies. Made by build_cloth_cover."""
+
+    __slots__ = ("base",)
+    POINTER, FREE = c.ClothCoverPointer, "rumple_cloth_cover_free"
+
+
+def build_cloth_cover(surface: Surface) -> ClothCover:
+    """The points of the smooth surface of a coarse mesh that are to stay off bodies."""
+    cover = ClothCover.made(lib.rumple_cloth_cover_build, surface)
+    cover.base = surface
+    return cover
+
+
+def cover_bodies(surface: Surface, cover: ClothCover, collider: Collider, body_positions: np.ndarray,
+                 positions: np.ndarray, hints: np.ndarray, thickness: float, depth: float) -> np.ndarray:
+    """(n, 3) float32: how far every vertex has to move, outwards, for the smooth surface to stay off the bodies.
+
+    positions: (n, 3) float32 of the cloth, object space. hints: (n,) int32, a triangle of the collider near it or -1.
+    thickness, depth: object units; what is deeper inside stays there.
+    """
+    if cover.base is not surface:
+        raise ValueError("cover: it was made for another surface")
+    settings = lib.rumple_cloth_cover_settings_default()
+    settings.thickness, settings.depth = thickness, depth
+    place, count = given(positions, "positions", FLOAT, 3)
+    lifts = new(FLOAT, count, 3)
+    lib.rumple_cloth_cover_lift(cover, settings, bodies(collider, body_positions), place, count,
+                                *given(hints, "hints", INT), address(lifts), count)
+    return lifts
+
+
+__all__ = ["BaseClothModel", "BaseClothPaint", "BaseClothReport", "BaseClothSettings", "BaseClothState",
+           "BaseClothSwing", "ClothCover", "Collider", "build_base_cloth", "build_cloth_cover", "cover_bodies",
+           "solve_base_cloth", "swing_base_cloth"]

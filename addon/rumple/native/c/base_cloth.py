@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The base cloth: the coarse mesh itself becomes cloth around its animation, so that it hangs, pulls taut and
+rests on bodies. Mueller and Chentanez 2010, section 4.3; docs/base_cloth.md has the energy.
+
+Written by scripts/declarations.py from native/include/rumple/base_cloth.h: change that.
+"""
+from __future__ import annotations
+
+from ctypes import (POINTER, Array, c_bool, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint8,
+                    c_uint32, c_void_p)
+from typing import Any
+
+from ..struct import CHECKED, Struct, pointer_to
+from .surface import *
+
+ColliderPointer = pointer_to("rumple_collider")
+BaseClothPointer = pointer_to("rumple_base_cloth")
+BaseClothPaintPointer = pointer_to("rumple_base_cloth_paint")
+BaseClothStatePointer = pointer_to("rumple_base_cloth_state")
+ClothCoverPointer = pointer_to("rumple_cloth_cover")
+
+
+class Bodies(Struct):
+    """struct rumple_bodies"""
+
+    __slots__ = ()
+    collider: Any  # or NULL
+    positions: int | None  # (b, 3), object space of the cloth, finite
+    positions_count: int
+    _fields_ = (("collider", ColliderPointer), ("positions", c_void_p), ("positions_count", c_size_t),)
+
+
+class BaseClothSettings(Struct):
+    """struct rumple_base_cloth_settings"""
+
+    __slots__ = ()
+    stretch: float  # of what is longer than at rest, > 0
+    strain_limit: float  # strain beyond which stretch is ten times as stiff, >= 0
+    shear: float  # of the diagonals of quads that are longer than at rest, >= 0
+    compression: float  # k1: of what is shorter than at rest, >= 0
+    compression_limit: float  # c_l: length over rest length below which k2 counts, 0..1
+    folded: float  # k2: of what is shorter than c_l, >= 0
+    smoothing: float  # against displacements that differ between neighbours, >= 0
+    slack: float  # length of the cloth over that of the modelled garment, > 0
+    follow: float  # pull back to the animation where nothing is pinned, 1/s^2, > 0
+    room: float  # farthest that a vertex leaves its animated place, object units, >= 0
+    gravity: Array  # object space, object units / s^2
+    thickness: float  # how far cloth stays off bodies, object units, >= 0
+    unknown: float  # how far cloth may go inwards where no body is found, object units, >= 0
+    reach: float  # bodies farther away do not count, object units, > 0
+    depth: float  # what is deeper inside a body stays there, object units, > 0
+    spread: float  # length over which what is known of bodies fades, object units, > 0
+    steps: int  # Newton steps from a given state, >= 0
+    start_steps: int  # Newton steps from the animation, >= 0
+    gradients: int  # most conjugate gradients of a step, >= 0
+    _fields_ = (("stretch", c_float), ("strain_limit", c_float), ("shear", c_float), ("compression", c_float),
+        ("compression_limit", c_float), ("folded", c_float), ("smoothing", c_float), ("slack", c_float),
+        ("follow", c_float), ("room", c_float), ("gravity", c_float * 3), ("thickness", c_float),
+        ("unknown", c_float), ("reach", c_float), ("depth", c_float), ("spread", c_float), ("steps", c_int32),
+        ("start_steps", c_int32), ("gradients", c_int32),)
+
+
+class BaseClothSwing(Struct):
+    """struct rumple_base_cloth_swing"""
+
+    __slots__ = ()
+    seconds: float  # since the frame before, >= 0
+    longest_step: float  # of time, s, > 0: the same at all frame rates gives the same motion
+    newton_steps: int  # of every time step, >= 1
+    damping: float  # of the velocity beside the animated one, 1/s, >= 0
+    locomotion: float  # share of the garment's motion as a whole that the inertia feels, 0..1
+    drag: float  # density of the air x coefficient / (2 mass per area), 1/object unit, >= 0
+    wind: Array  # of the air, object space, object units / s
+    matrix: Array  # (3, 3): from the object space of the frame before to that of this one ...
+    shift: Array  # ... and the shift after it, object units
+    _fields_ = (("seconds", c_float), ("longest_step", c_float), ("newton_steps", c_int32), ("damping", c_float),
+        ("locomotion", c_float), ("drag", c_float), ("wind", c_float * 3), ("matrix", c_float * 9),
+        ("shift", c_float * 3),)
+
+
+class BaseClothPainted(Struct):
+    """struct rumple_base_cloth_painted"""
+
+    __slots__ = ()
+    follow: int | None  # 1: pinned to the animation; none: 0 everywhere
+    follow_count: int
+    room: int | None  # on `room`; none: 1 everywhere
+    room_count: int
+    _fields_ = (("follow", c_void_p), ("follow_count", c_size_t), ("room", c_void_p), ("room_count", c_size_t),)
+
+
+class BaseClothStateView(Struct):
+    """struct rumple_base_cloth_state_view"""
+
+    __slots__ = ()
+    vertex_count: int  # n
+    welded_vertex_count: int  # w
+    body_hint_count: int  # n, or 0 without bodies
+    velocity_count: int  # w, or 0 where it does not swing
+    offset_count: int  # w, or 0 where it swings
+    clearance_count: int
+    bytes: int  # memory of what lives on
+    positions: int | None  # (n, 3): the cloth, object space
+    gap: int | None  # (n): its height above what is worn under it, object units, >= 0
+    body_hint: int | None  # (body_hint_count): a triangle of the collider near each vertex, or -1
+    velocity: int | None  # (velocity_count, 3), object units / s
+    offset: int | None  # (offset_count, 3): in the tangent frame of the animated vertex
+    clearance: int | None  # (clearance_count): how far each may go inwards, object units
+    _fields_ = (("vertex_count", c_int32), ("welded_vertex_count", c_int32), ("body_hint_count", c_int32),
+        ("velocity_count", c_int32), ("offset_count", c_int32), ("clearance_count", c_int32), ("bytes", c_size_t),
+        ("positions", c_void_p), ("gap", c_void_p), ("body_hint", c_void_p), ("velocity", c_void_p),
+        ("offset", c_void_p), ("clearance", c_void_p),)
+
+
+class BaseClothReport(Struct):
+    """struct rumple_base_cloth_report"""
+
+    __slots__ = ()
+    steps: int  # 0: the pose was held
+    gradients: int  # conjugate gradients of all steps
+    moved: float  # farthest way of a vertex in the last step, object units
+    offset_mean: float  # from the animation, object units
+    offset_max: float
+    taut: float  # share of the springs that are longer than at rest
+    touching: float  # share of the vertices that rest on the inner surface
+    body_known: float  # share of the vertices that have a body under them
+    _fields_ = (("steps", c_int32), ("gradients", c_int32), ("moved", c_float), ("offset_mean", c_float),
+        ("offset_max", c_float), ("taut", c_float), ("touching", c_float), ("body_known", c_float),)
+
+
+class ClothCoverSettings(Struct):
+    """struct rumple_cloth_cover_settings"""
+
+    __slots__ = ()
+    thickness: float  # how far the smooth surface stays off bodies, object units, >= 0
+    depth: float  # what is deeper inside a body stays there, object units, > 0
+    _fields_ = (("thickness", c_float), ("depth", c_float),)
+
+
+BASE_CLOTH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "rumple_collider_build": (CHECKED, (c_void_p, c_size_t, c_void_p, c_size_t, POINTER(ColliderPointer))),
+    "rumple_collider_free": (None, (ColliderPointer,)),
+    "rumple_collider_vertex_count": (c_int32, (ColliderPointer,)),
+    "rumple_base_cloth_build": (CHECKED, (SurfacePointer, POINTER(BaseClothPointer))),
+    "rumple_base_cloth_free": (None, (BaseClothPointer,)),
+    "rumple_base_cloth_settings_default": (BaseClothSettings, ()),
+    "rumple_base_cloth_swing_default": (BaseClothSwing, ()),
+    "rumple_base_cloth_paint_build": (CHECKED, (BaseClothPointer, POINTER(BaseClothPainted),
+        POINTER(BaseClothPaintPointer))),
+    "rumple_base_cloth_paint_free": (None, (BaseClothPaintPointer,)),
+    "rumple_base_cloth_state_free": (None, (BaseClothStatePointer,)),
+    "rumple_base_cloth_state_get_view": (CHECKED, (BaseClothStatePointer, POINTER(BaseClothStateView))),
+    "rumple_base_cloth_state_woken": (CHECKED, (BaseClothStatePointer, POINTER(BaseClothStatePointer))),
+    "rumple_base_cloth_solve": (CHECKED, (BaseClothPointer, POINTER(BaseClothSettings), BaseClothPaintPointer,
+        c_void_p, c_size_t, POINTER(Bodies), BaseClothStatePointer, POINTER(BaseClothReport),
+        POINTER(BaseClothStatePointer))),
+    "rumple_base_cloth_swing_solve": (CHECKED, (BaseClothPointer, POINTER(BaseClothSettings), POINTER(BaseClothSwing),
+        BaseClothPaintPointer, c_void_p, c_size_t, POINTER(Bodies), BaseClothStatePointer, POINTER(BaseClothReport),
+        POINTER(BaseClothStatePointer))),
+    "rumple_cloth_cover_build": (CHECKED, (SurfacePointer, POINTER(ClothCoverPointer))),
+    "rumple_cloth_cover_free": (None, (ClothCoverPointer,)),
+    "rumple_cloth_cover_settings_default": (ClothCoverSettings, ()),
+    "rumple_cloth_cover_lift": (CHECKED, (ClothCoverPointer, POINTER(ClothCoverSettings), POINTER(Bodies), c_void_p,
+        c_size_t, c_void_p, c_size_t, c_void_p, c_size_t)),
+}

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrinkle Field: J. Loviscach, Wrinkling Coarse Meshes on the GPU, Eurographics 2006. A plane wave at every
+vertex of the coarse mesh: how high and in which direction follows from the deformation, its phase from
+relaxation. docs/wrinkle_field.md has the mathematics. See also wrinkle_field_brush.h.
+
+Written by scripts/declarations.py from native/include/rumple/wrinkle_field.h: change that.
+"""
+from __future__ import annotations
+
+from ctypes import (POINTER, Array, c_bool, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint8,
+                    c_uint32, c_void_p)
+from typing import Any
+
+from ..struct import CHECKED, Struct, pointer_to
+from .surface import *
+
+PROFILE_INTERVALS = 64
+FIELD_OUTPUT = {"SHADING": 0, "GEOMETRY": 1}
+PROFILE = {"SINE": 0, "ACCORDION": 1, "PENCIL_PLEATS": 2, "CURVE": 3}
+WrinkleFieldPointer = pointer_to("rumple_wrinkle_field")
+WrinkleFieldPaintPointer = pointer_to("rumple_wrinkle_field_paint")
+WrinkleFieldStatePointer = pointer_to("rumple_wrinkle_field_state")
+WavesPointer = pointer_to("rumple_waves")
+
+
+class WrinkleFieldPlan(Struct):
+    """struct rumple_wrinkle_field_plan"""
+
+    __slots__ = ()
+    output: int  # rumple_field_output
+    fine: FinePlan  # of RUMPLE_FIELD_GEOMETRY
+    uv: int | None  # (corners of the base, 2): for parallax with RUMPLE_FIELD_SHADING; or none
+    uv_count: int
+    true_lengths: bool  # lengths of edges in equation (1); false: of their projections, as printed
+    _fields_ = (("output", c_int32), ("fine", FinePlan), ("uv", c_void_p), ("uv_count", c_size_t),
+        ("true_lengths", c_bool),)
+
+
+class WrinkleFieldView(Struct):
+    """struct rumple_wrinkle_field_view"""
+
+    __slots__ = ()
+    vertex_count: int  # w
+    neighbour_count: int  # m
+    base_vertex_count: int  # n
+    triangle_count: int  # t, of the base
+    uv_count: int  # 3 t, or 0 without a uv
+    neighbour_start: int | None  # (w + 1): the first neighbour of every vertex
+    neighbours: int | None  # (m): welded vertices
+    gradients: int | None  # (m, 2): M of equation (1) is the sum of v' (x) gradient
+    tangent_rest: int | None  # (w, 3): t of the rest frame; zero without a normal
+    bitangent_rest: int | None  # (w, 3): b of it
+    welded_of: int | None  # (n): the welded vertex of every vertex of the base
+    triangles: int | None  # (t, 3): welded vertices of the base's triangles
+    uv: int | None  # (uv_count, 2): per corner of every triangle in turn
+    uv_fan: int | None  # (uv_count): corners of one fan share their gradient of uv
+    first_directions: int | None  # (w, 2): k that a clip starts from, rest frame
+    _fields_ = (("vertex_count", c_int32), ("neighbour_count", c_int32), ("base_vertex_count", c_int32),
+        ("triangle_count", c_int32), ("uv_count", c_int32), ("neighbour_start", c_void_p), ("neighbours", c_void_p),
+        ("gradients", c_void_p), ("tangent_rest", c_void_p), ("bitangent_rest", c_void_p), ("welded_of", c_void_p),
+        ("triangles", c_void_p), ("uv", c_void_p), ("uv_fan", c_void_p), ("first_directions", c_void_p),)
+
+
+class WrinkleFieldSettings(Struct):
+    """struct rumple_wrinkle_field_settings"""
+
+    __slots__ = ()
+    wavelength: float  # W in rest space, object units, > 0
+    strength: float  # factor on the amplitude of equation (2), >= 0
+    keep_length: bool  # geometry: waves no longer than the cloth at rest
+    rate: float  # epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
+    rounds: int  # of relaxation, from a given state, >= 0
+    start_rounds: int  # from the canonical start, >= 0
+    irregularity: float  # 0: tidy cloth, 1: skin
+    seed: int  # of the first phases and of the irregularity
+    aligned_start: bool  # make the random first phases agree; false: random, as printed
+    threads: int  # 0: chosen by size; never changes the result
+    dissolve: bool  # waves that disagree with their neighbours are lower
+    rest: ReferenceSettings  # what compression is measured against
+    _fields_ = (("wavelength", c_float), ("strength", c_float), ("keep_length", c_bool), ("rate", c_float),
+        ("rounds", c_int32), ("start_rounds", c_int32), ("irregularity", c_float), ("seed", c_uint32),
+        ("aligned_start", c_bool), ("threads", c_int32), ("dissolve", c_bool), ("rest", ReferenceSettings),)
+
+
+class WrinkleFieldProfile(Struct):
+    """struct rumple_wrinkle_field_profile"""
+
+    __slots__ = ()
+    height: Array  # f, -1..1
+    slope: Array  # df/dphi
+    _fields_ = (("height", c_float * 65), ("slope", c_float * 65),)
+
+
+class WrinkleFieldPainted(Struct):
+    """struct rumple_wrinkle_field_painted"""
+
+    __slots__ = ()
+    mask: int | None  # (n): factor on the amplitude, 0..1
+    mask_count: int
+    wavelength: int | None  # (n): factor on W, > 0
+    wavelength_count: int
+    rest_wrinkle: int | None  # (n, 3): p of section 7, along the compression, rest space, shorter than 1
+    rest_wrinkle_count: int
+    _fields_ = (("mask", c_void_p), ("mask_count", c_size_t), ("wavelength", c_void_p),
+        ("wavelength_count", c_size_t), ("rest_wrinkle", c_void_p), ("rest_wrinkle_count", c_size_t),)
+
+
+class WrinkleFieldStateView(Struct):
+    """struct rumple_wrinkle_field_state_view"""
+
+    __slots__ = ()
+    phase: int | None  # (w): phi, radians
+    phase_count: int
+    direction: int | None  # (w, 2): k in the rest frame: the sign that phi belongs to
+    direction_count: int
+    solved_offset: int | None  # (m): radians, when it was last relaxed
+    solved_offset_count: int
+    reference: ReferenceView  # of a rest shape that adapts
+    bytes: int  # memory of the state; not read by rumple_wrinkle_field_state_build()
+    _fields_ = (("phase", c_void_p), ("phase_count", c_size_t), ("direction", c_void_p),
+        ("direction_count", c_size_t), ("solved_offset", c_void_p), ("solved_offset_count", c_size_t),
+        ("reference", ReferenceView), ("bytes", c_size_t),)
+
+
+class WrinkleFieldReport(Struct):
+    """struct rumple_wrinkle_field_report"""
+
+    __slots__ = ()
+    rounds: int  # of relaxation
+    misfit_before: float  # RMS phase error over edges, turns, 0..0.5
+    misfit_after: float
+    largest_change: float  # of a phase since the state given, radians
+    wrinkled: int  # vertices that wrinkle
+    collapsed: int  # vertices without a wave because their neighbourhood collapsed
+    _fields_ = (("rounds", c_int32), ("misfit_before", c_float), ("misfit_after", c_float),
+        ("largest_change", c_float), ("wrinkled", c_int32), ("collapsed", c_int32),)
+
+
+class FrameWavesView(Struct):
+    """struct rumple_frame_waves_view"""
+
+    __slots__ = ()
+    vertex_count: int  # d
+    corner_count: int  # 3 t with RUMPLE_FIELD_SHADING, else 0
+    uv_count: int  # corner_count with a uv, else 0
+    amplitude: int | None  # (d): h, object units
+    direction: int | None  # (d, 3): k, unit, rest space
+    phase: int | None  # (d): phi, radians
+    corner_phase: int | None  # (corner_count, 3): radians, less whole turns for each triangle
+    corner_weight: int | None  # (corner_count, 3): (h, 0, 0) at the first corner, object units
+    corner_wave_vector_0: int | None  # (corner_count, 3): 2 pi / W k' of the first corner
+    corner_wave_vector_1: int | None  # ... the second
+    corner_wave_vector_2: int | None  # ... the third
+    corner_u_gradient: int | None  # (uv_count, 3): du/dx' of equation (11), continuous over edges
+    corner_v_gradient: int | None  # (uv_count, 3)
+    _fields_ = (("vertex_count", c_int32), ("corner_count", c_int32), ("uv_count", c_int32), ("amplitude", c_void_p),
+        ("direction", c_void_p), ("phase", c_void_p), ("corner_phase", c_void_p), ("corner_weight", c_void_p),
+        ("corner_wave_vector_0", c_void_p), ("corner_wave_vector_1", c_void_p), ("corner_wave_vector_2", c_void_p),
+        ("corner_u_gradient", c_void_p), ("corner_v_gradient", c_void_p),)
+
+
+class WavesView(Struct):
+    """struct rumple_waves_view"""
+
+    __slots__ = ()
+    vertex_count: int  # w
+    positions: int | None  # (w, 3): deformed, object space
+    normals: int | None  # (w, 3): unit, or zero
+    wave_vector: int | None  # (w, 3): 2 pi / W k', radians per object unit
+    height: int | None  # (w): h, object units
+    fullness: int | None  # (w): h over W / 4 before strength
+    compression: int | None  # (w): r
+    gather: int | None  # (w): rest length over length along the wave
+    direction: int | None  # (w, 2): k, rest frame
+    _fields_ = (("vertex_count", c_int32), ("positions", c_void_p), ("normals", c_void_p), ("wave_vector", c_void_p),
+        ("height", c_void_p), ("fullness", c_void_p), ("compression", c_void_p), ("gather", c_void_p),
+        ("direction", c_void_p),)
+
+
+class WrinkleFieldWishes(Struct):
+    """struct rumple_wrinkle_field_wishes"""
+
+    __slots__ = ()
+    wavelength: int | None  # (w): W, object units
+    mask: int | None  # (w): factor on the amplitude
+    rest_wrinkle: int | None  # (w, 2): q, rest frame
+    turn: int | None  # (w, 2): (cos, sin) of the turn away from k
+    count: int  # w
+    _fields_ = (("wavelength", c_void_p), ("mask", c_void_p), ("rest_wrinkle", c_void_p), ("turn", c_void_p),
+        ("count", c_size_t),)
+
+
+WRINKLE_FIELD_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "rumple_wrinkle_field_plan_default": (WrinkleFieldPlan, ()),
+    "rumple_wrinkle_field_build": (CHECKED, (SurfacePointer, POINTER(WrinkleFieldPlan),
+        POINTER(WrinkleFieldPointer))),
+    "rumple_wrinkle_field_free": (None, (WrinkleFieldPointer,)),
+    "rumple_wrinkle_field_shown": (ShownMeshPointer, (WrinkleFieldPointer,)),
+    "rumple_wrinkle_field_get_view": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldView))),
+    "rumple_wrinkle_field_settings_default": (WrinkleFieldSettings, ()),
+    "rumple_wrinkle_field_profile_build": (CHECKED, (c_int32, c_void_p, c_size_t, POINTER(WrinkleFieldProfile))),
+    "rumple_wrinkle_field_paint_build": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldPainted),
+        POINTER(WrinkleFieldPaintPointer))),
+    "rumple_wrinkle_field_paint_free": (None, (WrinkleFieldPaintPointer,)),
+    "rumple_wrinkle_field_state_free": (None, (WrinkleFieldStatePointer,)),
+    "rumple_wrinkle_field_state_get_view": (CHECKED, (WrinkleFieldStatePointer, POINTER(WrinkleFieldStateView))),
+    "rumple_wrinkle_field_state_build": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldStateView),
+        POINTER(WrinkleFieldStatePointer))),
+    "rumple_wrinkle_field_state_woken": (CHECKED, (WrinkleFieldStatePointer, POINTER(WrinkleFieldStatePointer))),
+    "rumple_wrinkle_field_solve": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
+        WrinkleFieldPaintPointer, POINTER(Pose), WrinkleFieldStatePointer, POINTER(WrinkleFieldReport),
+        POINTER(WrinkleFieldStatePointer))),
+    "rumple_wrinkle_field_show": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
+        POINTER(WrinkleFieldProfile), WrinkleFieldPaintPointer, POINTER(Pose), c_void_p, c_size_t,
+        WrinkleFieldStatePointer, POINTER(FramePointer))),
+    "rumple_frame_get_waves": (CHECKED, (FramePointer, POINTER(FrameWavesView))),
+    "rumple_wrinkle_field_label_clip": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings), c_void_p,
+        c_size_t, c_void_p, c_size_t, c_bool, c_void_p, c_size_t)),
+    "rumple_waves_free": (None, (WavesPointer,)),
+    "rumple_waves_get_view": (CHECKED, (WavesPointer, POINTER(WavesView))),
+    "rumple_wrinkle_field_crush": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
+        WrinkleFieldPaintPointer, c_void_p, c_size_t, WrinkleFieldStatePointer, POINTER(WavesPointer))),
+    "rumple_wrinkle_field_shown_waves": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
+        POINTER(WrinkleFieldProfile), WrinkleFieldPaintPointer, c_void_p, c_size_t, WrinkleFieldStatePointer,
+        POINTER(WavesPointer))),
+    "rumple_wrinkle_field_get_wishes": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
+        WrinkleFieldPaintPointer, POINTER(WrinkleFieldWishes))),
+    "rumple_wrinkle_field_weld_pose": (CHECKED, (WrinkleFieldPointer, c_void_p, c_size_t, c_void_p, c_void_p,
+        c_size_t)),
+    "rumple_wrinkle_field_stretches": (CHECKED, (WrinkleFieldPointer, WrinkleFieldStatePointer, c_void_p, c_size_t,
+        c_void_p, c_size_t, c_void_p)),
+    "rumple_wrinkle_field_random_phases": (CHECKED, (WrinkleFieldPointer, c_uint32, c_void_p, c_size_t)),
+    "rumple_wrinkle_field_relax": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings), WavesPointer,
+        c_int32, c_bool, c_void_p, c_size_t)),
+    "rumple_wrinkle_field_misfit": (CHECKED, (WrinkleFieldPointer, WavesPointer, c_void_p, c_size_t, c_void_p)),
+    "rumple_wrinkle_field_evaluate": (CHECKED, (WrinkleFieldPointer, WavesPointer, POINTER(WrinkleFieldProfile),
+        c_void_p, c_size_t, c_void_p, c_void_p, c_size_t, c_void_p, c_void_p)),
+    "rumple_probe_formula": (CHECKED, (c_int32, c_void_p, c_size_t, c_void_p)),
+}

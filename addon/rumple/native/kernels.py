@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rumple's kernels: dynamic wrinkles on coarse animated meshes. What load() of this package returns.
+
+Arrays are C-contiguous float32 or int32; lengths are in the units of the positions. Arrays of results are read-only
+views of what the library holds, and keep it. Bad input raises ValueError that names the argument and the first bad
+element.
+"""
+from __future__ import annotations
+
+from . import c
+from .base_cloth import *
+from .surface import *
+from .wrinkle_field import *
+from .wrinkle_field_brush import *
+from .wrinkle_field_steps import *
+from .wrinkle_layers import *
+from .wrinkle_maps import *
+from .wrinkle_mesh import *
+from .wrinkle_paths import *
+from .wrinkle_paths_drawing import *
+
+__version__ = c.VERSION

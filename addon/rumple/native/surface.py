@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The coarse base mesh, the mesh that is shown in its place, and frames of it: native/include/rumple/surface.h."""
+from __future__ import annotations
+
+import ctypes
+from typing import Any, Sequence
+
+import numpy as np
+
+from . import c
+from .arrays import BYTE, DOUBLE, FLOAT, INT, address, checked, fill, given, new
+from .handle import Array, Handle, Number
+from .library import lib
+from .struct import Choice, Within, chosen, put
+
+
+class Surface(Handle):
+    """A checked base mesh at rest. Made by build_surface."""
+
+    __slots__ = ()
+    POINTER, FREE = c.SurfacePointer, "rumple_surface_free"
+    VIEW, LOOK = c.SurfaceView, "rumple_surface_get_view"
+
+    vertex_count = Number("n: vertices as the artist has them")
+    welded_vertex_count = Number("w: vertices after seams were joined")
+    triangle_count = Number("t")
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was tolerated, in words."""
+        return [lib.rumple_surface_warning(self, number).decode() for number in range(self.view.warning_count)]
+
+
+def build_surface(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray,
+                  triangle_corner: np.ndarray, weld_seams: bool = True) -> Surface:
+    """Check a polygon mesh and join its seams.
+
+    positions_rest: (n, 3) float32, object space. polygon_start: (p + 1,) int32, the first corner of every polygon and
+    the number of corners. corner_vertex: (c,) int32. triangle_corner: (t, 3) int32, the corners of a triangulation of
+    every polygon. weld_seams: join border vertices at one place. Raises ValueError naming the first bad element.
+    """
+    plan = lib.rumple_surface_plan_default()
+    fill(plan, "positions_rest", positions_rest, FLOAT, 3)
+    fill(plan, "polygon_start", polygon_start, INT)
+    fill(plan, "corner_vertex", corner_vertex, INT)
+    fill(plan, "triangle_corner", triangle_corner, INT, 3)
+    plan.weld_seams = weld_seams
+    return Surface.made(lib.rumple_surface_build, plan)
+
+
+def count_openings(surface: Surface) -> int:
+    """Open borders that are not the outline of a sheet: a shirt has four, a head one."""
+    openings = ctypes.c_int32()
+    lib.rumple_surface_count_openings(surface, ctypes.addressof(openings))
+    return openings.value
+
+
+def suggest_follow(surface: Surface, up: Sequence[float]) -> np.ndarray:
+    """(n,) float32: how firmly every vertex follows the animation, 0 to 1: collars, waistbands and cuffs, found from
+    the open borders at rest. up: three floats, unit, object space."""
+    direction = np.array(up, np.float32)
+    if direction.shape != (3,):
+        raise ValueError(f"up: expected three floats, got {direction.shape}")
+    follow = new(FLOAT, surface.vertex_count)
+    lib.rumple_surface_suggest_follow(surface, address(direction), address(follow), len(follow))
+    return follow
+
+
+class CoarseMesh(Handle):
+    """A coarse mesh that stands for a dense one. Made by build_coarse. m vertices."""
+
+    __slots__ = ("surface", "dense")
+    POINTER, FREE = c.CoarsePointer, "rumple_coarse_free"
+    VIEW, LOOK = c.CoarseView, "rumple_coarse_get_view"
+
+    surface: Surface  # its triangles
+    dense: Surface
+    dense_vertex = Array("(m,) int32: of every vertex a vertex of the dense mesh", INT, "vertex_count")
+    mean_edge = Number("mean length of its edges, object units")
+
+    def positions(self, dense: Surface, positions: np.ndarray) -> np.ndarray:
+        """(n, 3) float32 of the dense mesh's vertices -> (m, 3), such that the smooth surfaces lie on one another."""
+        if dense is not self.dense:
+            raise ValueError("dense: the coarse mesh was made for another mesh")
+        place, count = given(positions, "positions", FLOAT, 3)
+        out = new(FLOAT, self.view.vertex_count, 3)
+        lib.rumple_coarse_positions(self, place, count, address(out), len(out))
+        return out
+
+
+def build_coarse(dense: Surface, spacing: float) -> CoarseMesh:
+    """spacing: about the mean length of its edges, object units. Raises ValueError where the mesh is too small for it.
+    Peyre and Cohen 2006."""
+    coarse = CoarseMesh.made(lib.rumple_coarse_build, dense, spacing)
+    coarse.dense, coarse.surface = dense, Surface.made(lib.rumple_coarse_surface, coarse)
+    return coarse
+
+
+class ShownMesh(Handle):
+    """The mesh that is shown in place of the base: d vertices, q polygons, k corners. Part of a model."""
+
+    __slots__ = ("_model",)
+    VIEW, LOOK = c.ShownMeshView, "rumple_shown_mesh_get_view"
+
+    vertex_count = Number("d")
+    polygon_start = Array("(q + 1,) int32: the first corner of every polygon, then k", INT, "polygon_count", more=1)
+    corner_vertex = Array("(k,) int32", INT, "corner_count")
+    polygon_source = Array("(q,) int32: polygon of the base, or of the own mesh", INT, "polygon_count")
+    edges = Array("(e, 2) int32: shown edges that lie on a source edge", INT, "edge_count", 2)
+    edge_sources = Array("(e, 2) int32: the vertices of that source edge", INT, "edge_count", 2)
+    positions_rest = Array("(d, 3) float32, object space", FLOAT, "vertex_count", 3)
+    triangle_vertex = Array("(d, 3) int32: the base vertices that every shown vertex is embedded in", INT,
+                            "vertex_count", 3)
+    barycentric = Array("(d, 2) float32: weights of the second and third of them", FLOAT, "vertex_count", 2)
+
+    def __init__(self, model: Handle, pointer: Any) -> None:
+        """Borrowed from a model, which it keeps."""
+        self._model, self._as_parameter_, self._seen = model, pointer, None
+
+    def carry_points(self, values: np.ndarray, source_vertices: int) -> np.ndarray:
+        """(n, j) float32 of the source's vertices -> (d, j), linear."""
+        return self._carried(lib.rumple_shown_mesh_carry_points, values, "point values", source_vertices,
+                             self.vertex_count)
+
+    def carry_corners(self, values: np.ndarray, source_corners: int) -> np.ndarray:
+        """(c, j) float32 of the source's corners -> (k, j) of the shown mesh; seams stay sharp."""
+        return self._carried(lib.rumple_shown_mesh_carry_corners, values, "corner values", source_corners,
+                             self.view.corner_count)
+
+    def _carried(self, carry: Any, values: np.ndarray, name: str, rows: int, count: int) -> np.ndarray:
+        if not isinstance(values, np.ndarray) or values.ndim != 2 or len(values) != rows:
+            came = f"{values.dtype} {values.shape}" if isinstance(values, np.ndarray) else type(values).__name__
+            raise ValueError(f"{name}: expected shape ({rows}, k), got {came}")
+        columns = values.shape[1]
+        place, _ = given(values, name, FLOAT, columns)
+        out = new(FLOAT, count, columns)
+        carry(self, place, rows, columns, address(out), count)
+        return out
+
+
+class Model(Handle):
+    """What a model of any system is. SHOWN: the function that lends its shown mesh."""
+
+    __slots__ = ()
+    SHOWN = ""
+
+    @property
+    def shown(self) -> ShownMesh:
+        """The mesh that is shown."""
+        return ShownMesh(self, getattr(lib, self.SHOWN)(self))
+
+
+class ShownFrame(Handle):
+    """What every system shows of a frame; d vertices of the shown mesh."""
+
+    __slots__ = ("_model",)
+    POINTER, FREE = c.FramePointer, "rumple_frame_free"
+    VIEW, LOOK = c.FrameView, "rumple_frame_get_view"
+
+    positions = Array("(d, 3) float32, object space", FLOAT, "vertex_count", 3)
+    local_offset = Array("(d, 3) float32, from the linear embedding, in the frame of the deformed base triangle", FLOAT,
+                         "vertex_count", 3)
+    offset = Array("(d, 3) float32, from the unwrinkled surface, object space", FLOAT, "vertex_count", 3)
+    stretch_min = Array("(d,) float32, smaller principal stretch of the base, 1 at rest", FLOAT, "vertex_count")
+    stretch_max = Array("(d,) float32, the larger one", FLOAT, "vertex_count")
+    stretch_direction = Array("(d, 3) float32, of strongest compression, unit, object space", FLOAT, "vertex_count", 3)
+
+    @classmethod
+    def of(cls, model: Handle, function: Any, *arguments: Any) -> Any:
+        """A frame of a model."""
+        frame = cls.made(function, *arguments)
+        frame._model = model
+        return frame
+
+
+def embed_frame(base: Surface, shown: ShownMesh, positions: np.ndarray, frame: ShownFrame) -> None:
+    """Embeds a frame in other positions, (n, 3) float32, of the base: its local_offset anew, also in arrays that were
+    taken before. base, shown: those of the frame's model."""
+    if shown._model is not frame._model:
+        raise ValueError("frame: it was made for another model")
+    place, count = given(positions, "positions", FLOAT, 3)
+    if count != base.vertex_count:
+        raise ValueError(f"positions: expected {base.vertex_count} vertices, got {count}")
+    lib.rumple_frame_embed(frame, place, count)
+
+
+# ---------------------------------------------------------------- what all systems take
+def fine_plan(plan: Any, source: str, level: int, segments: int, longest_edge: float, most_vertices: int,
+              attachment: str, sources: Sequence[str] = ("SUBDIVISION", "REGULAR", "EDGE_LENGTH")) -> None:
+    """Fills a plan of a fine mesh."""
+    plan.source = chosen(source, "source", {name: c.FINE_SOURCE[name] for name in sources})
+    plan.level, plan.segments, plan.longest_edge = level, segments, longest_edge
+    plan.most_vertices = most_vertices
+    plan.attachment = chosen(attachment, "attachment", c.ATTACHMENT)
+
+
+def pose(positions: np.ndarray, time: float = 0.0, labels: np.ndarray | None = None,
+         next_positions: np.ndarray | None = None, next_time: float = 0.0,
+         world_from_object: np.ndarray | None = None) -> Any:
+    """The base in one frame. positions: (n, 3) float32. The arrays must outlive it."""
+    out = lib.rumple_pose_default()
+    place, count = given(positions, "positions", FLOAT, 3)
+    put(out, "positions", place)
+    put(out, "positions_count", count)
+    put(out, "time", time)
+    put(out, "next_time", next_time)
+    if labels is not None:
+        fill(out, "labels", labels, BYTE)
+    if next_positions is not None:
+        fill(out, "next_positions", next_positions, FLOAT, 3)
+    if world_from_object is not None:
+        rows = checked(world_from_object, "world_from_object", FLOAT, 3)
+        if rows.shape != (3, 3):
+            raise ValueError(f"world_from_object: expected shape (3, 3), got {rows.shape}")
+        out.world_from_object[:] = rows.ravel().tolist()
+    return out
+
+
+class ReferenceSettings:
+    """The settings of the reference triangles among those of a system."""
+
+    __slots__ = ()
+    window = Within("rest", "seconds; labels compare with the pose so long ago; 0: the previous frame")
+    relaxation = Within("rest", "share per 1/30 s by which compressed reference triangles give in, 0..1")
+    growth = Within("rest", "most length of a reference triangle over the rest pose's, >= 1")
+    growth_time = Within("rest", "seconds in which a reference triangle takes over a longer shape, >= 0")
+    reference = Choice(c.REFERENCE, "what compression is measured against", outer="rest")
+
+
+REFERENCE_ARRAYS = {"labels": (BYTE, 0), "reference": (FLOAT, 3), "past_times": (DOUBLE, 0),
+                    "past_positions": (FLOAT, 3)}
+
+
+def stored_array(arrays: dict[str, Any], name: str) -> Any:
+    """Raises ValueError where there is none."""
+    if name not in arrays:
+        raise ValueError(f"state: expected an array {name}, got none")
+    return arrays[name]
+
+
+def fill_reference(view: Any, arrays: dict[str, Any]) -> None:
+    """The state of the reference triangles, from plain arrays. They must outlive it."""
+    if "time" not in arrays:
+        raise ValueError("state: expected time, got none")
+    view.time = arrays["time"]
+    for name, (dtype, columns) in REFERENCE_ARRAYS.items():
+        fill(view, name, stored_array(arrays, name), dtype, columns)
+
+
+def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarray, raw: bool = False) -> np.ndarray:
+    """Labels of a whole clip in one cut, (f, t) uint8: 0 compress, 1 rest, 2 stretch. times: (f,) float64, seconds,
+    ascending. positions: (f n, 3) float32, frame after frame. raw: every triangle's cheapest label for itself. Cost:
+    about 1 ms and half a megabyte per frame and 1,000 triangles. Gillette 2015, section 4.1.2."""
+    when, frames = given(times, "times", DOUBLE)
+    where, points = given(positions, "positions", FLOAT, 3)
+    labels = new(BYTE, frames, model.base.triangle_count)
+    getattr(lib, model.LABEL)(model, settings, when, frames, where, points, raw, address(labels), labels.size)
+    return labels
+
+
+__all__ = ["CoarseMesh", "ShownFrame", "ShownMesh", "Surface", "build_coarse", "build_surface", "count_openings",
+           "embed_frame", "label_clip", "suggest_follow"]

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrinkle Mesh: native/include/rumple/wrinkle_mesh.h. M. Mueller and N. Chentanez, Wrinkle Meshes, SCA 2010."""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from . import c
+from .arrays import BYTE, FLOAT, address, checked, fill, lent, new
+from .handle import Array, Handle, Number
+from .library import lib
+from .struct import Choice
+from .surface import REFERENCE_ARRAYS, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan, pose
+
+PAINTED = ("radius", "prestretch", "bending", "inside")
+
+
+class WrinkleMeshModel(Model):
+    """A fine mesh attached to a base at rest. Made by build_wrinkle_mesh. v solved vertices."""
+
+    __slots__ = ("base",)
+    POINTER, FREE = c.WrinkleMeshPointer, "rumple_wrinkle_mesh_free"
+    VIEW, LOOK = c.WrinkleMeshView, "rumple_wrinkle_mesh_get_view"
+    SHOWN, LABEL = "rumple_wrinkle_mesh_shown", "rumple_wrinkle_mesh_label_clip"
+
+    solved_vertex_count = Number("v")
+    pair_count = Number("distance and bending constraints")
+    local_edge = Array("(v,) float32: mean rest length of the edges around a vertex", FLOAT, "solved_vertex_count")
+    unattached_distance = Array("own mesh: (vertices,) float32, distance to the base at rest", FLOAT,
+                                "unattached_count")
+
+
+def build_wrinkle_mesh(base: Surface, source: str = "SUBDIVISION", level: int = 2, segments: int = 4,
+                       longest_edge: float = 0.01, most_vertices: int = 4_000_000, own: Surface | None = None,
+                       attached: np.ndarray | None = None, farthest: float = 0.0, attachment: str = "LIMIT",
+                       display_steps: int = 1, adaptive: bool = False) -> WrinkleMeshModel:
+    """Make the fine mesh and its constraints (Mueller and Chentanez 2010, section 3).
+
+    source: SUBDIVISION (level), REGULAR (segments), EDGE_LENGTH (longest_edge) or OBJECT (own: a Surface at rest in
+    the base's space; attached: (vertices of own,) uint8; farthest: refuse a mesh farther away, 0 any). attachment:
+    LINEAR, PN or LIMIT. display_steps: unsolved subdivisions of the shown mesh. adaptive: for settings whose reference
+    is not STATIC_REST. Raises ValueError.
+    """
+    plan = lib.rumple_wrinkle_mesh_plan_default()
+    fine_plan(plan.fine, source, level, segments, longest_edge, most_vertices, attachment, tuple(c.FINE_SOURCE))
+    if own is not None and source == "OBJECT":
+        plan.own = own._as_parameter_
+    fill(plan, "attached", attached, BYTE)
+    if own is not None and attached is not None and len(attached) != own.vertex_count:
+        raise ValueError(f"attached: expected {own.vertex_count} values, got {len(attached)}")
+    plan.farthest, plan.display_steps, plan.adaptive = farthest, display_steps, adaptive
+    model = WrinkleMeshModel.made(lib.rumple_wrinkle_mesh_build, base, plan)
+    model.base = base
+    return model
+
+
+class WrinkleMeshSettings(c.WrinkleMeshSettings, ReferenceSettings):
+    """Settings of a solve; see docs/wrinkle_mesh.md. Lengths are relative to the fine edges."""
+
+    __slots__ = ()
+    collision = Choice(c.COLLISION)
+    offset_space = Choice(c.OFFSET_SPACE)
+
+    def __new__(cls) -> "WrinkleMeshSettings":
+        return cls.from_buffer_copy(lib.rumple_wrinkle_mesh_settings_default())
+
+
+def painted_factors(painted: dict[str, np.ndarray], names: tuple[str, ...] = PAINTED) -> Any:
+    """Painted factors as the library takes them. The arrays must outlive them."""
+    values = c.WrinkleMeshPainted()
+    for name, array in painted.items():
+        if name not in names:
+            raise ValueError(f"paint: expected one of {', '.join(names)}, got {name}")
+        if name in PAINTED:
+            fill(values, name, checked(array, name, FLOAT), FLOAT)
+    return values
+
+
+class WrinkleMeshPaint(Handle):
+    """Painted factors, carried to the solved vertices."""
+
+    __slots__ = ()
+    POINTER, FREE = c.WrinkleMeshPaintPointer, "rumple_wrinkle_mesh_paint_free"
+
+    def __init__(self, model: WrinkleMeshModel, painted: dict[str, np.ndarray] | None = None) -> None:
+        """painted: any of radius, prestretch, bending, inside -> (n,) float32 of the base's vertices, 0..1."""
+        self._filled(self, lib.rumple_wrinkle_mesh_paint_build, model, painted_factors(painted or {}))
+
+
+class WrinkleMeshState(Handle):
+    """What lives from frame to frame."""
+
+    __slots__ = ()
+    POINTER, FREE = c.WrinkleMeshStatePointer, "rumple_wrinkle_mesh_state_free"
+    VIEW, LOOK = c.WrinkleMeshStateView, "rumple_wrinkle_mesh_state_get_view"
+
+    offset = Array("(v, 3) float32", FLOAT, "offset_count", 3)
+    solved_length = Array("(pairs,) float32, when it was last solved", FLOAT, "solved_length_count")
+    nbytes = Number("memory of the state", "bytes")
+
+    def __init__(self, model: WrinkleMeshModel, offset: np.ndarray, solved_length: np.ndarray,
+                 reference: dict[str, Any] | None = None) -> None:
+        """From what the properties of those names gave."""
+        arrays = c.WrinkleMeshStateView()
+        fill(arrays, "offset", offset, FLOAT, 3)
+        fill(arrays, "solved_length", solved_length, FLOAT)
+        if reference is not None:
+            fill_reference(arrays.reference, reference)
+        self._filled(self, lib.rumple_wrinkle_mesh_state_build, model, arrays)
+
+    @property
+    def reference(self) -> dict[str, Any] | None:
+        """Of an adaptive rest shape: a dict of plain arrays; else None."""
+        return reference_arrays(self, self.view.reference)
+
+    def woken(self) -> "WrinkleMeshState":
+        """The same offsets with no vertex held: for a solve with other settings."""
+        return WrinkleMeshState.made(lib.rumple_wrinkle_mesh_state_woken, self)
+
+
+def reference_arrays(owner: Handle, view: Any) -> dict[str, Any] | None:
+    """The state of the reference triangles in a handle as plain arrays; None where there is none."""
+    if not view.reference_count:
+        return None
+    return {"time": view.time, **{
+        name: lent(owner, getattr(view, name), dtype, (getattr(view, f"{name}_count"), *([columns] * (columns > 0))))
+        for name, (dtype, columns) in REFERENCE_ARRAYS.items()}}
+
+
+class WrinkleMeshReport(c.WrinkleMeshReport):
+    """How a solve went."""
+
+    __slots__ = ()
+
+
+class WrinkleMeshMeasures(c.WrinkleMeshMeasures):
+    """How good a frame is."""
+
+    __slots__ = ("offsets",)
+    offsets: np.ndarray  # (v, 3) float32, in the triangle frame
+
+
+def solve_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, paint: WrinkleMeshPaint | None,
+                       positions: np.ndarray, state: WrinkleMeshState | None = None,
+                       world_from_object: np.ndarray | None = None, reference: bool = False, time: float = 0.0,
+                       labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
+                       next_time: float = 0.0) -> tuple[WrinkleMeshState, WrinkleMeshReport]:
+    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.
+
+    state: of the frame before, or None for the canonical start. world_from_object: (3, 3) float32, used when offsets
+    ride in world space. reference: the printed sequential sweeps, for tests. The rest is for a rest shape that adapts:
+    time: seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to come, to look ahead when
+    labels are cut. Raises ValueError. Section 4.
+    """
+    report = WrinkleMeshReport()
+    solve = lib.rumple_wrinkle_mesh_solve_in_order if reference else lib.rumple_wrinkle_mesh_solve
+    return WrinkleMeshState.made(
+        solve, model, settings, paint, pose(positions, time, labels, next_positions, next_time, world_from_object),
+        state, report), report
+
+
+def show_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, positions: np.ndarray,
+                      state: WrinkleMeshState, world_from_object: np.ndarray | None = None) -> ShownFrame:
+    """The shown mesh for a frame and its state."""
+    return ShownFrame.of(model, lib.rumple_wrinkle_mesh_show, model, settings,
+                         pose(positions, world_from_object=world_from_object), state)
+
+
+def measure_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, paint: WrinkleMeshPaint | None,
+                         positions: np.ndarray, state: WrinkleMeshState,
+                         world_from_object: np.ndarray | None = None) -> WrinkleMeshMeasures:
+    """Edge-length errors, areas and attachment violation of a frame."""
+    measures = WrinkleMeshMeasures()
+    measures.offsets = new(FLOAT, model.solved_vertex_count, 3)
+    lib.rumple_wrinkle_mesh_measure(model, settings, paint, pose(positions, world_from_object=world_from_object),
+                                    state, measures, address(measures.offsets), len(measures.offsets))
+    return measures
+
+
+__all__ = ["WrinkleMeshMeasures", "WrinkleMeshModel", "WrinkleMeshPaint", "WrinkleMeshReport", "WrinkleMeshSettings",
+           "WrinkleMeshState", "build_wrinkle_mesh", "measure_wrinkle_mesh", "show_wrinkle_mesh", "solve_wrinkle_mesh"]

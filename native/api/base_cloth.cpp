@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/handles.h"
+#include "rumple.h"
+#include "surface/cloth/cover.h"
+#include "surface/cloth/swing.h"
+
+using namespace rumple;
+using namespace rumple::api;
+using base_cloth::Model;
+
+struct rumple_base_cloth {
+    std::shared_ptr<const Model> model;
+};
+struct rumple_base_cloth_paint {
+    std::shared_ptr<const Model> model;
+    base_cloth::Paint paint;
+};
+struct rumple_base_cloth_state {
+    std::shared_ptr<const Model> model;
+    base_cloth::Result result;
+};
+struct rumple_cloth_cover {
+    Surface surface;
+    CoverModel cover;
+};
+
+// Each names every field once, for both directions: api/settings.h. Not in a namespace: found by its
+// arguments.
+template <typename Pair>
+static void pair_fields(rumple_base_cloth_settings& c, base_cloth::Settings& native, const Pair& pair) {
+    pair(c.stretch, native.stretch);
+    pair(c.strain_limit, native.strain_limit);
+    pair(c.shear, native.shear);
+    pair(c.compression, native.compression);
+    pair(c.compression_limit, native.compression_limit);
+    pair(c.folded, native.folded);
+    pair(c.smoothing, native.smoothing);
+    pair(c.slack, native.slack);
+    pair(c.follow, native.follow);
+    pair(c.room, native.room);
+    pair(c.gravity, native.gravity);
+    pair(c.thickness, native.clearance.thickness);
+    pair(c.unknown, native.clearance.unknown);
+    pair(c.reach, native.clearance.reach);
+    pair(c.depth, native.clearance.depth);
+    pair(c.spread, native.clearance.spread);
+    pair(c.steps, native.steps);
+    pair(c.start_steps, native.start_steps);
+    pair(c.gradients, native.gradients);
+}
+
+template <typename Pair>
+static void pair_fields(rumple_base_cloth_swing& c, base_cloth::Swing& native, const Pair& pair) {
+    pair(c.seconds, native.seconds);
+    pair(c.longest_step, native.longest_step);
+    pair(c.newton_steps, native.newton_steps);
+    pair(c.damping, native.damping);
+    pair(c.locomotion, native.locomotion);
+    pair(c.drag, native.drag);
+    pair(c.wind, native.wind);
+    pair(c.shift, native.placement.shift);
+}
+
+template <typename Pair>
+static void pair_fields(rumple_cloth_cover_settings& c, CoverSettings& native, const Pair& pair) {
+    pair(c.thickness, native.thickness);
+    pair(c.depth, native.depth);
+}
+
+namespace {
+
+rumple_base_cloth_report report_of(const base_cloth::Report& r) {
+    return {r.steps, r.gradients, r.moved, r.offset_mean, r.offset_max, r.taut, r.touching, r.body_known};
+}
+
+const base_cloth::State* state_in(const rumple_base_cloth_state* state) {
+    return state ? &state->result.state : nullptr;
+}
+
+base_cloth::Paint paint_in(const rumple_base_cloth_paint* paint) {
+    return paint ? paint->paint : base_cloth::Paint{};
+}
+
+}  // namespace
+
+// ---- bodies
+
+rumple_status rumple_collider_build(const float* positions, size_t positions_count, const int32_t* triangles,
+                                    size_t triangles_count, rumple_collider** collider) {
+    return made(collider, "collider", [&] {
+        const auto points = vectors(positions, positions_count, "positions");
+        const auto corners = rows<std::array<Index, 3>>(triangles, triangles_count, "triangles");
+        return new rumple_collider{Collider(points, corners)};
+    });
+}
+
+void rumple_collider_free(rumple_collider* collider) {
+    delete collider;
+}
+
+int32_t rumple_collider_vertex_count(const rumple_collider* collider) {
+    return collider ? collider->collider.vertex_count() : 0;
+}
+
+// ---- the cloth
+
+rumple_status rumple_base_cloth_build(const rumple_surface* surface, rumple_base_cloth** model) {
+    return made(model, "model",
+                [&] { return new rumple_base_cloth{base_cloth::build(given(surface, "surface").surface)}; });
+}
+
+void rumple_base_cloth_free(rumple_base_cloth* model) {
+    delete model;
+}
+
+rumple_base_cloth_settings rumple_base_cloth_settings_default(void) {
+    return default_of<rumple_base_cloth_settings, base_cloth::Settings>();
+}
+
+rumple_base_cloth_swing rumple_base_cloth_swing_default(void) {
+    auto swing = default_of<rumple_base_cloth_swing, base_cloth::Swing>();
+    for (int k = 0; k < 3; ++k) swing.matrix[4 * k] = 1.0f;
+    return swing;
+}
+
+rumple_status rumple_base_cloth_paint_build(const rumple_base_cloth* model,
+                                            const rumple_base_cloth_painted* painted,
+                                            rumple_base_cloth_paint** paint) {
+    return made(paint, "paint", [&] {
+        const Surface& base = given(model, "model").model->surface;
+        const rumple_base_cloth_painted& from = given(painted, "painted");
+        base_cloth::Paint made;
+        made.follow = api::painted(from.follow, from.follow_count, base, "follow");
+        made.room = api::painted(from.room, from.room_count, base, "room");
+        return new rumple_base_cloth_paint{model->model, std::move(made)};
+    });
+}
+
+void rumple_base_cloth_paint_free(rumple_base_cloth_paint* paint) {
+    delete paint;
+}
+
+void rumple_base_cloth_state_free(rumple_base_cloth_state* state) {
+    delete state;
+}
+
+rumple_status rumple_base_cloth_state_get_view(const rumple_base_cloth_state* state,
+                                               rumple_base_cloth_state_view* view) {
+    return guarded([&] {
+        const base_cloth::Result& r = given(state, "state").result;
+        given(view, "view") = {count(r.positions),
+                               state->model->surface.welded.vertex_count,
+                               count(r.body_hint),
+                               count(r.state.motion.velocity),
+                               count(r.state.offset),
+                               count(r.state.clearance),
+                               r.state.bytes(),
+                               flat<float>(r.positions),
+                               r.gap.data(),
+                               r.body_hint.data(),
+                               flat<float>(r.state.motion.velocity),
+                               flat<float>(r.state.offset),
+                               r.state.clearance.data()};
+    });
+}
+
+rumple_status rumple_base_cloth_state_woken(const rumple_base_cloth_state* state,
+                                            rumple_base_cloth_state** woken) {
+    return made(woken, "woken", [&] {
+        base_cloth::Result result = given(state, "state").result;
+        result.state = base_cloth::woken(std::move(result.state));
+        return new rumple_base_cloth_state{state->model, std::move(result)};
+    });
+}
+
+rumple_status rumple_base_cloth_solve(const rumple_base_cloth* model,
+                                      const rumple_base_cloth_settings* settings,
+                                      const rumple_base_cloth_paint* paint, const float* positions,
+                                      size_t positions_count, const rumple_bodies* bodies,
+                                      const rumple_base_cloth_state* before, rumple_base_cloth_report* report,
+                                      rumple_base_cloth_state** state) {
+    return made(state, "state", [&] {
+        const rumple_base_cloth& m = given(model, "model");
+        const auto options = native_of<base_cloth::Settings>(settings, "settings");
+        const auto points = vectors(positions, positions_count, "positions");
+        const auto worn_over = posed(bodies);
+        auto* out = new rumple_base_cloth_state{
+            m.model,
+            base_cloth::solve(*m.model, options, paint_in(of_model(paint, m, "paint")), points,
+                              worn_over ? &*worn_over : nullptr, state_in(of_model(before, m, "state")))};
+        if (report) *report = report_of(out->result.report);
+        return out;
+    });
+}
+
+rumple_status rumple_base_cloth_swing_solve(
+    const rumple_base_cloth* model, const rumple_base_cloth_settings* settings,
+    const rumple_base_cloth_swing* swing, const rumple_base_cloth_paint* paint, const float* positions,
+    size_t positions_count, const rumple_bodies* bodies, const rumple_base_cloth_state* before,
+    rumple_base_cloth_report* report, rumple_base_cloth_state** state) {
+    return made(state, "state", [&] {
+        const rumple_base_cloth& m = given(model, "model");
+        const auto options = native_of<base_cloth::Settings>(settings, "settings");
+        auto motion = native_of<base_cloth::Swing>(swing, "swing");
+        motion.placement.matrix = matrix_of(swing->matrix);
+        const auto points = vectors(positions, positions_count, "positions");
+        const auto worn_over = posed(bodies);
+        auto* out = new rumple_base_cloth_state{
+            m.model,
+            base_cloth::swing(*m.model, options, motion, paint_in(of_model(paint, m, "paint")), points,
+                              worn_over ? &*worn_over : nullptr, state_in(of_model(before, m, "state")))};
+        if (report) *report = report_of(out->result.report);
+        return out;
+    });
+}
+
+// ---- its smooth surface
+
+rumple_status rumple_cloth_cover_build(const rumple_surface* surface, rumple_cloth_cover** cover) {
+    return made(cover, "cover", [&] {
+        const Surface& s = given(surface, "surface").surface;
+        return new rumple_cloth_cover{s, build_cover(s)};
+    });
+}
+
+void rumple_cloth_cover_free(rumple_cloth_cover* cover) {
+    delete cover;
+}
+
+rumple_cloth_cover_settings rumple_cloth_cover_settings_default(void) {
+    return default_of<rumple_cloth_cover_settings, CoverSettings>();
+}
+
+rumple_status rumple_cloth_cover_lift(const rumple_cloth_cover* cover,
+                                      const rumple_cloth_cover_settings* settings,
+                                      const rumple_bodies* bodies, const float* positions,
+                                      size_t positions_count, const int32_t* hints, size_t hints_count,
+                                      float* lifts, size_t lifts_count) {
+    return guarded([&] {
+        const rumple_cloth_cover& c = given(cover, "cover");
+        const auto options = native_of<CoverSettings>(settings, "settings");
+        given(given(bodies, "bodies").collider, "bodies.collider");
+        const auto worn_over = posed(bodies);
+        const auto points = vectors(positions, positions_count, "positions");
+        const auto near = values(hints, hints_count, "hints");
+        const auto out = output<Vec3>(lifts, lifts_count, points.size(), "lifts");
+        write(lifts_over(c.surface, c.cover, options, *worn_over, points, near), out);
+    });
+}

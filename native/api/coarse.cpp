@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/coarse.h"
+
+using namespace rumple;
+using namespace rumple::api;
+
+namespace {
+
+float mean_edge(const Surface& surface) {
+    double sum = 0.0;
+    for (const Edge& e : surface.edges)
+        sum += glm::distance(surface.positions_rest[e.a], surface.positions_rest[e.b]);
+    return float(sum / double(surface.edges.size()));
+}
+
+}  // namespace
+
+rumple_status rumple_coarse_build(const rumple_surface* dense, float spacing, rumple_coarse** coarse) {
+    return made(coarse, "coarse", [&] {
+        auto built = build_coarse(given(dense, "dense").surface, spacing);
+        const float edge = mean_edge(built->surface);
+        return new rumple_coarse{std::move(built), dense->shared, edge};
+    });
+}
+
+void rumple_coarse_free(rumple_coarse* coarse) {
+    delete coarse;
+}
+
+rumple_status rumple_coarse_get_view(const rumple_coarse* coarse, rumple_coarse_view* view) {
+    return guarded([&] {
+        const rumple_coarse& c = given(coarse, "coarse");
+        given(view, "view") = {count(c.mesh->dense_vertex), c.mean_edge, c.mesh->dense_vertex.data()};
+    });
+}
+
+rumple_status rumple_coarse_surface(const rumple_coarse* coarse, rumple_surface** surface) {
+    return made(surface, "surface", [&] {
+        const auto& mesh = given(coarse, "coarse").mesh;
+        return new rumple_surface(std::shared_ptr<const Surface>(mesh, &mesh->surface));
+    });
+}
+
+rumple_status rumple_coarse_positions(const rumple_coarse* coarse, const float* positions,
+                                      size_t positions_count, float* out, size_t out_count) {
+    return guarded([&] {
+        const rumple_coarse& c = given(coarse, "coarse");
+        const auto to = output<Vec3>(out, out_count, c.mesh->dense_vertex.size(), "out");
+        write(coarse_positions(*c.mesh, *c.dense, vectors(positions, positions_count, "positions")), to);
+    });
+}

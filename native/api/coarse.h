@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is behind the handle of a coarse mesh, for the layers over it.
+#pragma once
+
+#include "api/handles.h"
+#include "surface/coarse.h"
+
+struct rumple_coarse {
+    std::shared_ptr<const rumple::CoarseMesh> mesh;
+    std::shared_ptr<const rumple::Surface> dense;
+    float mean_edge;
+};

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is behind the handles that several systems use.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <variant>
+
+#include "api/settings.h"
+#include "surface/adaptive_reference.h"
+#include "surface/contact/collider.h"
+#include "surface/shown_mesh.h"
+#include "systems/wrinkle_field.h"
+#include "systems/wrinkle_paths.h"
+
+struct rumple_surface {
+    explicit rumple_surface(std::shared_ptr<const rumple::Surface> of)
+        : shared(std::move(of)), surface(*shared) {}
+
+    std::shared_ptr<const rumple::Surface> shared;
+    const rumple::Surface& surface;
+};
+
+// Part of a model's handle. What a view cannot point at is kept beside it.
+struct rumple_shown_mesh {
+    explicit rumple_shown_mesh(const rumple::ShownMesh& shown);
+
+    const rumple::ShownMesh& mesh;
+    std::vector<rumple::Vec2> barycentric;
+    size_t source_vertices;  // that are read: 1 + the last one
+    size_t source_corners;
+};
+
+struct rumple_collider {
+    rumple::Collider collider;
+};
+
+struct rumple_frame {
+    std::shared_ptr<const void> model;  // keeps base and mesh
+    const rumple::Surface& base;
+    const rumple::ShownMesh& mesh;
+    std::variant<rumple::ShownFrame, rumple::wrinkle_field::Picture, rumple::wrinkle_paths::Picture> picture;
+
+    rumple::ShownFrame& shown() {
+        return std::visit([](auto& of_system) -> rumple::ShownFrame& { return of_system; }, picture);
+    }
+    const rumple::ShownFrame& shown() const { return const_cast<rumple_frame*>(this)->shown(); }
+};
+
+namespace rumple::api {
+
+// A frame that was made for a model, which keeps it.
+template <typename Model, typename Picture>
+rumple_frame* new_frame(const std::shared_ptr<const Model>& model, Picture&& picture) {
+    return new rumple_frame{model, model->base, model->shown, std::forward<Picture>(picture)};
+}
+
+FineSource fine_source(const rumple_fine_plan& plan);
+AttachmentKind attachment_kind(const rumple_fine_plan& plan);
+rumple_fine_plan fine_plan(const FineSource& source);
+
+// Bodies of a frame, posed; none for none. The collider and the positions must outlive them.
+std::optional<PosedCollider> posed(const rumple_bodies* bodies);
+
+// Positions of a pose, and when it is.
+std::span<const Vec3> positions_of(const rumple_pose* pose);
+Moment moment_of(const rumple_pose* pose);
+glm::mat3 matrix_of(const float (&rows)[9]);
+
+// A painted factor of the base's vertices, or none.
+std::vector<float> painted(const float* data, size_t count, const Surface& base, const char* name);
+
+// The settings and the state of a rest shape that adapts.
+template <typename Pair>
+void pair_reference(rumple_reference_settings& c, ReferenceSettings& native, const Pair& pair) {
+    pair.choose("reference", c.reference, native.reference, Reference::kStaticRest);
+    pair(c.window, native.window);
+    pair(c.relaxation, native.relaxation);
+    pair(c.growth, native.growth);
+    pair(c.growth_time, native.growth_time);
+}
+rumple_reference_view view_of(const ReferenceState& state);
+ReferenceState state_of(const rumple_reference_view& arrays);
+
+// rumple_X_label_clip() of a system.
+struct Clip {
+    const double* times;
+    size_t times_count;
+    const float* positions;
+    size_t positions_count;
+    bool raw;
+};
+void label(const Surface& base, const ReferenceModel& model, const ReferenceSettings& settings,
+           const Clip& clip, std::uint8_t* labels, size_t labels_count);
+
+}  // namespace rumple::api

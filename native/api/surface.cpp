@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "api/handles.h"
+#include "rumple.h"
+#include "surface/cloth/pins.h"
+
+using namespace rumple;
+using namespace rumple::api;
+
+rumple_surface_plan rumple_surface_plan_default(void) {
+    rumple_surface_plan plan{};
+    plan.weld_seams = SurfaceInput{}.weld_seams;
+    return plan;
+}
+
+rumple_status rumple_surface_build(const rumple_surface_plan* plan, rumple_surface** surface) {
+    return made(surface, "surface", [&] {
+        const rumple_surface_plan& from = given(plan, "plan");
+        SurfaceInput input;
+        input.positions_rest = vectors(from.positions_rest, from.positions_rest_count, "positions_rest");
+        input.polygon_start = values(from.polygon_start, from.polygon_start_count, "polygon_start");
+        input.corner_vertex = values(from.corner_vertex, from.corner_vertex_count, "corner_vertex");
+        rows<std::array<Index, 3>>(from.triangle_corner, from.triangle_corner_count, "triangle_corner");
+        input.triangle_corner = {from.triangle_corner, 3 * from.triangle_corner_count};
+        input.weld_seams = from.weld_seams;
+        return new rumple_surface(std::make_shared<const Surface>(build_surface(input)));
+    });
+}
+
+void rumple_surface_free(rumple_surface* surface) {
+    delete surface;
+}
+
+rumple_status rumple_surface_get_view(const rumple_surface* surface, rumple_surface_view* view) {
+    return guarded([&] {
+        const Surface& s = given(surface, "surface").surface;
+        given(view, "view") = {s.display.vertex_count, s.welded.vertex_count, count(s.triangles),
+                               count(s.warnings)};
+    });
+}
+
+const char* rumple_surface_warning(const rumple_surface* surface, int32_t number) {
+    if (!surface || number < 0 || size_t(number) >= surface->surface.warnings.size()) return nullptr;
+    return surface->surface.warnings[number].c_str();
+}
+
+rumple_status rumple_surface_count_openings(const rumple_surface* surface, int32_t* openings) {
+    return guarded([&] { given(openings, "openings") = count_openings(given(surface, "surface").surface); });
+}
+
+rumple_status rumple_surface_suggest_follow(const rumple_surface* surface, const float up[3], float* follow,
+                                            size_t follow_count) {
+    return guarded([&] {
+        const Surface& s = given(surface, "surface").surface;
+        given(up, "up");
+        const auto out = output<float>(follow, follow_count, size_t(s.display.vertex_count), "follow");
+        write(suggest_follow(s, {up[0], up[1], up[2]}), out);
+    });
+}
+
+// ---- the shown mesh
+
+rumple_status rumple_shown_mesh_get_view(const rumple_shown_mesh* mesh, rumple_shown_mesh_view* view) {
+    return guarded([&] {
+        const ShownMesh& m = given(mesh, "mesh").mesh;
+        given(view, "view") = {m.mesh.vertex_count,
+                               m.mesh.polygons(),
+                               m.mesh.corners(),
+                               count(m.edges),
+                               m.mesh.polygon_start.data(),
+                               m.mesh.corner_vertex.data(),
+                               m.polygon_source.data(),
+                               flat<int32_t>(m.edges),
+                               flat<int32_t>(m.edge_sources),
+                               flat<float>(m.positions_rest),
+                               flat<int32_t>(m.embedding),
+                               flat<float>(mesh->barycentric)};
+    });
+}
+
+namespace {
+
+struct Table {
+    const float* values;
+    size_t count;
+    int32_t columns;
+    size_t least;  // rows that are read
+};
+
+void carry(const SparseRows& rows, const Table& from, float* out, size_t out_count) {
+    if (from.columns < 1)
+        throw InvalidInput("columns: expected at least 1, got " + std::to_string(from.columns));
+    values(from.values, from.count, "values");
+    if (from.count < from.least) {
+        throw InvalidInput("values: expected at least " + std::to_string(from.least) + " rows, got " +
+                           std::to_string(from.count));
+    }
+    const size_t width = size_t(from.columns);
+    float* to = output<float>(out, out_count, size_t(rows.rows()), "out").data();
+    for (Index r = 0; r < rows.rows(); ++r, to += width) {
+        std::fill(to, to + width, 0.0f);
+        for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k) {
+            const float* row = &from.values[size_t(rows.index[k]) * width];
+            for (size_t c = 0; c < width; ++c) to[c] += rows.weight[k] * row[c];
+        }
+    }
+}
+
+}  // namespace
+
+rumple_status rumple_shown_mesh_carry_points(const rumple_shown_mesh* mesh, const float* values,
+                                             size_t values_count, int32_t columns, float* out,
+                                             size_t out_count) {
+    return guarded([&] {
+        const rumple_shown_mesh& m = given(mesh, "mesh");
+        carry(m.mesh.vertex_from_source, {values, values_count, columns, m.source_vertices}, out, out_count);
+    });
+}
+
+rumple_status rumple_shown_mesh_carry_corners(const rumple_shown_mesh* mesh, const float* values,
+                                              size_t values_count, int32_t columns, float* out,
+                                              size_t out_count) {
+    return guarded([&] {
+        const rumple_shown_mesh& m = given(mesh, "mesh");
+        carry(m.mesh.corner_from_source, {values, values_count, columns, m.source_corners}, out, out_count);
+    });
+}
+
+// ---- a frame
+
+rumple_pose rumple_pose_default(void) {
+    rumple_pose pose{};
+    for (int k = 0; k < 3; ++k) pose.world_from_object[4 * k] = 1.0f;
+    return pose;
+}
+
+void rumple_frame_free(rumple_frame* frame) {
+    delete frame;
+}
+
+rumple_status rumple_frame_get_view(const rumple_frame* frame, rumple_frame_view* view) {
+    return guarded([&] {
+        const ShownFrame& f = given(frame, "frame").shown();
+        given(view, "view") = {count(f.positions),
+                               flat<float>(f.positions),
+                               flat<float>(f.local_offset),
+                               flat<float>(f.offset),
+                               f.stretch.minimum.data(),
+                               f.stretch.maximum.data(),
+                               flat<float>(f.stretch.direction)};
+    });
+}
+
+rumple_status rumple_frame_embed(rumple_frame* frame, const float* positions, size_t positions_count) {
+    return guarded([&] {
+        rumple_frame& f = given(frame, "frame");
+        embed_frame(f.base, f.mesh, vectors(positions, positions_count, "positions"), f.shown());
+    });
+}

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is behind the handles of the Wrinkle Mesh, for the layers of it.
+#pragma once
+
+#include "api/handles.h"
+#include "systems/wrinkle_mesh.h"
+
+namespace rumple::api {
+
+wrinkle_mesh::Settings mesh_settings(const rumple_wrinkle_mesh_settings* settings);
+wrinkle_mesh::Paint mesh_painted(const rumple_wrinkle_mesh_painted& painted, const Surface& base);
+rumple_wrinkle_mesh_view view_of(const wrinkle_mesh::Model& model);
+rumple_wrinkle_mesh_state_view view_of(const wrinkle_mesh::State& state);
+rumple_wrinkle_mesh_report report_of(const wrinkle_mesh::Report& report);
+
+}  // namespace rumple::api

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/wrinkle_paths.h"
+
+using namespace rumple;
+using namespace rumple::api;
+using namespace rumple::wrinkle_paths;
+
+// Every field once, for both directions: api/settings.h.
+template <typename Pair>
+static void pair_fields(rumple_wrinkle_paths_settings& c, Settings& native, const Pair& pair) {
+    pair_reference(c.rest, native, pair);
+    pair(c.smoothing, native.smoothing);
+    pair(c.threshold, native.threshold);
+    pair(c.reach, native.reach);
+    pair(c.width, native.width);
+    pair(c.spacing, native.spacing);
+    pair(c.alignment, native.alignment);
+    pair(c.hem_rings, native.hem_rings);
+    pair(c.growth_limit, native.growth_limit);
+    pair(c.fade, native.fade);
+    pair(c.persistent, native.persistent);
+    pair(c.seed, native.seed);
+    pair.choose("profile", c.profile, native.profile, Profile::kSine);
+    pair.choose("direction", c.direction, native.direction, Direction::kBoth);
+    pair(c.height, native.height);
+    pair(c.threads, native.threads);
+}
+static_assert(int(Profile::kSpline) == RUMPLE_FOLD_SPLINE && int(Profile::kSine) == RUMPLE_FOLD_SINE);
+
+const PathArrays& rumple_wrinkle_paths_state::arrays() const {
+    std::call_once(flattened_, [this] {
+        PathArrays& a = arrays_;
+        for (const Path& path : state.paths) {
+            a.id.push_back(path.id);
+            a.fade.push_back(path.fade);
+            for (const PathPoint& p : path.points) {
+                a.triangle_edge.insert(a.triangle_edge.end(), {p.triangle, p.edge});
+                a.at.push_back(p.at);
+            }
+            a.start.push_back(static_cast<Index>(a.at.size()));
+        }
+    });
+    return arrays_;
+}
+
+namespace rumple::api {
+
+Settings paths_settings(const rumple_wrinkle_paths_settings* settings) {
+    return native_of<Settings>(settings, "settings");
+}
+
+Input input_at(const rumple_pose* pose, const State& state) {
+    Input input;
+    input.positions = positions_of(pose);
+    input.time = state.time;
+    return input;
+}
+
+}  // namespace rumple::api
+
+namespace {
+
+size_t bytes_of(const State& state) {
+    size_t points = 0;
+    for (const Path& path : state.paths) points += path.points.size();
+    return state.bytes() + state.compression.size() * sizeof(float) +
+           state.shapes.size() * sizeof(FlatTriangle) + state.paths.size() * sizeof(Path) +
+           points * sizeof(PathPoint);
+}
+
+std::vector<Path> paths_of(const rumple_wrinkle_paths_state_view& from) {
+    const auto id = values(from.path_id, from.path_id_count, "path_id");
+    const auto fade = values(from.path_fade, from.path_fade_count, "path_fade");
+    const auto start = values(from.path_start, from.path_start_count, "path_start");
+    const auto place = rows<std::array<Index, 2>>(from.point_triangle_edge, from.point_triangle_edge_count,
+                                                  "point_triangle_edge");
+    const auto at = rows<Vec2>(from.point_at, from.point_at_count, "point_at");
+    expect_rows("path_fade", fade.size(), id.size());
+    expect_rows("path_start", start.size(), id.size() + 1);
+    expect_rows("point_at", at.size(), place.size());
+    std::vector<Path> paths;
+    for (size_t i = 0; i < id.size(); ++i) {
+        if (start[i] < 0 || start[i + 1] < start[i] || size_t(start[i + 1]) > at.size())
+            throw InvalidInput("path_start: path " + std::to_string(i) + " is not within the points");
+        Path path{id[i], fade[i], {}};
+        for (Index p = start[i]; p < start[i + 1]; ++p)
+            path.points.push_back({place[p][0], place[p][1], at[p]});
+        paths.push_back(std::move(path));
+    }
+    return paths;
+}
+
+}  // namespace
+
+// ---- the model
+
+rumple_fine_plan rumple_wrinkle_paths_plan_default(void) {
+    FineSource source;
+    source.level = 3;
+    source.segments = 8;
+    source.longest_edge = 0.005f;
+    return fine_plan(source);
+}
+
+rumple_status rumple_wrinkle_paths_build(const rumple_surface* base, const rumple_fine_plan* plan,
+                                         rumple_wrinkle_paths** model) {
+    return made(model, "model", [&] {
+        const Surface& surface = given(base, "base").surface;
+        auto built = build(surface, fine_source(given(plan, "plan")), attachment_kind(*plan));
+        const ShownMesh& shown = built->shown;
+        return new rumple_wrinkle_paths{std::move(built), rumple_shown_mesh(shown)};
+    });
+}
+
+void rumple_wrinkle_paths_free(rumple_wrinkle_paths* model) {
+    delete model;
+}
+
+const rumple_shown_mesh* rumple_wrinkle_paths_shown(const rumple_wrinkle_paths* model) {
+    return model ? &model->shown : nullptr;
+}
+
+rumple_status rumple_wrinkle_paths_get_view(const rumple_wrinkle_paths* model,
+                                            rumple_wrinkle_paths_view* view) {
+    return guarded([&] {
+        const Model& m = *given(model, "model").model;
+        given(view, "view") = {m.net.triangles(), m.net.vertex.data()};
+    });
+}
+
+rumple_wrinkle_paths_settings rumple_wrinkle_paths_settings_default(void) {
+    return default_of<rumple_wrinkle_paths_settings, Settings>();
+}
+
+rumple_status rumple_wrinkle_paths_paint_build(const rumple_wrinkle_paths* model,
+                                               const rumple_wrinkle_paths_painted* painted,
+                                               rumple_wrinkle_paths_paint** paint) {
+    return made(paint, "paint", [&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const rumple_wrinkle_paths_painted& from = given(painted, "painted");
+        return new rumple_wrinkle_paths_paint{
+            m.model, {api::painted(from.mask, from.mask_count, m.model->base, "mask")}};
+    });
+}
+
+void rumple_wrinkle_paths_paint_free(rumple_wrinkle_paths_paint* paint) {
+    delete paint;
+}
+
+// ---- frames
+
+void rumple_wrinkle_paths_state_free(rumple_wrinkle_paths_state* state) {
+    delete state;
+}
+
+rumple_status rumple_wrinkle_paths_state_get_view(const rumple_wrinkle_paths_state* state,
+                                                  rumple_wrinkle_paths_state_view* view) {
+    return guarded([&] {
+        const State& s = given(state, "state").state;
+        const PathArrays& a = state->arrays();
+        given(view, "view") = {
+            view_of(s),           flat<float>(s.shapes), s.shapes.size(), s.compression.data(),
+            s.compression.size(), a.id.data(),           a.id.size(),     a.fade.data(),
+            a.fade.size(),        a.start.data(),        a.start.size(),  a.triangle_edge.data(),
+            a.at.size(),          flat<float>(a.at),     a.at.size(),     s.next_id,
+            bytes_of(s)};
+    });
+}
+
+rumple_status rumple_wrinkle_paths_state_build(const rumple_wrinkle_paths* model,
+                                               const rumple_wrinkle_paths_state_view* arrays,
+                                               rumple_wrinkle_paths_state** state) {
+    return made(state, "state", [&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const rumple_wrinkle_paths_state_view& from = given(arrays, "arrays");
+        State made;
+        static_cast<ReferenceState&>(made) = state_of(from.reference);
+        made.shapes = copied(rows<FlatTriangle>(from.shapes, from.shapes_count, "shapes"));
+        made.compression = copied(values(from.compression, from.compression_count, "compression"));
+        made.paths = paths_of(from);
+        made.next_id = from.next_id;
+        return new rumple_wrinkle_paths_state(m.model, std::move(made));
+    });
+}
+
+rumple_status rumple_wrinkle_paths_state_check(const rumple_wrinkle_paths_state* state) {
+    return guarded([&] {
+        const std::string wrong = fault(*given(state, "state").model, state->state.paths);
+        if (!wrong.empty()) throw InvalidInput(wrong);
+    });
+}
+
+rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
+                                         const rumple_wrinkle_paths_settings* settings,
+                                         const rumple_wrinkle_paths_paint* paint, const rumple_pose* pose,
+                                         const rumple_wrinkle_paths_state* before,
+                                         rumple_wrinkle_paths_report* report,
+                                         rumple_wrinkle_paths_state** state) {
+    return made(state, "state", [&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const auto* from = of_model(before, m, "state");
+        const auto* touched = of_model(paint, m, "paint");
+        static const Paint nothing;
+        Input input;
+        static_cast<Moment&>(input) = moment_of(pose);
+        input.positions = positions_of(pose);
+        Report how;
+        auto* out = new rumple_wrinkle_paths_state(
+            m.model, solve(*m.model, paths_settings(settings), touched ? touched->paint : nothing, input,
+                           from ? &from->state : nullptr, how));
+        if (report) {
+            *report = {how.paths,
+                       how.born,
+                       how.died,
+                       how.merging,
+                       how.compressed,
+                       how.stretched,
+                       how.collapsed_triangles,
+                       how.moved_mean,
+                       how.moved_most};
+        }
+        return out;
+    });
+}
+
+rumple_status rumple_wrinkle_paths_show(const rumple_wrinkle_paths* model,
+                                        const rumple_wrinkle_paths_settings* settings,
+                                        const rumple_pose* pose, const rumple_wrinkle_paths_state* state,
+                                        rumple_frame** frame) {
+    return made(frame, "frame", [&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const State& at = given_of_model(state, m, "state").state;
+        Picture picture;
+        show(*m.model, paths_settings(settings), input_at(pose, at), at, picture);
+        return new_frame(m.model, std::move(picture));
+    });
+}
+
+rumple_status rumple_frame_get_folds(const rumple_frame* frame, rumple_frame_folds_view* view) {
+    return guarded([&] {
+        const auto* p = std::get_if<Picture>(&given(frame, "frame").picture);
+        if (!p) throw InvalidInput("frame: expected one of Wrinkle Paths");
+        given(view, "view") = {count(p->height), p->height.data()};
+    });
+}
+
+rumple_status rumple_wrinkle_paths_label_clip(const rumple_wrinkle_paths* model,
+                                              const rumple_wrinkle_paths_settings* settings,
+                                              const double* times, size_t times_count, const float* positions,
+                                              size_t positions_count, bool raw, uint8_t* labels,
+                                              size_t labels_count) {
+    return guarded([&] {
+        const Model& m = *given(model, "model").model;
+        label(m.base, m, paths_settings(settings), {times, times_count, positions, positions_count, raw},
+              labels, labels_count);
+    });
+}

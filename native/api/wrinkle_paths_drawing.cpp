@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Curves and drawings of the Wrinkle Paths.
+#include "api/wrinkle_paths.h"
+#include "base/expect.h"
+#include "systems/wrinkle_paths_curves.h"
+#include "systems/wrinkle_paths_preview.h"
+
+using namespace rumple;
+using namespace rumple::api;
+using namespace rumple::wrinkle_paths;
+
+struct rumple_curves {
+    RidingCurves curves;
+};
+struct rumple_drawing {
+    std::shared_ptr<const Model> model;
+    Drawing drawing;  // without surface: the lists alone
+    bool has_surface;
+};
+
+void rumple_curves_free(rumple_curves* curves) {
+    delete curves;
+}
+
+rumple_status rumple_curves_get_view(const rumple_curves* curves, rumple_curves_view* view) {
+    return guarded([&] {
+        const RidingCurves& c = given(curves, "curves").curves;
+        given(view, "view") = {count(c.id),
+                               count(c.positions),
+                               count(c.corners),
+                               c.start.data(),
+                               c.id.data(),
+                               flat<float>(c.positions),
+                               c.width.data(),
+                               c.height.data(),
+                               flat<int32_t>(c.corners),
+                               flat<float>(c.weights),
+                               flat<float>(c.local_offset)};
+    });
+}
+
+rumple_status rumple_wrinkle_paths_trace(const rumple_wrinkle_paths* model,
+                                         const rumple_wrinkle_paths_settings* settings,
+                                         const rumple_pose* pose, const rumple_wrinkle_paths_state* state,
+                                         rumple_curves** traced) {
+    return made(traced, "curves", [&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const State& at = given_of_model(state, m, "state").state;
+        RidingCurves lines;
+        static_cast<Curves&>(lines) = curves(*m.model, paths_settings(settings), input_at(pose, at), at);
+        return new rumple_curves{std::move(lines)};
+    });
+}
+
+rumple_status rumple_wrinkle_paths_ride(const rumple_wrinkle_paths* model,
+                                        const rumple_wrinkle_paths_settings* settings,
+                                        const rumple_pose* pose, const float* animated, size_t animated_count,
+                                        const rumple_wrinkle_paths_state* state, rumple_curves** ridden) {
+    return made(ridden, "curves", [&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const State& at = given_of_model(state, m, "state").state;
+        return new rumple_curves{ride(*m.model, paths_settings(settings), input_at(pose, at), at,
+                                      vectors(animated, animated_count, "animated"))};
+    });
+}
+
+rumple_status rumple_wrinkle_paths_stretches(const rumple_wrinkle_paths* model, const rumple_pose* pose,
+                                             const rumple_wrinkle_paths_state* state, float* out,
+                                             size_t out_count) {
+    return guarded([&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const State& at = given_of_model(state, m, "state").state;
+        const auto positions = positions_of(pose);
+        expect_count("positions", positions.size(), size_t(m.model->base.display.vertex_count), "vertices");
+        const auto to = output<Vec2>(out, out_count, size_t(m.model->net.triangles()), "stretches");
+        std::vector<Vec3> welded(size_t(m.model->base.welded.vertex_count));
+        weld_positions(m.model->base, positions, welded);
+        const std::vector<Stretch> found = stretches(*m.model, at, welded);
+        for (size_t t = 0; t < to.size(); ++t) to[t] = {found[t].compression, found[t].stretch};
+    });
+}
+
+rumple_status rumple_wrinkle_paths_ellipses(const rumple_wrinkle_paths* model, const rumple_pose* pose,
+                                            const rumple_wrinkle_paths_state* state, float size, float* out,
+                                            size_t out_count) {
+    return guarded([&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const auto to = output<Ellipse>(out, out_count, size_t(m.model->net.triangles()), "ellipses");
+        write(ellipses(*m.model, positions_of(pose), given_of_model(state, m, "state").state, size), to);
+    });
+}
+
+// ---- drawings
+
+void rumple_drawing_free(rumple_drawing* drawing) {
+    delete drawing;
+}
+
+rumple_status rumple_drawing_get_view(const rumple_drawing* drawing, rumple_drawing_view* view) {
+    return guarded([&] {
+        const Drawing& d = given(drawing, "drawing").drawing;
+        given(view, "view") = {count(d.flat),
+                               count(d.stand_in),
+                               count(d.parts),
+                               count(d.lists.triangle_start) - 1,
+                               count(d.lists.ranges),
+                               count(d.lists.ends),
+                               d.curved,
+                               flat<float>(d.flat),
+                               flat<float>(d.smooth),
+                               flat<float>(d.normal),
+                               d.hem.data(),
+                               flat<int32_t>(d.parts),
+                               flat<float>(d.stand_in),
+                               d.lists.triangle_start.data(),
+                               flat<int32_t>(d.lists.ranges),
+                               flat<float>(d.lists.ends)};
+    });
+}
+
+rumple_status rumple_wrinkle_paths_draw(const rumple_wrinkle_paths* model,
+                                        const rumple_wrinkle_paths_settings* settings,
+                                        const rumple_pose* pose, const rumple_wrinkle_paths_state* state,
+                                        rumple_drawing** drawing) {
+    return made(drawing, "drawing", [&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const State& at = given_of_model(state, m, "state").state;
+        return new rumple_drawing{m.model, draw(*m.model, paths_settings(settings), input_at(pose, at), at),
+                                  true};
+    });
+}
+
+rumple_status rumple_wrinkle_paths_list(const rumple_wrinkle_paths* model,
+                                        const rumple_wrinkle_paths_settings* settings,
+                                        const rumple_pose* pose, const rumple_wrinkle_paths_state* state,
+                                        rumple_drawing** drawing) {
+    return made(drawing, "drawing", [&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        const State& at = given_of_model(state, m, "state").state;
+        Drawing lists;
+        lists.lists = pack(*m.model, paths_settings(settings), input_at(pose, at), at);
+        return new rumple_drawing{m.model, std::move(lists), false};
+    });
+}
+
+rumple_status rumple_drawing_evaluate(const rumple_drawing* drawing,
+                                      const rumple_wrinkle_paths_settings* settings, const int32_t* triangles,
+                                      const float* barycentric, size_t place_count, float* out) {
+    return guarded([&] {
+        const rumple_drawing& d = given(drawing, "drawing");
+        if (!d.has_surface) throw InvalidInput("drawing: expected one of rumple_wrinkle_paths_draw()");
+        const Settings options = paths_settings(settings);
+        const auto which = values(triangles, place_count, "triangles");
+        const auto weights = rows<Vec2>(barycentric, place_count, "barycentric");
+        const auto to = output<std::array<float, 7>>(out, place_count, place_count, "out");
+        for (size_t i = 0; i < which.size(); ++i) {
+            expect_within("triangle " + std::to_string(i), which[i], 0,
+                          double(d.model->net.triangles()) - 1.0);
+            const Drawn at = drawn_at(*d.model, options, d.drawing, {which[i], weights[i].x, weights[i].y});
+            to[i] = {at.position.x, at.position.y, at.position.z, at.height,
+                     at.normal.x,   at.normal.y,   at.normal.z};
+        }
+    });
+}

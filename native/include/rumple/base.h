@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What every part of the library needs: what is exported, statuses, errors, versions. See rumple.h.
+#ifndef RUMPLE_BASE_H
+#define RUMPLE_BASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32) && defined(RUMPLE_BUILD)
+#define RUMPLE_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define RUMPLE_API __declspec(dllimport)
+#else
+#define RUMPLE_API __attribute__((visibility("default")))
+#endif
+
+// The version of this header. rumple_version() has that of the library.
+#define RUMPLE_VERSION "0.1.0"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum rumple_status {
+    RUMPLE_OK = 0,
+    RUMPLE_INVALID = 1,  // an argument breaks its promise; rumple_error() names it and its first bad element
+    RUMPLE_NO_MEMORY = 2,  // there is not enough memory for it
+    RUMPLE_INTERNAL = 3    // a fault of the library itself
+} rumple_status;
+
+// The version of the library, "major.minor.patch". Headers and libraries fit when these are the same.
+RUMPLE_API const char* rumple_version(void);
+
+// The bytes of a struct of this header as the library was compiled, by name ("rumple_pose"); 0: there is none
+// of that name. Who loads the library at run time compares them all before the first other call.
+RUMPLE_API size_t rumple_struct_size(const char* name);
+
+// What was wrong in the last call of this thread that did not return RUMPLE_OK: UTF-8, never NULL, valid
+// until the next call of this thread that fails. Example: "positions: vertex 12 is not finite".
+RUMPLE_API const char* rumple_error(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The base cloth: the coarse mesh itself becomes cloth around its animation, so that it hangs, pulls taut and
+// rests on bodies. Mueller and Chentanez 2010, section 4.3; docs/base_cloth.md has the energy.
+#ifndef RUMPLE_BASE_CLOTH_H
+#define RUMPLE_BASE_CLOTH_H
+
+#include "surface.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// ---- bodies
+
+// Bodies that cloth stays outside of: their triangles, with a hierarchy over them.
+typedef struct rumple_collider rumple_collider;
+
+// positions: (b, 3), any pose, finite. triangles: (triangles, 3), at least one, 0..b - 1.
+// Cost: O(n log^2 n).
+RUMPLE_API rumple_status rumple_collider_build(const float* positions, size_t positions_count,
+                                               const int32_t* triangles, size_t triangles_count,
+                                               rumple_collider** collider);
+RUMPLE_API void rumple_collider_free(rumple_collider* collider);
+// b; 0 for NULL.
+RUMPLE_API int32_t rumple_collider_vertex_count(const rumple_collider* collider);
+
+// Bodies in the pose of a frame. Without a collider: none.
+typedef struct rumple_bodies {
+    const rumple_collider* collider;  // or NULL
+    const float* positions;           // (b, 3), object space of the cloth, finite
+    size_t positions_count;
+} rumple_bodies;
+
+// ---- the cloth
+
+// The springs and contacts of a coarse mesh at rest.
+typedef struct rumple_base_cloth rumple_base_cloth;
+RUMPLE_API rumple_status rumple_base_cloth_build(const rumple_surface* surface, rumple_base_cloth** model);
+RUMPLE_API void rumple_base_cloth_free(rumple_base_cloth* model);
+
+// Stiffness is per mass of cloth: membrane stiffness over mass per area, object units^2 / s^2.
+typedef struct rumple_base_cloth_settings {
+    float stretch;            // of what is longer than at rest, > 0
+    float strain_limit;       // strain beyond which stretch is ten times as stiff, >= 0
+    float shear;              // of the diagonals of quads that are longer than at rest, >= 0
+    float compression;        // k1: of what is shorter than at rest, >= 0
+    float compression_limit;  // c_l: length over rest length below which k2 counts, 0..1
+    float folded;             // k2: of what is shorter than c_l, >= 0
+    float smoothing;          // against displacements that differ between neighbours, >= 0
+    float slack;              // length of the cloth over that of the modelled garment, > 0
+    float follow;             // pull back to the animation where nothing is pinned, 1/s^2, > 0
+    float room;               // farthest that a vertex leaves its animated place, object units, >= 0
+    float gravity[3];         // object space, object units / s^2
+    float thickness;          // how far cloth stays off bodies, object units, >= 0
+    float unknown;            // how far cloth may go inwards where no body is found, object units, >= 0
+    float reach;              // bodies farther away do not count, object units, > 0
+    float depth;              // what is deeper inside a body stays there, object units, > 0
+    float spread;             // length over which what is known of bodies fades, object units, > 0
+    int32_t steps;            // Newton steps from a given state, >= 0
+    int32_t start_steps;      // Newton steps from the animation, >= 0
+    int32_t gradients;        // most conjugate gradients of a step, >= 0
+} rumple_base_cloth_settings;
+RUMPLE_API rumple_base_cloth_settings rumple_base_cloth_settings_default(void);
+
+// What cloth with inertia needs beside them.
+typedef struct rumple_base_cloth_swing {
+    float seconds;         // since the frame before, >= 0
+    float longest_step;    // of time, s, > 0: the same at all frame rates gives the same motion
+    int32_t newton_steps;  // of every time step, >= 1
+    float damping;         // of the velocity beside the animated one, 1/s, >= 0
+    float locomotion;      // share of the garment's motion as a whole that the inertia feels, 0..1
+    float drag;            // density of the air x coefficient / (2 mass per area), 1/object unit, >= 0
+    float wind[3];         // of the air, object space, object units / s
+    float matrix[9];       // (3, 3): from the object space of the frame before to that of this one ...
+    float shift[3];        // ... and the shift after it, object units
+} rumple_base_cloth_swing;
+RUMPLE_API rumple_base_cloth_swing rumple_base_cloth_swing_default(void);
+
+// Painted factors of the base's vertices, 0..1; each (n), or none.
+typedef struct rumple_base_cloth_painted {
+    const float* follow;  // 1: pinned to the animation; none: 0 everywhere
+    size_t follow_count;
+    const float* room;  // on `room`; none: 1 everywhere
+    size_t room_count;
+} rumple_base_cloth_painted;
+typedef struct rumple_base_cloth_paint rumple_base_cloth_paint;
+RUMPLE_API rumple_status rumple_base_cloth_paint_build(const rumple_base_cloth* model,
+                                                       const rumple_base_cloth_painted* painted,
+                                                       rumple_base_cloth_paint** paint);
+RUMPLE_API void rumple_base_cloth_paint_free(rumple_base_cloth_paint* paint);
+
+// A solved frame, and what lives from it to the next one.
+typedef struct rumple_base_cloth_state rumple_base_cloth_state;
+RUMPLE_API void rumple_base_cloth_state_free(rumple_base_cloth_state* state);
+
+typedef struct rumple_base_cloth_state_view {
+    int32_t vertex_count;         // n
+    int32_t welded_vertex_count;  // w
+    int32_t body_hint_count;      // n, or 0 without bodies
+    int32_t velocity_count;       // w, or 0 where it does not swing
+    int32_t offset_count;         // w, or 0 where it swings
+    int32_t clearance_count;
+    size_t bytes;              // memory of what lives on
+    const float* positions;    // (n, 3): the cloth, object space
+    const float* gap;          // (n): its height above what is worn under it, object units, >= 0
+    const int32_t* body_hint;  // (body_hint_count): a triangle of the collider near each vertex, or -1
+    const float* velocity;     // (velocity_count, 3), object units / s
+    const float* offset;       // (offset_count, 3): in the tangent frame of the animated vertex
+    const float* clearance;    // (clearance_count): how far each may go inwards, object units
+} rumple_base_cloth_state_view;
+RUMPLE_API rumple_status rumple_base_cloth_state_get_view(const rumple_base_cloth_state* state,
+                                                          rumple_base_cloth_state_view* view);
+// A copy that no solve holds at rest: for other settings than it was solved with.
+RUMPLE_API rumple_status rumple_base_cloth_state_woken(const rumple_base_cloth_state* state,
+                                                       rumple_base_cloth_state** woken);
+
+typedef struct rumple_base_cloth_report {
+    int32_t steps;      // 0: the pose was held
+    int32_t gradients;  // conjugate gradients of all steps
+    float moved;        // farthest way of a vertex in the last step, object units
+    float offset_mean;  // from the animation, object units
+    float offset_max;
+    float taut;        // share of the springs that are longer than at rest
+    float touching;    // share of the vertices that rest on the inner surface
+    float body_known;  // share of the vertices that have a body under them
+} rumple_base_cloth_report;
+
+// One frame: the equilibrium of its pose, without inertia. paint: or NULL. positions: (n, 3), animated.
+// bodies: or NULL. before: of the frame before, or NULL. report: written, or NULL.
+// Cost: about 0.03 us a vertex and gradient, and 1 us a vertex and step for contact.
+RUMPLE_API rumple_status rumple_base_cloth_solve(const rumple_base_cloth* model,
+                                                 const rumple_base_cloth_settings* settings,
+                                                 const rumple_base_cloth_paint* paint, const float* positions,
+                                                 size_t positions_count, const rumple_bodies* bodies,
+                                                 const rumple_base_cloth_state* before,
+                                                 rumple_base_cloth_report* report,
+                                                 rumple_base_cloth_state** state);
+// One frame with inertia (Baraff and Witkin 1998). Without a state that swings: its equilibrium, at rest.
+RUMPLE_API rumple_status rumple_base_cloth_swing_solve(
+    const rumple_base_cloth* model, const rumple_base_cloth_settings* settings,
+    const rumple_base_cloth_swing* swing, const rumple_base_cloth_paint* paint, const float* positions,
+    size_t positions_count, const rumple_bodies* bodies, const rumple_base_cloth_state* before,
+    rumple_base_cloth_report* report, rumple_base_cloth_state** state);
+
+// ---- its smooth surface
+
+// The points of the smooth surface of a coarse mesh that are to stay off bodies. For what lies on the base
+// cloth and knows no bodies itself.
+typedef struct rumple_cloth_cover rumple_cloth_cover;
+RUMPLE_API rumple_status rumple_cloth_cover_build(const rumple_surface* surface, rumple_cloth_cover** cover);
+RUMPLE_API void rumple_cloth_cover_free(rumple_cloth_cover* cover);
+
+typedef struct rumple_cloth_cover_settings {
+    float thickness;  // how far the smooth surface stays off bodies, object units, >= 0
+    float depth;      // what is deeper inside a body stays there, object units, > 0
+} rumple_cloth_cover_settings;
+RUMPLE_API rumple_cloth_cover_settings rumple_cloth_cover_settings_default(void);
+
+// How far every vertex has to move, outwards. positions: (n, 3) of the cloth. hints: (n), a triangle of the
+// collider near each, or -1. lifts: (n, 3), written. Cost: about 1 us a point with a hint.
+RUMPLE_API rumple_status rumple_cloth_cover_lift(const rumple_cloth_cover* cover,
+                                                 const rumple_cloth_cover_settings* settings,
+                                                 const rumple_bodies* bodies, const float* positions,
+                                                 size_t positions_count, const int32_t* hints,
+                                                 size_t hints_count, float* lifts, size_t lifts_count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Wrinkle Layers: several Wrinkle Meshes, one on the other: wide folds first, finer ones on them. Each is
+// solved over the solved surface of the one before. docs/wrinkle_mesh.md, Layers.
+#ifndef RUMPLE_WRINKLE_LAYERS_H
+#define RUMPLE_WRINKLE_LAYERS_H
+
+#include "base_cloth.h"
+#include "wrinkle_mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Layer 0 is the base mesh itself; every further one is the one before, subdivided once.
+typedef struct rumple_wrinkle_layers rumple_wrinkle_layers;
+
+typedef struct rumple_wrinkle_layers_plan {
+    int32_t levels;         // subdivisions of the base that are solved, >= 0; there are levels + 1 layers
+    int32_t display_steps;  // further subdivisions, of the shown mesh, that are not solved, >= 0
+    int32_t most_vertices;  // a shown mesh with more is refused
+} rumple_wrinkle_layers_plan;
+RUMPLE_API rumple_wrinkle_layers_plan rumple_wrinkle_layers_plan_default(void);
+
+RUMPLE_API rumple_status rumple_wrinkle_layers_build(const rumple_surface* base,
+                                                     const rumple_wrinkle_layers_plan* plan,
+                                                     rumple_wrinkle_layers** model);
+RUMPLE_API void rumple_wrinkle_layers_free(rumple_wrinkle_layers* model);
+// Borrowed; NULL for NULL.
+RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_layers_shown(const rumple_wrinkle_layers* model);
+
+typedef struct rumple_wrinkle_layers_view {
+    int32_t layer_count;          // levels + 1
+    int32_t solved_vertex_count;  // of all layers
+    int32_t finest_triangle_count;
+    const int32_t* finest_triangles;  // (finest_triangle_count, 3): of the vertices of a state's `solved`
+} rumple_wrinkle_layers_view;
+RUMPLE_API rumple_status rumple_wrinkle_layers_get_view(const rumple_wrinkle_layers* model,
+                                                        rumple_wrinkle_layers_view* view);
+// One layer, as a Wrinkle Mesh. layer: 0..layer_count - 1.
+RUMPLE_API rumple_status rumple_wrinkle_layers_get_layer(const rumple_wrinkle_layers* model, int32_t layer,
+                                                         rumple_wrinkle_mesh_view* view);
+
+// Painted factors of the base's vertices, as those of a Wrinkle Mesh, for all layers; and for single ones.
+typedef struct rumple_wrinkle_layers_painted {
+    rumple_wrinkle_mesh_painted all;
+    const float* const* strength;  // (layers): for each one (n), r x value, or NULL; or none
+    size_t strength_count;
+} rumple_wrinkle_layers_painted;
+typedef struct rumple_wrinkle_layers_paint rumple_wrinkle_layers_paint;
+RUMPLE_API rumple_status rumple_wrinkle_layers_paint_build(const rumple_wrinkle_layers* model,
+                                                           const rumple_wrinkle_layers_painted* painted,
+                                                           rumple_wrinkle_layers_paint** paint);
+RUMPLE_API void rumple_wrinkle_layers_paint_free(rumple_wrinkle_layers_paint* paint);
+
+// What lives from frame to frame.
+typedef struct rumple_wrinkle_layers_state rumple_wrinkle_layers_state;
+RUMPLE_API void rumple_wrinkle_layers_state_free(rumple_wrinkle_layers_state* state);
+
+typedef struct rumple_wrinkle_layers_state_view {
+    int32_t layer_count;
+    int32_t solved_count;  // vertices of the finest layer
+    const float* solved;   // (solved_count, 3): the finest layer, object space
+    size_t bytes;          // memory of the state
+} rumple_wrinkle_layers_state_view;
+RUMPLE_API rumple_status rumple_wrinkle_layers_state_get_view(const rumple_wrinkle_layers_state* state,
+                                                              rumple_wrinkle_layers_state_view* view);
+// The state of one layer, as of a Wrinkle Mesh. layer: 0..layer_count - 1.
+RUMPLE_API rumple_status rumple_wrinkle_layers_state_get_layer(const rumple_wrinkle_layers_state* state,
+                                                               int32_t layer,
+                                                               rumple_wrinkle_mesh_state_view* view);
+// The same offsets with no vertex held: for a solve with other settings.
+RUMPLE_API rumple_status rumple_wrinkle_layers_state_woken(const rumple_wrinkle_layers_state* state,
+                                                           rumple_wrinkle_layers_state** woken);
+
+// What a frame is solved over.
+typedef struct rumple_wrinkle_layers_input {
+    const float* positions;  // (n, 3): the deformed base, or the base cloth on it, object space
+    size_t positions_count;
+    const float* gap;  // (n): how far each vertex may go inwards, object units, >= 0; or none: no limit
+    size_t gap_count;
+    rumple_bodies bodies;      // in this pose; or none
+    const int32_t* body_hint;  // (n), with bodies: of rumple_base_cloth_solve()
+    size_t body_hint_count;
+    float thickness;  // how far cloth stays off bodies, object units, >= 0
+} rumple_wrinkle_layers_input;
+RUMPLE_API rumple_wrinkle_layers_input rumple_wrinkle_layers_input_default(void);
+
+// One frame. settings: one for each layer, coarse first. paint: or NULL. before: of the frame before, or
+// NULL. reports: one for each layer, written; or none.
+RUMPLE_API rumple_status rumple_wrinkle_layers_solve(
+    const rumple_wrinkle_layers* model, const rumple_wrinkle_mesh_settings* settings, size_t settings_count,
+    const rumple_wrinkle_layers_paint* paint, const rumple_wrinkle_layers_input* input,
+    const rumple_wrinkle_layers_state* before, rumple_wrinkle_mesh_report* reports, size_t reports_count,
+    rumple_wrinkle_layers_state** state);
+
+// The shown mesh of a solved frame. animated: (n, 3) of the base before it became cloth, which the shown mesh
+// is embedded in. positions: (n, 3), as they were solved.
+RUMPLE_API rumple_status rumple_wrinkle_layers_show(const rumple_wrinkle_layers* model, const float* animated,
+                                                    size_t animated_count, const float* positions,
+                                                    size_t positions_count,
+                                                    const rumple_wrinkle_layers_state* state,
+                                                    rumple_frame** frame);
+
+// ---- layers over a coarse mesh, shown on the dense one
+
+// Every vertex of the dense mesh moves as the surface of the finest layer does beside it.
+typedef struct rumple_wrinkle_transfer rumple_wrinkle_transfer;
+
+typedef struct rumple_wrinkle_transfer_plan {
+    int32_t level;          // subdivisions of the dense mesh that are moved, >= 0
+    int32_t display_steps;  // further ones that are shown, >= 0
+    int32_t most_vertices;  // a shown mesh with more is refused
+} rumple_wrinkle_transfer_plan;
+RUMPLE_API rumple_wrinkle_transfer_plan rumple_wrinkle_transfer_plan_default(void);
+
+// dense: the mesh that coarse was built over. layers: built over the surface of coarse.
+RUMPLE_API rumple_status rumple_wrinkle_transfer_build(const rumple_surface* dense,
+                                                       const rumple_coarse* coarse,
+                                                       const rumple_wrinkle_layers* layers,
+                                                       const rumple_wrinkle_transfer_plan* plan,
+                                                       rumple_wrinkle_transfer** model);
+RUMPLE_API void rumple_wrinkle_transfer_free(rumple_wrinkle_transfer* model);
+// Borrowed; NULL for NULL.
+RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_transfer_shown(const rumple_wrinkle_transfer* model);
+
+// The shown mesh of a solved frame. animated: (n, 3) of the dense mesh before it became cloth. state: of the
+// layers.
+RUMPLE_API rumple_status rumple_wrinkle_transfer_show(const rumple_wrinkle_transfer* model,
+                                                      const float* animated, size_t animated_count,
+                                                      const rumple_wrinkle_layers_state* state,
+                                                      rumple_frame** frame);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Wrinkle Mesh: M. Mueller and N. Chentanez, Wrinkle Meshes, SCA 2010. A fine mesh attached to a coarse
+// animated one, relaxed by a static position-based solver. docs/wrinkle_mesh.md has the mathematics.
+#ifndef RUMPLE_WRINKLE_MESH_H
+#define RUMPLE_WRINKLE_MESH_H
+
+#include "surface.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// ---- the model, section 3
+
+// A fine mesh of v solved vertices, attached to a base at rest.
+typedef struct rumple_wrinkle_mesh rumple_wrinkle_mesh;
+
+typedef struct rumple_wrinkle_mesh_plan {
+    rumple_fine_plan fine;
+    const rumple_surface* own;  // RUMPLE_FINE_OBJECT: a mesh at rest, in the base's space; else NULL
+    const uint8_t* attached;    // (vertices of own): 0 where it is not attached; or none: all are
+    size_t attached_count;
+    float farthest;         // an own mesh farther than this from the base is refused, object units; 0: any
+    int32_t display_steps;  // further subdivisions, of the shown mesh, that are not solved, >= 0
+    bool adaptive;          // for settings whose reference is not RUMPLE_REFERENCE_STATIC_REST
+} rumple_wrinkle_mesh_plan;
+RUMPLE_API rumple_wrinkle_mesh_plan rumple_wrinkle_mesh_plan_default(void);
+
+// Refused: a fine mesh of more than most_vertices, an own mesh too far away. Cost: seconds for a million
+// fine vertices.
+RUMPLE_API rumple_status rumple_wrinkle_mesh_build(const rumple_surface* base,
+                                                   const rumple_wrinkle_mesh_plan* plan,
+                                                   rumple_wrinkle_mesh** model);
+RUMPLE_API void rumple_wrinkle_mesh_free(rumple_wrinkle_mesh* model);
+// Borrowed; NULL for NULL.
+RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_mesh_shown(const rumple_wrinkle_mesh* model);
+
+typedef struct rumple_wrinkle_mesh_view {
+    int32_t solved_vertex_count;       // v
+    int32_t pair_count;                // distance and bending constraints
+    int32_t unattached_count;          // vertices of the own mesh, or 0
+    const float* local_edge;           // (v): mean rest length of the edges around a vertex, object units
+    const float* unattached_distance;  // (unattached_count): to the base at rest, object units
+} rumple_wrinkle_mesh_view;
+RUMPLE_API rumple_status rumple_wrinkle_mesh_get_view(const rumple_wrinkle_mesh* model,
+                                                      rumple_wrinkle_mesh_view* view);
+
+// ---- settings
+
+typedef enum rumple_collision {
+    RUMPLE_COLLISION_NONE = 0,
+    RUMPLE_COLLISION_PLANE = 1,         // no vertex deeper than `inside` below its attachment
+    RUMPLE_COLLISION_NEIGHBOURHOOD = 2  // ... below the triangles around it
+} rumple_collision;
+
+typedef enum rumple_offset_space {
+    RUMPLE_OFFSETS_TRIANGLE = 0,  // offsets ride in the frame of the deformed triangle
+    RUMPLE_OFFSETS_WORLD = 1      // ... or keep their direction in the world
+} rumple_offset_space;
+
+// Lengths are relative to the fine mesh.
+typedef struct rumple_wrinkle_mesh_settings {
+    float radius;              // r: attachment radius, in mean lengths of the edges around a vertex, >= 0
+    float prestretch;          // s: rest length over measured length, > 0
+    float bending;             // k_bending, 0..1
+    int32_t collision;         // rumple_collision
+    float inside;              // depth of the collision plane below the surface, in radii, 0..1
+    float stretch_relief;      // share of the base's excess length that is given in to, 0..1
+    float buckling_threshold;  // compression of the base that bears no folds, share of the length, 0..1
+    float compression_limit;   // rest length at most this times the base's length, >= 1
+    int32_t hem_rings;         // rings over which r fades to 0 at open borders, >= 0
+    int32_t iterations;        // passes from a given state, >= 0
+    int32_t start_iterations;  // passes from the canonical start, >= 0
+    float damping;             // share of the former offset that is kept, 0..1
+    int32_t offset_space;      // rumple_offset_space
+    float tangential_pull;     // share of its way along the surface that a pass pulls a vertex back, 0..1
+    float normal_pull;         // the same off the surface, 0..1
+    float slack;               // of layers: length over rest length at which the base pulls taut, > 0
+    float taut_range;  // of layers: over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere
+    float apart;       // of layers: share of the distance to its own cloth that a vertex may go, 0..0.5
+    float slide;       // of layers: share of the heights of its triangles that it may go along them, 0..0.5
+    float nudge;       // size of the random push of unbuckled vertices, in fine edges, >= 0
+    uint32_t seed;     // of that push
+    int32_t threads;   // 0: chosen by size; never changes the result
+    rumple_reference_settings rest;  // what compression is measured against
+} rumple_wrinkle_mesh_settings;
+RUMPLE_API rumple_wrinkle_mesh_settings rumple_wrinkle_mesh_settings_default(void);
+
+// Painted factors of the base's vertices, 0..1; each (n), or none: 1 everywhere.
+typedef struct rumple_wrinkle_mesh_painted {
+    const float* radius;  // r x value
+    size_t radius_count;
+    const float* prestretch;  // 1 + (s - 1) x value
+    size_t prestretch_count;
+    const float* bending;  // k x value
+    size_t bending_count;
+    const float* inside;  // inside x value
+    size_t inside_count;
+} rumple_wrinkle_mesh_painted;
+typedef struct rumple_wrinkle_mesh_paint rumple_wrinkle_mesh_paint;
+RUMPLE_API rumple_status rumple_wrinkle_mesh_paint_build(const rumple_wrinkle_mesh* model,
+                                                         const rumple_wrinkle_mesh_painted* painted,
+                                                         rumple_wrinkle_mesh_paint** paint);
+RUMPLE_API void rumple_wrinkle_mesh_paint_free(rumple_wrinkle_mesh_paint* paint);
+
+// ---- frames, section 4
+
+// What lives from frame to frame.
+typedef struct rumple_wrinkle_mesh_state rumple_wrinkle_mesh_state;
+RUMPLE_API void rumple_wrinkle_mesh_state_free(rumple_wrinkle_mesh_state* state);
+
+// A state as plain arrays: what a handle holds, and what one can be made of again, to the bit.
+typedef struct rumple_wrinkle_mesh_state_view {
+    const float* offset;  // (v, 3): o_i, in the frame of the base triangle, or in the world
+    size_t offset_count;
+    const float* solved_length;  // (pairs): at the attachments when it was last solved, over its rest scale
+    size_t solved_length_count;
+    rumple_reference_view reference;  // of a rest shape that adapts
+    size_t bytes;                     // memory of the state; not read by rumple_wrinkle_mesh_state_build()
+} rumple_wrinkle_mesh_state_view;
+RUMPLE_API rumple_status rumple_wrinkle_mesh_state_get_view(const rumple_wrinkle_mesh_state* state,
+                                                            rumple_wrinkle_mesh_state_view* view);
+RUMPLE_API rumple_status rumple_wrinkle_mesh_state_build(const rumple_wrinkle_mesh* model,
+                                                         const rumple_wrinkle_mesh_state_view* arrays,
+                                                         rumple_wrinkle_mesh_state** state);
+// The same offsets with no vertex held: for a solve with other settings.
+RUMPLE_API rumple_status rumple_wrinkle_mesh_state_woken(const rumple_wrinkle_mesh_state* state,
+                                                         rumple_wrinkle_mesh_state** woken);
+
+typedef struct rumple_wrinkle_mesh_report {
+    int32_t iterations;           // 0: the pose was held, nothing was solved
+    float error_before;           // RMS relative length error of the distance constraints at the attachments
+    float error_after;            // ... of the solved mesh
+    float largest_error;          // largest relative length error after
+    float active;                 // share of the vertices that were solved, 0..1; the rest was held
+    int32_t collapsed_triangles;  // triangles of the base without area in this pose
+    int32_t kept_apart;           // vertices that their own cloth or a body in front kept from going on
+} rumple_wrinkle_mesh_report;
+
+// One frame. paint: or NULL. before: of the frame before, or NULL: the canonical start. report: written, or
+// NULL. Deterministic on any number of threads. Cost: O(iterations x pairs).
+RUMPLE_API rumple_status rumple_wrinkle_mesh_solve(
+    const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_settings* settings,
+    const rumple_wrinkle_mesh_paint* paint, const rumple_pose* pose, const rumple_wrinkle_mesh_state* before,
+    rumple_wrinkle_mesh_report* report, rumple_wrinkle_mesh_state** state);
+// The same with the sweeps one constraint after the other, as printed. For tests.
+RUMPLE_API rumple_status rumple_wrinkle_mesh_solve_in_order(
+    const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_settings* settings,
+    const rumple_wrinkle_mesh_paint* paint, const rumple_pose* pose, const rumple_wrinkle_mesh_state* before,
+    rumple_wrinkle_mesh_report* report, rumple_wrinkle_mesh_state** state);
+
+// The shown mesh of a solved frame.
+RUMPLE_API rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,
+                                                  const rumple_wrinkle_mesh_settings* settings,
+                                                  const rumple_pose* pose,
+                                                  const rumple_wrinkle_mesh_state* state,
+                                                  rumple_frame** frame);
+
+// How good a frame is: for reports and tests, not for playback.
+typedef struct rumple_wrinkle_mesh_measures {
+    float edge_error_before_rms;  // |length - s l0| / (s l0), the fine mesh at its attachments
+    float edge_error_before_max;
+    float edge_error_after_rms;  // ... solved
+    float edge_error_after_max;
+    float compressed_area_before;  // area / rest area where base triangles are below 0.9 of their rest area
+    float compressed_area_after;
+    float attachment_violation;  // largest (|o| - r) / r over attached vertices with r > 0, not below 0
+    float largest_offset;        // object units
+} rumple_wrinkle_mesh_measures;
+// offsets: (v, 3), o_i in the triangle frame, written.
+RUMPLE_API rumple_status rumple_wrinkle_mesh_measure(
+    const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_settings* settings,
+    const rumple_wrinkle_mesh_paint* paint, const rumple_pose* pose, const rumple_wrinkle_mesh_state* state,
+    rumple_wrinkle_mesh_measures* measures, float* offsets, size_t offsets_count);
+
+// Labels of a whole clip in one cut (Gillette 2015, section 4.1.2), of a model that was built adaptive.
+// times: (f), s, ascending. positions: (f n, 3), frame after frame. raw: every triangle's cheapest label for
+// itself. labels: (f t), written. Cost: about 1 ms and half a megabyte per frame and 1,000 triangles.
+RUMPLE_API rumple_status rumple_wrinkle_mesh_label_clip(const rumple_wrinkle_mesh* model,
+                                                        const rumple_wrinkle_mesh_settings* settings,
+                                                        const double* times, size_t times_count,
+                                                        const float* positions, size_t positions_count,
+                                                        bool raw, uint8_t* labels, size_t labels_count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Who keeps what: handles of the C library know their model, and hold it.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "api/sizes.h"
+#include "surface/cloth/swing.h"
+#include "systems/wrinkle_field.h"
+#include "systems/wrinkle_mesh.h"
+#include "systems/wrinkle_paths.h"
+#include "tests/api_sheet.h"
+
+namespace rumple::api {
+namespace {
+
+TEST(ApiHandles, AStateOfAnotherModelIsRefusedThoughItsMeshIsTheSame) {
+    const Sheet one, other;
+    rumple_wrinkle_mesh_state* state = one.solve();
+    rumple_wrinkle_mesh_state_free(one.solve(state));  // its own goes on
+
+    const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
+    rumple_wrinkle_mesh_state* next = nullptr;
+    EXPECT_EQ(
+        rumple_wrinkle_mesh_solve(other.model(), &settings, nullptr, &other.pose(), state, nullptr, &next),
+        RUMPLE_INVALID);
+    EXPECT_STREQ(rumple_error(), "state: it was made for another model");
+    rumple_frame* frame = nullptr;
+    EXPECT_EQ(rumple_wrinkle_mesh_show(other.model(), &settings, &other.pose(), state, &frame),
+              RUMPLE_INVALID);
+    EXPECT_EQ(frame, nullptr);
+    rumple_wrinkle_mesh_state_free(state);
+}
+
+TEST(ApiHandles, PaintOfAnotherModelIsRefused) {
+    const Sheet one, other;
+    const float half[4] = {0.5f, 0.5f, 0.5f, 0.5f};
+    rumple_wrinkle_mesh_painted painted{};
+    painted.radius = half;
+    painted.radius_count = 4;
+    rumple_wrinkle_mesh_paint* paint = nullptr;
+    ASSERT_EQ(rumple_wrinkle_mesh_paint_build(one.model(), &painted, &paint), RUMPLE_OK);
+    const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
+    rumple_wrinkle_mesh_state* state = nullptr;
+    EXPECT_EQ(
+        rumple_wrinkle_mesh_solve(other.model(), &settings, paint, &other.pose(), nullptr, nullptr, &state),
+        RUMPLE_INVALID);
+    EXPECT_STREQ(rumple_error(), "paint: it was made for another model");
+    rumple_wrinkle_mesh_paint_free(paint);
+    painted.radius_count = 3;
+    EXPECT_EQ(rumple_wrinkle_mesh_paint_build(one.model(), &painted, &paint), RUMPLE_INVALID);
+    EXPECT_STREQ(rumple_error(), "radius: expected 4 values, got 3");
+}
+
+TEST(ApiHandles, AFrameAndAStateOutliveTheirModel) {
+    rumple_frame* frame = nullptr;
+    rumple_wrinkle_mesh_state* state = nullptr;
+    {
+        const Sheet sheet;
+        state = sheet.solve();
+        const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
+        ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, &sheet.pose(), state, &frame),
+                  RUMPLE_OK);
+    }
+    const std::vector<float> moved{0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+    rumple_frame_view before{}, after{};
+    ASSERT_EQ(rumple_frame_get_view(frame, &before), RUMPLE_OK);
+    const std::vector<float> offsets(before.local_offset, before.local_offset + 3 * before.vertex_count);
+    ASSERT_EQ(rumple_frame_embed(frame, moved.data(), 4), RUMPLE_OK) << rumple_error();
+    ASSERT_EQ(rumple_frame_get_view(frame, &after), RUMPLE_OK);
+    EXPECT_EQ(after.local_offset, before.local_offset);  // where it lay already
+    EXPECT_NE(std::memcmp(after.local_offset, offsets.data(), offsets.size() * sizeof(float)), 0);
+    EXPECT_EQ(rumple_frame_embed(frame, moved.data(), 3), RUMPLE_INVALID);
+    rumple_wrinkle_mesh_state_view view{};
+    EXPECT_EQ(rumple_wrinkle_mesh_state_get_view(state, &view), RUMPLE_OK);
+    EXPECT_GT(view.offset_count, 4u);
+    rumple_wrinkle_mesh_state_free(state);
+    rumple_frame_free(frame);
+}
+
+TEST(ApiHandles, AStateOfPlainArraysGoesOnAsTheOneThatTheyAreOf) {
+    const Sheet sheet;
+    rumple_wrinkle_mesh_state *state = sheet.solve(), *again = nullptr;
+    rumple_wrinkle_mesh_state_view view{}, one{}, two{};
+    ASSERT_EQ(rumple_wrinkle_mesh_state_get_view(state, &view), RUMPLE_OK);
+    ASSERT_EQ(rumple_wrinkle_mesh_state_build(sheet.model(), &view, &again), RUMPLE_OK) << rumple_error();
+    rumple_wrinkle_mesh_state *next = sheet.solve(state), *next_again = sheet.solve(again);
+    ASSERT_EQ(rumple_wrinkle_mesh_state_get_view(next, &one), RUMPLE_OK);
+    ASSERT_EQ(rumple_wrinkle_mesh_state_get_view(next_again, &two), RUMPLE_OK);
+    ASSERT_EQ(one.offset_count, two.offset_count);
+    EXPECT_EQ(std::memcmp(one.offset, two.offset, one.offset_count * 3 * sizeof(float)), 0);
+    for (rumple_wrinkle_mesh_state* each : {state, again, next, next_again})
+        rumple_wrinkle_mesh_state_free(each);
+}
+
+TEST(ApiHandles, AFrameOfAnotherSystemHasNoWavesAndNoFolds) {
+    const Sheet sheet;
+    rumple_wrinkle_mesh_state* state = sheet.solve();
+    const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
+    rumple_frame* frame = nullptr;
+    ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, &sheet.pose(), state, &frame), RUMPLE_OK);
+    rumple_frame_waves_view waves{};
+    rumple_frame_folds_view folds{};
+    EXPECT_EQ(rumple_frame_get_waves(frame, &waves), RUMPLE_INVALID);
+    EXPECT_EQ(rumple_frame_get_folds(frame, &folds), RUMPLE_INVALID);
+    rumple_frame_free(frame);
+    rumple_wrinkle_mesh_state_free(state);
+}
+
+TEST(ApiHandles, EveryStructIsKnownByNameAndSize) {
+    EXPECT_STREQ(rumple_version(), RUMPLE_VERSION);
+    EXPECT_EQ(rumple_struct_size("rumple_pose"), sizeof(rumple_pose));
+    EXPECT_EQ(rumple_struct_size("rumple_wrinkle_paths_settings"), sizeof(rumple_wrinkle_paths_settings));
+    EXPECT_EQ(rumple_struct_size("rumple_nothing"), 0u);
+    for (const StructSize& known : kStructSizes) EXPECT_EQ(rumple_struct_size(known.name), known.size);
+}
+
+// Defaults stand in C++, once; a field that pair_fields() forgets would be 0 in C.
+TEST(ApiHandles, DefaultsAreThoseOfTheSystems) {
+    const wrinkle_mesh::Settings mesh;
+    const rumple_wrinkle_mesh_settings c_mesh = rumple_wrinkle_mesh_settings_default();
+    EXPECT_EQ(c_mesh.radius, mesh.radius);
+    EXPECT_EQ(c_mesh.collision, RUMPLE_COLLISION_PLANE);
+    EXPECT_EQ(c_mesh.compression_limit, mesh.compression_limit);
+    EXPECT_EQ(c_mesh.start_iterations, mesh.start_iterations);
+    EXPECT_EQ(c_mesh.nudge, mesh.nudge);
+    EXPECT_EQ(c_mesh.rest.reference, RUMPLE_REFERENCE_STATIC_REST);
+    EXPECT_EQ(c_mesh.rest.growth, mesh.rest.growth);
+    const base_cloth::Settings cloth;
+    const rumple_base_cloth_settings c_cloth = rumple_base_cloth_settings_default();
+    EXPECT_EQ(c_cloth.gravity[2], cloth.gravity.z);
+    EXPECT_EQ(c_cloth.spread, cloth.clearance.spread);
+    EXPECT_EQ(c_cloth.gradients, cloth.gradients);
+    const rumple_base_cloth_swing swing = rumple_base_cloth_swing_default();
+    EXPECT_EQ(swing.longest_step, base_cloth::Swing{}.longest_step);
+    for (int k = 0; k < 9; ++k) EXPECT_EQ(swing.matrix[k], k % 4 ? 0.0f : 1.0f);
+    const wrinkle_field::Settings field;
+    const rumple_wrinkle_field_settings c_field = rumple_wrinkle_field_settings_default();
+    EXPECT_EQ(c_field.rate, field.rate);
+    EXPECT_EQ(c_field.start_rounds, field.start_rounds);
+    EXPECT_EQ(c_field.dissolve, field.dissolve);
+    const wrinkle_paths::Settings paths;
+    const rumple_wrinkle_paths_settings c_paths = rumple_wrinkle_paths_settings_default();
+    EXPECT_EQ(c_paths.threshold, paths.threshold);
+    EXPECT_EQ(c_paths.rest.reference, RUMPLE_REFERENCE_REST);
+    EXPECT_EQ(c_paths.height, paths.height);
+}
+
+}  // namespace
+}  // namespace rumple::api
