@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Garments that become cloth, on scenes of ../shared/data and on the demo: s1_cloth.jpg, s2_cloth.jpg, layers.jpg,
-fabrics.jpg and demo.jpg beside this file.
+fabrics.jpg, density.jpg and demo.jpg beside this file.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
-        --python docs/pictures/make_cloth.py [-- s1|s2|layers|fabrics|demo ...]
+        --python docs/pictures/make_cloth.py [-- s1|s2|layers|fabrics|density|demo ...]
 """
 from __future__ import annotations
 
@@ -53,11 +53,24 @@ SHIRT = Scene("S1_walk_shirt", ("trousers", "shirt"), ("shirt",), (61,), Vector(
 ONE_LAYER = {"base_cloth": "OFF", "layers": "ONE"}
 
 
-def open_scene(scene: Scene, settings: dict[str, object] | None, preset: str = "COTTON") -> None:
-    """Its garments wrinkled, with some settings that were made before the click; None: bare."""
+def subdivide(obj: bpy.types.Object, steps: int) -> None:
+    """As if it had been modelled so densely."""
+    if steps == 0:
+        return
+    modifier = obj.modifiers.new("Dense", "SUBSURF")
+    modifier.levels = steps
+    with bpy.context.temp_override(object=obj, active_object=obj):
+        bpy.ops.object.modifier_move_to_index(modifier="Dense", index=0)
+        bpy.ops.object.modifier_apply(modifier="Dense")
+
+
+def open_scene(scene: Scene, settings: dict[str, object] | None, preset: str = "COTTON", steps: int = 0) -> None:
+    """Its garments wrinkled, with some settings that were made before the click; None: bare. steps: of subdivision of
+    their meshes."""
     bpy.ops.wm.open_mainfile(filepath=str(ROOT.parent / "shared" / "data" / f"{scene.file}.blend"))
     for name in scene.garments if settings is not None else ():
         obj = bpy.context.view_layer.objects.active = bpy.data.objects[name]
+        subdivide(obj, steps)
         for setting, value in settings.items():
             setattr(obj.rumple.mesh, setting, value)
         assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}
@@ -153,6 +166,16 @@ def fabrics(folder: Path) -> tuple[list[Tile], int]:
     return tiles, 3
 
 
+def density(folder: Path) -> tuple[list[Tile], int]:
+    """The shirt modelled as it is, twice and four times as densely."""
+    at, tiles = middles(SHIRT), []
+    for steps in range(3):
+        open_scene(SHIRT, {}, steps=steps)
+        count = len(bpy.data.objects["shirt"].data.vertices)
+        tiles += play(SHIRT, at, lambda frame, count=count: f"{count} vertices", folder)
+    return tiles, 1
+
+
 def demo(folder: Path) -> tuple[list[Tile], int]:
     """The shirt of scripts/demo, in its studio."""
     import demo_scene
@@ -175,6 +198,7 @@ PICTURES: dict[str, tuple[str, Callable[[Path], tuple[list[Tile], int]]]] = {
     "s2": ("s2_cloth.jpg", lambda folder: rows(S2, folder)),
     "layers": ("layers.jpg", layers),
     "fabrics": ("fabrics.jpg", fabrics),
+    "density": ("density.jpg", density),
     "demo": ("demo.jpg", demo),
 }
 
