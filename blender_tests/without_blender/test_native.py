@@ -21,6 +21,7 @@ from rumple import native
 from rumple.native import c
 from rumple.native.library import lib
 from rumple.native.struct import CHECKED
+from rumple.native.surface import pose
 
 ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = {  # those of Python: the header of C++ and its struct
@@ -245,6 +246,21 @@ class Handles(OnATube):
         for copied in (copy.copy, copy.deepcopy, pickle.dumps):
             with self.assertRaisesRegex(TypeError, "WrinkleMeshState cannot be copied"):
                 copied(state)
+
+    def test_a_plan_or_a_pose_that_is_missing_is_named_by_every_system(self) -> None:
+        surface = self.surface
+        for name, model, settings in (
+                ("wrinkle_mesh", self.model, self.settings),
+                ("wrinkle_field", kernels.build_wrinkle_field(surface), kernels.WrinkleFieldSettings()),
+                ("wrinkle_paths", kernels.build_wrinkle_paths(surface, level=0), kernels.WrinklePathsSettings())):
+            place = ctypes.byref(type(model).POINTER())
+            with self.assertRaisesRegex(ValueError, "plan: expected a pointer, got NULL"):
+                getattr(lib, f"rumple_{name}_build")(surface, None, place)
+            state = ctypes.byref(getattr(kernels, type(settings).__name__.replace("Settings", "State")).POINTER())
+            with self.assertRaisesRegex(ValueError, "pose: expected a pointer, got NULL"):
+                getattr(lib, f"rumple_{name}_solve")(model, settings, None, None, None, None, state)
+            with self.assertRaisesRegex(ValueError, "settings: expected a pointer, got NULL"):
+                getattr(lib, f"rumple_{name}_solve")(model, None, None, pose(self.squeezed), None, None, state)
 
     def test_what_was_refused_frees_nothing(self) -> None:
         for _ in range(3):
