@@ -20,6 +20,8 @@ from meshes import compressed, tube
 from rumple import native
 from rumple.native import c
 from rumple.native.library import lib
+from rumple.native.struct import CHECKED
+from rumple.native.surface import pose
 
 ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = {  # those of Python: the header of C++ and its struct
@@ -102,6 +104,19 @@ class Header(unittest.TestCase):
                     compared += 1
             self.assertGreaterEqual(compared, 2, function.__name__)
 
+    def test_every_function_takes_nothing_and_says_what_it_lacks(self) -> None:
+        refused, without_rows = 0, ("rumple_probe_formula", "rumple_wrinkle_maps_blend")
+        for name, (result, arguments) in c.FUNCTIONS.items():
+            nothing = [0 if kind in (ctypes.c_int32, ctypes.c_uint32, ctypes.c_size_t, ctypes.c_bool, ctypes.c_float)
+                       else None for kind in arguments]
+            if result is CHECKED and name not in without_rows:
+                with self.assertRaisesRegex(ValueError, r"^[\w.]+: expected .*, got", msg=name):
+                    getattr(lib, name)(*nothing)
+                refused += 1
+            else:
+                getattr(lib, name)(*nothing)
+        self.assertGreater(refused, 80)
+
     def test_another_library_is_refused_in_words(self) -> None:
         kept = c.STRUCTS["rumple_pose"]
         try:
@@ -164,6 +179,44 @@ class Arrays(OnATube):
             self.solve()
         np.testing.assert_array_equal(positions, values)
 
+    def test_a_stored_state_that_does_not_fit_is_named(self) -> None:
+        state, _ = self.solve()
+        spoiled = state.offset.copy()
+        spoiled[3, 2] = np.nan
+        for offset, lengths, words in ((state.offset[:5], state.solved_length, "offset: expected .* got 5"),
+                                       (state.offset, state.solved_length[:7], "solved_length: expected .* got 7"),
+                                       (spoiled, state.solved_length, "offset: vertex 3 is not finite")):
+            with self.assertRaisesRegex(ValueError, words):
+                kernels.WrinkleMeshState(self.model, offset, lengths)
+        field = kernels.build_wrinkle_field(self.surface)
+        good, _ = kernels.solve_wrinkle_field(field, kernels.WrinkleFieldSettings(), kernels.WrinkleFieldPaint(),
+                                              self.squeezed)
+        with self.assertRaisesRegex(ValueError, "phase: expected .* got 2"):
+            kernels.WrinkleFieldState(field, good.phase[:2], good.direction, good.solved_offset)
+        with self.assertRaisesRegex(ValueError, "direction: vertex 0 is not finite"):
+            kernels.WrinkleFieldState(field, good.phase, good.direction * np.float32(np.inf), good.solved_offset)
+
+    def test_wrong_counts_are_refused_by_every_system(self) -> None:
+        few, field = self.squeezed[:7], kernels.build_wrinkle_field(self.surface)
+        paths, cloth = kernels.build_wrinkle_paths(self.surface, level=1), kernels.build_base_cloth(self.surface)
+        layers = kernels.build_wrinkle_layers(self.surface, 1)
+        options = kernels.WrinklePathsSettings()
+        state, _ = kernels.solve_wrinkle_paths(paths, options, None, self.squeezed, 0.0)
+        for call in (lambda: field.weld_pose(few), lambda: kernels.lay_out_canvas(field, few),
+                     lambda: kernels.solve_base_cloth(cloth, kernels.BaseClothSettings(), None, few),
+                     lambda: kernels.solve_wrinkle_layers(layers, [self.settings] * 2, None, few),
+                     lambda: kernels.solve_wrinkle_layers(layers, [self.settings], None, self.squeezed),
+                     lambda: kernels.solve_wrinkle_paths(paths, options, None, few, 0.0),
+                     lambda: kernels.show_wrinkle_paths(paths, options, few, state),
+                     lambda: kernels.wrinkle_path_stretches(paths, few, state),
+                     lambda: kernels.wrinkle_path_ellipses(paths, few, state),
+                     lambda: kernels.ride_wrinkle_paths(paths, options, self.squeezed, state, few),
+                     lambda: kernels.label_clip(paths, options, np.arange(2.0), few),
+                     lambda: self.model.shown.carry_points(few, 132),
+                     lambda: self.model.shown.carry_points(few, 7)):
+            with self.assertRaisesRegex(ValueError, "expected"):
+                call()
+
     def test_paint_that_does_not_fit_is_named(self) -> None:
         with self.assertRaisesRegex(ValueError, "radius: expected 132 values, got 3"):
             kernels.WrinkleMeshPaint(self.model, dict(radius=np.ones(3, np.float32)))
@@ -193,6 +246,21 @@ class Handles(OnATube):
         for copied in (copy.copy, copy.deepcopy, pickle.dumps):
             with self.assertRaisesRegex(TypeError, "WrinkleMeshState cannot be copied"):
                 copied(state)
+
+    def test_a_plan_or_a_pose_that_is_missing_is_named_by_every_system(self) -> None:
+        surface = self.surface
+        for name, model, settings in (
+                ("wrinkle_mesh", self.model, self.settings),
+                ("wrinkle_field", kernels.build_wrinkle_field(surface), kernels.WrinkleFieldSettings()),
+                ("wrinkle_paths", kernels.build_wrinkle_paths(surface, level=0), kernels.WrinklePathsSettings())):
+            place = ctypes.byref(type(model).POINTER())
+            with self.assertRaisesRegex(ValueError, "plan: expected a pointer, got NULL"):
+                getattr(lib, f"rumple_{name}_build")(surface, None, place)
+            state = ctypes.byref(getattr(kernels, type(settings).__name__.replace("Settings", "State")).POINTER())
+            with self.assertRaisesRegex(ValueError, "pose: expected a pointer, got NULL"):
+                getattr(lib, f"rumple_{name}_solve")(model, settings, None, None, None, None, state)
+            with self.assertRaisesRegex(ValueError, "settings: expected a pointer, got NULL"):
+                getattr(lib, f"rumple_{name}_solve")(model, None, None, pose(self.squeezed), None, None, state)
 
     def test_what_was_refused_frees_nothing(self) -> None:
         for _ in range(3):

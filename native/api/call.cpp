@@ -41,6 +41,10 @@ void expect_rows(const char* name, size_t count, size_t expected) {
                        std::to_string(count));
 }
 
+void expect_rows_or_none(const char* name, size_t count, size_t expected) {
+    if (count > 0) expect_rows(name, count, expected);
+}
+
 }  // namespace rumple::api
 
 const char* rumple_version(void) {

@@ -72,6 +72,8 @@ std::vector<T> copied(std::span<const T> from) {
 }
 
 void expect_rows(const char* name, size_t count, size_t expected);
+// ... or none.
+void expect_rows_or_none(const char* name, size_t count, size_t expected);
 
 // An array of the caller that is written: exactly `expected` rows.
 template <typename Row, typename Scalar>

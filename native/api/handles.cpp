@@ -56,7 +56,8 @@ std::optional<PosedCollider> posed(const rumple_bodies* bodies) {
 }
 
 std::span<const Vec3> positions_of(const rumple_pose* pose) {
-    return vectors(given(pose, "pose").positions, pose->positions_count, "positions");
+    const rumple_pose& from = given(pose, "pose");
+    return vectors(from.positions, from.positions_count, "positions");
 }
 
 Moment moment_of(const rumple_pose* pose) {

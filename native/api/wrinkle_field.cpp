@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/expect.h"
+
 using namespace rumple;
 using namespace rumple::api;
 using namespace rumple::wrinkle_field;
@@ -180,6 +182,11 @@ rumple_status rumple_wrinkle_field_state_build(const rumple_wrinkle_field* model
     return made(state, "state", [&] {
         const rumple_wrinkle_field& m = given(model, "model");
         const rumple_wrinkle_field_state_view& from = given(arrays, "arrays");
+        expect_rows("phase", from.phase_count, m.model->base.positions_rest.size());
+        expect_rows("direction", from.direction_count, m.model->base.positions_rest.size());
+        expect_rows_or_none("solved_offset", from.solved_offset_count, m.neighbours.size());
+        expect_finite("phase", values(from.phase, from.phase_count, "phase"), "vertex");
+        expect_finite("direction", rows<Vec2>(from.direction, from.direction_count, "direction"), "vertex");
         return new rumple_wrinkle_field_state{
             m.model,
             {copied(values(from.phase, from.phase_count, "phase")),

@@ -203,6 +203,10 @@ rumple_status rumple_wrinkle_mesh_state_build(const rumple_wrinkle_mesh* model,
     return made(state, "state", [&] {
         const rumple_wrinkle_mesh& m = given(model, "model");
         const rumple_wrinkle_mesh_state_view& from = given(arrays, "arrays");
+        expect_rows("offset", from.offset_count, size_t(m.model->solved.vertex_count));
+        expect_rows_or_none("solved_length", from.solved_length_count,
+                            m.model->distance.size() + m.model->bending.size());
+        expect_finite("offset", vectors(from.offset, from.offset_count, "offset"), "vertex");
         return new rumple_wrinkle_mesh_state{
             m.model,
             {copied(vectors(from.offset, from.offset_count, "offset")),

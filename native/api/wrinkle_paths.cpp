@@ -106,7 +106,8 @@ rumple_status rumple_wrinkle_paths_build(const rumple_surface* base, const rumpl
                                          rumple_wrinkle_paths** model) {
     return made(model, "model", [&] {
         const Surface& surface = given(base, "base").surface;
-        auto built = build(surface, fine_source(given(plan, "plan")), attachment_kind(*plan));
+        const rumple_fine_plan& from = given(plan, "plan");
+        auto built = build(surface, fine_source(from), attachment_kind(from));
         const ShownMesh& shown = built->shown;
         return new rumple_wrinkle_paths{std::move(built), rumple_shown_mesh(shown)};
     });
@@ -185,7 +186,8 @@ rumple_status rumple_wrinkle_paths_state_build(const rumple_wrinkle_paths* model
 
 rumple_status rumple_wrinkle_paths_state_check(const rumple_wrinkle_paths_state* state) {
     return guarded([&] {
-        const std::string wrong = fault(*given(state, "state").model, state->state.paths);
+        const rumple_wrinkle_paths_state& s = given(state, "state");
+        const std::string wrong = fault(*s.model, s.state.paths);
         if (!wrong.empty()) throw InvalidInput(wrong);
     });
 }

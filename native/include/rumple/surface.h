@@ -86,7 +86,7 @@ RUMPLE_API rumple_status rumple_coarse_positions(const rumple_coarse* coarse, co
 // ---- how a fine mesh is made over the base
 
 typedef enum rumple_fine_source {
-    RUMPLE_FINE_SUBDIVISION = 0,  // `level` times: Catmull and Clark 1978 for quads, Loop 1987 for triangles
+    RUMPLE_FINE_SUBDIVISION = 0,  // `level` times: Loop for triangles alone, else Catmull and Clark
     RUMPLE_FINE_REGULAR = 1,      // every edge cut into `segments`
     RUMPLE_FINE_EDGE_LENGTH = 2,  // edges are halved until none is longer than `longest_edge`
     RUMPLE_FINE_OBJECT = 3        // a mesh of its own: Wrinkle Mesh only
