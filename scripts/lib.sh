@@ -47,8 +47,15 @@ take_chroot() {
     send_tree "$1"
 }
 
-# build_in CHROOT: the module, for the Python there.
-build_in() { enter "$1" scripts/build release -DRUMPLE_TESTS=OFF -DRUMPLE_BENCHMARKS=OFF; }
+# build_in CHROOT: the library that this machine builds: it knows no Python, and what it needs travels with it.
+build_in() {
+    local target=$1/rumple/main/build/release/python
+    "$ROOT/scripts/build" release
+    as_root rm -rf "$target"
+    as_root cmake --install "$ROOT/build/release" --prefix "$target" >/dev/null
+    as_root cp "$ROOT/build/release/python/rumple_native.py" "$target"
+    as_root sed -i 's|^sys.path.append.*|sys.path.append("/rumple/main/addon")|' "$target/rumple_native.py"
+}
 
 # enter CHROOT COMMAND...: runs a command in the chroot's copy of this tree, where build_in has built.
 enter() {

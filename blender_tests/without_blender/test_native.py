@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import rumple_native as kernels
-from meshes import compressed, tube
+from support.meshes import compressed, tube
 from rumple import native
 from rumple.native import c
 from rumple.native.library import lib

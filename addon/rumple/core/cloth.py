@@ -160,10 +160,15 @@ def suggested_follow(surface: Any, up: str) -> np.ndarray:
     return native.load().suggest_follow(surface, tuple(direction))
 
 
+def length_over_cotton(bending_length: float) -> float:
+    """bending_length: metres. To six digits: Blender's properties hold seven, and cotton is 1 in any unit."""
+    return round(bending_length / ClothSettings.bending_length, 6)
+
+
 def stiffness_over_cotton(bending_length: float) -> float:
     """Of the bending, per mass. What the base cloth holds against being pushed together is that: it buckles between
     its vertices. bending_length: metres."""
-    return (bending_length / ClothSettings.bending_length) ** 3
+    return length_over_cotton(bending_length) ** 3
 
 
 def _invertible(world_from_object: np.ndarray | None) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 from .. import native
 from .base_mesh import BaseMesh, Refused, checked_surface
 from .body import Body
-from .cloth import size_factor
+from .cloth import length_over_cotton, size_factor
 from .engine import MOST_VERTICES, Moment, Picture, Wrinkles
 from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
@@ -324,7 +324,7 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0) -> l
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
             # Stiff cloth spends what it has to spare on its widest folds.
-            looser = LOOSER * (ClothSettings.bending_length / settings.bending_length if number > 0 else 1.0)
+            looser = LOOSER / (length_over_cotton(settings.bending_length) if number > 0 else 1.0)
             options.prestretch = settings.prestretch * (1.0 + share * looser * (settings.slack - 1.0))
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
         out.append(options)

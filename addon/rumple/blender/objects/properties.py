@@ -47,6 +47,9 @@ def _property(f: Field) -> Any:
     for key, names in (("low", ("min", "soft_min")), ("high", ("max",)), ("soft", ("soft_max",))):
         if about[key] is not None:
             common.update({name: about[key] for name in names})
+    if about["unit"] == "LENGTH":  # kept in the scene's unit, which may be a millimetre or a kilometre
+        common.setdefault("soft_max", common["max"])
+        common.update(min=common["min"] / 1000.0, max=1000.0 * common["max"])
     if isinstance(f.default, int):
         return bpy.props.IntProperty(**common)
     if about["unit"] == "LENGTH":
@@ -179,7 +182,9 @@ def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
     values = {}
     for name, f in fields_of(obj).items():
         value = getattr(group, name)
-        values[name] = value * metres if f.metadata["unit"] == "LENGTH" else value
+        if f.metadata["unit"] == "LENGTH":  # one that is not set is newer than the file
+            value = value * metres if group.is_property_set(name) else f.default
+        values[name] = value
     return system_of(obj).settings(**values)
 
 
