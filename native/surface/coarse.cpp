@@ -196,6 +196,7 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
 std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dense,
                                    std::span<const Vec3> positions) {
     expect_count("positions", positions.size(), dense.display.vertex_count, "vertices");
+    expect_finite("positions", positions, "vertex");  // also where no coarse vertex is
     std::vector<Vec3> wanted;
     for (const Index v : coarse.dense_vertex) wanted.push_back(positions[v]);
     return cage_around(coarse.surface, coarse.limit, wanted);

@@ -26,7 +26,8 @@ struct CoarseMesh {
 std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing);
 
 // positions: of the dense mesh's vertices, object space -> of the coarse ones, such that the smooth surface
-// of the coarse mesh is where the dense one is. Throws InvalidInput when positions do not match.
+// of the coarse mesh is where the dense one is. Throws InvalidInput when positions do not match or are not
+// finite.
 std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dense,
                                    std::span<const Vec3> positions);
 

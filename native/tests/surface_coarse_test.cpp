@@ -152,6 +152,12 @@ TEST(Coarse, RefusesWhatCannotBe) {
     const auto coarse = build_coarse(dense, kSpacing);
     const std::vector<Vec3> fewer(mesh.positions.begin(), mesh.positions.end() - 1);
     expect_refused([&] { coarse_positions(*coarse, dense, fewer); }, {"positions", "81", "80"});
+    for (const Index v : {0, 40, 80}) {
+        std::vector<Vec3> lost = mesh.positions;
+        lost[v].y = kNan;
+        expect_refused([&] { coarse_positions(*coarse, dense, lost); },
+                       {"vertex " + std::to_string(v), "finite"});
+    }
 }
 
 }  // namespace
