@@ -54,7 +54,7 @@ build_in() {
     as_root rm -rf "$target"
     as_root cmake --install "$ROOT/build/release" --prefix "$target" >/dev/null
     as_root cp "$ROOT/build/release/python/rumple_native.py" "$target"
-    as_root sed -i 's|^sys.path.append.*|sys.path.append("/rumple/main/addon")|' "$target/rumple_native.py"
+    as_root sed -i 's|^sys.path.insert.*|sys.path.insert(0, "/rumple/main/addon")|' "$target/rumple_native.py"
 }
 
 # enter CHROOT COMMAND...: runs a command in the chroot's copy of this tree, where build_in has built.

@@ -187,6 +187,26 @@ class Settings(unittest.TestCase):
             self.assertEqual((settings.layers, settings.display_steps), ("ONE", 0) if paper else ("CLOTH", 2), preset)
         self.assertEqual(properties.settings_of(obj, bpy.context.scene), before)
 
+    def test_presets_of_a_file_from_before_fabrics_had_weights_are_taken_back(self):
+        for preset, width in (("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("PAPER", 1.0)):
+            obj = sleeve.scene()
+            settings = obj.rumple.mesh
+            settings["preset"] = MESH_PRESETS[preset].number  # as files have it
+            settings.wavelength = width * 0.04
+            if preset == "PAPER":
+                settings.attachment, settings.hem_rings, settings.collision = "PN", 0, "NONE"
+            bpy.ops.object.rumple_preset(preset="COTTON")
+            self.assertAlmostEqual(settings.wavelength, 0.04, 6, preset)
+            self.assertEqual((settings.attachment, settings.hem_rings, settings.collision), ("LIMIT", 3, "PLANE"))
+
+    def test_a_preset_scales_a_length_that_was_never_set_in_a_scene_in_centimetres(self):
+        obj = sleeve.scene()
+        bpy.context.scene.unit_settings.scale_length = 0.01
+        obj.rumple.mesh.property_unset("wavelength")
+        before = properties.settings_of(obj, bpy.context.scene).wavelength
+        bpy.ops.object.rumple_preset(preset="DENIM")
+        self.assertAlmostEqual(properties.settings_of(obj, bpy.context.scene).wavelength, 1.35 * before, 6)
+
     def test_lengths_are_metres_whatever_the_unit(self):
         obj = sleeve.scene(wrinkles=False)
         bpy.context.scene.unit_settings.scale_length = 0.01

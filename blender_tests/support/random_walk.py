@@ -11,6 +11,11 @@ from support import sleeve
 MOST_OBJECTS = 4
 
 
+def seeds(count: int) -> range:
+    """Of walks: so many, and $RUMPLE_LONG times as many where that is set."""
+    return range(count * int(os.environ.get("RUMPLE_LONG", "1")))
+
+
 class RandomWalk:
     """steps() yields after each step, so that a window can redraw in between."""
 

@@ -93,6 +93,18 @@ class Dense(unittest.TestCase):
         self.assertEqual(len(follow), len(self.base.positions))
         self.assertGreater(follow.max(), 0.0)
 
+    def test_painting_what_is_suggested_changes_nothing(self) -> None:
+        pushed = pushed_together(self.base, 0.9)
+        solve = lambda paint: self.mesh.solve_frame(1.0, pushed, self.settings, paint, start=1).positions
+        np.testing.assert_array_equal(solve({}), solve({"follow": self.mesh.suggested_follow(self.settings)}))
+
+    def test_a_loose_vertex_does_no_harm(self) -> None:
+        finer = sleeve(160, 124)  # so dense that it is shown as it is
+        base = replace(finer, positions=np.ascontiguousarray(np.r_[finer.positions, [[0.0, 0.0, 0.0]]], np.float32))
+        mesh = WrinkleMesh.build(base, settings_of(base))
+        self.assertIsNotNone(mesh.coarse)
+        self.assertGreaterEqual(mesh.vertex_count, len(base.positions))
+
     def test_it_stays_out_of_a_body(self) -> None:
         inner = sleeve(40, 31)
         inner.positions[:, :2] *= 0.95

@@ -32,6 +32,17 @@ class Fabrics(unittest.TestCase):
             for name in FABRICS.keys() & presets.keys():
                 self.assertLessEqual(FABRICS[name].values.items(), presets[name].values.items(), name)
 
+    def test_files_know_presets_by_these_numbers(self) -> None:
+        numbers = lambda presets: {key: preset.number for key, preset in presets.items()}
+        self.assertEqual(numbers(MESH_PRESETS), dict(COTTON=0, DENIM=1, LEATHER=2, SILK=3, SKIN=4, PAPER=5, JERSEY=6,
+                                                     WOOL=7))
+        self.assertEqual(numbers(PATHS_PRESETS), dict(COTTON=0, SILK=1, WOOL=2, LEATHER=3))
+
+    def test_the_limpest_cloth_can_still_be_solved(self) -> None:
+        for length in (1e-9, 0.005, 1.0):
+            for layer in layer_settings(replace(CLOTH, slack=1.5, bending_length=length), 3):
+                self.assertTrue(1.0 <= layer.prestretch <= 1.0 + 4.0 * 0.5 / 0.7 + 1e-6, length)
+
     def test_the_longer_it_bends_the_less_it_is_pushed_together(self) -> None:
         base = tube(16, 16)
         cloth = BaseCloth(base.surface(True), base.diagonal(), 1.0)

@@ -197,8 +197,9 @@ std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dens
                                    std::span<const Vec3> positions) {
     expect_count("positions", positions.size(), dense.display.vertex_count, "vertices");
     expect_finite("positions", positions, "vertex");  // also where no coarse vertex is
-    std::vector<Vec3> wanted;
-    for (const Index v : coarse.dense_vertex) wanted.push_back(positions[v]);
+    std::vector<Vec3> welded(dense.welded.vertex_count), wanted;
+    weld_positions(dense, positions, welded);
+    for (const Index v : coarse.dense_vertex) wanted.push_back(welded[dense.welded_of[v]]);
     return cage_around(coarse.surface, coarse.limit, wanted);
 }
 

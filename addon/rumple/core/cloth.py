@@ -2,8 +2,9 @@
 """The base cloth for whoever has arrays: the coarse mesh becomes cloth around its animation. Never imports bpy."""
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 
@@ -58,9 +59,13 @@ class SwingMoment:
 class BaseCloth:
     """A garment's cloth and the collider of its body. No state: frames are handed in and out."""
 
-    def __init__(self, surface: Any, diagonal: float, unit_scale: float) -> None:
-        """surface: native, at rest. diagonal: of its bounding box, object units. unit_scale: metres per object unit."""
+    def __init__(self, surface: Any, diagonal: float, unit_scale: float,
+                 suggest: Callable[[str], np.ndarray] | None = None) -> None:
+        """surface: native, at rest. diagonal: of its bounding box, object units. unit_scale: metres per object unit.
+        suggest: (n,) float32, how firmly its vertices follow the animation where nothing is painted, for an axis that
+        is up; None: suggested_follow() of the surface."""
         self.surface, self.unit_scale = surface, unit_scale
+        self._suggest = suggest or functools.partial(suggested_follow, surface)
         self.model = native.load().build_base_cloth(surface)
         self.size_factor = size_factor(diagonal, unit_scale)
         self._collider: tuple[np.ndarray, Any] | None = None
@@ -104,7 +109,7 @@ class BaseCloth:
         return self._settings_to_scale().depth
 
     def _take_paint(self, paint: dict[str, np.ndarray], up: str) -> None:
-        values = paint if "follow" in paint else {**paint, "follow": suggested_follow(self.surface, up)}
+        values = paint if "follow" in paint else {**paint, "follow": self._suggest(up)}
         self._paint, self._painted, self._up = native.load().BaseClothPaint(self.model, values), paint, up
 
     def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingMoment,

@@ -215,7 +215,8 @@ class Wrinkles:
 
     def _base_cloth(self) -> Stage:
         if self._stage is None:
-            self._stage = Stage(self.solved_surface, self.base.diagonal(), self.unit_scale)
+            self._stage = Stage(self.solved_surface, self.base.diagonal(), self.unit_scale,
+                                lambda up: self._where_solved(suggested_follow(self.surface, up)))
         return self._stage
 
     def suggested_follow(self, settings: Any) -> np.ndarray:

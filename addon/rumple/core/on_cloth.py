@@ -4,7 +4,7 @@ bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 
@@ -69,9 +69,10 @@ def cloth_of(state: Any) -> ClothFrame | None:
 class Stage:
     """The base cloth of one garment, whatever lies on it. No state: frames are handed in and out."""
 
-    def __init__(self, surface: Any, diagonal: float, unit_scale: float) -> None:
+    def __init__(self, surface: Any, diagonal: float, unit_scale: float,
+                 suggest: Callable[[str], np.ndarray] | None = None) -> None:
         """As BaseCloth() has it."""
-        self.cloth = BaseCloth(surface, diagonal, unit_scale)
+        self.cloth = BaseCloth(surface, diagonal, unit_scale, suggest)
         self._cover: Any = None
 
     def solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,

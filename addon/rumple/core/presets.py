@@ -16,12 +16,14 @@ from .fabrics import FABRICS
 class Preset:
     """One entry of a preset menu."""
 
+    number: int  # in files: never another one
     label: str
     tip: str
     values: dict[str, Any] = field(default_factory=dict)  # of the settings; defaults where another preset says more
     fold_width: float = 1.0  # of its folds over cotton's: the length that the artist set is scaled by it
     # Of settings that are no cloth's: what they were before comes back with the next preset.
     replaced: dict[str, Any] = field(default_factory=dict)
+    old_fold_width: float | None = None  # that files scaled by which were saved before fabrics had weights
 
 
 def touched(presets: dict[str, Preset]) -> set[str]:
@@ -29,27 +31,30 @@ def touched(presets: dict[str, Preset]) -> set[str]:
     return {name for preset in presets.values() for name in preset.values}
 
 
-def of_fabric(label: str, tip: str, name: str, values: dict[str, Any], fold_width: float | None = None) -> Preset:
+def of_fabric(number: int, label: str, tip: str, name: str, values: dict[str, Any],
+              fold_width: float | None = None, old_fold_width: float | None = None) -> Preset:
     """A preset with the weight, bending length and slack of a fabric. fold_width: its own where it is not None."""
     fabric = FABRICS[name]
-    return Preset(label, tip, {**fabric.values, **values}, fabric.fold_width if fold_width is None else fold_width)
+    width = fabric.fold_width if fold_width is None else fold_width
+    return Preset(number, label, tip, {**fabric.values, **values}, width, old_fold_width=old_fold_width)
 
 
 MESH_PRESETS = {
-    "COTTON": of_fabric("Cotton", "Soft everyday folds: a shirt", "COTTON", {}),
-    "JERSEY": of_fabric("Jersey", "Clings to the body, small folds where it is pushed together: a T-shirt", "JERSEY",
+    "COTTON": of_fabric(0, "Cotton", "Soft everyday folds: a shirt", "COTTON", {}),
+    "JERSEY": of_fabric(6, "Jersey", "Clings to the body, small folds where it is pushed together: a T-shirt",
+                        "JERSEY",
                         dict(bending=0.55)),
-    "SILK": of_fabric("Silk", "Light and flowing: many soft, deep folds", "SILK",
-                      dict(bending=0.35, stretch_relief=0.15)),
-    "WOOL": of_fabric("Wool", "Thick and soft: broad round folds", "WOOL", dict(bending=0.95)),
-    "DENIM": of_fabric("Denim", "Fewer, broader, stiffer folds: jeans", "DENIM",
-                       dict(bending=1.0, compression_limit=1.25)),
-    "LEATHER": of_fabric("Leather", "Stiff: few wide rolls, nothing fine", "LEATHER",
-                         dict(bending=1.0, stretch_relief=0.6, compression_limit=1.2)),
-    "SKIN": Preset("Skin", "Low creases that never leave the body", dict(
+    "SILK": of_fabric(3, "Silk", "Light and flowing: many soft, deep folds", "SILK",
+                      dict(bending=0.35, stretch_relief=0.15), old_fold_width=1.0),
+    "WOOL": of_fabric(7, "Wool", "Thick and soft: broad round folds", "WOOL", dict(bending=0.95)),
+    "DENIM": of_fabric(1, "Denim", "Fewer, broader, stiffer folds: jeans", "DENIM",
+                       dict(bending=1.0, compression_limit=1.25), old_fold_width=2.0),
+    "LEATHER": of_fabric(2, "Leather", "Stiff: few wide rolls, nothing fine", "LEATHER",
+                         dict(bending=1.0, stretch_relief=0.6, compression_limit=1.2), old_fold_width=2.0),
+    "SKIN": Preset(4, "Skin", "Low creases that never leave the body", dict(
         bending=0.3, radius=0.35, inside=0.8, prestretch=0.99, stretch_relief=1.0, compression_limit=1.15,
         slack=1.0)),
-    "PAPER": Preset("As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: one layer on the animated mesh, "
+    "PAPER": Preset(5, "As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: one layer on the animated mesh, "
                     "for dense or simulated meshes",
                     dict(radius=0.45, bending=0.0, inside=0.0, stretch_relief=0.0, compression_limit=10.0),
                     replaced=dict(base_cloth="OFF", layers="ONE", attachment="PN", hem_rings=0, display_steps=0,
@@ -59,23 +64,23 @@ MESH_PRESETS = {
 # Section 9.1 of the thesis: the compression sensitivity is how easily a cloth bends, the width how tightly it can be
 # squeezed.
 PATHS_PRESETS = {
-    "COTTON": of_fabric("Cotton", "Everyday folds, the measure of the others.\n"
+    "COTTON": of_fabric(0, "Cotton", "Everyday folds, the measure of the others.\n"
                         "They start at a fifth of compression, and are as wide as you set", "COTTON", {}),
     "SILK": of_fabric(
-        "Silk", "Many long, thin folds.\n"
+        1, "Silk", "Many long, thin folds.\n"
         "Sensitivity nearer to 1, a longer reach: it has next to no stiffness, so little compression buckles it, and "
         "folds run on far.\n"
         "Width x 0.85, less spacing: thin cloth bends tightly, fold beside fold.\n"
         "More turning, less fade: it is smooth and light, so folds slide and spring",
         "SILK", dict(threshold=1.18, reach=0.2, spacing=1.05, alignment=0.6, fade=0.1), fold_width=0.85),
     "WOOL": of_fabric(
-        "Wool", "Fewer, broad, soft folds.\n"
+        2, "Wool", "Fewer, broad, soft folds.\n"
         "Width x 1.5, more spacing: thick yarn cannot bend tightly.\n"
         "Height 0.85: its loft takes up some of the compression.\n"
         "Less turning, more fade: it is rough and heavy, so folds stay and move slowly",
         "WOOL", dict(threshold=1.25, spacing=1.2, height=0.85, alignment=0.25, fade=0.25), fold_width=1.5),
     "LEATHER": of_fabric(
-        "Leather", "Few thick rolls where it must.\n"
+        3, "Leather", "Few thick rolls where it must.\n"
         "Sensitivity away from 1, a shorter reach: it is stiff, so only strong compression buckles it, and the roll "
         "ends with it.\n"
         "Width x 1.8, circular arcs: it bends as a thick plate, in round rolls with creases between.\n"

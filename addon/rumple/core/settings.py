@@ -111,7 +111,8 @@ UPS = tuple((axis, axis, f"The {axis} axis of the garment's own mesh points up a
 class ClothSettings:
     """The base cloth (section 4.3 of the Wrinkle Meshes' paper)."""
 
-    base_cloth: str = setting("OFF", "Base Cloth", "What the wrinkles lie on", choices=BASE_CLOTHS)
+    base_cloth: str = setting("OFF", "Base Cloth", "What the wrinkles lie on", choices=BASE_CLOTHS,
+                              affects="MESH")
     slack: float = setting(1.02, "Slack", "How much wider the cloth is cut than the garment is modelled. Above 1 it "
                            "has folds at rest too; below 1 it is tight", low=0.8, high=1.5)
     gravity: float = setting(1.0, "Gravity", "Share of the earth's gravity, towards -Z of the world. 0 for cloth that "
@@ -120,10 +121,10 @@ class ClothSettings:
                           unit="LENGTH")
     up: str = setting("Z", "Up At Rest", "Axis of the garment's own mesh that points up at rest: where nothing is "
                       "painted, the highest opening is pinned", choices=UPS)
-    bending_length: float = setting(0.022, "Bending Length", "How far a strip of the fabric juts out over an edge "
-                                    "before it droops, as textile laboratories measure it: silk 16 mm, cotton 22, "
-                                    "denim 29, leather 40. Longer: the cloth keeps its shape and stands off", low=0.001,
-                                    high=1.0, soft=0.1, unit="LENGTH")
+    bending_length: float = setting(0.022, "Bending Length", "How stiffly the fabric bends for its weight, as textile "
+                                    "laboratories measure it (ASTM D1388): silk 16 mm, cotton 22, denim 29, leather "
+                                    "40. Longer: the cloth keeps its shape and stands off", low=0.005, high=1.0,
+                                    soft=0.1, unit="LENGTH")
     thickness: float = setting(0.003, "Thickness", "How far the cloth stays off the body", low=0.0, high=1.0,
                                unit="LENGTH")
     # Of Swing
@@ -222,8 +223,7 @@ class MeshSettings(AdaptiveRest, ClothSettings):
 
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from."""
-        made_from = {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
-        return made_from | {"base_cloth": self.base_cloth != "OFF"}  # which may be solved on a coarse mesh
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
 
 
 OUTPUTS = (

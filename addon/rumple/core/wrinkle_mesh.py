@@ -2,6 +2,7 @@
 """The Wrinkle Mesh for whoever has arrays: prepare and evaluate. Never imports bpy."""
 from __future__ import annotations
 
+import functools
 import math
 from typing import Any
 
@@ -180,8 +181,11 @@ class WrinkleMesh(Wrinkles):
         steps = round(halvings(self.base.mean_edge() * self.unit_scale, settings.wavelength)) + settings.display_steps
         level = max(steps - settings.display_steps, 0)
         self.coarse, self.solved_surface = coarse, coarse.surface
-        self.transfer = native.load().build_wrinkle_transfer(self.surface, coarse, self.model, level,
-                                                             max(steps - level, 0), MOST_VERTICES)
+        build = functools.partial(native.load().build_wrinkle_transfer, self.surface, coarse, self.model, level,
+                                  most_vertices=MOST_VERTICES)
+        self.transfer = build(max(steps - level, 0))
+        if self.transfer.shown.vertex_count < len(self.base.positions):
+            self.transfer = build(1)  # loose vertices are not shown, and a fine mesh has as many as the base at least
         self.shown = self.transfer.shown
 
     def _where_solved(self, values: np.ndarray) -> np.ndarray:
@@ -305,6 +309,7 @@ SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along
 START_ITERATIONS = 3  # times those of one layer
 LOOSER = 4.0  # slack of the layers over that of the base cloth, where that is not taut
 TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
+LIMPEST = 0.7  # bending length over cotton's, about silk's: limper cloth has no more to spare than that
 LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
 
 
@@ -324,7 +329,8 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0) -> l
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
             # Stiff cloth spends what it has to spare on its widest folds.
-            looser = LOOSER / (length_over_cotton(settings.bending_length) if number > 0 else 1.0)
+            stiffer = max(length_over_cotton(settings.bending_length), LIMPEST) if number > 0 else 1.0
+            looser = LOOSER / stiffer
             options.prestretch = settings.prestretch * (1.0 + share * looser * (settings.slack - 1.0))
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
         out.append(options)

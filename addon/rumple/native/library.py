@@ -29,7 +29,7 @@ def library_file() -> Path:
     chosen = os.environ.get("RUMPLE_NATIVE")
     for folder in ([Path(chosen)] if chosen else []) + [BUNDLED]:
         if (folder / name).is_file():
-            return folder / name
+            return (folder / name).resolve()  # a bare name would be searched for in the system
     raise NativeMissing(f"Rumple's library {name} for {platform.system()} {platform.machine()} is not in this "
                         "installation. Install the Rumple package made for this system.")
 
@@ -80,12 +80,14 @@ def _compare(path: Path, functions: dict[str, Any]) -> None:
     """Raises NativeMissing where the library has other structs than this layer."""
     version = functions["rumple_version"]().decode()
     if version != c.VERSION:
-        raise NativeMissing(f"Rumple's library {path} has version {version}, the add-on {c.VERSION}.")
+        raise NativeMissing(f"Rumple's library {path} has version {version}, the add-on {c.VERSION}. "
+                            "Restart Blender after an update.")
     for name, struct in c.STRUCTS.items():
         size = functions["rumple_struct_size"](name.encode())
         if size != ctypes.sizeof(struct):
             raise NativeMissing(f"Rumple's library {path} has {size} bytes for {name}, the add-on "
-                                f"{ctypes.sizeof(struct)}: they are of different versions.")
+                                f"{ctypes.sizeof(struct)}: they are of different versions. "
+                                "Restart Blender after an update.")
 
 
 lib = Library()

@@ -76,7 +76,7 @@ def _settings_group(method: str, **others: Any) -> type:
 
 def preset_items(system: System) -> tuple[tuple[str, str, str], ...]:
     """The presets of a system as Blender's enums have them."""
-    return tuple((key, preset.label, preset.tip) for key, preset in system.presets.items())
+    return tuple((key, preset.label, preset.tip, "NONE", preset.number) for key, preset in system.presets.items())
 
 
 def _gpu_preview(description: str) -> Any:
@@ -184,6 +184,7 @@ def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
         value = getattr(group, name)
         if f.metadata["unit"] == "LENGTH":  # one that is not set is newer than the file
             value = value * metres if group.is_property_set(name) else f.default
+            value = min(max(value, f.metadata["low"]), f.metadata["high"])
         values[name] = value
     return system_of(obj).settings(**values)
 

@@ -7,11 +7,12 @@ rumple_shade(), rumple_unshade(), rumple_capture_rest(), rumple_paint(group="rad
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import bpy
 
 from ... import native
-from ...core.presets import touched
+from ...core.presets import Preset, touched
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
 from ..frame import rebuild
@@ -246,17 +247,28 @@ class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
         obj = context.object
         system, settings = properties.system_of(obj), properties.group_of(obj)
         chosen, former = system.presets[self.preset], system.presets[settings.preset]
-        restored = json.loads(settings.preset_replaced or "{}")
+        restored, former_width = _taken_back(obj, former)
         now = {**vars(properties.settings_of(obj, context.scene)), **restored}
         properties.apply_values(obj, context.scene, {**restored, **properties.defaults(obj, touched(system.presets)),
                                                      **chosen.values, **chosen.replaced})
         replaced = {name: now[name] for name in chosen.replaced}
         settings.preset_replaced = json.dumps(replaced) if replaced else ""
         length = system.wrinkles.FITTING
-        scaled = getattr(settings, length) * chosen.fold_width / former.fold_width
-        setattr(settings, length, float(f"{scaled:.7g}"))  # what a float holds: the way back is exact
+        scaled = now[length] * chosen.fold_width / former_width
+        # Seven digits are what a float holds: the way back is exact.
+        properties.apply_values(obj, context.scene, {length: float(f"{scaled:.7g}")})
         settings.preset = self.preset
         return {"FINISHED"}
+
+
+def _taken_back(obj: bpy.types.Object, former: Preset) -> tuple[dict[str, Any], float]:
+    """Settings to bring back from before the former preset, and by what it scaled the width of folds."""
+    settings = properties.group_of(obj)
+    if settings.is_property_set("preset_replaced"):
+        return json.loads(settings.preset_replaced or "{}"), former.fold_width
+    # A file that was saved before fabrics had weights: base cloth and layers were up to the artist.
+    replaced = former.replaced.keys() - {"base_cloth", "layers"}
+    return properties.defaults(obj, replaced), former.old_fold_width or former.fold_width
 
 
 class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
