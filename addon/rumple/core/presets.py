@@ -54,8 +54,8 @@ MESH_PRESETS = {
     "SKIN": Preset(4, "Skin", "Low creases that never leave the body", dict(
         bending=0.3, radius=0.35, inside=0.8, prestretch=0.99, stretch_relief=1.0, compression_limit=1.15,
         slack=1.0)),
-    "PAPER": Preset(5, "As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: one layer on the animated mesh, "
-                    "for dense or simulated meshes",
+    "PAPER": Preset(5, "As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: one layer on the animated "
+                    "mesh, for dense or simulated meshes",
                     dict(radius=0.45, bending=0.0, inside=0.0, stretch_relief=0.0, compression_limit=10.0),
                     replaced=dict(base_cloth="OFF", layers="ONE", attachment="PN", hem_rings=0, display_steps=0,
                                   damping=0.0, collision="PLANE")),
