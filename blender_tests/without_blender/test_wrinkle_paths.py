@@ -53,6 +53,12 @@ class StoredStates(unittest.TestCase):
             *_, (last, _) = play(self.model, self.settings, self.frames, 30.0, stored, cut + 1)
             self.assert_same(last.arrays, through[-1].arrays)
 
+    def test_a_state_counts_its_paths_and_what_was_handed_out_of_them(self) -> None:
+        *_, (state, _) = play(self.model, self.settings, self.frames, 30.0)
+        arrays = {name: values.nbytes for name, values in state.arrays.items() if isinstance(values, np.ndarray)}
+        paths = sum(count for name, count in arrays.items() if name.startswith(("path_", "point_")))
+        self.assertGreaterEqual(state.nbytes, sum(arrays.values()) + paths)
+
     def test_a_stored_state_that_was_spoiled_is_refused_with_its_name(self) -> None:
         *_, (state, _) = play(self.model, self.settings, self.frames, 30.0)
         good = state.arrays

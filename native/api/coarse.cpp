@@ -4,22 +4,10 @@
 using namespace rumple;
 using namespace rumple::api;
 
-namespace {
-
-float mean_edge(const Surface& surface) {
-    double sum = 0.0;
-    for (const Edge& e : surface.edges)
-        sum += glm::distance(surface.positions_rest[e.a], surface.positions_rest[e.b]);
-    return float(sum / double(surface.edges.size()));
-}
-
-}  // namespace
-
 rumple_status rumple_coarse_build(const rumple_surface* dense, float spacing, rumple_coarse** coarse) {
     return made(coarse, "coarse", [&] {
         auto built = build_coarse(given(dense, "dense").surface, spacing);
-        const float edge = mean_edge(built->surface);
-        return new rumple_coarse{std::move(built), dense->shared, edge};
+        return new rumple_coarse{std::move(built), dense->shared};
     });
 }
 
@@ -30,7 +18,7 @@ void rumple_coarse_free(rumple_coarse* coarse) {
 rumple_status rumple_coarse_get_view(const rumple_coarse* coarse, rumple_coarse_view* view) {
     return guarded([&] {
         const rumple_coarse& c = given(coarse, "coarse");
-        given(view, "view") = {count(c.mesh->dense_vertex), c.mean_edge, c.mesh->dense_vertex.data()};
+        given(view, "view") = {count(c.mesh->dense_vertex), c.mesh->mean_edge, c.mesh->dense_vertex.data()};
     });
 }
 

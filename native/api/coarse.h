@@ -8,5 +8,4 @@
 struct rumple_coarse {
     std::shared_ptr<const rumple::CoarseMesh> mesh;
     std::shared_ptr<const rumple::Surface> dense;
-    float mean_edge;
 };

@@ -60,12 +60,17 @@ Input input_at(const rumple_pose* pose, const State& state) {
 
 namespace {
 
-size_t bytes_of(const State& state) {
+template <typename T>
+size_t bytes(const std::vector<T>& values) {
+    return values.size() * sizeof(T);
+}
+
+// flat: the same paths once more, which a view has made.
+size_t bytes_of(const State& state, const PathArrays& flat) {
     size_t points = 0;
-    for (const Path& path : state.paths) points += path.points.size();
-    return state.bytes() + state.compression.size() * sizeof(float) +
-           state.shapes.size() * sizeof(FlatTriangle) + state.paths.size() * sizeof(Path) +
-           points * sizeof(PathPoint);
+    for (const Path& path : state.paths) points += bytes(path.points);
+    return state.bytes() + bytes(state.compression) + bytes(state.shapes) + bytes(state.paths) + points +
+           bytes(flat.id) + bytes(flat.fade) + bytes(flat.start) + bytes(flat.triangle_edge) + bytes(flat.at);
 }
 
 std::vector<Path> paths_of(const rumple_wrinkle_paths_state_view& from) {
@@ -164,7 +169,7 @@ rumple_status rumple_wrinkle_paths_state_get_view(const rumple_wrinkle_paths_sta
             s.compression.size(), a.id.data(),           a.id.size(),     a.fade.data(),
             a.fade.size(),        a.start.data(),        a.start.size(),  a.triangle_edge.data(),
             a.at.size(),          flat<float>(a.at),     a.at.size(),     s.next_id,
-            bytes_of(s)};
+            bytes_of(s, a)};
     });
 }
 

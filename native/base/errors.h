@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What can go wrong at the door. Inside the house: assert.
+// What public functions throw where their arguments are wrong. What is inside asserts.
 #pragma once
 
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the doors of the house ask of their arguments. Each throws InvalidInput that names the argument.
+// Checks of arguments. Each throws InvalidInput that names the argument.
 #pragma once
 
 #include <cmath>

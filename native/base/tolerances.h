@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every epsilon of the house: name, unit, why.
+// Every epsilon: name, unit, why.
 #pragma once
 
 namespace rumple {

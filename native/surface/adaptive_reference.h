@@ -81,7 +81,7 @@ ReferenceState adapt(const Surface& surface, const ReferenceModel& model, const 
                      std::vector<Stretch>& changes);
 
 // The same for a system that needs no more: welded positions of this frame, and a state that counts as none
-// when it is empty. Throws InvalidInput as the doors do.
+// when it is empty. Throws InvalidInput as the public functions do.
 ReferenceState adapt(const Surface& surface, const ReferenceModel& model, const ReferenceSettings& settings,
                      const Moment& moment, std::span<const Vec3> welded, const ReferenceState& before);
 

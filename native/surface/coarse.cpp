@@ -5,11 +5,11 @@
 #include <array>
 #include <limits>
 #include <map>
-#include <queue>
 #include <set>
 
 #include "base/expect.h"
 #include "surface/attachments.h"
+#include "surface/edge_graph.h"
 #include "surface/refinement.h"
 
 namespace rumple {
@@ -23,14 +23,8 @@ constexpr float kRadius = 0.7f;
 // wrong.
 constexpr int kCorrections = 6;
 
-struct Neighbour {
-    Index vertex;
-    float length;
-};
-using Graph = std::vector<std::vector<Neighbour>>;
-
 // Sides of the triangles, and both diagonals of quads, so that distances do not depend on how one is cut.
-Graph build_graph(const Surface& surface) {
+EdgeGraph build_graph(const Surface& surface) {
     std::set<std::pair<Index, Index>> sides;
     const auto add = [&](Index a, Index b) { sides.emplace(std::min(a, b), std::max(a, b)); };
     for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
@@ -43,12 +37,8 @@ Graph build_graph(const Surface& surface) {
         const Index* corner = &mesh.corner_vertex[mesh.polygon_start[p]];
         add(corner[0], corner[2]), add(corner[1], corner[3]);
     }
-    Graph graph(mesh.vertex_count);
-    for (const auto& [a, b] : sides) {
-        const float length = glm::distance(surface.positions_rest[a], surface.positions_rest[b]);
-        graph[a].push_back({b, length});
-        graph[b].push_back({a, length});
-    }
+    EdgeGraph graph(mesh.vertex_count);
+    for (const auto& [a, b] : sides) connect(surface, a, b, graph);
     return graph;
 }
 
@@ -75,28 +65,15 @@ class Cells {
     }
 
   private:
-    // The cell of a new sample: what is nearer to it than to all before (Dijkstra).
+    // The cell of a new sample: what is nearer to it than to all before.
     void grow(Index sample) {
-        using Entry = std::pair<float, Index>;
-        std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
         const Index number = static_cast<Index>(samples.size());
         samples.push_back(sample);
-        const auto reach = [&](Index vertex, float distance) {
-            if (distance >= distance_[vertex]) return;
-            distance_[vertex] = distance;
-            owner[vertex] = number;
-            queue.emplace(distance, vertex);
-        };
-        reach(sample, 0.0f);
-        while (!queue.empty()) {
-            const auto [distance, vertex] = queue.top();
-            queue.pop();
-            if (distance > distance_[vertex]) continue;
-            for (const Neighbour& n : graph_[vertex]) reach(n.vertex, distance + n.length);
-        }
+        shortest_ways(graph_, std::span(&sample, 1), std::numeric_limits<float>::infinity(), distance_,
+                      [&](Index vertex) { owner[vertex] = number; });
     }
 
-    Graph graph_;
+    EdgeGraph graph_;
     std::vector<float> distance_;
 };
 
@@ -142,13 +119,11 @@ Surface surface_of(std::span<const Vec3> positions, const std::vector<Corners>& 
     return build_surface({positions, start, vertex, corner, false});
 }
 
-SparseRows limit_of_vertices(const Surface& surface) {
-    std::vector<SurfacePoint> places(surface.welded.vertex_count);
-    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
-        const std::array<Index, 3> vertex = welded_vertices(surface, t);
-        for (int k = 0; k < 3; ++k) places[vertex[k]] = {t, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f};
-    }
-    return limit_stencils(surface, places);
+float mean_edge(const Surface& surface) {
+    double sum = 0.0;
+    for (const Edge& e : surface.edges)
+        sum += glm::distance(surface.positions_rest[e.a], surface.positions_rest[e.b]);
+    return float(sum / double(surface.edges.size()));
 }
 
 // Moves vertices along their normals until the smooth surface runs through where they were. Along the surface
@@ -188,8 +163,9 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
         out->dense_vertex.push_back(dense.representative[v]);
     }
     const Surface through = surface_of(rest, triangles);
-    out->limit = limit_of_vertices(through);
+    out->limit = vertex_limit_stencils(through);
     out->surface = surface_of(cage_around(through, out->limit, rest), triangles);
+    out->mean_edge = mean_edge(out->surface);
     return out;
 }
 

@@ -16,8 +16,9 @@ namespace rumple {
 struct CoarseMesh {
     Surface surface;  // triangles; its smooth (limit) surface runs through the dense mesh
     std::vector<Index>
-        dense_vertex;  // per vertex of `surface`: a vertex of the dense mesh, as the artist has it
-    SparseRows limit;  // limit position <- vertices; empty rows for vertices without a triangle
+        dense_vertex;        // per vertex of `surface`: a vertex of the dense mesh, as the artist has it
+    float mean_edge = 0.0f;  // object units
+    SparseRows limit;        // limit position <- vertices; empty rows for vertices without a triangle
 };
 
 // spacing: about the mean length of its edges, object units, > 0. Cells that are as wide as the mesh (a

@@ -138,4 +138,16 @@ SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> 
     return spread_rows(attached, places);
 }
 
+SparseRows vertex_limit_stencils(const Surface& surface) {
+    std::vector<SurfacePoint> places(surface.welded.vertex_count);
+    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
+        const std::array<Index, 3> vertex = welded_vertices(surface, t);
+        for (int k = 0; k < 3; ++k) {
+            SurfacePoint& place = places[vertex[k]];
+            if (place.triangle == kNone) place = {t, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f};
+        }
+    }
+    return limit_stencils(surface, places);
+}
+
 }  // namespace rumple

@@ -76,6 +76,9 @@ std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const
 // Cost: dominated by the irregular vertices of the base, about 0.25 ms each.
 SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> places);
 
+// The same at the welded vertices; a vertex without a triangle gets an empty row.
+SparseRows vertex_limit_stencils(const Surface& surface);
+
 // The fine mesh with its vertices split again where the artist's mesh was split
 // at seams: corners of one fine vertex stay together when they draw on the same
 // display vertices. Same polygons and corners; display vertices are ordered by

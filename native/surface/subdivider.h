@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The door to OpenSubdiv's Far. Internal to surface.
+// All that we use of OpenSubdiv's Far. Internal to surface.
 #pragma once
 
 #include <opensubdiv/far/primvarRefiner.h>

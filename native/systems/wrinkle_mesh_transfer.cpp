@@ -10,12 +10,6 @@ namespace {
 // What lies within an edge of the coarse mesh from it moves with it, what is two away does not.
 constexpr float kNear = 1.0f, kFar = 2.0f;
 
-float mean(const std::vector<float>& values) {
-    double sum = 0.0;
-    for (const float value : values) sum += value;
-    return values.empty() ? 0.0f : static_cast<float>(sum / double(values.size()));
-}
-
 SparseRows ways_from(const Surface& finest, std::span<const Vec3> points, float edge) {
     std::vector<float> distance(points.size());
     const std::vector<SurfacePoint> places = closest_points(finest, points, distance);
@@ -45,8 +39,7 @@ std::shared_ptr<const Transfer> build_transfer(Surface base, const CoarseMesh& c
     out->attachments =
         attach_refined(out->base, source, fine, level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear);
     const std::vector<Vec3> rest = attached_at_rest(out->base, out->attachments);
-    out->from_finest =
-        ways_from(solved_surface(*layers.layers.back()), rest, mean(layers.layers.front()->local_edge));
+    out->from_finest = ways_from(solved_surface(*layers.layers.back()), rest, coarse.mean_edge);
     out->shown = show_fine(out->base, out->base, fine, display_steps, rest);
     out->stretch = build_stretch(out->base);
     return out;

@@ -56,6 +56,31 @@ Index euler(const Surface& surface) {
     return Index(used.size()) - Index(surface.edges.size()) + Index(surface.triangles.size());
 }
 
+float border_length(const Surface& surface) {
+    float sum = 0.0f;
+    for (const Edge& e : surface.edges) {
+        if (e.right == kNone) sum += glm::distance(surface.positions_rest[e.a], surface.positions_rest[e.b]);
+    }
+    return sum;
+}
+
+TEST(Coarse, ItsBordersRunAlongThoseOfTheDenseMesh) {
+    for (const MeshData& mesh : {grid(60, 40, 0.006f), dense_tube(80)}) {
+        const Surface dense = build(mesh);
+        const auto coarse = build_coarse(dense, kSpacing);
+        EXPECT_NEAR(border_length(coarse->surface), border_length(dense), 0.05f * border_length(dense));
+    }
+}
+
+// Borders of cells are ragged there: a third cell meets two others there and back.
+TEST(Coarse, IrregularMeshesMakeNoHolesEither) {
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        const auto sheet = build_coarse(build(shaken(grid(60, 40, 0.006f), 0.0029f, seed)), kSpacing);
+        EXPECT_EQ(euler(sheet->surface), 1) << seed;
+        EXPECT_EQ(borders(sheet->surface), 1) << seed;
+    }
+}
+
 TEST(Coarse, HasTheSameTopologyAsTheDenseMesh) {
     const struct {
         MeshData mesh;
@@ -130,6 +155,21 @@ TEST(Coarse, RigidMotionCarriesItRigidly) {
     const std::vector<Vec3> at = coarse_positions(*coarse, dense, moved);
     for (size_t v = 0; v < at.size(); ++v)
         EXPECT_LT(glm::distance(at[v], turned(coarse->surface.positions_rest[v])), 2e-6f);
+}
+
+TEST(Coarse, WhereTheSidesOfASeamPartItIsInTheMiddle) {
+    MeshData mesh = split_at_seams(grid(20, 20, 0.01f));
+    const Surface dense = build(mesh);
+    const auto coarse = build_coarse(dense, kSpacing);
+    std::vector<Vec3> parted = mesh.positions;
+    for (size_t v = 0; v < parted.size(); ++v)
+        parted[v].z = v % 2 ? 0.004f : 0.0f;  // of every face two corners
+    std::vector<Vec3> welded(dense.welded.vertex_count);
+    weld_positions(dense, parted, welded);
+    std::vector<Vec3> mean;
+    for (const Index v : dense.welded_of) mean.push_back(welded[v]);
+    EXPECT_NE(mean, parted);
+    EXPECT_EQ(coarse_positions(*coarse, dense, parted), coarse_positions(*coarse, dense, mean));
 }
 
 TEST(Coarse, PartsStayApartAndASmallOneIsLeftOut) {

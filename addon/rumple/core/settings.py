@@ -169,7 +169,7 @@ class MeshSettings(AdaptiveRest, ClothSettings):
     edge_length: float = setting(0.01, "Longest Edge", "No edge of the fine mesh is longer", low=0.0001, high=10.0,
                                  unit="LENGTH", affects="MESH")
     display_steps: int = setting(1, "Smoothing Steps", "Subdivisions of the solved mesh that are shown, not solved. "
-                                 "One turns crumbs into cloth; more cost memory", low=0, high=2, affects="MESH")
+                                 "One removes the facets; more cost memory", low=0, high=2, affects="MESH")
     weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that no seam of "
                          "a game mesh tears", affects="MESH")
     # The rest shape

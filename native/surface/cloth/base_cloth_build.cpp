@@ -81,18 +81,6 @@ void collect_triangles(Model& model) {
     }
 }
 
-SparseRows limit_of_vertices(const Model& model) {
-    std::vector<SurfacePoint> places(model.triangle_of.size());
-    for (size_t v = 0; v < places.size(); ++v) {
-        const Index t = model.triangle_of[v];
-        if (t == kNone) continue;
-        const Index* corner = model.surface.triangles[t].corner;
-        const auto is = [&](int k) { return model.surface.welded.corner_vertex[corner[k]] == Index(v); };
-        places[v] = {t, is(1) ? 1.0f : 0.0f, is(2) ? 1.0f : 0.0f};
-    }
-    return limit_stencils(model.surface, places);
-}
-
 }  // namespace
 
 std::shared_ptr<const Model> build(Surface surface) {
@@ -100,7 +88,7 @@ std::shared_ptr<const Model> build(Surface surface) {
     model->surface = std::move(surface);
     place_springs(*model);
     collect_triangles(*model);
-    model->limit = limit_of_vertices(*model);
+    model->limit = vertex_limit_stencils(model->surface);
     model->clearance = build_clearance(model->surface);
     return model;
 }

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <queue>
 
 #include "surface/disjoint_sets.h"
+#include "surface/edge_graph.h"
 
 namespace rumple {
 namespace {
@@ -27,11 +27,6 @@ struct Border {
     Index part = 0;
     float height = 0.0f;
     float radius = 0.0f;
-};
-
-struct Neighbour {
-    Index vertex;
-    float length;
 };
 
 float held_by_width(float share) {
@@ -97,23 +92,14 @@ std::vector<float> diagonals(const Surface& surface, std::span<const Index> part
     return out;
 }
 
-// Raises `follow` around a border, by the distance along the edges (Dijkstra).
-void hold(const Border& border, float firmly, float reach, const std::vector<std::vector<Neighbour>>& around,
+// Raises `follow` around a border, by the distance along the edges.
+void hold(const Border& border, float firmly, float reach, const EdgeGraph& graph,
           std::vector<float>& follow) {
-    std::vector<float> distance(around.size(), std::numeric_limits<float>::max());
-    using Step = std::pair<float, Index>;
-    std::priority_queue<Step, std::vector<Step>, std::greater<>> steps;
-    for (const Index v : border.vertices) steps.push({distance[v] = 0.0f, v});
-    while (!steps.empty()) {
-        const auto [way, v] = steps.top();
-        steps.pop();
-        if (way > distance[v] || way > reach) continue;
-        const float t = 1.0f - way / reach;
+    std::vector<float> distance(graph.size(), std::numeric_limits<float>::max());
+    shortest_ways(graph, border.vertices, reach, distance, [&](Index v) {
+        const float t = 1.0f - distance[v] / reach;
         follow[v] = std::max(follow[v], firmly * t * t * (3.0f - 2.0f * t));
-        for (const auto& [to, length] : around[v]) {
-            if (way + length < distance[to]) steps.push({distance[to] = way + length, to});
-        }
-    }
+    });
 }
 
 }  // namespace
@@ -126,18 +112,14 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
     const std::vector<float> diagonal = diagonals(surface, part, parts);
     std::vector<float> highest(parts, std::numeric_limits<float>::lowest());
     for (const Border& border : borders) highest[border.part] = std::max(highest[border.part], border.height);
-    std::vector<std::vector<Neighbour>> around(surface.welded.vertex_count);
-    for (const Edge& edge : surface.edges) {
-        const float length = glm::distance(surface.positions_rest[edge.a], surface.positions_rest[edge.b]);
-        around[edge.a].push_back({edge.b, length});
-        around[edge.b].push_back({edge.a, length});
-    }
+    EdgeGraph graph(surface.welded.vertex_count);
+    for (const Edge& edge : surface.edges) connect(surface, edge.a, edge.b, graph);
     std::vector<float> follow(surface.welded.vertex_count, 0.0f);
     for (const Border& border : borders) {
         const float size = diagonal[border.part];
         const bool top = border.height == highest[border.part] && border.radius < kOutline * size;
         const float firmly = top ? 1.0f : held_by_width(border.radius / size);
-        if (size > 0.0f && firmly > 0.0f) hold(border, firmly, kFade * size, around, follow);
+        if (size > 0.0f && firmly > 0.0f) hold(border, firmly, kFade * size, graph, follow);
     }
     std::vector<float> out;
     for (const Index welded : surface.welded_of) out.push_back(follow[welded]);

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The menu of fabrics: what a choice sets, what the next one takes back, and files of before."""
+import unittest
+
+import bpy
+from rumple.blender.objects import properties
+from rumple.core.presets import MESH_PRESETS
+from support import sleeve
+
+
+class Presets(unittest.TestCase):
+
+    def test_all_presets(self):
+        obj = sleeve.scene()
+        for preset in (*(key for key in MESH_PRESETS if key != "COTTON"), "COTTON"):
+            bpy.ops.object.rumple_preset(preset=preset)
+            sleeve.at(15)
+            self.assertEqual(obj.rumple.message, "", preset)
+            self.assertEqual(obj.rumple.mesh.preset, preset)
+
+    def test_stiff_cloth_has_wider_folds_than_what_was_chosen_and_the_way_back_is_exact(self):
+        obj = sleeve.scene()
+        settings = obj.rumple.mesh
+        for chosen in (0.03, 0.0317234):
+            settings.wavelength = chosen
+            chosen = settings.wavelength
+            for preset, width in (("DENIM", 1.35), ("DENIM", 1.35), ("LEATHER", 1.85), ("SILK", 0.75), ("COTTON", 1.0)):
+                bpy.ops.object.rumple_preset(preset=preset)
+                self.assertAlmostEqual(settings.wavelength, width * chosen, 8)
+            self.assertEqual(settings.wavelength, chosen)
+
+    def test_the_preset_of_the_paper_brings_back_what_it_replaced(self):
+        obj = sleeve.scene()
+        settings = obj.rumple.mesh
+        settings.base_cloth, settings.layers, settings.display_steps = "HANG", "CLOTH", 2
+        before = properties.settings_of(obj, bpy.context.scene)
+        for preset in ("PAPER", "PAPER", "DENIM", "COTTON"):
+            bpy.ops.object.rumple_preset(preset=preset)
+            paper = preset == "PAPER"
+            self.assertEqual((settings.layers, settings.display_steps), ("ONE", 0) if paper else ("CLOTH", 2), preset)
+        self.assertEqual(properties.settings_of(obj, bpy.context.scene), before)
+
+    def test_presets_of_a_file_from_before_fabrics_had_weights_are_taken_back(self):
+        for preset, width in (("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("PAPER", 1.0)):
+            obj = sleeve.scene()
+            settings = obj.rumple.mesh
+            settings["preset"] = MESH_PRESETS[preset].number  # as files have it
+            settings.wavelength = width * 0.04
+            if preset == "PAPER":
+                settings.attachment, settings.hem_rings, settings.collision = "PN", 0, "NONE"
+            bpy.ops.object.rumple_preset(preset="COTTON")
+            self.assertAlmostEqual(settings.wavelength, 0.04, 6, preset)
+            self.assertEqual((settings.attachment, settings.hem_rings, settings.collision), ("LIMIT", 3, "PLANE"))
+
+    def test_a_preset_scales_a_length_that_was_never_set_in_a_scene_in_centimetres(self):
+        obj = sleeve.scene()
+        bpy.context.scene.unit_settings.scale_length = 0.01
+        obj.rumple.mesh.property_unset("wavelength")
+        before = properties.settings_of(obj, bpy.context.scene).wavelength
+        bpy.ops.object.rumple_preset(preset="DENIM")
+        self.assertAlmostEqual(properties.settings_of(obj, bpy.context.scene).wavelength, 1.35 * before, 6)
+
+    def test_a_length_beyond_its_range_is_taken_at_its_end(self):
+        obj = sleeve.scene()
+        for scale in (1.0, 0.001):
+            bpy.context.scene.unit_settings.scale_length = scale
+            for value, taken in ((0.0, 0.005), (1e6, 1.0)):
+                obj.rumple.mesh.bending_length = value
+                self.assertEqual(properties.settings_of(obj, bpy.context.scene).bending_length, taken)
