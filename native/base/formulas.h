@@ -7,11 +7,16 @@
 
 #include <glm/glm.hpp>
 
+#include "base/elementary.h"
+
 #define FORMULA inline
 
 namespace rumple::formulas {
 
 using namespace glm;
+// Found before those of GLM, which are the system's.
+using elementary::cos;
+using elementary::sin;
 
 #include "shared/pn_triangle.glsl"
 #include "shared/tangents.glsl"

@@ -19,8 +19,8 @@ class Team {
     // work must not throw.
     template <typename Work>
     void run(Work&& work) {
-        std::vector<std::jthread> others;
-        for (int t = 1; t < threads_; ++t) others.emplace_back([&work, t] { work(t); });
+        Others others;
+        for (int t = 1; t < threads_; ++t) others.threads.emplace_back([&work, t] { work(t); });
         work(0);
     }
 
@@ -40,6 +40,15 @@ class Team {
     }
 
   private:
+    // As std::jthread, which Apple's standard library does not have: joined in any case.
+    struct Others {
+        std::vector<std::thread> threads;
+
+        ~Others() {
+            for (std::thread& thread : threads) thread.join();
+        }
+    };
+
     int threads_;
     std::barrier<> meeting_;
 };

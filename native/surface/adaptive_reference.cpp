@@ -6,6 +6,7 @@
 #include <deque>
 #include <string>
 
+#include "base/elementary.h"
 #include "base/expect.h"
 
 namespace rumple {
@@ -108,11 +109,11 @@ void remember(const ReferenceSettings& settings, const FlatPose& pose, const Ref
 }  // namespace
 
 float share_of(double seconds, double time) {
-    return time > 0.0 ? float(1.0 - std::exp(-seconds / time)) : 1.0f;
+    return time > 0.0 ? float(1.0 - elementary::exp(-seconds / time)) : 1.0f;
 }
 
 float share_in(float share_per_thirtieth, double seconds) {
-    return float(1.0 - std::pow(1.0 - share_per_thirtieth, 30.0 * seconds));
+    return float(1.0 - elementary::pow(1.0 - share_per_thirtieth, 30.0 * seconds));
 }
 
 void check_reference(const ReferenceSettings& settings) {

@@ -12,6 +12,8 @@ constexpr Index kLeafItems = 4;
 
 void split(Index node, Index begin, Index end, std::span<const Vec3> centres, Hierarchy& out) {
     if (end - begin <= kLeafItems) {
+        // nth_element leaves their order open: each standard library has its own.
+        std::sort(out.order.begin() + begin, out.order.begin() + end);
         out.nodes[node] = {begin, end - begin};
         return;
     }

@@ -13,6 +13,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/elementary.h"
+
 namespace rumple {
 namespace {
 
@@ -23,18 +25,18 @@ double square(double x) {
 }
 
 double rest_cost(double a, double b) {
-    return 1.0 - std::exp(-square(std::abs(a - 1.0) + std::abs(b - 1.0)) / (2.0 * square(kSigma)));  // (4.4)
+    return 1.0 - elementary::exp(-square(std::abs(a - 1.0) + std::abs(b - 1.0)) / (2.0 * square(kSigma)));  // (4.4)
 }
 
 double dominance_cost(double a, double b) {  // (4.5) as we read it
-    const double high = std::exp(-kAlpha * (a - 1.0)), low = std::exp(-kBeta * (a - 1.0));
-    if (a > b) return (high - low) * std::exp(-square(a - b) / (4.0 * square(kSigma))) + low;
+    const double high = elementary::exp(-kAlpha * (a - 1.0)), low = elementary::exp(-kBeta * (a - 1.0));
+    if (a > b) return (high - low) * elementary::exp(-square(a - b) / (4.0 * square(kSigma))) + low;
     return (high < 1.0 ? a / b : b / a) * (high - 1.0) + 1.0;
 }
 
 double dominance_cost_printed(double a, double b) {
-    const double high = std::exp(-kAlpha * (a - 1.0)), low = std::exp(-kBeta * a);
-    if (a > b) return (high - low) * std::exp(-0.5 * square(a - b) / (2.0 * square(kSigma))) + low;
+    const double high = elementary::exp(-kAlpha * (a - 1.0)), low = elementary::exp(-kBeta * a);
+    if (a > b) return (high - low) * elementary::exp(-0.5 * square(a - b) / (2.0 * square(kSigma))) + low;
     return b / a * (high - 1.0) + 1.0;
 }
 

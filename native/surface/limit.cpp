@@ -17,6 +17,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/elementary.h"
 #include "surface/subdivider.h"
 
 namespace rumple {
@@ -35,7 +36,7 @@ struct PtexPlace {
 // so that places map one to one, whatever the shape at rest (concave, bent, flat).
 glm::dvec2 corner_in_regular_polygon(Index i, Index n) {
     const double angle = 2.0 * std::numbers::pi * i / n;
-    return {std::cos(angle), std::sin(angle)};
+    return {elementary::cos(angle), elementary::sin(angle)};
 }
 
 // Sub-face i is the kite of corner (1), the middles of its two edges and the
@@ -45,13 +46,13 @@ glm::dvec2 corner_in_regular_polygon(Index i, Index n) {
 // so d is known and s is the root of a quadratic, written without cancellation.
 PtexPlace invert_kite(const glm::dvec2& p, Index n) {
     const double turn = 2.0 * std::numbers::pi / n;
-    Index i = static_cast<Index>(std::lround(std::atan2(p.y, p.x) / turn));
+    Index i = static_cast<Index>(std::lround(elementary::atan2(p.y, p.x) / turn));
     i = (i % n + n) % n;
     const glm::dvec2 corner = corner_in_regular_polygon(i, n);
     const double x = 1.0 - glm::dot(p, corner);
     const double y = corner.x * p.y - corner.y * p.x;
-    const double half_width = std::cos(turn / 2) * std::sin(turn / 2);
-    const double depth = std::sin(turn / 2) * std::sin(turn / 2);
+    const double half_width = elementary::cos(turn / 2) * elementary::sin(turn / 2);
+    const double depth = elementary::sin(turn / 2) * elementary::sin(turn / 2);
     const double c = 1.0 - 2.0 * depth;
     const double d = y / half_width;
     const double q = x + c * d * d / 4.0;

@@ -62,9 +62,9 @@ void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> wel
 
 void refuse_too_many(double corners, const FineSource& source, Index steps) {
     double per_corner = 1.0;
-    if (source.kind == FineSource::Kind::kSubdivision) per_corner = std::pow(4.0, source.level);
+    if (source.kind == FineSource::Kind::kSubdivision) per_corner = std::ldexp(1.0, 2 * source.level);
     if (source.kind == FineSource::Kind::kRegular) per_corner = double(source.segments) * source.segments;
-    const double estimate = corners / 4.0 * per_corner * std::pow(4.0, steps);
+    const double estimate = corners / 4.0 * per_corner * std::ldexp(1.0, 2 * steps);
     if (estimate > source.most_vertices) {
         throw InvalidInput("the fine mesh would have about " +
                            std::to_string(static_cast<long long>(estimate)) + " vertices, more than " +

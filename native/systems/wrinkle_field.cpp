@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/elementary.h"
 #include "base/expect.h"
 #include "base/parallel.h"
 #include "base/random.h"
@@ -88,7 +89,7 @@ Disturbance disturb(const Settings& settings, const Vec3& rest) {
         return settings.irregularity * glm::simplex(place + 100.0f * elsewhere);
     };
     const float angle = kMostTurn * noise_at(0);
-    return {{std::cos(angle), std::sin(angle)}, 1.0f + kMostWavelengthChange * noise_at(1)};
+    return {{elementary::cos(angle), elementary::sin(angle)}, 1.0f + kMostWavelengthChange * noise_at(1)};
 }
 
 // A neighbour in relaxation.

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "base/elementary.h"
 #include "base/expect.h"
 #include "base/random.h"
 #include "systems/wrinkle_field.h"
@@ -200,7 +201,7 @@ class SteepnessTable {
 }  // namespace
 
 Profile sine() {
-    return profile([](float phase) { return std::cos(phase); }, [](float phase) { return -std::sin(phase); });
+    return profile([](float phase) { return elementary::cos(phase); }, [](float phase) { return -elementary::sin(phase); });
 }
 
 Profile accordion() {
@@ -209,8 +210,8 @@ Profile accordion() {
 }
 
 Profile pencil_pleats() {
-    return profile([](float phase) { return 2.0f * std::cos(0.5f * phase) - 1.0f; },
-                   [](float phase) { return -std::sin(0.5f * phase); });
+    return profile([](float phase) { return 2.0f * elementary::cos(0.5f * phase) - 1.0f; },
+                   [](float phase) { return -elementary::sin(0.5f * phase); });
 }
 
 Profile drawn(std::span<const float> height) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <tuple>
 
 #include "base/expect.h"
 #include "base/parallel.h"
@@ -128,7 +129,7 @@ void relax_sequential(const Model& model, const Targets& targets, const Bounds& 
         std::vector<size_t> order(pairs.size());
         for (size_t i = 0; i < order.size(); ++i) order[i] = i;
         std::sort(order.begin(), order.end(), [&](size_t i, size_t j) {
-            return std::pair(pairs.a[i], pairs.b[i]) < std::pair(pairs.a[j], pairs.b[j]);
+            return std::tuple(pairs.a[i], pairs.b[i], i) < std::tuple(pairs.a[j], pairs.b[j], j);
         });
         return order;
     };

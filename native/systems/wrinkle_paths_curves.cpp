@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_paths_ground.h"
 
@@ -114,8 +115,8 @@ std::vector<Ellipse> ellipses(const Model& model, std::span<const Vec3> position
         const FlatTriangle& reference = state.reference[t];
         const Stretch stretch = measure_stretch(reference, pose.shapes[t]);
         if (!stretch.defined) continue;
-        const float around = reference.x1 + std::hypot(reference.x2, reference.y2) +
-                             std::hypot(reference.x2 - reference.x1, reference.y2);
+        const float around = reference.x1 + elementary::hypot(reference.x2, reference.y2) +
+                             elementary::hypot(reference.x2 - reference.x1, reference.y2);
         const float radius = size * 2.0f * reference.area() / around;
         const Vec2 along = stretch.direction;
         out[t].compressed = radius / stretch.compression * pose.frames[t].to_object(Vec3(along, 0.0f));

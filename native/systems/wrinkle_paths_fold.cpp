@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_paths_life.h"
 
@@ -42,7 +43,7 @@ Vec3 smoothed(const std::vector<FoldEnd>& ends, const std::vector<float>& way, s
     const auto add = [&](size_t j) {
         const float x = (way[j] - way[i]) / sigma;
         const float span = way[std::min(j + 1, way.size() - 1)] - way[j > 0 ? j - 1 : 0];
-        const float weight = std::exp(-0.5f * x * x) * span;
+        const float weight = elementary::exp(-0.5f * x * x) * span;
         sum += weight * ends[j].at;
         weights += weight;
     };

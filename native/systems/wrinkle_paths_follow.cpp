@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/elementary.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_paths_life.h"
 
@@ -71,9 +72,9 @@ glm::dmat3 turn_of(const Pose& before, const Pose& now, Index t) {
     double angle = 0.0;
     if (a.has_area() && b.has_area()) {
         const double f00 = double(b.x1) / a.x1, f01 = (b.x2 - f00 * a.x2) / a.y2, f11 = double(b.y2) / a.y2;
-        angle = std::atan2(-f01, f00 + f11);
+        angle = elementary::atan2(-f01, f00 + f11);
     }
-    const double c = std::cos(angle), s = std::sin(angle);
+    const double c = elementary::cos(angle), s = elementary::sin(angle);
     const auto frame = [](const TriangleFrame& f) { return glm::dmat3(f.tangent, f.bitangent, f.normal); };
     return frame(now.frames[t]) * glm::dmat3(c, s, 0, -s, c, 0, 0, 0, 1) *
            glm::transpose(frame(before.frames[t]));
@@ -168,7 +169,7 @@ void place_on_spokes(const Ground& ground, Index vertex, const Vec3& before, con
         return dvec3(ground.vertex(tip)) - centre;
     };
     const auto angle = [](const dvec3& a, const dvec3& b) {
-        return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+        return elementary::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
     };
     std::vector<double> angles;
     dvec3 last = dvec3(before) - centre;
@@ -184,8 +185,8 @@ void place_on_spokes(const Ground& ground, Index vertex, const Vec3& before, con
         const Index h = spokes[i];
         double radius = beyond;
         if (sum < std::numbers::pi) {
-            const double straight = a * b * std::sin(sum);
-            const double spread = a * std::sin(angles[i]) + b * std::sin(sum - angles[i]);
+            const double straight = a * b * elementary::sin(sum);
+            const double spread = a * elementary::sin(angles[i]) + b * elementary::sin(sum - angles[i]);
             radius = std::min(radius, spread > 0.0 ? straight / spread : 0.0);
         }
         const double share =

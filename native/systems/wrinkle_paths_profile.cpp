@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/elementary.h"
+
 namespace rumple::wrinkle_paths {
 namespace {
 
@@ -15,7 +17,7 @@ double arc_over_width(Profile kind, double height_over_width) {
     for (int i = 0; i < kSteps; ++i) {
         const double rise = formulas::fold_profile(int(kind), float(i + 1) / kSteps).height -
                             formulas::fold_profile(int(kind), float(i) / kSteps).height;
-        sum += std::hypot(0.5 / kSteps, height_over_width * rise);
+        sum += elementary::hypot(0.5 / kSteps, height_over_width * rise);
     }
     return 2.0 * sum;
 }
@@ -50,7 +52,7 @@ float circle_half_angle(float ratio) {
     if (ratio <= 1.0f) return 0.0f;
     double phi = std::numbers::pi;
     for (int i = 0; i < 32; ++i) {
-        const double change = (std::sin(phi) - phi / ratio) / (std::cos(phi) - 1.0 / ratio);  // (6.1)
+        const double change = (elementary::sin(phi) - phi / ratio) / (elementary::cos(phi) - 1.0 / ratio);  // (6.1)
         phi -= change;
         if (std::abs(change) < 1e-12) break;
     }
@@ -60,7 +62,7 @@ float circle_half_angle(float ratio) {
 float circle_height_over_width(float ratio) {
     const double phi = circle_half_angle(ratio);
     if (phi <= 0.0) return 0.0f;
-    return float((1.0 - std::cos(phi)) / (2.0 * std::sin(phi)));  // radius (1 - cos), chord 2 radius sin
+    return float((1.0 - elementary::cos(phi)) / (2.0 * elementary::sin(phi)));  // radius (1 - cos), chord 2 radius sin
 }
 
 }  // namespace rumple::wrinkle_paths

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/elementary.h"
 #include "base/tolerances.h"
 
 namespace rumple::wrinkle_paths {
@@ -54,7 +55,7 @@ dvec2 unfolded(const Ground& ground, const dvec2& direction, Index triangle, Ind
 }
 
 double angle_to(const dvec2& from, const dvec2& to) {
-    return std::atan2(cross(from, to), glm::dot(from, to));
+    return elementary::atan2(cross(from, to), glm::dot(from, to));
 }
 
 // At right angles to the compression, in the sense of `ahead`; `ahead` itself where there is no direction

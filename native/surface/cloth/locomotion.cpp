@@ -4,11 +4,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
+
 namespace rumple::base_cloth {
 namespace {
 
 constexpr int kTurns = 60;        // most iterations; a turn of 20 degrees takes four
 constexpr double kTurned = 1e-9;  // radians: no more is left to turn
+
+// axis: unit.
+glm::dquat turn_about(const glm::dvec3& axis, double angle) {
+    return {elementary::cos(0.5 * angle), elementary::sin(0.5 * angle) * axis};
+}
 
 // The rotation in a sum of outer products `to x from`: M. Mueller, J. Bender, N. Chentanez and M. Macklin, "A
 // Robust Method to Extract the Rotational Part of Deformations", MIG 2016. Starts from no turn,
@@ -26,7 +33,7 @@ glm::dquat rotation_of(const glm::dmat3& sum) {
         axis /= std::abs(along) + 1e-30;
         const double angle = glm::length(axis);
         if (angle < kTurned) break;
-        turn = glm::normalize(glm::angleAxis(angle, axis / angle) * turn);
+        turn = glm::normalize(turn_about(axis / angle, angle) * turn);
     }
     return turn;
 }
@@ -62,8 +69,8 @@ RigidMotion part_of(const RigidMotion& motion, double share) {
     const glm::dquat turn = motion.turn.w < 0.0 ? -motion.turn : motion.turn;
     const glm::dvec3 axis(turn.x, turn.y, turn.z);
     const double sine = glm::length(axis);
-    const double angle = 2.0 * std::atan2(sine, turn.w) * share;
-    out.turn = sine > 0.0 ? glm::angleAxis(angle, axis / sine) : glm::dquat(1.0, 0.0, 0.0, 0.0);
+    const double angle = 2.0 * elementary::atan2(sine, turn.w) * share;
+    out.turn = sine > 0.0 ? turn_about(axis / sine, angle) : glm::dquat(1.0, 0.0, 0.0, 0.0);
     return out;
 }
 
