@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes what artists install. Started by scripts/package, in Debian's Python and with nothing but it.
 
-    packaging.py FOLDER OUT    the extension zip (4.2 and later) and the legacy zip (before), both with the library and
-                               what it needs from FOLDER (cmake --install)
+    packaging.py FOLDER OUT    FOLDER has a folder for each platform with its library. For each an extension zip (Blender
+                               4.2 and later), one extension zip with all, and the legacy zip (before 4.2) with all
 
 Times inside the archives are fixed: the same input gives the same bytes.
 """
-import platform
 import re
 import sys
 import zipfile
@@ -36,9 +35,9 @@ def write_zip(path, entries):
         for name, data in sorted(entries.items()):
             info = zipfile.ZipInfo(name, FIXED_TIME)
             info.compress_type = zipfile.ZIP_DEFLATED
-            info.external_attr = (0o100755 if ".so" in Path(name).name else 0o100644) << 16
+            info.external_attr = (0o100755 if name.split("/")[-3:-2] == ["lib"] else 0o100644) << 16
             archive.writestr(info, data)
-    print(path)
+    print(f"{path} {path.stat().st_size / 1e6:.1f} MB")
 
 
 def files_below(folder):
@@ -50,17 +49,22 @@ def zips(installed, out):
     version = project_version()
     addon = files_below(ADDON) | {"LICENSE": (ROOT / "LICENSE").read_bytes()}
     addon |= {f"shaders/{name}": data for name, data in files_below(ROOT / "shaders").items()}  # see viewport/glsl.py
-    addon |= {f"lib/{name}": data for name, data in files_below(installed).items()}     # see native/library.py
-    write_zip(out / f"rumple-{version}.zip", addon | {"blender_manifest.toml": manifest()})
-    legacy = {name: data for name, data in addon.items() if name != "blender_manifest.toml"}
+    libraries = {f"lib/{name}": data for name, data in files_below(installed).items()}  # see native/library.py
+    platforms = sorted({name.split("/")[1] for name in libraries})
+    for platform in platforms:
+        own = {name: data for name, data in libraries.items() if name.startswith(f"lib/{platform}/")}
+        write_zip(out / f"rumple-{version}-{platform}.zip",
+                  addon | own | {"blender_manifest.toml": manifest([platform])})
+    write_zip(out / f"rumple-{version}.zip", addon | libraries | {"blender_manifest.toml": manifest(platforms)})
+    legacy = {name: data for name, data in (addon | libraries).items() if name != "blender_manifest.toml"}
     write_zip(out / f"rumple-legacy-{version}.zip", {f"rumple/{name}": data for name, data in legacy.items()})
 
 
-def manifest():
-    """The extension's, with the system that the library is for."""
-    system = {"x86_64": "linux-x64", "aarch64": "linux-arm64"}[platform.machine()]
+def manifest(platforms):
+    """The extension's, with the platforms that its libraries are for."""
+    names = ", ".join(f'"{name}"' for name in platforms)
     text = (ADDON / "blender_manifest.toml").read_text()
-    return text.replace("[permissions]", f'platforms = ["{system}"]\n\n[permissions]').encode()
+    return text.replace("[permissions]", f"platforms = [{names}]\n\n[permissions]").encode()
 
 
 if __name__ == "__main__":

@@ -1,22 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds librumple and opens it, or says in words why that cannot be.
 
-It lies in lib/ of this package's parent (what was installed) or in the folder of $RUMPLE_NATIVE (what was built).
+It lies in lib/ of this package's parent, in a folder for each platform (what was installed), or in the folder of
+$RUMPLE_NATIVE (what was built).
 One file serves every Python: it knows none.
 """
 from __future__ import annotations
 
 import ctypes
 import os
-import platform
 from pathlib import Path
 from typing import Any
 
-from . import c
+from . import c, platforms
 from .struct import CHECKED
 
 BUNDLED = Path(__file__).parent.parent / "lib"
-FILES = {"Windows": "rumple.dll", "Darwin": "librumple.dylib"}
 
 
 class NativeMissing(RuntimeError):
@@ -25,13 +24,16 @@ class NativeMissing(RuntimeError):
 
 def library_file() -> Path:
     """Where the library is. Raises NativeMissing."""
-    name = FILES.get(platform.system(), "librumple.so")
+    here = platforms.here()
     chosen = os.environ.get("RUMPLE_NATIVE")
-    for folder in ([Path(chosen)] if chosen else []) + [BUNDLED]:
-        if (folder / name).is_file():
-            return (folder / name).resolve()  # a bare name would be searched for in the system
-    raise NativeMissing(f"Rumple's library {name} for {platform.system()} {platform.machine()} is not in this "
-                        "installation. Install the Rumple package made for this system.")
+    for folder in ([Path(chosen)] if chosen else []) + [BUNDLED / here]:
+        if (folder / platforms.file_name(here)).is_file():
+            # A bare name would be searched for in the system. Not resolve(): it fails on some drives of Windows.
+            return Path(os.path.abspath(folder / platforms.file_name(here)))
+    others = sorted(folder.name for folder in BUNDLED.glob("*-*") if folder.is_dir())
+    made_for = f"it is the package for {', '.join(others)}" if others else "it has no library"
+    raise NativeMissing(f"This installation of Rumple cannot run on {here}: {made_for}. "
+                        f"Install the Rumple package for {here}.")
 
 
 class Library:
@@ -44,11 +46,13 @@ class Library:
         if self.path is not None:
             return
         path = library_file()
+        if platforms.is_locked_when_open():
+            path = platforms.copy_to_load(path)
         try:
             loaded = ctypes.CDLL(str(path))
-        except OSError as error:  # something that the system lacks (libgomp) or has too old (GLIBC): it is named
-            raise NativeMissing(f"Rumple's library is there but cannot be loaded on {platform.system()} "
-                                f"{platform.machine()}: {error}") from error
+        except OSError as error:
+            raise NativeMissing(f"Rumple's library is there but cannot be loaded. "
+                                f"{platforms.why_refused(str(error), path)} ({error})") from error
         try:
             functions = {name: getattr(loaded, name) for name in c.FUNCTIONS}
         except AttributeError as error:

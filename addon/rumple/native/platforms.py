@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What differs between systems when the library is found and opened. Nothing here opens it."""
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+FILES = {"windows": "rumple.dll", "macos": "librumple.dylib", "linux": "librumple.so"}
+SYSTEMS = {"Windows": "windows", "Darwin": "macos"}
+PROCESSORS = {"amd64": "x64", "x86_64": "x64", "aarch64": "arm64", "arm64": "arm64"}
+
+# What the systems say when they refuse a library, and what the artist can do. The first that is found counts.
+REFUSALS = (
+    (("GLIBC_", "GLIBCXX_"), "This Linux is older than Rumple supports: it needs glibc 2.28 or later (2018)."),
+    (("code signature", "system policy", "quarantine", "not verified"),
+     "macOS keeps files that were downloaded in quarantine. In Terminal, run: xattr -dr com.apple.quarantine "
+     "\"{folder}\" and start Blender again."),
+    (("invalid ELF header", "wrong ELF class", "file too short", "mach-o", "incompatible architecture",
+      "WinError 193", "WinError 216"),
+     "The file is damaged or made for another system. Install Rumple again, with the package for {here}."),
+    (("WinError 5]", "WinError 225", "WinError 1260", "WinError 4551", "Permission denied", "not permitted"),
+     "This computer does not allow it: a virus scanner or a rule of its administrator may hold it back."),
+    (("WinError 126", "one of its dependencies", "cannot open shared object file", "Library not loaded"),
+     "Something that it needs is not on this computer. Install Rumple again, with the package for {here}."),
+)
+
+
+def here(system: str | None = None, machine: str | None = None) -> str:
+    """This system as packages name it: "windows-x64". Unknown ones keep their own names."""
+    system, machine = system or platform.system(), machine or platform.machine()
+    return f"{SYSTEMS.get(system, system.lower())}-{PROCESSORS.get(machine.lower(), machine.lower())}"
+
+
+def file_name(of: str) -> str:
+    """The library's file of a platform, "windows-x64"."""
+    return FILES.get(of.partition("-")[0], FILES["linux"])
+
+
+def why_refused(error: str, path: Path) -> str:
+    """What the artist can do about a library that the system refuses to load. error: the system's words."""
+    for signs, advice in REFUSALS:
+        if any(sign.lower() in error.lower() for sign in signs):
+            return advice.format(folder=path.parent, here=here())
+    return "Install Rumple again, with the package for " + here() + "."
+
+
+def is_locked_when_open() -> bool:
+    """Windows lets nobody replace or remove a library that is loaded."""
+    return sys.platform == "win32"
+
+
+def copy_to_load(path: Path, folder: Path | None = None) -> Path:
+    """A copy of the library for Blender to hold, so that an update can replace the installed one.
+
+    It is named after its content, so two versions do not meet. Copies that no Blender holds any more are removed.
+    Returns the library itself where no copy can be made. folder: where copies go, for tests.
+    """
+    copies = folder or Path(tempfile.gettempdir()) / "rumple-libraries"
+    try:
+        data = path.read_bytes()
+        own = copies / hashlib.sha256(data).hexdigest()[:16]
+        own.mkdir(parents=True, exist_ok=True)
+        copy = own / path.name
+        if not copy.is_file() or copy.read_bytes() != data:
+            being_written = own / f"{path.name}.{os.getpid()}"
+            being_written.write_bytes(data)
+            os.replace(being_written, copy)
+    except OSError:     # no place, no right to write there, or somebody holds a damaged copy
+        return path
+    for other in copies.iterdir():
+        if other != own:
+            shutil.rmtree(other, ignore_errors=True)    # what a Blender holds stays: Windows refuses
+    return copy
