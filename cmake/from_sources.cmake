@@ -26,6 +26,8 @@ file(GLOB osd_sources ${osd_folder}/opensubdiv/far/*.cpp ${osd_folder}/opensubdi
 add_library(osdCPU STATIC ${osd_sources} ${osd_folder}/opensubdiv/version.cpp)
 target_include_directories(osdCPU SYSTEM PUBLIC ${osd_folder})
 target_link_libraries(osdCPU PRIVATE rumple_dependency_flags)
+# It has vectors of types that are not yet complete: in C++20 libc++ looks inside of them.
+set_target_properties(osdCPU PROPERTIES CXX_STANDARD 17)
 target_compile_definitions(osdCPU INTERFACE _USE_MATH_DEFINES)
 
 set(openmesh_sources ${openmesh_folder}/src)

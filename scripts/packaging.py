@@ -6,6 +6,7 @@
 
 Times inside the archives are fixed: the same input gives the same bytes.
 """
+import hashlib
 import re
 import sys
 import zipfile
@@ -50,6 +51,7 @@ def zips(installed, out):
     addon = files_below(ADDON) | {"LICENSE": (ROOT / "LICENSE").read_bytes()}
     addon |= {f"shaders/{name}": data for name, data in files_below(ROOT / "shaders").items()}  # see viewport/glsl.py
     libraries = {f"lib/{name}": data for name, data in files_below(installed).items()}  # see native/library.py
+    libraries |= {f"{name}.sha256": hashlib.sha256(data).hexdigest().encode() for name, data in libraries.items()}
     platforms = sorted({name.split("/")[1] for name in libraries})
     for platform in platforms:
         own = {name: data for name, data in libraries.items() if name.startswith(f"lib/{platform}/")}

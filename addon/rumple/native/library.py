@@ -46,9 +46,11 @@ class Library:
         if self.path is not None:
             return
         path = library_file()
-        if platforms.is_locked_when_open():
-            path = platforms.copy_to_load(path)
         try:
+            if platforms.is_damaged(path):
+                raise OSError("file too short or changed")
+            if platforms.is_locked_when_open():
+                path = platforms.copy_to_load(path)
             loaded = ctypes.CDLL(str(path))
         except OSError as error:
             raise NativeMissing(f"Rumple's library is there but cannot be loaded. "

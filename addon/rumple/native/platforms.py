@@ -49,6 +49,13 @@ def why_refused(error: str, path: Path) -> str:
     return "Install Rumple again, with the package for " + here() + "."
 
 
+def is_damaged(path: Path) -> bool:
+    """Whether a library is not the one that was packed: a system that maps a truncated file ends Blender. The
+    package has its digest beside it (scripts/packaging.py); what was built has none."""
+    digest = path.with_name(path.name + ".sha256")
+    return digest.is_file() and digest.read_text().strip() != hashlib.sha256(path.read_bytes()).hexdigest()
+
+
 def is_locked_when_open() -> bool:
     """Windows lets nobody replace or remove a library that is loaded."""
     return sys.platform == "win32"
