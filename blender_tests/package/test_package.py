@@ -1,22 +1,34 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The zips of dist/, installed by Blender itself into a fresh user folder, then used."""
+import hashlib
 import os
 import re
 import subprocess
 import tempfile
+import tomllib
 import unittest
+import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 DIST = HERE.parent.parent / "dist"
 
 
-def the_zip(legacy):
-    found = [path for path in DIST.glob("rumple-*.zip") if ("legacy" in path.name) == legacy]
+PLATFORMS = ("linux-x64", "macos-arm64", "macos-x64", "windows-x64")
+
+
+def the_zip(pattern):
+    found = sorted(path for path in DIST.glob("rumple-*.zip") if re.fullmatch(pattern, path.name))
     if len(found) != 1:
-        kind = "legacy" if legacy else "extension"
-        raise AssertionError(f"expected one {kind} zip in {DIST} (scripts/package), found {found}")
+        raise AssertionError(f"expected one zip {pattern} in {DIST} (scripts/package), found {found}")
     return found[0]
+
+
+LEGACY, ALL = r"rumple-legacy-[\d.]+\.zip", r"rumple-[\d.]+\.zip"
+
+
+def one_platform(name):
+    return rf"rumple-[\d.]+-{name}\.zip"
 
 
 def blender_version():
@@ -43,6 +55,11 @@ class InstalledPackage(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stdout)
         return run.stdout
 
+    def install(self, package):
+        self.blender("--command", "extension", "validate", str(package))
+        self.blender("--command", "extension", "install-file", "-r", "user_default", "-e", str(package))
+        self.use()
+
     def use(self):
         said = self.blender("-b", "--python-exit-code", "1", "--python", str(HERE / "use_addon.py"), "--", self.home)
         self.assertIn("RUMPLE WORKS", said)
@@ -50,12 +67,53 @@ class InstalledPackage(unittest.TestCase):
     def test_extension(self):
         if blender_version() < (4, 2):
             self.skipTest("extensions came with Blender 4.2")
-        package = str(the_zip(legacy=False))
-        self.blender("--command", "extension", "validate", package)
-        self.blender("--command", "extension", "install-file", "-r", "user_default", "-e", package)
-        self.use()
+        self.install(the_zip(one_platform("linux-x64")))
+
+    def test_extension_with_all_platforms(self):
+        if blender_version() < (4, 2):
+            self.skipTest("extensions came with Blender 4.2")
+        self.install(the_zip(ALL))
+
+    def test_extensions_of_other_platforms_are_valid(self):
+        if blender_version() < (4, 2):
+            self.skipTest("extensions came with Blender 4.2")
+        for path in sorted(DIST.glob("rumple-*-*.zip")):
+            if "legacy" not in path.name:
+                self.blender("--command", "extension", "validate", str(path))
 
     def test_legacy(self):
         self.blender("-b", "--python-exit-code", "1", "--python", str(HERE / "install_legacy.py"), "--",
-                     str(the_zip(legacy=True)))
+                     str(the_zip(LEGACY)))
         self.use()
+
+
+class Zips(unittest.TestCase):
+    """What is in them, whatever the Blender."""
+
+    def test_a_platform_has_its_own_library_and_no_other(self):
+        made = [name for name in PLATFORMS if any(DIST.glob(f"rumple-*-{name}.zip"))]
+        self.assertIn("linux-x64", made)
+        for name in made:
+            with zipfile.ZipFile(the_zip(one_platform(name))) as archive:
+                folders = {entry.split("/")[1] for entry in archive.namelist() if entry.startswith("lib/")}
+                manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
+            self.assertEqual((folders, manifest["platforms"]), ({name}, [name]))
+        for pattern, below in ((ALL, "lib/"), (LEGACY, "rumple/lib/")):
+            with zipfile.ZipFile(the_zip(pattern)) as archive:
+                folders = {entry.removeprefix(below).split("/")[0] for entry in archive.namelist()
+                           if entry.startswith(below)}
+            self.assertEqual(folders, set(made))
+
+    def test_every_library_has_its_digest(self):
+        for path in DIST.glob("rumple-*.zip"):
+            with zipfile.ZipFile(path) as archive:
+                libraries = [name for name in archive.namelist() if "lib/" in name and not name.endswith(".sha256")]
+                self.assertTrue(libraries)
+                for name in libraries:
+                    self.assertEqual(archive.read(f"{name}.sha256").decode(),
+                                     hashlib.sha256(archive.read(name)).hexdigest(), f"{path.name}: {name}")
+
+    def test_a_platform_has_at_most_eight_megabytes(self):
+        for path in DIST.glob("rumple-*-*.zip"):
+            if "legacy" not in path.name:
+                self.assertLess(path.stat().st_size, 8e6, path.name)
