@@ -38,8 +38,8 @@ constexpr auto kExponential = coefficients<14>([](int k) { return 1.0 / factoria
 constexpr auto kArcTangent = coefficients<12>([](int k) { return sign(k) / (2 * k + 1); });
 constexpr auto kLogarithm = coefficients<11>([](int k) { return 1.0 / (2 * k + 1); });
 
-// x less n quarter turns, within an eighth of a turn. pi / 2 is the sum of three numbers; the first two have 33
-// bits, so their products with n are exact.
+// x less n quarter turns, within an eighth of a turn. pi / 2 is the sum of three numbers; the first two have
+// 33 bits, so their products with n are exact.
 struct Reduced {
     double angle;
     int quarter;  // n modulo 4

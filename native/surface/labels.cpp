@@ -5,7 +5,9 @@
 // The library moves pointers into a block that realloc() has moved, by their distance from it. g++ 14 at -O3
 // sees the old address used, in code that it has inlined here, and warns although these are system headers.
 #pragma GCC diagnostic push
+#ifndef __clang__
 #pragma GCC diagnostic ignored "-Wuse-after-free"
+#endif
 #include <maxflow.h>
 #pragma GCC diagnostic pop
 
@@ -25,7 +27,8 @@ double square(double x) {
 }
 
 double rest_cost(double a, double b) {
-    return 1.0 - elementary::exp(-square(std::abs(a - 1.0) + std::abs(b - 1.0)) / (2.0 * square(kSigma)));  // (4.4)
+    return 1.0 -
+           elementary::exp(-square(std::abs(a - 1.0) + std::abs(b - 1.0)) / (2.0 * square(kSigma)));  // (4.4)
 }
 
 double dominance_cost(double a, double b) {  // (4.5) as we read it

@@ -201,7 +201,8 @@ class SteepnessTable {
 }  // namespace
 
 Profile sine() {
-    return profile([](float phase) { return elementary::cos(phase); }, [](float phase) { return -elementary::sin(phase); });
+    return profile([](float phase) { return elementary::cos(phase); },
+                   [](float phase) { return -elementary::sin(phase); });
 }
 
 Profile accordion() {

@@ -101,7 +101,8 @@ void live(const Ground& ground, const Settings& settings, double seconds, std::v
     std::vector<Path> left;
     for (Path& path : paths) {
         const float size = std::max(length(ground, path.points), kShortestPath * settings.width);
-        const float most = 0.5f * size * float(elementary::pow(1.0 + settings.growth_limit, 30.0 * seconds) - 1.0);
+        const float most =
+            0.5f * size * float(elementary::pow(1.0 + settings.growth_limit, 30.0 * seconds) - 1.0);
         bool crosses = false;
         update_end(ground, settings, map, most, path.points, crosses);
         std::vector<PathPoint> other_way = reversed(ground.model, path.points);

@@ -88,9 +88,9 @@ TEST(Elementary, HaveTheSameBitsOnEverySystem) {
     };
     for (int i = 0; i < 100000; ++i) {
         const double x = numbers.between(-50.0, 50.0), y = numbers.between(-3.0, 3.0);
-        for (const double value : {elementary::sin(x), elementary::cos(x), elementary::exp(x),
-                                   elementary::log(std::abs(x)), elementary::atan2(y, x),
-                                   elementary::pow(std::abs(x), y), elementary::hypot(x, y)})
+        for (const double value :
+             {elementary::sin(x), elementary::cos(x), elementary::exp(x), elementary::log(std::abs(x)),
+              elementary::atan2(y, x), elementary::pow(std::abs(x), y), elementary::hypot(x, y)})
             add(value);
         add(double(elementary::sin(float(x))));
     }

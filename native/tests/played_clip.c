@@ -375,7 +375,8 @@ int main(int argc, char** argv) {
         for (int frame = 0; frame < FRAMES; ++frame) pose_of(&cushion, frame, clip[frame]);
         play_mesh(triangles ? "wrinkle mesh, triangles" : "wrinkle mesh, polygons", &cushion, threads, false,
                   clip);
-        play_field(triangles ? "wrinkle field, triangles" : "wrinkle field, polygons", &cushion, threads, clip);
+        play_field(triangles ? "wrinkle field, triangles" : "wrinkle field, polygons", &cushion, threads,
+                   clip);
     }
     play_maps("wrinkle maps");
     printf("CLIP %016llx\n", (unsigned long long)hash_of_all);
