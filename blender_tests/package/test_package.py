@@ -3,7 +3,9 @@
 import hashlib
 import os
 import re
+import shutil
 import subprocess
+import sys
 import tempfile
 import tomllib
 import unittest
@@ -112,6 +114,31 @@ class Zips(unittest.TestCase):
                 for name in libraries:
                     self.assertEqual(archive.read(f"{name}.sha256").decode(),
                                      hashlib.sha256(archive.read(name)).hexdigest(), f"{path.name}: {name}")
+
+    @unittest.skipUnless(shutil.which("x86_64-w64-mingw32-objdump"), "there are no tools to look into libraries")
+    def test_a_library_asks_only_for_what_every_machine_has(self):
+        sys.path.insert(0, str(DIST.parent / "scripts"))
+        from library_facts import facts_of
+        of_the_system = {
+            "linux-x64": {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1", "ld-linux-x86-64.so.2"},
+            "windows-x64": {"KERNEL32.dll", "msvcrt.dll"},
+            "macos-arm64": {"/usr/lib/libSystem.B.dylib"}, "macos-x64": {"/usr/lib/libSystem.B.dylib"}}
+        header = "".join(file.read_text() for file in (DIST.parent / "native" / "include" / "rumple").glob("*.h"))
+        promised = set(re.findall(r"\b(rumple_\w+)\(", re.sub(r"//[^\n]*", "", header)))
+        with tempfile.TemporaryDirectory() as home, zipfile.ZipFile(the_zip(ALL)) as archive:
+            archive.extractall(home)
+            for folder in Path(home, "lib").iterdir():
+                file = next(path for path in folder.iterdir() if path.suffix != ".sha256")
+                facts = facts_of(file)
+                self.assertLessEqual(set(facts.needs), of_the_system[folder.name], folder.name)
+                self.assertEqual(set(facts.exports), promised, folder.name)
+                self.assertEqual(facts.faults, [], folder.name)
+                if folder.name == "linux-x64":
+                    self.assertLessEqual(tuple(map(int, facts.system.split()[1].split("."))), (2, 28))
+                if folder.name.startswith("macos"):
+                    self.assertEqual(facts.system, "macOS 11.0")
+                if folder.name == "macos-arm64":
+                    self.assertTrue(facts.signed)
 
     def test_a_platform_has_at_most_eight_megabytes(self):
         for path in DIST.glob("rumple-*-*.zip"):

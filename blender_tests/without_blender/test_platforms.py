@@ -94,7 +94,7 @@ class Refused(unittest.TestCase):
                 ("[WinError 193] %1 is not a valid Win32 application", "made for another system"),
                 ("mach-o file, but is an incompatible architecture (have 'x86_64', need 'arm64')", "another system"),
                 ("[WinError 5] Zugriff verweigert", "virus scanner"),
-                ("Could not find module 'C:\\Ä b\\rumple.dll' (or one of its dependencies).", "Something that it needs"),
+                ("Could not find module 'C:\\Ä b\\rumple.dll' (or one of its dependencies).", "that it needs"),
                 ("[WinError 126] Das angegebene Modul wurde nicht gefunden", "Something that it needs"),
                 ("what nobody has foreseen", "Install Rumple again")):
             self.assertIn(advice, platforms.why_refused(said, path))

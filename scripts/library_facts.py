@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a built library asks of its system, what it exports, and whether it is signed.
+
+    library_facts.py FILE...    of rumple.dll, librumple.so or librumple.dylib, for docs/platforms.md
+
+Package tests compare the facts of what is in the zips with what every machine has.
+"""
+from __future__ import annotations
+
+import re
+import struct
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+@dataclass
+class Facts:
+    needs: list[str] = field(default_factory=list)      # libraries of the system
+    exports: list[str] = field(default_factory=list)    # names, without the underscore of macOS
+    system: str = ""                                    # the oldest one: "glibc 2.28", "macOS 11.0"
+    processor: str = ""
+    signed: bool | None = None                          # macOS: whether it has a signature that covers it
+    faults: list[str] = field(default_factory=list)     # what a system may refuse
+
+
+def facts_of(path: Path) -> Facts:
+    """Raises ValueError where it is no library of the three systems."""
+    head = path.read_bytes()[:4]
+    if head == b"\x7fELF":
+        return _elf(path)
+    if head[:2] == b"MZ":
+        return _windows(path)
+    if head == b"\xcf\xfa\xed\xfe":
+        return _macos(path.read_bytes())
+    raise ValueError(f"{path}: no library of Linux, Windows or macOS")
+
+
+def _output(*command: str) -> str:
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def _elf(path: Path) -> Facts:
+    dynamic, symbols = _output("objdump", "-p", str(path)), _output("objdump", "-T", str(path))
+    versions = [tuple(map(int, version.split("."))) for version in re.findall(r"GLIBC_([\d.]+)", dynamic + symbols)]
+    exports = [line.split()[-1] for line in symbols.splitlines() if "*UND*" not in line and re.match(r"[\da-f]{16}", line)]
+    return Facts(needs=re.findall(r"NEEDED\s+(\S+)", dynamic), exports=exports, processor="x86-64",
+                 system="glibc " + ".".join(map(str, max(versions, default=(0,)))))
+
+
+def _windows(path: Path) -> Facts:
+    said = _output("x86_64-w64-mingw32-objdump", "-p", str(path))
+    table = said[said.index("[Ordinal/Name Pointer] Table"):]
+    return Facts(needs=re.findall(r"DLL Name: (\S+)", said), processor="x86-64", system="Windows",
+                 exports=re.findall(r"^\t\[ *\d+\] (?:\+base\[ *\d+\] +\w+ )?(\w+)$", table.split("\n\n")[0], re.M))
+
+
+def _macos(data: bytes) -> Facts:
+    """Load commands: <mach-o/loader.h>."""
+    processor, _kind, _file, count = struct.unpack_from("<4I", data, 4)
+    facts = Facts(processor={0x0100000C: "arm64", 0x01000007: "x86-64"}.get(processor, hex(processor)), signed=False)
+    at = 32
+    for _ in range(count):
+        command, size = struct.unpack_from("<2I", data, at)
+        if command in (0xC, 0x80000018, 0x8000001F):    # LC_LOAD_DYLIB, weak, re-exported
+            name = at + struct.unpack_from("<I", data, at + 8)[0]
+            facts.needs.append(data[name:data.index(b"\0", name)].decode())
+        elif command == 0x32:       # LC_BUILD_VERSION
+            oldest = struct.unpack_from("<2I", data, at + 8)[1]
+            facts.system = f"macOS {oldest >> 16}.{oldest >> 8 & 255}"
+        elif command == 0x2:        # LC_SYMTAB
+            facts.exports = _macos_exports(data, *struct.unpack_from("<4I", data, at + 8))
+            if struct.unpack_from("<I", data, at + 16)[0] % 8:
+                facts.faults.append("the strings of its symbols are not aligned")
+        elif command == 0x1D:       # LC_CODE_SIGNATURE
+            start, length = struct.unpack_from("<2I", data, at + 8)
+            facts.signed = start + length <= len(data) and data[start:start + 4] == b"\xfa\xde\x0c\xc0"
+        at += size
+    return facts
+
+
+def _macos_exports(data: bytes, symbols: int, count: int, strings: int, _length: int) -> list[str]:
+    names = []
+    for i in range(count):
+        name, kind, section, _description, _value = struct.unpack_from("<IBBHQ", data, symbols + 16 * i)
+        if kind & 0x01 and kind & 0x0E and not kind & 0x10:     # external, defined, not private
+            start = strings + name
+            names.append(data[start:data.index(b"\0", start)].decode().removeprefix("_"))
+    return names
+
+
+if __name__ == "__main__":
+    for file in map(Path, sys.argv[1:]):
+        found = facts_of(file)
+        foreign = [name for name in found.exports if not name.startswith("rumple_")]
+        print(f"{file}: {file.stat().st_size / 1e6:.2f} MB, {found.processor}, {found.system}, needs {found.needs}, "
+              f"exports {len(found.exports)}, of others {len(foreign)} {foreign[:5]}, signed {found.signed}, "
+              f"faults {found.faults}")
