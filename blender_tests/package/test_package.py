@@ -120,7 +120,8 @@ class Zips(unittest.TestCase):
         sys.path.insert(0, str(DIST.parent / "scripts"))
         from library_facts import facts_of
         of_the_system = {
-            "linux-x64": {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1", "ld-linux-x86-64.so.2"},
+            "linux-x64": {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1",
+                          "ld-linux-x86-64.so.2"},
             "windows-x64": {"KERNEL32.dll", "msvcrt.dll"},
             "macos-arm64": {"/usr/lib/libSystem.B.dylib"}, "macos-x64": {"/usr/lib/libSystem.B.dylib"}}
         header = "".join(file.read_text() for file in (DIST.parent / "native" / "include" / "rumple").glob("*.h"))
