@@ -190,8 +190,7 @@ def _engines() -> set[str]:
 def _show_only(low: bpy.types.Object, image: bpy.types.Image) -> bpy.types.Material:
     """One material for all faces, whose active node is the image: there the baker writes."""
     material = bpy.data.materials.new(low.name)
-    if material.node_tree is None:
-        material.use_nodes = True
+    compat.use_nodes(material)
     texture = material.node_tree.nodes.new("ShaderNodeTexImage")
     texture.image = image
     material.node_tree.nodes.active = texture
