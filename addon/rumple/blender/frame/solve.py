@@ -143,7 +143,10 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
     messages.note_unplayed(entry, unplayed, depsgraph.mode == "RENDER")
     if entry.evaluator.HAS_CURVES:
         path_curves.write(obj, entry)
-    return _show(held, entry, picture, depsgraph.mode == "VIEWPORT")
+    written = _show(held, entry, picture, depsgraph.mode == "VIEWPORT")
+    if written:
+        entry.written_at = inputs.frame
+    return written
 
 
 def _solve(entry: Runtime, inputs: Inputs, scene: bpy.types.Scene, sketched: bool) -> engine.Picture | engine.Sketch:
