@@ -19,7 +19,7 @@ AWAY = 1.0  # x of the output object while the coarse mesh is handed on; wrinkle
 
 # Modifiers behind the wrinkles that keep nothing of a mesh they saw: another number of points does not disturb them.
 _KEEP_NOTHING = frozenset((
-    "ARRAY", "BEVEL", "CAST", "DECIMATE", "DISPLACE", "EDGE_SPLIT", "MASK", "MIRROR", "SIMPLE_DEFORM", "SMOOTH",
+    "ARRAY", "BEVEL", "CAST", "DECIMATE", "DISPLACE", "EDGE_SPLIT", "MASK", "MIRROR", "NODES", "SIMPLE_DEFORM", "SMOOTH",
     "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WARP", "WEIGHTED_NORMAL", "WELD", "WIREFRAME"))
 # Modifiers of other objects that count on the points of their target.
 _BOUND_TO_TARGET = frozenset(("EXPLODE", "MESH_DEFORM", "PARTICLE_INSTANCE", "SURFACE_DEFORM"))
@@ -34,7 +34,7 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
         return
     with scheduler.LOCK:
         moving = [(obj, ours) for obj, ours in modifier.wrinkled_objects() if _moved(obj, ours, scene)]
-        if not moving or _has_simulation_zones():
+        if not moving or _nodes_keep_meshes():
             return
         bound = _targets()
         for obj, ours in moving:
@@ -82,7 +82,7 @@ def _targets() -> set[bpy.types.Object]:
     return bound | {modifier.depends_on(obj, wrinkled) for obj in wrinkled}
 
 
-def _has_simulation_zones() -> bool:
-    """Whether any nodes (Blender 3.6 and later) keep what the first pass shows them."""
-    return any(node.bl_idname == "GeometryNodeSimulationOutput"
+def _nodes_keep_meshes() -> bool:
+    """Whether any nodes (Blender 3.6 and later) keep what the first pass would show them."""
+    return any(node.bl_idname in ("GeometryNodeSimulationOutput", "GeometryNodeBake")
                for group in bpy.data.node_groups if group.bl_idname == "GeometryNodeTree" for node in group.nodes)
