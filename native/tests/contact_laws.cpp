@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Laws of contact: the nearest place of a triangle and of a body, and how much room is left under a garment.
+// Laws of contact: the nearest place of a body, and how much room is left under a garment.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,82 +15,6 @@
 
 namespace rumple::tests {
 namespace {
-
-// Numbers in [-1, 1], one after the other.
-class Random {
-  public:
-    explicit Random(std::uint32_t seed) : seed_(seed) {}
-    float next() { return noise(seed_, count_++); }
-    Vec3 vector() {
-        const float x = next(), y = next(), z = next();
-        return {x, y, z};
-    }
-    Vec3 direction() {
-        for (;;) {
-            const Vec3 v = vector();
-            const float length = glm::length(v);
-            if (length > 0.1f && length < 1.0f) return v / length;
-        }
-    }
-
-  private:
-    std::uint32_t seed_, count_ = 0;
-};
-
-TEST(ClosestWeights, NoSampleOfTheTriangleIsNearer) {
-    Random random(1);
-    int corners = 0, edges = 0, insides = 0;
-    for (int i = 0; i < 300; ++i) {
-        const Vec3 a = random.vector(), b = random.vector(), c = random.vector();
-        const Vec3 p = 0.5f * random.vector() + (i % 2 ? (a + b + c) / 3.0f : a);
-        const Vec3 w = closest_weights(p, a, b, c);
-        EXPECT_NEAR(w.x + w.y + w.z, 1.0f, 2e-6f);
-        EXPECT_GE(std::min({w.x, w.y, w.z}), -1e-6f);
-        const int zeros = (w.x < 1e-6f) + (w.y < 1e-6f) + (w.z < 1e-6f);
-        ++(zeros == 2 ? corners : zeros == 1 ? edges : insides);
-        const float found = glm::distance(p, w.x * a + w.y * b + w.z * c);
-        float least = found;
-        constexpr int kSteps = 60;
-        for (int u = 0; u <= kSteps; ++u) {
-            for (int v = 0; u + v <= kSteps; ++v) {
-                const float s = float(u) / kSteps, t = float(v) / kSteps;
-                least = std::min(least, glm::distance(p, (1.0f - s - t) * a + s * b + t * c));
-            }
-        }
-        EXPECT_GE(least, found - 1e-5f) << "triangle " << i;
-    }
-    for (const int count : {corners, edges, insides}) EXPECT_GT(count, 30);
-}
-
-// Two corners in one place, or all three on a line: there was a division of zero by zero, and what is not a
-// number was taken for the nearest of all.
-TEST(ClosestWeights, OfATriangleWithoutAreaAreThoseOfItsLongestSide) {
-    Random random(3);
-    for (int i = 0; i < 100; ++i) {
-        const Vec3 a = random.vector(), b = random.vector(), p = random.vector();
-        const float along = std::clamp(glm::dot(p - a, b - a) / glm::dot(b - a, b - a), 0.0f, 1.0f);
-        const float least = glm::distance(p, a + along * (b - a));
-        const Vec3 middle = 0.5f * (a + b);
-        for (const auto& [q, r, s] :
-             {std::array{a, a, b}, {a, b, a}, {b, a, a}, {a, b, middle}, {middle, a, b}}) {
-            const Vec3 w = closest_weights(p, q, r, s);
-            EXPECT_NEAR(glm::distance(p, w.x * q + w.y * r + w.z * s), least, 1e-4f) << i;
-        }
-        EXPECT_EQ(closest_weights(p, a, a, a), Vec3(1.0f, 0.0f, 0.0f));
-    }
-}
-
-TEST(ClosestWeights, APointOfTheTriangleIsItsOwn) {
-    Random random(2);
-    for (int i = 0; i < 200; ++i) {
-        const Vec3 a = random.vector(), b = random.vector(), c = random.vector();
-        if (glm::length(glm::cross(b - a, c - a)) < 0.3f) continue;  // slivers: the weights are noise
-        const float s = 0.5f + 0.5f * random.next(), t = (1.0f - s) * (0.5f + 0.5f * random.next());
-        const Vec3 w = closest_weights((1.0f - s - t) * a + s * b + t * c, a, b, c);
-        EXPECT_NEAR(w.y, s, 2e-5f);
-        EXPECT_NEAR(w.z, t, 2e-5f);
-    }
-}
 
 // Every triangle, one after the other: those that face away do not count.
 class BruteForce {
@@ -192,7 +116,7 @@ TEST(Collider, TheNearestPlaceIsThatOfAllTrianglesInEveryPoseAndWithAnyHint) {
     EXPECT_GT(found, 500);
     EXPECT_GT(missed, 100);
     EXPECT_GT(on_border, 50);
-    EXPECT_LT(others, found / 10);
+    EXPECT_LT(others, 4 * found / 10);  // with four hints each
 }
 
 // The normals there would lean with the last triangles. What the cloth is over is the end itself.

@@ -19,8 +19,8 @@ AWAY = 1.0  # x of the output object while the coarse mesh is handed on; wrinkle
 
 # Modifiers behind the wrinkles that keep nothing of a mesh they saw: another number of points does not disturb them.
 _KEEP_NOTHING = frozenset((
-    "ARRAY", "BEVEL", "CAST", "DECIMATE", "DISPLACE", "EDGE_SPLIT", "MASK", "MIRROR", "NODES", "SIMPLE_DEFORM", "SMOOTH",
-    "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WARP", "WEIGHTED_NORMAL", "WELD", "WIREFRAME"))
+    "ARRAY", "BEVEL", "CAST", "DECIMATE", "DISPLACE", "EDGE_SPLIT", "MASK", "MIRROR", "NODES", "SIMPLE_DEFORM",
+    "SMOOTH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WARP", "WEIGHTED_NORMAL", "WELD", "WIREFRAME"))
 # Modifiers of other objects that count on the points of their target.
 _BOUND_TO_TARGET = frozenset(("EXPLODE", "MESH_DEFORM", "PARTICLE_INSTANCE", "SURFACE_DEFORM"))
 
