@@ -75,7 +75,7 @@ def _keeps_nothing_behind(obj: bpy.types.Object, ours: bpy.types.NodesModifier) 
 
 
 def _targets() -> set[bpy.types.Object]:
-    """What modifiers of other objects are bound to, and what other garments are solved over as the first pass has it."""
+    """What modifiers of other objects are bound to, and what other garments follow as the first pass has it."""
     bound = {getattr(m, "target", None) or getattr(m, "object", None)
              for obj in bpy.data.objects for m in obj.modifiers if m.type in _BOUND_TO_TARGET}
     wrinkled = [obj for obj, _ours in modifier.wrinkled_objects()]
