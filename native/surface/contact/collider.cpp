@@ -8,7 +8,7 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
-#include "surface/contact/closest_point.h"
+#include "surface/query/closest_point.h"
 
 namespace rumple {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/tolerances.h"
-#include "surface/contact/closest_point.h"
+#include "surface/query/closest_point.h"
 
 namespace rumple {
 
@@ -29,7 +29,7 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
     const Vec3 p = positions_[vertex], normal = normals_.of_vertex[vertex];
     float best = reach * reach;
     found = kNone;
-    Vec3 way(0.0f);
+    Vec3 displacement(0.0f);
     const auto look_at = [&](Index t) {
         if (glm::dot(normals_.of_face[t], normal) > kFacingNormals) return;
         const auto& corner = surface_.triangles_[t];
@@ -41,7 +41,7 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
         if (squared > best || (squared == best && (found == kNone || t >= found))) return;
         best = squared;
         found = t;
-        way = to;
+        displacement = to;
     };
     // No triangle of the node faces the vertex: so it is with all that lies flat around it.
     const auto faces_away = [&](Index node) { return facings_[node].least_along(normal) > kFacingNormals; };
@@ -50,7 +50,7 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
         [&](Index node) { return boxes_[node].squared_distance(p) > best || faces_away(node); }, look_at);
     if (found == kNone) return {};
     const float distance = std::sqrt(best);
-    const Vec3 towards = distance > kSamePlace * reach ? way / distance : -normals_.of_face[found];
+    const Vec3 towards = distance > kSamePlace * reach ? displacement / distance : -normals_.of_face[found];
     return {towards, distance, glm::dot(towards, normal) > 0.0f};
 }
 

@@ -11,7 +11,7 @@
 
 #include "base/array.h"
 #include "surface/contact/posed_triangles.h"
-#include "surface/hierarchy.h"
+#include "surface/query/hierarchy.h"
 
 namespace rumple {
 
