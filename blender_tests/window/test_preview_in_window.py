@@ -111,7 +111,7 @@ class Drawn(PreviewCase):
             yield from self.until_drawn(frame)
             self.assertFalse(self.held().refused)  # drawn while it was made anew
             entry = runtimes.of(self.obj)
-            expected = native.crush_wrinkle_field(
+            expected = native.estimate_waves_wrinkle_field(
                 entry.evaluator.model, entry.evaluator._native_settings(entry.inputs.settings), entry.evaluator._paint,
                 entry.inputs.positions, entry.evaluator.state_of(float(frame)))
             fullness = self.held().drawing.waves.read_waves()[1][:, 2]

@@ -7,9 +7,9 @@
 #include <map>
 #include <optional>
 
-#include "surface/attachments.h"
 #include "surface/cloth/clearance.h"
-#include "surface/contact/closest_point.h"
+#include "surface/output/attachments.h"
+#include "surface/query/closest_point.h"
 #include "tests/contact_bodies.h"
 #include "tests/refusals.h"
 

@@ -206,7 +206,7 @@ class Wrinkles:
             return self._solve(settings, positions, own, same_settings, moment)
         cloth = cloth_of(before)
         if cloth is not None and not same_settings:
-            cloth = cloth.woken()
+            cloth = cloth.activated()
         cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, moment.world_from_object, moment.body,
                                          cloth, not self._keeps_off_bodies(), moment.seconds, moment.surroundings)
         state, report = self._solve(settings, cloth.positions, own, same_settings, replace(moment, cloth=cloth))

@@ -73,7 +73,7 @@ class WrinkleField(Wrinkles):
     def wave_parameters(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
         """(settings, wishes, profile), native, with the paint of the last solve."""
         options = self._native_settings(settings)
-        wave_parameters = native.load().wishes_wrinkle_field(self.model, options, self._paint)
+        wave_parameters = native.load().wave_parameters_wrinkle_field(self.model, options, self._paint)
         return options, wave_parameters, native_profile(settings.profile, self._drawn)
 
     def reference_stretches(self, state: Any, positions: np.ndarray) -> np.ndarray:
@@ -91,7 +91,7 @@ class WrinkleField(Wrinkles):
     def _solve(self, settings: FieldSettings, positions: np.ndarray, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
-            before = before.woken()  # under other settings nothing of it may be held
+            before = before.activated()  # under other settings nothing of it may be held
         return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
                                                  before, **moment.in_time())
 

@@ -252,7 +252,7 @@ class WrinkleMesh(Wrinkles):
     def _solve(self, settings: MeshSettings, positions: np.ndarray, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
-            before = before.woken()  # under other settings nothing of it may be held
+            before = before.activated()  # under other settings nothing of it may be held
         if not self.layer_count:
             return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
                                                     before, moment.world_from_object, **moment.in_time())

@@ -110,7 +110,7 @@ class WrinklePaths(Wrinkles):
     def _sketch(self, settings: PathsSettings, positions: np.ndarray, state: Any, moment: Moment) -> Sketch:
         drawing = native.load().draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
         off = positions - moment.animated if moment.cloth is not None else np.float32(0.0)
-        return Sketch(drawing, drawing.stand_in + off)
+        return Sketch(drawing, drawing.proxy_offset + off)
 
     def _native_settings(self, settings: PathsSettings) -> Any:
         options = native.load().WrinklePathsSettings()

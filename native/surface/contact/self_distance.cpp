@@ -22,7 +22,7 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
     const Vec3Lanes at(p), facing(normal);
     float best = reach * reach;
     found = kNone;
-    Vec3 way(0.0f);
+    Vec3 displacement(0.0f);
     const auto look_at = [&](const PosedPackets::Packet& packet,
                              const PacketHierarchy::Triangles& triangles) {
         const ClosestOfFour closest = closest_of(packet, at);
@@ -36,7 +36,7 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
             if (closest.squared[k] == best && (found == kNone || t >= found)) continue;
             best = closest.squared[k];
             found = t;
-            way = closest.way.at(k);
+            displacement = closest.way.at(k);
         }
     };
     // No triangle of a node faces the vertex: so it is with all that lies flat around it.
@@ -44,7 +44,7 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
     packets_.search(p, best, &none_faces, look_at);
     if (found == kNone) return {};
     const float distance = std::sqrt(best);
-    const Vec3 towards = distance > kSamePlace * reach ? way / distance : -normals_.of_face[found];
+    const Vec3 towards = distance > kSamePlace * reach ? displacement / distance : -normals_.of_face[found];
     return {towards, distance, glm::dot(towards, normal) > 0.0f};
 }
 

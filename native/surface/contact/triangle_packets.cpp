@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "surface/hierarchy.h"
+#include "surface/query/hierarchy.h"
 
 namespace rumple {
 namespace {

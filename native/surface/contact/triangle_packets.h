@@ -9,7 +9,7 @@
 
 #include "base/lanes.h"
 #include "base/tolerances.h"
-#include "surface/contact/closest_point.h"
+#include "surface/query/closest_point.h"
 #include "surface/contact/posed_triangles.h"
 
 namespace rumple {
