@@ -74,6 +74,7 @@ Labels label_frame(const Surface& surface, const ReferenceModel& model, const Re
                    const ReferenceState* state) {
     if (!moment.labels.empty()) return {moment.labels.begin(), moment.labels.end()};
     std::vector<LabelCosts> costs;
+    costs.reserve(changes.size());
     for (const Stretch& change : changes) costs.push_back(label_costs(change));
     if (!moment.next_positions.empty()) {
         std::vector<Vec3> next(pose.positions.size());

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 
 
 class Refused(ValueError):
@@ -26,11 +25,11 @@ class BaseMesh:
     triangle_corner: np.ndarray  # (t, 3) int32, corner indices
     uv: np.ndarray | None = None  # (c, 2) float32 of the UV map that renders use
 
-    def surface(self, weld: bool) -> Any:
+    def surface(self, weld: bool) -> kernels.Surface:
         """The checked native surface. Raises Refused."""
         try:
-            return native.load().build_surface(self.positions, self.polygon_start, self.corner_vertex,
-                                                 self.triangle_corner, weld)
+            return kernels.build_surface(self.positions, self.polygon_start, self.corner_vertex,
+                                         self.triangle_corner, weld)
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
 
@@ -46,7 +45,7 @@ class BaseMesh:
         return float(np.linalg.norm(np.ptp(self.positions, axis=0))) if len(self.positions) else 0.0
 
 
-def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[Any, list[str]]:
+def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[kernels.Surface, list[str]]:
     """The native surface of a base and its warnings. unit_scale: metres per object unit. Raises Refused."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
         raise Refused(f"{base.name}: its scale is zero, so lengths in metres have no meaning")

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 from .base_mesh import Refused
 from .wrinkle_field import WrinkleField
 
@@ -49,6 +49,7 @@ class Hand:
     def move(self, x: float, y: float, pressure: float) -> list[Place]:
         """The places between the last one and here."""
         last = self._last
+        assert last is not None, "move() before press()"
         distance = math.hypot(x - last.x, y - last.y)
         count = int(distance / self.spacing)
         if count == 0:
@@ -86,24 +87,24 @@ class Easel:
         positions = np.ascontiguousarray(positions, np.float32)
         if self.positions is not None and np.array_equal(positions, self.positions):
             return False
-        self._canvas = self._checked(native.load().lay_out_canvas, self.field.model, positions)
+        self._canvas = self._checked(kernels.lay_out_canvas, self.field.model, positions)
         self.positions = positions
         return True
 
     def dab(self, painted: np.ndarray, mirror: bool, **how: Any) -> np.ndarray:
         """The brush set down once: painted anew. how: see rumple_native.apply_dab. Raises Refused."""
         if mirror and self._twins is None:
-            self._twins = native.load().find_twins(self.field.model)
-        return self._checked(native.load().apply_dab, self.field.model, self._canvas, painted,
+            self._twins = kernels.find_twins(self.field.model)
+        return self._checked(kernels.apply_dab, self.field.model, self._canvas, painted,
                              twins=self._twins if mirror else None, **how)
 
     def lines(self, painted: np.ndarray, across: bool) -> tuple[np.ndarray, np.ndarray]:
         """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises Refused."""
-        return self._checked(native.load().draw_rest_wrinkles, self.field.model, self._canvas, painted, across)
+        return self._checked(kernels.draw_rest_wrinkles, self.field.model, self._canvas, painted, across)
 
     def scatter(self, seed: int, density: float, size: float, length: float) -> np.ndarray:
         """Random wrinkles. size: metres. See rumple_native.scatter_rest_wrinkles. Raises Refused."""
-        return self._checked(native.load().scatter_rest_wrinkles, self.field.model, seed, density,
+        return self._checked(kernels.scatter_rest_wrinkles, self.field.model, seed, density,
                              size / self.field.unit_scale, length)
 
     def _checked(self, function: Any, *arguments: Any, **keywords: Any) -> Any:

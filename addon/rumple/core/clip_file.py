@@ -13,7 +13,7 @@ import os
 import struct
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Iterable
+from typing import Any, Iterable
 
 import numpy as np
 
@@ -93,7 +93,7 @@ def points_of(picture: Picture, attributes: tuple[Attribute, ...], before: np.nd
         part = np.array(values[0], np.float32)
         for column, attribute in enumerate(block.attributes):
             if attribute.angle and before is not None:
-                which = slice(None) if attribute.vector else column
+                which: Any = slice(None) if attribute.vector else column
                 part[:, which] = _unwrapped(part[:, which], before[done:done + len(part), which])
         parts.append(part)
         done += len(part)

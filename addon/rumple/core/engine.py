@@ -9,11 +9,11 @@ import hashlib
 import math
 import time
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 from .base_mesh import BaseMesh, Refused
 from .body import Body
 from .cloth import ClothFrame, suggested_follow
@@ -32,11 +32,11 @@ class Moment:
     frame: float
     seconds: float
     world_from_object: np.ndarray | None  # (3, 3) float32, where the system reads it
+    animated: np.ndarray  # (n, 3) what the shown mesh is embedded in
     labels: np.ndarray | None = None  # (t,) uint8, cut for the whole clip: see Wrinkles.look_at_clip()
     next_seconds: float = 0.0  # of the frame to come ...
     next_positions: np.ndarray | None = None  # ... where it is known
     body: Body | None = None  # what cloth stays outside of
-    animated: np.ndarray | None = None  # (n, 3) what the shown mesh is embedded in
     cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
     surroundings: Surroundings = Surroundings()  # where the system reads them
 
@@ -157,7 +157,7 @@ class Wrinkles:
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
         labels = self._seen(frame, positions) if body is None else None
         coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
-        moment = Moment(frame, frame / frame_rate, matrix, labels, *coming, body, positions,
+        moment = Moment(frame, frame / frame_rate, matrix, positions, labels, *coming, body,
                         surroundings=surroundings if swings else Surroundings())
         digest = _digest(chosen, positions, matrix, labels, moment.next_positions, *(body.arrays() if body else ()),
                          *([surroundings.array()] if swings else ()))
@@ -166,7 +166,7 @@ class Wrinkles:
         entry = self.history.get(frame)
         began = time.perf_counter()
         replayed = entry is not None and entry.inputs == digest and (entry.final or not final)
-        if not replayed:
+        if entry is None or not replayed:
             state = before.state if before is not None else None
             state, report = self._solve_over(settings, self._positions_solved(positions), state,
                                              before is not None and before.chosen == chosen, moment)
@@ -174,8 +174,9 @@ class Wrinkles:
             self.history.put(frame, entry)
         solved = time.perf_counter()
         moment = replace(moment, cloth=cloth_of(entry.state))
-        picture = (self._sketch if sketched else self._show)(settings, self.solved_over(frame, positions),
-                                                             system_state(entry.state), moment)
+        show: Callable[..., Any] = self._sketch if sketched else self._show
+        over = self.solved_over(frame, positions)
+        picture: Picture | Sketch = show(settings, over, system_state(entry.state), moment)
         picture.report, picture.replayed = entry.report, replayed
         picture.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
         picture.unplayed = swings and not entry.final
@@ -211,7 +212,7 @@ class Wrinkles:
                                          cloth, not self._keeps_off_bodies(), moment.seconds, moment.surroundings)
         state, report = self._solve(settings, cloth.positions, own, same_settings, replace(moment, cloth=cloth))
         return OnCloth(cloth, state), OnClothReport(cloth.report, report, moment.body is not None,
-                                              settings.base_cloth != "OFF")
+                                                    settings.base_cloth != "OFF")
 
     def _base_cloth(self) -> Stage:
         if self._stage is None:
@@ -227,7 +228,7 @@ class Wrinkles:
     def _picture(self, shown: Any, moment: Moment, **own: np.ndarray) -> Picture:
         """From a native picture of a frame: what was solved over the base cloth is embedded in the animated mesh."""
         if moment.cloth is not None:
-            native.load().embed_frame(self.surface, self.shown, moment.animated, shown)
+            kernels.embed_frame(self.surface, self.shown, moment.animated, shown)
         return Picture.of(shown, **own)
 
     def _frame_before(self, frame: float) -> Entry | None:
@@ -243,7 +244,7 @@ class Wrinkles:
         painted = hashlib.blake2b(digest_size=16)
         for key in sorted(paint):
             painted.update(key.encode())
-            painted.update(np.ascontiguousarray(paint[key], np.float32))
+            painted.update(np.ascontiguousarray(paint[key], np.float32).data)
         chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
         repainted = self._paint is None or painted.digest() != self._painted
         if repainted:
@@ -272,8 +273,8 @@ class Wrinkles:
             return
         times = np.array([frame / frame_rate for frame in clip], np.float64)
         try:
-            labels = native.load().label_clip(self.model, self._native_settings(settings), times,
-                                              np.concatenate(list(clip.values())))
+            labels = kernels.label_clip(self.model, self._native_settings(settings), times,
+                                        np.concatenate(list(clip.values())))
         except ValueError as error:
             raise Refused(f"{self.name}: {error}") from error
         self._clip = {frame: (_digest(b"", positions), row) for (frame, positions), row in zip(clip.items(), labels)}
@@ -304,7 +305,7 @@ class Wrinkles:
         """What a system can say of a stored frame in numbers; None where there is nothing."""
         return None
 
-    def status(self, picture: Picture) -> list[str]:
+    def status(self, picture: Picture | Sketch) -> list[str]:
         """How the solve of a picture went, in lines for the artist."""
         report = picture.report
         if not isinstance(report, OnClothReport):
@@ -379,9 +380,9 @@ class Wrinkles:
 
 def _digest(chosen: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:
     digest = hashlib.blake2b(chosen, digest_size=16)
-    digest.update(positions)
+    digest.update(positions.data)
     for number, values in enumerate(more):
         if values is not None:
             digest.update(bytes([number]))
-            digest.update(np.ascontiguousarray(values))
+            digest.update(np.ascontiguousarray(values).data)
     return digest.digest()

@@ -11,7 +11,7 @@ from typing import Any, Sequence
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 from .base_mesh import Refused
 
 FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
@@ -224,7 +224,7 @@ class PoseComparison:
         """Raises Refused: what check() refuses, bad points, a pose equal to another or to the neutral one."""
         rig.check()
         try:
-            model = native.load().build_wrinkle_maps(
+            model = kernels.build_wrinkle_maps(
                 [bone.name for bone in rig.bones], [bone.tracked for bone in rig.bones], rig.group_numbers(),
                 _flat(rig.neutral), [(pose.name, _flat(pose.bones)) for pose in rig.poses], weights.start,
                 weights.bone, weights.weight)
@@ -278,7 +278,6 @@ class PoseComparison:
     # --- here
     def frame(self, bones: np.ndarray, gain: float | None = None, strength: list[float] | None = None) -> Masks:
         """bones: (b, 6) float32, root space. gain, strength for each pose: the rig's unless given. Raises Refused."""
-        kernels = native.load()
         gain = self.rig.gain if gain is None else gain
         strength = strengths(self.rig.poses) if strength is None else strength
         try:
@@ -292,7 +291,7 @@ class PoseComparison:
 def bones_in_root_space(name: str, root: np.ndarray, bones: np.ndarray) -> np.ndarray:
     """(b, 6) float32 heads and tails into the space of the root bone, (4, 4) in theirs. Raises Refused."""
     try:
-        return native.load().bones_in_root_space(_flat(root), _flat(bones))
+        return kernels.bones_in_root_space(_flat(root), _flat(bones))
     except ValueError as error:
         raise Refused(f"{name}: {error}") from error
 

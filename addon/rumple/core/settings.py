@@ -71,13 +71,14 @@ class AdaptiveRest:
                                 "thirtieth of a second", low=0.0, high=1.0)
     growth: float = setting(1.05, "Growth", "Most length of the reference over the rest shape", low=1.0, high=10.0)
 
+    # self: of a system: rest_shape, stateless and base_cloth are its own.
     @property
-    def adapts(self) -> bool:
+    def adapts(self: Any) -> bool:
         """Whether what is measured against changes with time. Frames on their own have no time: rest pose."""
         return self.rest_shape == "ADAPTIVE" and not self.stateless
 
     @property
-    def sees_ahead(self) -> bool:
+    def sees_ahead(self: Any) -> bool:
         """Whether a bake may look at the whole clip first. What a base cloth will be is not known before it is
         solved."""
         return self.adapts and self.base_cloth == "OFF"
@@ -141,7 +142,7 @@ class ClothSettings:
                           low=0.0, high=10.0, soft=3.0)
 
     @property
-    def swings(self) -> bool:
+    def swings(self: Any) -> bool:  # stateless is the system's
         """Whether the base cloth depends on time. Frames on their own have no time: they hang."""
         return self.base_cloth == "SWING" and not self.stateless
 
@@ -352,8 +353,8 @@ class PathsSettings(AdaptiveRest, ClothSettings):
     source: str = setting("SUBDIVISION", "Fine Mesh", "How the fine mesh is made", choices=FIELD_SOURCES,
                           affects="MESH")
     detail: int = setting(5, "Edges per Fold", "Edges of the fine mesh across the tightest folds, at least. With "
-                        "fewer, crests look sawn; twice as many cost four times the vertices", low=2, high=32,
-                        affects="MESH")
+                          "fewer, crests look sawn; twice as many cost four times the vertices", low=2, high=32,
+                          affects="MESH")
     attachment: str = setting("LIMIT", "Attach To", "The surface that folds ride on", choices=ATTACHMENTS,
                               affects="MESH")
     weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that folds run "
@@ -361,8 +362,9 @@ class PathsSettings(AdaptiveRest, ClothSettings):
     rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=REST_SHAPES,
                               affects="MESH")
 
+    # self: of a system: rest_shape, stateless and base_cloth are its own.
     @property
-    def adapts(self) -> bool:
+    def adapts(self: Any) -> bool:
         return self.reference != "STATIC_REST" and not self.stateless
 
     def structural(self) -> dict[str, Any]:

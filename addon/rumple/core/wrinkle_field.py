@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 from .base_mesh import BaseMesh, Refused, checked_surface
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Wrinkles
 from .settings import FieldSettings
@@ -32,7 +32,7 @@ def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
 
 def native_profile(kind: str, drawn: np.ndarray | None) -> Any:
     """The native table of f and df/dphi. drawn: PROFILE_INTERVALS + 1 heights in -1..1 for kind CURVE."""
-    return native.load().WrinkleFieldProfile(kind, drawn if kind == "CURVE" else None)
+    return kernels.WrinkleFieldProfile(kind, drawn if kind == "CURVE" else None)
 
 
 class WrinkleField(Wrinkles):
@@ -54,7 +54,7 @@ class WrinkleField(Wrinkles):
         longest = settings.wavelength / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         try:
-            model = native.load().build_wrinkle_field(
+            model = kernels.build_wrinkle_field(
                 surface, output=settings.output, uv=base.uv if settings.output == "SHADING" else None,
                 source=settings.source, level=min(math.ceil(finer), MOST_LEVEL), longest_edge=longest / unit_scale,
                 most_vertices=MOST_VERTICES, attachment=settings.attachment)
@@ -73,33 +73,33 @@ class WrinkleField(Wrinkles):
     def wave_parameters(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
         """(settings, wishes, profile), native, with the paint of the last solve."""
         options = self._native_settings(settings)
-        wave_parameters = native.load().wishes_wrinkle_field(self.model, options, self._paint)
+        wave_parameters = kernels.wishes_wrinkle_field(self.model, options, self._paint)
         return options, wave_parameters, native_profile(settings.profile, self._drawn)
 
     def reference_stretches(self, state: Any, positions: np.ndarray) -> np.ndarray:
         """(w, 3) of every welded vertex in the pose of a WrinkleFieldState; empty unless the rest shape adapts."""
-        return native.load().reference_stretches(self.model, state, positions)
+        return kernels.reference_stretches(self.model, state, positions)
 
     def _reads_time(self, settings: FieldSettings) -> bool:
         return settings.adapts
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         self._drawn = paint.get("profile")
-        return native.load().WrinkleFieldPaint(
+        return kernels.WrinkleFieldPaint(
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != "profile"})
 
     def _solve(self, settings: FieldSettings, positions: np.ndarray, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
-        return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
-                                                 before, **moment.in_time())
+        return kernels.solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
+                                           before, **moment.in_time())
 
     def _show(self, settings: FieldSettings, positions: np.ndarray, state: Any,
               moment: Moment) -> Picture:
-        shown = native.load().show_wrinkle_field(self.model, self._native_settings(settings),
-                                                 native_profile(settings.profile, self._drawn), self._paint, positions,
-                                                 state, None if moment.cloth is None else moment.cloth.gap)
+        shown = kernels.show_wrinkle_field(self.model, self._native_settings(settings),
+                                           native_profile(settings.profile, self._drawn), self._paint, positions,
+                                           state, None if moment.cloth is None else moment.cloth.gap)
         own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
         nothing = np.zeros((len(self.corner_vertex), 3), np.float32)
         corners = {PHASE: shown.corner_phase, WEIGHT: shown.corner_weight,
@@ -110,7 +110,7 @@ class WrinkleField(Wrinkles):
         return self._picture(shown, moment, **own)
 
     def _native_settings(self, settings: FieldSettings) -> Any:
-        options = native.load().WrinkleFieldSettings()
+        options = kernels.WrinkleFieldSettings()
         for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed", "keep_length", "dissolve"):
             setattr(options, name, getattr(settings, name))
         options.aligned_start = settings.start == "ALIGNED"

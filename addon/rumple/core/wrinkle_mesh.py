@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 from .base_mesh import BaseMesh, Refused, checked_surface
 from .body import Body
 from .cloth import length_over_cotton, size_factor
@@ -74,7 +74,7 @@ LEAST_OPENINGS = 2  # of a garment: a head has one
 def suits_cloth(base: BaseMesh) -> bool:
     """Whether a mesh looks like a garment by its shape: it has openings to put it on through."""
     try:
-        return native.load().count_openings(base.surface(True)) >= LEAST_OPENINGS
+        return kernels.count_openings(base.surface(True)) >= LEAST_OPENINGS
     except ValueError:
         return False  # what is wrong with it is said where it is built
 
@@ -101,7 +101,7 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     if not dense or settings.density != "WAVELENGTH" or settings.base_cloth == "OFF":
         return None
     try:
-        return native.load().build_coarse(surface, spacing / unit_scale)
+        return kernels.build_coarse(surface, spacing / unit_scale)
     except ValueError:
         return None
 
@@ -118,6 +118,9 @@ class WrinkleMesh(Wrinkles):
 
     fitting_length = staticmethod(fitting_wavelength)
 
+    edge_mean: float  # of the fine mesh, metres
+    level: int  # its subdivisions
+    finest_share: float  # of the strength of the last layer
     layer_count = 0  # 0: one mesh, as in the paper
     coarse: Any = None  # native: stands for a dense base
     transfer: Any = None  # native: what shows the layers on it then
@@ -139,7 +142,7 @@ class WrinkleMesh(Wrinkles):
             return cls._build_layers(base, settings, surface, warnings, unit_scale)
         level = settings.level if settings.density == "LEVEL" else level_for(base, settings.wavelength, unit_scale)
         try:
-            model = native.load().build_wrinkle_mesh(
+            model = kernels.build_wrinkle_mesh(
                 surface, source=settings.source, level=level, segments=settings.segments,
                 longest_edge=settings.edge_length / unit_scale, most_vertices=MOST_VERTICES, own=own_surface,
                 attached=None if attached is None else np.ascontiguousarray(attached, np.uint8),
@@ -147,11 +150,12 @@ class WrinkleMesh(Wrinkles):
                 display_steps=settings.display_steps, adaptive=settings.rest_shape == "ADAPTIVE")
         except ValueError as error:
             raise Refused(f"{base.name}: {error}") from error
-        if own_surface is not None:
+        if own is not None and own_surface is not None:
             warnings += [f"{own.name}: {w}" for w in own_surface.warnings]
             if attached is not None and not attached.all():
                 warnings.append(f"{own.name}: {int((~attached.astype(bool)).sum())} vertices are not attached")
-        mesh = cls(base, own if own_surface is not None else base, surface, model, warnings, unit_scale)
+        source = own if own is not None and own_surface is not None else base
+        mesh = cls(base, source, surface, model, warnings, unit_scale)
         mesh.edge_mean, mesh.level = float(model.local_edge.mean()) * unit_scale, level
         return mesh
 
@@ -165,8 +169,8 @@ class WrinkleMesh(Wrinkles):
         if settings.density == "WAVELENGTH":
             level, share = layers_for(edge, settings.wavelength)
         try:
-            model = native.load().build_wrinkle_layers(surface if coarse is None else coarse.surface, level,
-                                                       settings.display_steps if coarse is None else 0, MOST_VERTICES)
+            model = kernels.build_wrinkle_layers(surface if coarse is None else coarse.surface, level,
+                                                 settings.display_steps if coarse is None else 0, MOST_VERTICES)
             mesh = cls(base, base, surface, model, warnings, unit_scale)
             if coarse is not None:
                 mesh._show_on_dense(coarse, settings)
@@ -181,7 +185,7 @@ class WrinkleMesh(Wrinkles):
         steps = round(halvings(self.base.mean_edge() * self.unit_scale, settings.wavelength)) + settings.display_steps
         level = max(steps - settings.display_steps, 0)
         self.coarse, self.solved_surface = coarse, coarse.surface
-        build = functools.partial(native.load().build_wrinkle_transfer, self.surface, coarse, self.model, level,
+        build = functools.partial(kernels.build_wrinkle_transfer, self.surface, coarse, self.model, level,
                                   most_vertices=MOST_VERTICES)
         self.transfer = build(max(steps - level, 0))
         if self.transfer.shown.vertex_count < len(self.base.positions):
@@ -218,8 +222,8 @@ class WrinkleMesh(Wrinkles):
         entry = self.history.get(frame)
         if entry is None or self._paint is None or isinstance(entry.state, OnCloth) or self.layer_count:
             return None
-        return native.load().measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                                  entry.state)
+        return kernels.measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
+                                            entry.state)
 
     def worn_surface(self, frame: float) -> Body | None:
         state = self.wrinkles_of(frame)
@@ -246,19 +250,19 @@ class WrinkleMesh(Wrinkles):
         ours = {name: values for name, values in paint.items()
                 if name in ("radius", "prestretch", "bending", "inside", *words)}
         if self.layer_count:
-            return native.load().WrinkleLayersPaint(self.model, ours, words)
-        return native.load().WrinkleMeshPaint(self.model, ours)
+            return kernels.WrinkleLayersPaint(self.model, ours, words)
+        return kernels.WrinkleMeshPaint(self.model, ours)
 
     def _solve(self, settings: MeshSettings, positions: np.ndarray, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
         if not self.layer_count:
-            return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                                    before, moment.world_from_object, **moment.in_time())
+            return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
+                                              before, moment.world_from_object, **moment.in_time())
         layers = layer_settings(settings, self.layer_count, self.finest_share)
-        return native.load().solve_wrinkle_layers(self.model, layers, self._paint, positions, state=before,
-                                                  **self._contact(settings, moment))
+        return kernels.solve_wrinkle_layers(self.model, layers, self._paint, positions, state=before,
+                                            **self._contact(settings, moment))
 
     def _contact(self, settings: MeshSettings, moment: Moment) -> dict[str, Any]:
         """What keeps layers off what is worn under the base cloth."""
@@ -267,25 +271,25 @@ class WrinkleMesh(Wrinkles):
             return {}
         base_cloth = self._base_cloth().cloth
         collider = base_cloth.collider(moment.body)
-        if collider is None:
+        if collider is None or moment.body is None:
             return dict(gap=cloth.gap)
         return dict(gap=cloth.gap, collider=collider, body_positions=moment.body.positions, body_hint=cloth.body_hint,
                     thickness=base_cloth.thickness(settings))
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
         if self.coarse is not None:
-            return Picture.of(native.load().show_wrinkle_transfer(self.transfer, self.coarse, self.model,
-                                                                  moment.animated, state))
+            return Picture.of(kernels.show_wrinkle_transfer(self.transfer, self.coarse, self.model,
+                                                            moment.animated, state))
         if self.layer_count:
-            return Picture.of(native.load().show_wrinkle_layers(self.model, moment.animated, positions, state))
-        shown = native.load().show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
-                                                moment.world_from_object)
+            return Picture.of(kernels.show_wrinkle_layers(self.model, moment.animated, positions, state))
+        shown = kernels.show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
+                                          moment.world_from_object)
         return self._picture(shown, moment)
 
 
 def native_settings(settings: MeshSettings) -> Any:
     """The native solver's settings: the fields of the same name."""
-    options = native.load().WrinkleMeshSettings()
+    options = kernels.WrinkleMeshSettings()
     for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "buckling_threshold",
                  "compression_limit", "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge",
                  "seed"):

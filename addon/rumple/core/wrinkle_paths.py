@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 from .base_mesh import BaseMesh, Refused, checked_surface
 from .cloth import size_factor
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Sketch, Wrinkles
@@ -56,7 +56,7 @@ class WrinklePaths(Wrinkles):
         longest = settings.width / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         try:
-            model = native.load().build_wrinkle_paths(
+            model = kernels.build_wrinkle_paths(
                 surface, source=settings.source, level=min(math.ceil(finer), MOST_LEVEL),
                 longest_edge=longest / unit_scale, most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
@@ -72,15 +72,15 @@ class WrinklePaths(Wrinkles):
         return lines
 
     def curves(self, frame: float, positions: np.ndarray, settings: PathsSettings) -> Any:
-        return native.load().ride_wrinkle_paths(self.model, self._native_settings(settings),
-                                                self.solved_over(frame, positions), self.wrinkles_of(frame), positions)
+        return kernels.ride_wrinkle_paths(self.model, self._native_settings(settings),
+                                          self.solved_over(frame, positions), self.wrinkles_of(frame), positions)
 
     def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
         1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
         state, positions = self.wrinkles_of(frame), self.solved_over(frame, positions)
         corners = positions[self.base.corner_vertex[self.base.triangle_corner]]
-        return corners, state.labels, native.load().wrinkle_path_ellipses(self.model, positions, state)
+        return corners, state.labels, kernels.wrinkle_path_ellipses(self.model, positions, state)
 
     def curve_points(self, settings: PathsSettings) -> float:
         """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
@@ -95,25 +95,25 @@ class WrinklePaths(Wrinkles):
         return True
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        return native.load().WrinklePathsPaint(self.model, paint)
+        return kernels.WrinklePathsPaint(self.model, paint)
 
     def _solve(self, settings: PathsSettings, positions: np.ndarray, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
-        return native.load().solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, positions,
-                                                 state=before, **moment.in_time())
+        return kernels.solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, positions,
+                                           state=before, **moment.in_time())
 
     def _show(self, settings: PathsSettings, positions: np.ndarray, state: Any,
               moment: Moment) -> Picture:
-        shown = native.load().show_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+        shown = kernels.show_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
         return self._picture(shown, moment, rumple_height=shown.height)
 
     def _sketch(self, settings: PathsSettings, positions: np.ndarray, state: Any, moment: Moment) -> Sketch:
-        drawing = native.load().draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+        drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
         off = positions - moment.animated if moment.cloth is not None else np.float32(0.0)
         return Sketch(drawing, drawing.stand_in + off)
 
     def _native_settings(self, settings: PathsSettings) -> Any:
-        options = native.load().WrinklePathsSettings()
+        options = kernels.WrinklePathsSettings()
         for name in ("smoothing", "threshold", "reach", "spacing", "alignment", "hem_rings", "growth_limit", "fade",
                      "seed", "height", "direction", "profile"):
             setattr(options, name, getattr(settings, name))

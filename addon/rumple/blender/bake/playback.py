@@ -80,7 +80,8 @@ class Playback:
 
     def _solve(self, frame: int, subframe: float) -> tuple[engine.Picture, np.ndarray]:
         entry = self._visit(frame, subframe)
-        if entry.picture is None or entry.inputs is None or abs(entry.inputs.frame - frame - subframe) > 1e-3:
+        if (not isinstance(entry.picture, engine.Picture) or entry.inputs is None
+                or abs(entry.inputs.frame - frame - subframe) > 1e-3):
             raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: is the modifier off?")
         return entry.picture, entry.inputs.positions
 

@@ -19,6 +19,7 @@ from ..scheduler import LOCK
 from ..viewport import preview
 from . import clip_status, path_curves
 
+
 def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Solve what this depsgraph shows. Never raises."""
     if not scheduler.may_process(depsgraph):
@@ -148,9 +149,9 @@ def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.typ
 
 def _solve(entry: Runtime, inputs: Inputs, scene: bpy.types.Scene, sketched: bool) -> engine.Picture | engine.Sketch:
     return entry.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
-                                  start=scene.frame_start, world_from_object=inputs.world_from_object,
-                                  frame_rate=inputs.frame_rate, sketched=sketched, body=inputs.body,
-                                  surroundings=inputs.surroundings)
+                                       start=scene.frame_start, world_from_object=inputs.world_from_object,
+                                       frame_rate=inputs.frame_rate, sketched=sketched, body=inputs.body,
+                                       surroundings=inputs.surroundings)
 
 
 def show_fine_meshes() -> None:

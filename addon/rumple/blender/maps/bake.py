@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Iterator
+from typing import Generator, Iterator
 
 import bpy
 import numpy as np
@@ -50,7 +50,7 @@ class MapBake:
     def count(self) -> int:
         return 3 * len(self.poses)
 
-    def steps(self) -> Iterator[str]:
+    def steps(self) -> Generator[str, None, None]:
         """Yields before each step what it does. Raises Refused."""
         for number in self.poses:
             pose = self.obj.rumple_maps.poses[number]
@@ -130,7 +130,7 @@ class MapBake:
     def _frozen(self, copy: bpy.types.Object) -> bpy.types.Object:
         depsgraph = self.context.evaluated_depsgraph_get()
         mesh = bpy.data.meshes.new_from_object(copy.evaluated_get(depsgraph), preserve_all_data_layers=True,
-                                              depsgraph=depsgraph)
+                                               depsgraph=depsgraph)
         frozen = bpy.data.objects.new(copy.name, mesh)
         frozen.matrix_world = copy.matrix_world
         return frozen

@@ -55,7 +55,7 @@ def write_weights(held: bpy.types.Object, comparison: PoseComparison, gain: floa
     for number, lifts in enumerate(packed(comparison.lifts(gain, strength))):
         for column in range(ROW):
             compat.write_attribute(held.data, maps_mask_tree.WEIGHTS.format(number, column), "FLOAT_VECTOR", "POINT",
-                                     table.weight[:, column, None] * lifts[table.vertex])
+                                   table.weight[:, column, None] * lifts[table.vertex])
     held.data.update()
 
 

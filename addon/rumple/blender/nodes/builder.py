@@ -2,11 +2,13 @@
 """Geometry nodes by code: what every tree of ours is written with."""
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from .. import compat
 
-Socket = bpy.types.NodeSocket
+Socket: Any = bpy.types.NodeSocket
 
 
 class GeometryNodes:

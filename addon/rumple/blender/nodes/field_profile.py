@@ -11,7 +11,7 @@ import hashlib
 import bpy
 import numpy as np
 
-from ... import native
+from ...native import kernels
 from ...core import engine, wrinkle_field
 from .. import compat
 
@@ -53,7 +53,7 @@ def heights(obj: bpy.types.Object) -> np.ndarray:
         raise engine.Refused(f"{obj.name}: its profile curve is gone: choose another profile and Curve again")
     mapping = curve.mapping
     mapping.initialize()
-    places = np.linspace(0.0, 1.0, native.load().PROFILE_INTERVALS + 1)
+    places = np.linspace(0.0, 1.0, kernels.PROFILE_INTERVALS + 1)
     drawn = [mapping.evaluate(mapping.curves[0], float(place)) for place in places]
     return np.clip(2.0 * np.array(drawn, np.float32) - 1.0, -1.0, 1.0)
 

@@ -218,5 +218,5 @@ def _connections(mesh: bpy.types.Mesh) -> bytes:
     """A digest of what is connected to what."""
     counts = (len(mesh.vertices), len(mesh.polygons), len(mesh.loops))
     digest = hashlib.blake2b(repr(counts).encode(), digest_size=16)
-    digest.update(compat.corner_vertices(mesh))
+    digest.update(compat.corner_vertices(mesh).data)
     return digest.digest()

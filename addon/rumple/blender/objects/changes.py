@@ -68,8 +68,6 @@ def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
     return keys
 
 
-
-
 def note_drawn_profile(obj: bpy.types.Object) -> None:
     """Called by the panel that shows the curve: editing a curve tells nobody."""
     entry = runtimes.of(obj)

@@ -93,7 +93,7 @@ def _wants_own_mesh(settings: Any) -> bool:
     return getattr(settings, "source", "") == "OBJECT"
 
 
-def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attached: object, settings: Any,
+def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attached: np.ndarray | None, settings: Any,
                        unit_scale: float) -> str:
     digest = hashlib.sha1(mesh_reader.shape_fingerprint(base).encode())
     if own is not None:

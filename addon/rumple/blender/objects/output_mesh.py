@@ -71,8 +71,8 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> bool:
         return False
     stored = np.stack([compat.read_attribute(mesh.attributes[name])[:, 0] for name in wrinkle_tree.CORNERS], 1)
     weights = compat.read_attribute(mesh.attributes[wrinkle_tree.BARYCENTRIC])
-    return np.array_equal(stored, fine.triangle_vertex) and np.array_equal(weights[:, :2], fine.barycentric,
-                                                                              equal_nan=True)
+    return (np.array_equal(stored, fine.triangle_vertex)
+            and np.array_equal(weights[:, :2], fine.barycentric, equal_nan=True))
 
 
 def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tuple[engine.Attribute, ...]) -> None:
@@ -90,7 +90,7 @@ def write_proxy(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
         return
     if known is None or bool(known.data[0].value) != uses_proxy:
         compat.write_attribute(mesh, wrinkle_tree.SHOWS_PROXY, "INT", "POINT",
-                                 np.full(len(mesh.vertices), uses_proxy, np.int32))
+                               np.full(len(mesh.vertices), uses_proxy, np.int32))
     if uses_proxy:
         padded = np.zeros((len(mesh.vertices), 3), np.float32)  # the fine mesh has at least as many vertices
         padded[:len(ways)] = ways

@@ -74,7 +74,7 @@ def _settings_group(method: str, **others: Any) -> type:
                 {"__annotations__": annotations, "__doc__": system.settings.__doc__})
 
 
-def preset_items(system: System) -> tuple[tuple[str, str, str], ...]:
+def preset_items(system: System) -> tuple[tuple[str, str, str, str, int], ...]:
     """The presets of a system as Blender's enums have them."""
     return tuple((key, preset.label, preset.tip, "NONE", preset.number) for key, preset in system.presets.items())
 

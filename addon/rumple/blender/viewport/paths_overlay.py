@@ -13,6 +13,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 from mathutils import Matrix
 
+from ...core.wrinkle_paths import WrinklePaths
 from .. import compat, scheduler
 from ..objects import mesh_reader, modifier, runtimes
 
@@ -96,7 +97,9 @@ def _batch(key: int, entry: runtimes.Runtime) -> Any:
     if held is None or held[0] is not inputs:
         import gpu  # not at the top: it needs a window in 3.4
         from gpu_extras.batch import batch_for_shader
-        points, colours, triangles = faces(*entry.evaluator.labels_and_ellipses(inputs.frame, inputs.positions))
+        fine = entry.evaluator
+        assert isinstance(fine, WrinklePaths)
+        points, colours, triangles = faces(*fine.labels_and_ellipses(inputs.frame, inputs.positions))
         shader = gpu.shader.from_builtin(compat.SMOOTH_COLOR_SHADER)
         held = _drawn[key] = inputs, batch_for_shader(shader, "TRIS", dict(pos=points, color=colours),
                                                       indices=triangles)

@@ -11,6 +11,7 @@ import bpy
 import gpu
 import numpy as np
 
+from ...core.wrinkle_field import WrinkleField
 from ..objects import runtimes
 from . import glsl, gpu_arrays
 from .gpu_arrays import Pass, Target, read, upload
@@ -207,6 +208,7 @@ class Drawing:
         the same frame and up to the clip's first frame it takes over the engine's state.
         """
         inputs, fine = entry.inputs, entry.evaluator
+        assert isinstance(fine, WrinkleField)
         if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
             self.waves.set_wave_parameters(*fine.wave_parameters(inputs.settings))
         goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
@@ -220,8 +222,8 @@ class Drawing:
             self.waves.wake()
         state = fine.wrinkles_of(inputs.frame) if inputs.settings.adapts else None
         positions = fine.solved_over(inputs.frame, inputs.positions)
-        self.waves.pose(*self._model.weld_pose(positions),
-                        fine.reference_stretches(state, positions) if state is not None else None)
+        welded, normals = self._model.weld_pose(positions)
+        self.waves.pose(welded, normals, fine.reference_stretches(state, positions) if state is not None else None)
         self.waves.crush()
         self.waves.relax(inputs.settings.rounds if goes_on else 0)
         self.waves.dissolve()
