@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painting rest-pose wrinkles for whoever has arrays: the way of the hand, and the surface under it. Never imports bpy.
+"""Painting rest-pose wrinkles on plain arrays: the path of the stroke, and the surface under it. Never imports bpy.
 
 A painted value is a tangent vector of the rest pose, across the folds, shorter than 1; v and -v mean the same.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The base cloth for whoever has arrays: the coarse mesh becomes cloth around its animation. Never imports bpy."""
+"""The base cloth on plain arrays: the coarse mesh becomes cloth around its animation. Never imports bpy."""
 from __future__ import annotations
 
 import functools

@@ -78,7 +78,7 @@ class Wrinkles:
         self._stage: Stage | None = None
         self._cloth_paint: dict[str, np.ndarray] = {}
 
-    # --- the shown mesh, for whoever makes the carrier
+    # --- the shown mesh, for the output object
     @property
     def vertex_count(self) -> int:
         return self.shown.vertex_count

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a solved frame hands to whoever shows it. Never imports bpy."""
+"""The result of a solved frame. Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Mesh for whoever has arrays: prepare and evaluate. Never imports bpy."""
+"""The Wrinkle Mesh on plain arrays: prepare and evaluate. Never imports bpy."""
 from __future__ import annotations
 
 import functools
@@ -83,7 +83,7 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     """Settings of a garment that becomes cloth: folds as wide as the fabric and the wearer's size make them, lengths
     in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest."""
     scale = size_factor(base.diagonal(), unit_scale)
-    # The base cloth holds collars and cuffs; a hem that bears no folds is a ring, with folds gathered above it.
+    # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
     return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
                 wavelength=float(f"{CLOTH_WAVELENGTH * scale:.2g}"),
                 room=float(f"{ClothSettings.room * scale:.2g}"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Paths for whoever has arrays: prepare and evaluate. Never imports bpy."""
+"""The Wrinkle Paths on plain arrays: prepare and evaluate. Never imports bpy."""
 from __future__ import annotations
 
 import math

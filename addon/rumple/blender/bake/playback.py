@@ -15,7 +15,7 @@ from ..viewport import preview
 
 
 class BakeError(RuntimeError):
-    """Why a bake cannot be made or go on, in words."""
+    """Why a bake cannot be made or continued: a message for the artist."""
 
 
 class Playback:

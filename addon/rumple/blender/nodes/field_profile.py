@@ -2,7 +2,7 @@
 """The profile that an artist draws: half a wave, from crest (left) to valley (right).
 
 Blender has curves in nodes only, so one lives in a hidden node group, pointed to by object.rumple.profile_curve.
-Editing it tells nobody: the panel that shows it compares it with what is in use whenever it is drawn.
+Blender reports no edits of it: the panel that shows it compares it with what is in use whenever it is drawn.
 """
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
 
 
 def note_drawn_profile(obj: bpy.types.Object) -> None:
-    """Called by the panel that shows the curve: editing a curve tells nobody."""
+    """Called by the panel that shows the curve: Blender reports no edits of curves."""
     entry = runtimes.of(obj)
     used = entry.paint.get("profile") if entry.paint is not None else None
     if used is not None and not np.array_equal(used, field_profile.heights(obj)):
