@@ -181,7 +181,7 @@ class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
     bl_idname = "object.rumple_scatter"
     bl_label = "Scatter Rest Wrinkles"
 
-    seed: bpy.props.IntProperty(name="Seed", default=0, min=0, description="Of the random numbers: another seed gives other wrinkles")
+    seed: bpy.props.IntProperty(name="Seed", default=0, min=0, description="Another seed gives other wrinkles")
     density: bpy.props.FloatProperty(name="Density", default=0.4, min=0.0, max=1.0, subtype="FACTOR",
                                      description="Share of the mesh's points that wrinkle")
     size: bpy.props.FloatProperty(name="Size", default=0.1, min=0.0001, soft_max=1.0, max=100.0, subtype="DISTANCE",

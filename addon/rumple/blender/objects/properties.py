@@ -147,9 +147,9 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                                     "follow fast turns")
     bake_whole_clip: bpy.props.BoolProperty(name="Whole Clip", default=True, options=set(), override=_OVERRIDE,
                                             update=_changed("BAKE"),
-                                            description="Analyse the whole clip before it is solved: where the rest shape "
-                                                        "changes is then chosen for all frames at once, not frame by "
-                                                        "frame as in playback")
+                                            description="Analyse the whole clip before it is solved: how the rest "
+                                                        "shape changes is then chosen for all frames at once, not "
+                                                        "frame by frame as in playback")
     bake_folder: bpy.props.StringProperty(name="Folder", options=set(), override=_OVERRIDE, subtype="DIR_PATH",
                                           description="Where baked clips go. Empty: the folder rumple beside the file")
     message: bpy.props.StringProperty(name="Message", get=_message,

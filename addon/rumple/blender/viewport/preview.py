@@ -4,7 +4,8 @@
 All of it happens in a viewport draw handler: in the main thread, with a drawing context. What a system draws is in
 preview_field.py and preview_paths.py. Off in background mode and while a render runs.
 
-The waves of a Wrinkle Field are drawn over Blender's own triangles, from the last solved state; the solver does not depend on it.
+The waves of a Wrinkle Field are drawn over Blender's own triangles, from the last solved state; the solver does not
+depend on it.
 The folds of Wrinkle Paths change the shape: while all viewports draw them (uses_proxy()), the handlers leave out the
 fine mesh, and Blender has a coarse mesh just under the drawn surface, for depth, outlines and clicks.
 """
