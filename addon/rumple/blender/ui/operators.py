@@ -115,14 +115,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 class _OnWaves(ui_base.OnWrinkled):
     """Operators for the materials of an object with a Wrinkle Field."""
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not super().poll(context):
-            return False
-        waves = context.object.rumple.method == "FIELD"
-        if not waves:
-            cls.poll_message_set("Only the Wrinkle Field is drawn by materials")
-        return waves
+    method, other_method = "FIELD", "Only the Wrinkle Field is drawn by materials"
 
 
 class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):

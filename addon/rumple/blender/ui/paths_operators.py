@@ -19,14 +19,7 @@ from ..ui_base import OnWrinkled
 class OnPaths(OnWrinkled):
     """Operators for an object with Wrinkle Paths."""
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not super().poll(context):
-            return False
-        paths = context.object.rumple.method == "PATHS"
-        if not paths:
-            cls.poll_message_set("Only for Wrinkle Paths")
-        return paths
+    method, other_method = "PATHS", "Only for Wrinkle Paths"
 
 
 class OBJECT_OT_rumple_width_from_height(OnPaths, bpy.types.Operator):

@@ -10,12 +10,12 @@ from typing import Any, Iterator
 
 import bpy
 import numpy as np
-from bpy.app.handlers import persistent
 from mathutils import Matrix
 
 from ...core.wrinkle_paths import WrinklePaths
 from .. import compat, scheduler
 from ..objects import mesh_reader, modifier, runtimes
+from .draw_handler import DrawHandler
 
 # By label: being compressed, at rest, being stretched.
 COLOURS = np.array(((0.10, 0.30, 1.0), (0.10, 0.65, 0.20), (1.0, 0.12, 0.10)), np.float32)
@@ -24,7 +24,6 @@ FACE_ALPHA, ELLIPSE_ALPHA = 0.5, 0.9
 CORNERS = 16  # of an ellipse
 NEARER = 0.02  # share of the way to the viewer that it is drawn nearer, so that folds do not hide it
 
-_handle: Any = None
 _drawn: dict[int, tuple[runtimes.Inputs, Any]] = {}  # by session key: what the batch was made from, the batch
 _complaint = ""
 
@@ -126,22 +125,5 @@ def _draw(obj: bpy.types.Object, batch: Any) -> None:
 
 
 # ---------------------------------------------------------------- registration
-@persistent
-def _on_load(*_arguments: object) -> None:
-    _drawn.clear()
-
-
-def register() -> None:
-    global _handle
-    if not bpy.app.background:
-        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw_guarded, (), "WINDOW", "POST_VIEW")
-        bpy.app.handlers.load_pre.append(_on_load)
-
-
-def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-        bpy.app.handlers.load_pre.remove(_on_load)
-        _handle = None
-    _drawn.clear()
+handler = DrawHandler(_draw_guarded, _drawn.clear)
+register, unregister = handler.add, handler.remove

@@ -18,12 +18,12 @@ from typing import Any, Callable, Iterator, Protocol
 import bpy
 import gpu
 import numpy as np
-from bpy.app.handlers import persistent
 from mathutils import Matrix
 
 from .. import compat, scheduler
 from ..objects import messages, modifier, runtimes
 from . import gpu_arrays, preview_field, preview_paths, studio_light
+from .draw_handler import DrawHandler
 
 # How much nearer than Blender's own triangles ours lie: a share of the distance, or of the object's size. Enough for
 # the differences of depth that its anti-aliasing makes, less than the thickness of a lined coat at arm's length.
@@ -75,7 +75,6 @@ class _OnGpu:
 
 
 _on_gpu: dict[int, _OnGpu] = {}  # by session key
-_handle: Any = None
 _pauses = 0
 
 
@@ -110,7 +109,7 @@ def uses_proxy(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
 
     Never in background mode; in the main thread.
     """
-    if _handle is None or _pauses or obj.rumple.method != "PATHS" or not _is_wanted(obj, ours):
+    if not handler.added or _pauses or obj.rumple.method != "PATHS" or not _is_wanted(obj, ours):
         return False
     held = _on_gpu.get(compat.session_key(obj))
     if held is not None and held.refused:
@@ -256,24 +255,5 @@ def _block(obj: bpy.types.Object, view: Matrix, projection: Matrix, lights: stud
 
 
 # ---------------------------------------------------------------- registration
-@persistent
-def _on_load(*_arguments: object) -> None:
-    _clear()
-
-
-def register() -> None:
-    """Nothing in background mode: there is no viewport, and the gpu module crashes 3.4 there."""
-    global _handle
-    if bpy.app.background:
-        return
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
-    bpy.app.handlers.load_pre.append(_on_load)
-
-
-def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-        bpy.app.handlers.load_pre.remove(_on_load)
-        _handle = None
-    _clear()
+handler = DrawHandler(_draw, _clear)
+register, unregister = handler.add, handler.remove
