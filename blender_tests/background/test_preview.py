@@ -31,8 +31,8 @@ class Background(unittest.TestCase):
         obj = sleeve.scene(wrinkles=False)
         bpy.ops.object.rumple_add(method="FIELD")
         sleeve.play(1, 5)
-        stored = runtimes.of(obj).evaluator.history.frames()
+        stored = runtimes.of(obj).evaluator.frame_cache.frames()
         obj.rumple.field.gpu_preview = True
         sleeve.at(5)
-        self.assertEqual(runtimes.of(obj).evaluator.history.frames(), stored)
+        self.assertEqual(runtimes.of(obj).evaluator.frame_cache.frames(), stored)
         self.assertGreaterEqual(len(stored), 5)

@@ -10,7 +10,7 @@ import numpy as np
 from ..native import kernels
 
 
-class Refused(ValueError):
+class UserError(ValueError):
     """Bad input, in a sentence for the artist that names the object and the first bad element."""
 
 
@@ -26,12 +26,12 @@ class BaseMesh:
     uv: np.ndarray | None = None  # (c, 2) float32 of the UV map that renders use
 
     def surface(self, weld: bool) -> kernels.Surface:
-        """The checked native surface. Raises Refused."""
+        """The checked native surface. Raises UserError."""
         try:
             return kernels.build_surface(self.positions, self.polygon_start, self.corner_vertex,
                                          self.triangle_corner, weld)
         except ValueError as error:
-            raise Refused(f"{self.name}: {error}") from error
+            raise UserError(f"{self.name}: {error}") from error
 
     def mean_edge(self) -> float:
         """Mean length of the polygons' sides, object units."""
@@ -46,8 +46,8 @@ class BaseMesh:
 
 
 def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[kernels.Surface, list[str]]:
-    """The native surface of a base and its warnings. unit_scale: metres per object unit. Raises Refused."""
+    """The native surface of a base and its warnings. unit_scale: metres per object unit. Raises UserError."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
-        raise Refused(f"{base.name}: its scale is zero, so lengths in metres have no meaning")
+        raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning")
     surface = base.surface(weld)
     return surface, [f"{base.name}: {warning}" for warning in surface.warnings]

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import Refused
+from .base_mesh import UserError
 from .wrinkle_field import WrinkleField
 
 SPACING = 0.25  # of the brush's radius, from dab to dab
@@ -83,7 +83,7 @@ class Easel:
         return self.field.base.corner_vertex[self.field.base.triangle_corner]
 
     def pose(self, positions: np.ndarray) -> bool:
-        """Take another pose, (n, 3). True when it is another. Raises Refused."""
+        """Take another pose, (n, 3). True when it is another. Raises UserError."""
         positions = np.ascontiguousarray(positions, np.float32)
         if self.positions is not None and np.array_equal(positions, self.positions):
             return False
@@ -92,18 +92,18 @@ class Easel:
         return True
 
     def dab(self, painted: np.ndarray, mirror: bool, **how: Any) -> np.ndarray:
-        """The brush set down once: painted anew. how: see rumple_native.apply_dab. Raises Refused."""
+        """The brush set down once: painted anew. how: see rumple_native.apply_dab. Raises UserError."""
         if mirror and self._twins is None:
             self._twins = kernels.find_twins(self.field.model)
         return self._checked(kernels.apply_dab, self.field.model, self._canvas, painted,
                              twins=self._twins if mirror else None, **how)
 
     def lines(self, painted: np.ndarray, across: bool) -> tuple[np.ndarray, np.ndarray]:
-        """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises Refused."""
+        """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises UserError."""
         return self._checked(kernels.draw_rest_wrinkles, self.field.model, self._canvas, painted, across)
 
     def scatter(self, seed: int, density: float, size: float, length: float) -> np.ndarray:
-        """Random wrinkles. size: metres. See rumple_native.scatter_rest_wrinkles. Raises Refused."""
+        """Random wrinkles. size: metres. See rumple_native.scatter_rest_wrinkles. Raises UserError."""
         return self._checked(kernels.scatter_rest_wrinkles, self.field.model, seed, density,
                              size / self.field.unit_scale, length)
 
@@ -111,4 +111,4 @@ class Easel:
         try:
             return function(*arguments, **keywords)
         except ValueError as error:
-            raise Refused(f"{self.name}: {error}") from error
+            raise UserError(f"{self.name}: {error}") from error

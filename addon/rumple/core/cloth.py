@@ -36,7 +36,7 @@ class ClothFrame:
     body_hint: np.ndarray  # (n,) int32: a triangle of the body near it, or -1; (0,) without a body
     state: Any
     report: Any
-    moment: "SwingMoment | None" = None  # of cloth that swings
+    frame_input: "SwingInput | None" = None  # of cloth that swings
 
     @property
     def nbytes(self) -> int:
@@ -44,11 +44,11 @@ class ClothFrame:
 
     def woken(self) -> "ClothFrame | None":
         """For a solve with other settings: what hangs starts anew, what swings keeps its motion."""
-        return replace(self, state=self.state.woken()) if self.moment is not None else None
+        return replace(self, state=self.state.woken()) if self.frame_input is not None else None
 
 
 @dataclass
-class SwingMoment:
+class SwingInput:
     """When and where cloth that swings was solved."""
 
     seconds: float
@@ -88,9 +88,10 @@ class BaseCloth:
                  before.state if before is not None else None)
         if settings.base_cloth != "SWING":
             return ClothFrame(*kernels.solve_base_cloth(self.model, options, *frame))
-        moment = SwingMoment(seconds, world_from_object, np.array(surroundings.location, np.float64))
-        swing = self._swing(settings, object_from_world, moment, surroundings, before.moment if before else None)
-        return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame), moment)
+        frame_input = SwingInput(seconds, world_from_object, np.array(surroundings.location, np.float64))
+        swing = self._swing(settings, object_from_world, frame_input, surroundings, before.frame_input if before
+                            else None)
+        return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame), frame_input)
 
     def collider(self, body: Body | None) -> Any:
         """The native collider of a body, built once for its triangles; None for none."""
@@ -112,8 +113,8 @@ class BaseCloth:
         values = paint if "follow" in paint else {**paint, "follow": self._suggest(up)}
         self._paint, self._painted, self._up = kernels.BaseClothPaint(self.model, values), paint, up
 
-    def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingMoment,
-               surroundings: Surroundings, before: SwingMoment | None) -> Any:
+    def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,
+               surroundings: Surroundings, before: SwingInput | None) -> Any:
         """As the native solver takes it. The stiffness is per mass: mass counts against the air only."""
         options = kernels.BaseClothSwing()
         options.longest_step = THIRTIETH / settings.substeps

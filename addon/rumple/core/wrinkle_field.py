@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, Refused, checked_surface
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Wrinkles
+from .base_mesh import BaseMesh, UserError, checked_surface
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, Wrinkles
 from .settings import FieldSettings
 
 # What the shader node group reads (../blender/nodes/field_shader.py).
@@ -20,7 +20,7 @@ U_GRADIENT, V_GRADIENT = "rumple_u_gradient", "rumple_v_gradient"
 MOST_LEVEL = 5
 
 
-def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
+def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     """Distance from fold to fold, in metres, that suits a mesh as it is; two significant digits.
 
     Two edges of the mesh: the direction of the waves is known at its vertices only, and finer waves would show
@@ -45,11 +45,11 @@ class WrinkleField(Wrinkles):
         *(Attribute(name, True, "CORNER") for name in VECTORS),
         Attribute(U_GRADIENT, True, "CORNER"), Attribute(V_GRADIENT, True, "CORNER"))
 
-    fitting_length = staticmethod(fitting_wavelength)
+    suggested_length = staticmethod(suggested_wavelength)
 
     @classmethod
     def build(cls, base: BaseMesh, settings: FieldSettings, *, unit_scale: float = 1.0) -> "WrinkleField":
-        """Bind the waves to the base. unit_scale: metres per object unit. Raises Refused."""
+        """Bind the waves to the base. unit_scale: metres per object unit. Raises UserError."""
         surface, warnings = checked_surface(base, settings.weld, unit_scale)
         longest = settings.wavelength / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
@@ -59,7 +59,7 @@ class WrinkleField(Wrinkles):
                 source=settings.source, level=min(math.ceil(finer), MOST_LEVEL), longest_edge=longest / unit_scale,
                 most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
-            raise Refused(f"{base.name}: {error}") from error
+            raise UserError(f"{base.name}: {error}") from error
         return cls(base, base, surface, model, warnings, unit_scale)
 
     def _status(self, report: Any) -> list[str]:
@@ -89,17 +89,17 @@ class WrinkleField(Wrinkles):
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != "profile"})
 
     def _solve(self, settings: FieldSettings, positions: np.ndarray, before: Any, same_settings: bool,
-               moment: Moment) -> tuple[Any, Any]:
+               frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
         return kernels.solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
-                                           before, **moment.in_time())
+                                           before, **frame_input.in_time())
 
     def _show(self, settings: FieldSettings, positions: np.ndarray, state: Any,
-              moment: Moment) -> Picture:
+              frame_input: FrameInput) -> FrameResult:
         shown = kernels.show_wrinkle_field(self.model, self._native_settings(settings),
                                            native_profile(settings.profile, self._drawn), self._paint, positions,
-                                           state, None if moment.cloth is None else moment.cloth.gap)
+                                           state, None if frame_input.cloth is None else frame_input.cloth.gap)
         own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
         nothing = np.zeros((len(self.corner_vertex), 3), np.float32)
         corners = {PHASE: shown.corner_phase, WEIGHT: shown.corner_weight,
@@ -107,7 +107,7 @@ class WrinkleField(Wrinkles):
                    U_GRADIENT: shown.corner_u_gradient, V_GRADIENT: shown.corner_v_gradient}
         # Displaced in shape, or without a UV map: nothing left for the shader to do.
         own.update({name: values if len(values) else nothing for name, values in corners.items()})
-        return self._picture(shown, moment, **own)
+        return self._result(shown, frame_input, **own)
 
     def _native_settings(self, settings: FieldSettings) -> Any:
         options = kernels.WrinkleFieldSettings()

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, Refused, checked_surface
+from .base_mesh import BaseMesh, UserError, checked_surface
 from .body import Body
 from .cloth import length_over_cotton, size_factor
-from .engine import MOST_VERTICES, Moment, Picture, Wrinkles
+from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
 from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
 
@@ -53,7 +53,7 @@ def wavelength_of(base: BaseMesh, level: int, unit_scale: float) -> float:
     return base.mean_edge() * unit_scale * EDGES_PER_WAVELENGTH / 2**level
 
 
-def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
+def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     """Fold width, in metres, that suits a mesh as it is: level 2, or less where that would be too heavy to play.
 
     Two significant digits, so that the slider shows a round number. The default of a doll, a giant or a dense mesh.
@@ -116,7 +116,7 @@ def upward_axis(world_from_object: np.ndarray) -> str:
 class WrinkleMesh(Wrinkles):
     """A fine mesh that is solved over the base: one, or several layers, over a base cloth or the animated mesh."""
 
-    fitting_length = staticmethod(fitting_wavelength)
+    suggested_length = staticmethod(suggested_wavelength)
 
     edge_mean: float  # of the fine mesh, metres
     level: int  # its subdivisions
@@ -132,10 +132,10 @@ class WrinkleMesh(Wrinkles):
         """Make the fine mesh and bind it.
 
         unit_scale: metres per object unit. own: the artist's mesh at rest, in the base's object space.
-        attached: (n,) bool per vertex of own. Raises Refused.
+        attached: (n,) bool per vertex of own. Raises UserError.
         """
         if settings.source == "OBJECT" and own is None:
-            raise Refused(f"{base.name}: choose your own fine mesh first")
+            raise UserError(f"{base.name}: choose your own fine mesh first")
         surface, warnings = checked_surface(base, settings.weld, unit_scale)
         own_surface = own.surface(False) if own is not None and settings.source == "OBJECT" else None
         if settings.layered:
@@ -149,7 +149,7 @@ class WrinkleMesh(Wrinkles):
                 farthest=FARTHEST_OWN * base.diagonal(), attachment=settings.attachment,
                 display_steps=settings.display_steps, adaptive=settings.rest_shape == "ADAPTIVE")
         except ValueError as error:
-            raise Refused(f"{base.name}: {error}") from error
+            raise UserError(f"{base.name}: {error}") from error
         if own is not None and own_surface is not None:
             warnings += [f"{own.name}: {w}" for w in own_surface.warnings]
             if attached is not None and not attached.all():
@@ -175,7 +175,7 @@ class WrinkleMesh(Wrinkles):
             if coarse is not None:
                 mesh._show_on_dense(coarse, settings)
         except ValueError as error:
-            raise Refused(f"{base.name}: {error}") from error
+            raise UserError(f"{base.name}: {error}") from error
         mesh.layer_count, mesh.level, mesh.finest_share = level + 1, level, share
         mesh.edge_mean = float(model.local_edge(level).mean()) * unit_scale
         return mesh
@@ -219,11 +219,11 @@ class WrinkleMesh(Wrinkles):
     def measure_frame(self, frame: float, positions: np.ndarray, settings: MeshSettings) -> Any:
         """Edge errors, areas and violations of a stored frame; None when it is not stored, or has a base cloth or
         layers."""
-        entry = self.history.get(frame)
-        if entry is None or self._paint is None or isinstance(entry.state, OnCloth) or self.layer_count:
+        cached = self.frame_cache.get(frame)
+        if cached is None or self._paint is None or isinstance(cached.state, OnCloth) or self.layer_count:
             return None
         return kernels.measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                            entry.state)
+                                            cached.state)
 
     def worn_surface(self, frame: float) -> Body | None:
         state = self.wrinkles_of(frame)
@@ -247,44 +247,45 @@ class WrinkleMesh(Wrinkles):
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         words = layer_words(self.layer_count) if self.layer_count else []
-        ours = {name: values for name, values in paint.items()
-                if name in ("radius", "prestretch", "bending", "inside", *words)}
+        factors = {name: values for name, values in paint.items()
+                   if name in ("radius", "prestretch", "bending", "inside", *words)}
         if self.layer_count:
-            return kernels.WrinkleLayersPaint(self.model, ours, words)
-        return kernels.WrinkleMeshPaint(self.model, ours)
+            return kernels.WrinkleLayersPaint(self.model, factors, words)
+        return kernels.WrinkleMeshPaint(self.model, factors)
 
     def _solve(self, settings: MeshSettings, positions: np.ndarray, before: Any, same_settings: bool,
-               moment: Moment) -> tuple[Any, Any]:
+               frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.woken()  # under other settings nothing of it may be held
         if not self.layer_count:
             return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                              before, moment.world_from_object, **moment.in_time())
+                                              before, frame_input.world_from_object, **frame_input.in_time())
         layers = layer_settings(settings, self.layer_count, self.finest_share)
         return kernels.solve_wrinkle_layers(self.model, layers, self._paint, positions, state=before,
-                                            **self._contact(settings, moment))
+                                            **self._contact(settings, frame_input))
 
-    def _contact(self, settings: MeshSettings, moment: Moment) -> dict[str, Any]:
+    def _contact(self, settings: MeshSettings, frame_input: FrameInput) -> dict[str, Any]:
         """What keeps layers off what is worn under the base cloth."""
-        cloth = moment.cloth
+        cloth = frame_input.cloth
         if cloth is None:
             return {}
         base_cloth = self._base_cloth().cloth
-        collider = base_cloth.collider(moment.body)
-        if collider is None or moment.body is None:
+        collider = base_cloth.collider(frame_input.body)
+        if collider is None or frame_input.body is None:
             return dict(gap=cloth.gap)
-        return dict(gap=cloth.gap, collider=collider, body_positions=moment.body.positions, body_hint=cloth.body_hint,
+        return dict(gap=cloth.gap, collider=collider, body_positions=frame_input.body.positions,
+                    body_hint=cloth.body_hint,
                     thickness=base_cloth.thickness(settings))
 
-    def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
+    def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, frame_input: FrameInput) -> FrameResult:
         if self.coarse is not None:
-            return Picture.of(kernels.show_wrinkle_transfer(self.transfer, self.coarse, self.model,
-                                                            moment.animated, state))
+            return FrameResult.of(kernels.show_wrinkle_transfer(self.transfer, self.coarse, self.model,
+                                                                frame_input.animated, state))
         if self.layer_count:
-            return Picture.of(kernels.show_wrinkle_layers(self.model, moment.animated, positions, state))
+            return FrameResult.of(kernels.show_wrinkle_layers(self.model, frame_input.animated, positions, state))
         shown = kernels.show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
-                                          moment.world_from_object)
-        return self._picture(shown, moment)
+                                          frame_input.world_from_object)
+        return self._result(shown, frame_input)
 
 
 def native_settings(settings: MeshSettings) -> Any:

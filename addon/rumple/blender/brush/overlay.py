@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...core.engine import Refused
+from ...core.engine import UserError
 from .. import compat
 from ..viewport.draw_handler import DrawHandler
 from . import canvas as brush_canvas
@@ -60,7 +60,7 @@ def _draw_guarded() -> None:
         _draw(bpy.context)
         _complaint = ""
     except Exception as error:
-        text = "" if isinstance(error, Refused) else f"Rumple: the overlay cannot be drawn: {error!r}"
+        text = "" if isinstance(error, UserError) else f"Rumple: the overlay cannot be drawn: {error!r}"
         if text and text != _complaint:
             print(text)
         _complaint = text

@@ -145,10 +145,10 @@ class _Status(_Maps):
     bl_label = "Status"
 
     def draw(self, context: bpy.types.Context) -> None:
-        entry = maps_runtimes.of(self.object(context))
-        lines = list(entry.notes)
-        if entry.comparison is not None:
-            model = entry.comparison.model
+        runtime = maps_runtimes.of(self.object(context))
+        lines = list(runtime.notes)
+        if runtime.comparison is not None:
+            model = runtime.comparison.model
             lines.insert(0, f"{model.bone_count} bones, {model.pose_count} poses, {model.vertex_count} vertices")
         for line in lines:
             for number, part in enumerate(wrapped(line)):

@@ -47,10 +47,10 @@ def node(obj: bpy.types.Object) -> bpy.types.Node | None:
 
 
 def heights(obj: bpy.types.Object) -> np.ndarray:
-    """The drawn heights, -1 (valley) to 1 (crest), for the kernel. Raises engine.Refused."""
+    """The drawn heights, -1 (valley) to 1 (crest), for the kernel. Raises engine.UserError."""
     curve = node(obj)
     if curve is None:
-        raise engine.Refused(f"{obj.name}: its profile curve is gone: choose another profile and Curve again")
+        raise engine.UserError(f"{obj.name}: its profile curve is gone: choose another profile and Curve again")
     mapping = curve.mapping
     mapping.initialize()
     places = np.linspace(0.0, 1.0, kernels.PROFILE_INTERVALS + 1)

@@ -52,8 +52,8 @@ def changes_topology(modifier: bpy.types.Modifier) -> bool:
 
 def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
     """The first modifier in front of the wrinkles (or of where they would stand) that changes the topology."""
-    ours = find(obj)
-    last = list(obj.modifiers).index(ours) if ours is not None else place_behind_deforming(obj)
+    nodes_mod = find(obj)
+    last = list(obj.modifiers).index(nodes_mod) if nodes_mod is not None else place_behind_deforming(obj)
     return next((m for m in list(obj.modifiers)[:last] if changes_topology(m)), None)
 
 

@@ -200,14 +200,14 @@ class Drawing:
         self._slots: np.ndarray | None = None  # material slot of every triangle
         self._batches: dict[int, gpu.types.GPUBatch] = {}
 
-    def update(self, obj: bpy.types.Object, entry: runtimes.Runtime, before: runtimes.Inputs | None,
+    def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
         """All stages but the last.
 
         Where the engine solves a frame from the one before, the GPU does so by itself; after a jump, after a change at
         the same frame and up to the clip's first frame it takes over the engine's state.
         """
-        inputs, fine = entry.inputs, entry.evaluator
+        inputs, fine = runtime.inputs, runtime.evaluator
         assert isinstance(fine, WrinkleField)
         if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
             self.waves.set_wave_parameters(*fine.wave_parameters(inputs.settings))
