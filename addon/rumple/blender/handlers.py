@@ -44,7 +44,7 @@ def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     kept_lists.forget_all()
-    # All updates are read before anything is made anew: the depsgraph goes on listing the copy of a mesh that was
+    # All updates are read before anything is made again: the depsgraph goes on listing the copy of a mesh that was
     # removed since, and what it is the copy of is freed memory then.
     for system in (changes, maps_changes):
         system.note_updates(depsgraph)

@@ -2,11 +2,26 @@
 """Geometry nodes by code: what every tree of ours is written with."""
 from __future__ import annotations
 
+from typing import Any, Iterable
+
 import bpy
 
 from .. import compat
 
-Socket = bpy.types.NodeSocket
+Socket: Any = bpy.types.NodeSocket
+
+
+def empty_modifier_group(group: bpy.types.NodeTree, inputs: Iterable[tuple[str, str]]) -> None:
+    """Remove the nodes of a modifier's group and add the sockets that it lacks: a geometry goes out. inputs: names and
+    socket types. Sockets that are there stay, so that modifiers keep their values."""
+    group.nodes.clear()
+    present = compat.group_sockets(group, "INPUT")
+    for name, socket_type in inputs:
+        if name not in present:
+            compat.new_group_socket(group, name, "INPUT", socket_type)
+    if not compat.group_sockets(group, "OUTPUT"):
+        compat.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
+    compat.mark_as_modifier(group)
 
 
 class GeometryNodes:

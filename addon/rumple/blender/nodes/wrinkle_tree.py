@@ -39,7 +39,7 @@ from ...core import clip_file
 from ...core.engine import Attribute
 from ...core.systems import SYSTEMS, System
 from .. import compat
-from .builder import GeometryNodes
+from .builder import GeometryNodes, empty_modifier_group
 
 VERSION = 6  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
@@ -88,14 +88,7 @@ def upgrade(group: bpy.types.NodeTree) -> bool:
     """Rebuild the nodes of an older version in place, so that modifiers keep their inputs."""
     if group[VERSION_KEY] == VERSION or not compat.is_editable(group):
         return False
-    group.nodes.clear()
-    present = compat.group_sockets(group, "INPUT")
-    for name, socket_type in _INPUTS:
-        if name not in present:
-            compat.new_group_socket(group, name, "INPUT", socket_type)
-    if not compat.group_sockets(group, "OUTPUT"):
-        compat.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
-    compat.mark_as_modifier(group)
+    empty_modifier_group(group, _INPUTS)
     _Builder(group, system(group).wrinkles.ATTRIBUTES).build()
     group[VERSION_KEY] = VERSION
     return True
