@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Paths for whoever has arrays: prepare and evaluate. Never imports bpy."""
+"""The Wrinkle Paths on plain arrays: prepare and evaluate. Never imports bpy."""
 from __future__ import annotations
 
 import math
@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from .. import native
-from .base_mesh import BaseMesh, Refused, checked_surface
+from ..native import kernels
+from .base_mesh import BaseMesh, UserError, checked_surface
 from .cloth import size_factor
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Sketch, Wrinkles
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
 from .settings import PathsSettings
 
 MOST_LEVEL = 5
@@ -24,7 +24,7 @@ def width_of_height(height: float, percent: float) -> float:
     return float(f"{0.01 * percent * height:.3g}")
 
 
-def fitting_width(base: BaseMesh, unit_scale: float) -> float:
+def suggested_width(base: BaseMesh, unit_scale: float) -> float:
     """Width of the tightest folds, in metres, that suits a mesh as it is; two significant digits."""
     edge = base.mean_edge() * unit_scale
     return float(f"{0.7 * edge:.2g}") if edge > 0.0 else PathsSettings.width
@@ -36,7 +36,7 @@ CLOTH_THRESHOLD = 1.1  # a base cloth spreads what skinning crushes in one place
 
 def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
     """Settings of a garment that becomes cloth, beside those of the base cloth. Two significant digits."""
-    width = max(fitting_width(base, unit_scale), CLOTH_WIDTH * size_factor(base.diagonal(), unit_scale))
+    width = max(suggested_width(base, unit_scale), CLOTH_WIDTH * size_factor(base.diagonal(), unit_scale))
     return dict(threshold=CLOTH_THRESHOLD, width=float(f"{width:.2g}"))
 
 
@@ -44,23 +44,23 @@ class WrinklePaths(Wrinkles):
     """Folds traced over the base, on a fine mesh."""
 
     ATTRIBUTES = (*COMMON_ATTRIBUTES, Attribute("rumple_height"))
-    FITTING = "width"
+    SUGGESTED = "width"
     HAS_CURVES = True
 
-    fitting_length = staticmethod(fitting_width)
+    suggested_length = staticmethod(suggested_width)
 
     @classmethod
     def build(cls, base: BaseMesh, settings: PathsSettings, *, unit_scale: float = 1.0) -> "WrinklePaths":
-        """Make the fine mesh and bind it. unit_scale: metres per object unit. Raises Refused."""
+        """Make the fine mesh and bind it. unit_scale: metres per object unit. Raises UserError."""
         surface, warnings = checked_surface(base, settings.weld, unit_scale)
         longest = settings.width / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         try:
-            model = native.load().build_wrinkle_paths(
+            model = kernels.build_wrinkle_paths(
                 surface, source=settings.source, level=min(math.ceil(finer), MOST_LEVEL),
                 longest_edge=longest / unit_scale, most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
-            raise Refused(f"{base.name}: {error}") from error
+            raise UserError(f"{base.name}: {error}") from error
         return cls(base, base, surface, model, warnings, unit_scale)
 
     def _status(self, report: Any) -> list[str]:
@@ -72,15 +72,15 @@ class WrinklePaths(Wrinkles):
         return lines
 
     def curves(self, frame: float, positions: np.ndarray, settings: PathsSettings) -> Any:
-        return native.load().ride_wrinkle_paths(self.model, self._native_settings(settings),
-                                                self.solved_over(frame, positions), self.wrinkles_of(frame), positions)
+        return kernels.ride_wrinkle_paths(self.model, self._native_settings(settings),
+                                          self.solved_over(frame, positions), self.wrinkles_of(frame), positions)
 
     def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
         1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
         state, positions = self.wrinkles_of(frame), self.solved_over(frame, positions)
         corners = positions[self.base.corner_vertex[self.base.triangle_corner]]
-        return corners, state.labels, native.load().wrinkle_path_ellipses(self.model, positions, state)
+        return corners, state.labels, kernels.wrinkle_path_ellipses(self.model, positions, state)
 
     def curve_points(self, settings: PathsSettings) -> float:
         """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
@@ -95,25 +95,26 @@ class WrinklePaths(Wrinkles):
         return True
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        return native.load().WrinklePathsPaint(self.model, paint)
+        return kernels.WrinklePathsPaint(self.model, paint)
 
     def _solve(self, settings: PathsSettings, positions: np.ndarray, before: Any, same_settings: bool,
-               moment: Moment) -> tuple[Any, Any]:
-        return native.load().solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, positions,
-                                                 state=before, **moment.in_time())
+               frame_input: FrameInput) -> tuple[Any, Any]:
+        return kernels.solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, positions,
+                                           state=before, **frame_input.in_time())
 
     def _show(self, settings: PathsSettings, positions: np.ndarray, state: Any,
-              moment: Moment) -> Picture:
-        shown = native.load().show_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
-        return self._picture(shown, moment, rumple_height=shown.height)
+              frame_input: FrameInput) -> FrameResult:
+        shown = kernels.show_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+        return self._result(shown, frame_input, rumple_height=shown.height)
 
-    def _sketch(self, settings: PathsSettings, positions: np.ndarray, state: Any, moment: Moment) -> Sketch:
-        drawing = native.load().draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
-        off = positions - moment.animated if moment.cloth is not None else np.float32(0.0)
-        return Sketch(drawing, drawing.stand_in + off)
+    def _preview(self, settings: PathsSettings, positions: np.ndarray, state: Any,
+                 frame_input: FrameInput) -> PreviewFrame:
+        drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+        off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
+        return PreviewFrame(drawing, drawing.proxy_offset + off)
 
     def _native_settings(self, settings: PathsSettings) -> Any:
-        options = native.load().WrinklePathsSettings()
+        options = kernels.WrinklePathsSettings()
         for name in ("smoothing", "threshold", "reach", "spacing", "alignment", "hem_rings", "growth_limit", "fade",
                      "seed", "height", "direction", "profile"):
             setattr(options, name, getattr(settings, name))

@@ -20,6 +20,7 @@ class WrinkleMeshLayers(Model):
     """Wrinkle Meshes, one on the other. Made by build_wrinkle_layers."""
 
     __slots__ = ("base",)
+    base: Surface
     POINTER, FREE = c.WrinkleLayersPointer, "rumple_wrinkle_layers_free"
     VIEW, LOOK = c.WrinkleLayersView, "rumple_wrinkle_layers_get_view"
     SHOWN = "rumple_wrinkle_layers_shown"
@@ -85,9 +86,9 @@ class WrinkleLayersState(Handle):
         lib.rumple_wrinkle_layers_state_get_layer(self, layer, view)
         return lent(self, view.offset, FLOAT, (view.offset_count, 3))
 
-    def woken(self) -> "WrinkleLayersState":
+    def activated(self) -> "WrinkleLayersState":
         """The same offsets with no vertex held: for a solve with other settings."""
-        return WrinkleLayersState.made(lib.rumple_wrinkle_layers_state_woken, self)
+        return WrinkleLayersState.made(lib.rumple_wrinkle_layers_state_activated, self)
 
 
 def solve_wrinkle_layers(model: WrinkleMeshLayers, settings: Sequence[WrinkleMeshSettings],
@@ -129,6 +130,8 @@ class WrinkleTransfer(Model):
     """What shows layers over a coarse mesh on the dense one. Made by build_wrinkle_transfer."""
 
     __slots__ = ("coarse", "layers")
+    coarse: CoarseMesh
+    layers: WrinkleMeshLayers
     POINTER, FREE = c.WrinkleTransferPointer, "rumple_wrinkle_transfer_free"
     SHOWN = "rumple_wrinkle_transfer_shown"
 

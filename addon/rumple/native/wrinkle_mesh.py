@@ -20,6 +20,7 @@ class WrinkleMeshModel(Model):
     """A fine mesh attached to a base at rest. Made by build_wrinkle_mesh. v solved vertices."""
 
     __slots__ = ("base",)
+    base: Surface
     POINTER, FREE = c.WrinkleMeshPointer, "rumple_wrinkle_mesh_free"
     VIEW, LOOK = c.WrinkleMeshView, "rumple_wrinkle_mesh_get_view"
     SHOWN, LABEL = "rumple_wrinkle_mesh_shown", "rumple_wrinkle_mesh_label_clip"
@@ -59,8 +60,8 @@ class WrinkleMeshSettings(c.WrinkleMeshSettings, ReferenceSettings):
     """Settings of a solve; see docs/wrinkle_mesh.md. Lengths are relative to the fine edges."""
 
     __slots__ = ()
-    collision = Choice(c.COLLISION)
-    offset_space = Choice(c.OFFSET_SPACE)
+    collision: Any = Choice(c.COLLISION)
+    offset_space: Any = Choice(c.OFFSET_SPACE)
 
     def __new__(cls) -> "WrinkleMeshSettings":
         return cls.from_buffer_copy(lib.rumple_wrinkle_mesh_settings_default())
@@ -114,9 +115,9 @@ class WrinkleMeshState(Handle):
         """Of an adaptive rest shape: a dict of plain arrays; else None."""
         return reference_arrays(self, self.view.reference)
 
-    def woken(self) -> "WrinkleMeshState":
+    def activated(self) -> "WrinkleMeshState":
         """The same offsets with no vertex held: for a solve with other settings."""
-        return WrinkleMeshState.made(lib.rumple_wrinkle_mesh_state_woken, self)
+        return WrinkleMeshState.made(lib.rumple_wrinkle_mesh_state_activated, self)
 
 
 def reference_arrays(owner: Handle, view: Any) -> dict[str, Any] | None:

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solved frames kept in memory, so that the picture of a frame does not depend on how one got there.
+
+A frame is *final* when it was solved from a final frame before it (or is the first frame, or needs no
+frame before it). A frame solved after a jump is provisional: it is replayed as it is until the frame
+before it becomes final, then it is solved once more and stays.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass
+class CachedFrame:
+    """One solved frame: the solver's state, what it was solved for, and whether it is final."""
+
+    state: Any
+    inputs: bytes  # digest of the settings and the deformed base positions (and matrix, if the solve reads it)
+    chosen: bytes  # digest of the settings alone
+    final: bool
+    report: Any
+
+
+class FrameCache:
+    """Entries by frame number (subframes included), within a limit of memory.
+
+    limit_bytes: when exceeded, entries farthest from the newest are dropped, provisional ones first.
+    """
+
+    def __init__(self, limit_bytes: int = 512 * 2**20) -> None:
+        self.limit_bytes = limit_bytes
+        self._entries: dict[float, CachedFrame] = {}
+        self._bytes = 0
+
+    def get(self, frame: float) -> CachedFrame | None:
+        """The entry of a frame, or None."""
+        return self._entries.get(frame)
+
+    def put(self, frame: float, cached: CachedFrame) -> None:
+        """Store a frame. When it replaces another solution, whole frames after it are final no more."""
+        old = self._entries.get(frame)
+        if old is not None:
+            self._bytes -= old.state.nbytes
+            for later, other in self._entries.items():
+                if later > frame:
+                    other.final = False
+        self._entries[frame] = cached
+        self._bytes += cached.state.nbytes
+        self._evict(frame)
+
+    def clear(self) -> None:
+        """Forget every frame."""
+        self._entries.clear()
+        self._bytes = 0
+
+    @property
+    def bytes(self) -> int:
+        """Memory that the stored states take."""
+        return self._bytes
+
+    def frames(self) -> list[tuple[float, bool]]:
+        """(frame, final) of every stored frame, ascending."""
+        return [(frame, self._entries[frame].final) for frame in sorted(self._entries)]
+
+    def _evict(self, newest: float) -> None:
+        if self._bytes <= self.limit_bytes:
+            return
+        order = sorted(self._entries, key=lambda f: (self._entries[f].final, -abs(f - newest)))
+        for frame in order:
+            if self._bytes <= self.limit_bytes or frame == newest:
+                continue
+            self._bytes -= self._entries.pop(frame).state.nbytes
