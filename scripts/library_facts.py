@@ -44,7 +44,8 @@ def _output(*command: str) -> str:
 def _elf(path: Path) -> Facts:
     dynamic, symbols = _output("objdump", "-p", str(path)), _output("objdump", "-T", str(path))
     versions = [tuple(map(int, version.split("."))) for version in re.findall(r"GLIBC_([\d.]+)", dynamic + symbols)]
-    exports = [line.split()[-1] for line in symbols.splitlines() if "*UND*" not in line and re.match(r"[\da-f]{16}", line)]
+    exports = [line.split()[-1] for line in symbols.splitlines()
+               if "*UND*" not in line and re.match(r"[\da-f]{16}", line)]
     return Facts(needs=re.findall(r"NEEDED\s+(\S+)", dynamic), exports=exports, processor="x86-64",
                  system="glibc " + ".".join(map(str, max(versions, default=(0,)))))
 

@@ -102,7 +102,8 @@ void update_lifecycle(const PathContext& context, const Settings& settings, doub
     std::vector<Path> left;
     for (Path& path : paths) {
         const float size = std::max(length(context, path.points), kShortestPath * settings.width);
-        const float most = 0.5f * size * float(elementary::pow(1.0 + settings.growth_limit, 30.0 * seconds) - 1.0);
+        const float most =
+            0.5f * size * float(elementary::pow(1.0 + settings.growth_limit, 30.0 * seconds) - 1.0);
         bool crosses = false;
         update_end(context, settings, map, most, path.points, crosses);
         std::vector<PathPoint> backwards = reversed(context.model, path.points);
