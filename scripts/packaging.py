@@ -19,13 +19,12 @@ FIXED_TIME = (2000, 1, 1, 0, 0, 0)
 
 
 def project_version():
-    """CMakeLists.txt has the version; the manifest, bl_info and the C header must say the same."""
-    version = re.search(r"project\(rumple VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+    """The C header has the version; the manifest and bl_info must say the same."""
+    version = re.search(r'#define RUMPLE_VERSION "([\d.]+)"', HEADER.read_text())[1]
     for file, said in ((ADDON / "blender_manifest.toml", f'\nversion = "{version}"\n'),
-                       (ADDON / "__init__.py", f'"version": ({version.replace(".", ", ")}),'),
-                       (HEADER, f'#define RUMPLE_VERSION "{version}"\n')):
+                       (ADDON / "__init__.py", f'"version": ({version.replace(".", ", ")}),')):
         if said not in file.read_text():
-            sys.exit(f"packaging: CMakeLists.txt has version {version}, {file.relative_to(ROOT)} another")
+            sys.exit(f"packaging: {HEADER.name} has version {version}, {file.relative_to(ROOT)} another")
     return version
 
 
