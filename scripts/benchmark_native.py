@@ -52,7 +52,7 @@ def field_steps(columns: int, rows: int) -> dict[str, tuple[Callable[[], np.ndar
     settings.threads = 1
     start, other, gradient = model.neighbour_start, model.neighbours, model.gradients
     here, degree = np.repeat(np.arange(len(rest)), np.diff(start)), np.diff(start)
-    waves, phase = rumple.crush_wrinkle_field(model, settings, paint, pose), rumple.random_phases(model, 0)
+    waves, phase = rumple.estimate_waves_wrinkle_field(model, settings, paint, pose), rumple.random_phases(model, 0)
 
     def total(values: np.ndarray) -> np.ndarray:
         return np.add.reduceat(values, start[:-1])
@@ -92,7 +92,7 @@ def field_steps(columns: int, rows: int) -> dict[str, tuple[Callable[[], np.ndar
         return after - 2 * np.pi * np.floor(after / (2 * np.pi) + 0.5)
 
     def crush_native() -> np.ndarray:
-        return rumple.crush_wrinkle_field(model, settings, paint, pose).height
+        return rumple.estimate_waves_wrinkle_field(model, settings, paint, pose).height
 
     def relax_native() -> np.ndarray:
         return rumple.relax_wrinkle_field(model, settings, waves, 1, phase)

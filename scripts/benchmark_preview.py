@@ -95,27 +95,27 @@ def measure(along: int, across: int, pixels: int) -> dict[str, float]:
     profile = native.WrinkleFieldProfile("SINE")
     posed = surface[0] * np.float32([0.7, 1.0, 1.0])
     posed[:, 2] = 0.05 * np.sin(6.0 * posed[:, 1])
-    waves = native.crush_wrinkle_field(model, settings, paint, posed)
+    waves = native.estimate_waves_wrinkle_field(model, settings, paint, posed)
     phase = native.random_phases(model, 0)
     drawing = preview_field.Drawing(model)
     field = drawing.waves
-    field.set_wave_parameters(settings, native.wishes_wrinkle_field(model, settings, paint), profile)
+    field.set_wave_parameters(settings, native.wave_parameters_wrinkle_field(model, settings, paint), profile)
     field.begin(phase, model.first_directions)
     pose = model.weld_pose(posed)
     field.pose(*pose)
-    field.crush()
+    field.estimate_waves()
     gpu_arrays.plain_state()
     found = {
         "weld, normals (C++)": milliseconds(lambda: model.weld_pose(posed)),
         "upload": milliseconds(lambda: field.pose(*pose)),
-        "crush": milliseconds(field.crush, lambda: finished(field._shares)()),
+        "crush": milliseconds(field.estimate_waves, lambda: finished(field._activities)()),
         "relax, a round": milliseconds(lambda: field.relax(1), lambda: finished(field._phases[0])()),
         "unfold": milliseconds(field.unfold, finished(field._fans)),
     }
     drawing._collect_batches(np.zeros(len(surface[3]), np.int32))
     draw, finish = render(preview._OnGpu(model, drawing), pixels)
     found["render"] = milliseconds(draw, finish)
-    found["C++: crush"] = milliseconds(lambda: native.crush_wrinkle_field(model, settings, paint, posed))
+    found["C++: crush"] = milliseconds(lambda: native.estimate_waves_wrinkle_field(model, settings, paint, posed))
     hundred = milliseconds(lambda: native.relax_wrinkle_field(model, settings, waves, 100, phase))
     found["C++: relax, a round"] = hundred / 100.0
     return found

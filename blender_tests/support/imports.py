@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads which modules of a package import which, imports inside functions included, and what is wrong with that."""
+"""Reads which modules of a package import which, imports inside functions included, and which native folders
+include which, and says what is wrong with that."""
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 
 Graph = dict[str, set[str]]  # module -> modules, by their full names
@@ -87,3 +89,28 @@ def wrong_order(package: Path, order: list[str]) -> list[str]:
 def _part(name: str) -> str:
     """The file or folder of a package that a module belongs to; empty for its __init__.py."""
     return (name.split(".") + [""])[1]
+
+
+def wrong_includes(root: Path, order: list[str], beside: set[str], search: list[Path]) -> list[str]:
+    """What is wrong with the includes of a tree of C++ sources, in sentences.
+
+    order: its folders with sources, each may include itself and those before it. beside: those of them that stand side
+    by side: none includes another. search: where a name between quotation marks is looked for, after the folder of the
+    file; what is found outside root may be included by all.
+    """
+    files = [file for ending in ("*.h", "*.cpp") for file in sorted(root.rglob(ending))]
+    there = {file.parent.relative_to(root).as_posix() for file in files}
+    wrong = [f"{name} has no sources" for name in order if name not in there]
+    wrong += [f"{name} has no place in the order" for name in sorted(there - set(order))]
+    if wrong:
+        return wrong
+    for file in files:
+        here = file.parent.relative_to(root).as_posix()
+        below = {name for name in order[:order.index(here) + 1] if name == here or not {name, here} <= beside}
+        for name in re.findall(r'^#include "([^"]+)"', file.read_text(), re.MULTILINE):
+            found = next((folder / name for folder in (file.parent, *search) if (folder / name).is_file()), None)
+            if found is None:
+                wrong.append(f"{file.relative_to(root)} includes {name}, which is nowhere")
+            elif found.is_relative_to(root) and found.parent.relative_to(root).as_posix() not in below:
+                wrong.append(f"{file.relative_to(root)} includes {name}")
+    return wrong

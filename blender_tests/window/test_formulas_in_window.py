@@ -239,14 +239,14 @@ class Stages(WindowCase):
         self.posed = rest * np.float32([0.7, 1.0, 1.0])
         self.posed[:, 2] = 0.1 * np.sin(7.0 * rest[:, 1])
         self.posed[:60] = self.posed[0]  # two rows and more at one place: zero normals, collapsed neighbourhoods
-        self.waves = native.crush_wrinkle_field(self.model, self.settings, self.paint, self.posed)
+        self.waves = native.estimate_waves_wrinkle_field(self.model, self.settings, self.paint, self.posed)
         self.field = preview_field.GpuField(preview_field.Passes(), self.model)
-        parameters = native.wishes_wrinkle_field(self.model, self.settings, self.paint)
+        parameters = native.wave_parameters_wrinkle_field(self.model, self.settings, self.paint)
         self.field.set_wave_parameters(self.settings, parameters, native.WrinkleFieldProfile("PENCIL_PLEATS"))
         gpu_arrays.plain_state()
         self.field.begin(native.random_phases(self.model, 5), self.model.first_directions)
         self.field.pose(*self.model.weld_pose(self.posed))
-        self.field.crush()
+        self.field.estimate_waves()
 
     def test_crush(self) -> None:
         self.make()
@@ -268,7 +268,7 @@ class Stages(WindowCase):
         for start in (random, aligned):
             for rounds, tolerance in ((1, self.ROUND), (100, self.PHASE)):
                 self.field.begin(start, self.model.first_directions)
-                self.field.crush()
+                self.field.estimate_waves()
                 self.field.relax(rounds)
                 expected = native.relax_wrinkle_field(self.model, self.settings, self.waves, rounds, start)
                 self.assertGreater(np.abs(apart(start, expected)).max(), 1e-3)
@@ -285,7 +285,7 @@ class Stages(WindowCase):
             self.posed[:, 2] *= np.float32(1.02)
             state, _ = native.solve_wrinkle_field(self.model, self.settings, self.paint, self.posed, state)
             self.field.pose(*self.model.weld_pose(self.posed))
-            self.field.crush()
+            self.field.estimate_waves()
             self.field.relax(1)
             off = apart(self.field.read_phase(), state.phase)
             np.testing.assert_allclose(off, 0.0, atol=self.PHASE, err_msg=str(frame))
@@ -305,14 +305,14 @@ class Stages(WindowCase):
         frames = clip["frames"]
         state, _ = native.solve_wrinkle_field(model, settings, paint, frames[0])
         field = preview_field.GpuField(preview_field.Passes(), model)
-        field.set_wave_parameters(settings, native.wishes_wrinkle_field(model, settings, paint),
+        field.set_wave_parameters(settings, native.wave_parameters_wrinkle_field(model, settings, paint),
                                   native.WrinkleFieldProfile("SINE"))
         gpu_arrays.plain_state()
         field.begin(state.phase, state.direction, state.solved_offset)
         for frame, positions in enumerate(frames[1:], 1):
             state, _ = native.solve_wrinkle_field(model, settings, paint, positions, state)
             field.pose(*model.weld_pose(positions))
-            field.crush()
+            field.estimate_waves()
             field.relax(1)
             wrinkles = field.read_waves()[1][:, 2] > 0.05  # where nothing is compressed rounding chooses k, too
             off = np.abs(apart(field.read_phase(), state.phase))[wrinkles]

@@ -111,7 +111,7 @@ class Drawn(PreviewCase):
             yield from self.until_drawn(frame)
             self.assertFalse(self.held().refused)  # drawn while it was made anew
             runtime = runtimes.of(self.obj)
-            expected = native.crush_wrinkle_field(
+            expected = native.estimate_waves_wrinkle_field(
                 runtime.evaluator.model, runtime.evaluator._native_settings(runtime.inputs.settings),
                 runtime.evaluator._paint,
                 runtime.inputs.positions, runtime.evaluator.state_of(float(frame)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rules of docs/architecture.md that a search can hold. Those for Python's imports are in test_import_order.py."""
+"""The rules of docs/architecture.md that a search can hold. Imports and includes: test_import_order.py."""
 from __future__ import annotations
 
 import ast
@@ -8,8 +8,6 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-LAYERS = ["shared", "base", "surface", "systems", "api"]  # shared: the formulas of shaders/shared
-SYSTEMS = ["wrinkle_mesh", "wrinkle_field", "wrinkle_paths", "wrinkle_maps"]
 CODE = {".h", ".cpp", ".py", ".glsl"}
 
 
@@ -23,19 +21,6 @@ def sources(*folders: str) -> list[Path]:
 
 
 class Conventions(unittest.TestCase):
-    def test_a_layer_includes_only_itself_and_what_lies_below(self) -> None:
-        for height, layer in enumerate(LAYERS):
-            for file in sources("shaders/shared" if layer == "shared" else f"native/{layer}"):
-                for included in re.findall(r'#include "(\w+)/', file.read_text()):
-                    self.assertIn(included, LAYERS[:height + 1], f"{file} includes {included}")
-
-    def test_systems_never_include_one_another(self) -> None:
-        for file in sources("native/systems"):
-            system = next((s for s in SYSTEMS if file.name.startswith(s)), None)
-            self.assertIsNotNone(system, f"{file} belongs to no system")
-            for included in re.findall(r'#include "systems/(\w+)\.h"', file.read_text()):
-                self.assertTrue(included.startswith(system), f"{file} includes {included}")
-
     def test_the_blender_layer_does_no_linear_algebra(self) -> None:
         for file in sources("addon/rumple/blender"):
             self.assertNotRegex(file.read_text(), r"np\.(linalg|einsum|cross|dot)\b", str(file))

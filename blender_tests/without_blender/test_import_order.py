@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Python imports run one way: native, core, blender, and within blender from folder to folder. No circle anywhere."""
+"""Python imports run one way: native, core, blender, and within blender from folder to folder. No circle anywhere.
+C++ includes run one way, too, from folder to folder of native/."""
 from __future__ import annotations
 
 import tempfile
@@ -8,11 +9,17 @@ from pathlib import Path
 from support import imports
 
 
-ADDON = Path(__file__).resolve().parents[2] / "addon" / "rumple"
+ROOT = Path(__file__).resolve().parents[2]
+ADDON = ROOT / "addon" / "rumple"
 # Lowest first. A file or folder imports itself and what stands before it. __init__.py imports any.
 LAYERS = ["native", "core", "blender"]
 BLENDER = ["compat", "scheduler", "nodes", "objects", "viewport", "frame", "ui_base", "maps", "brush", "bake", "ui",
            "handlers"]
+# Folders of native/, lowest first, in the same way. The systems stand side by side: none includes another.
+SYSTEMS = ["systems/wrinkle_maps", "systems/wrinkle_mesh", "systems/wrinkle_field", "systems/wrinkle_paths"]
+NATIVE = ["include/rumple", "include", "base", "surface/query", "surface/mesh", "surface/refine", "surface/contact",
+          "surface/strain", "surface/output", "surface/cloth", *SYSTEMS, "api", "tests", "benchmarks"]
+SEARCHED = [ROOT / "native", ROOT / "shaders", ROOT / "native" / "include"]  # as CMakeLists.txt has it
 HOST = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "bl_ui", "bpy_extras", "addon_utils"}
 
 
@@ -37,6 +44,11 @@ class Order(unittest.TestCase):
             if not name.startswith("rumple.blender"):
                 self.assertEqual(hosts, set(), name)
         self.assertIn("bpy", seen["rumple.blender.objects.modifier"])  # else the search finds nothing
+
+
+class Includes(unittest.TestCase):
+    def test_native_folders_include_only_what_stands_below(self) -> None:
+        self.assertEqual(imports.wrong_includes(ROOT / "native", NATIVE, set(SYSTEMS), SEARCHED), [])
 
 
 class Reader(unittest.TestCase):
@@ -83,6 +95,43 @@ class Reader(unittest.TestCase):
         self.write({"a": "import importlib\nimportlib.import_module('cloth.' + __name__)"})
         with self.assertRaisesRegex(AssertionError, "nobody can read"):
             imports.graph_of(self.package)
+
+
+class IncludeReader(unittest.TestCase):
+    """The reader of includes, on a small tree made for it."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name) / "native"
+        for name in ("base/a.h", "systems/x/x.h", "systems/y/y.h"):
+            self.write(name, "")
+
+    def write(self, name: str, text: str) -> None:
+        file = self.root / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+
+    def wrong(self, *order: str) -> list[str]:
+        return imports.wrong_includes(self.root, list(order or ("base", "systems/x", "systems/y")),
+                                      {"systems/x", "systems/y"}, [self.root])
+
+    def test_what_stands_above_and_what_stands_beside(self) -> None:
+        self.write("systems/y/y.cpp", '#include <vector>\n#include "y.h"\n#include "base/a.h"\n')
+        self.assertEqual(self.wrong(), [])
+        self.write("base/a.cpp", '#include "base/a.h"\n#include "systems/x/x.h"\n')
+        self.write("systems/y/y.cpp", '#include "systems/x/x.h"\n')
+        self.assertEqual(self.wrong(), ["base/a.cpp includes systems/x/x.h", "systems/y/y.cpp includes systems/x/x.h"])
+
+    def test_a_name_that_is_nowhere(self) -> None:
+        self.write("base/a.cpp", '#include "base/b.h"\n')
+        self.assertEqual(self.wrong(), ["base/a.cpp includes base/b.h, which is nowhere"])
+
+    def test_a_folder_that_is_empty_renamed_or_new(self) -> None:
+        (self.root / "systems/y/y.h").rename(self.root / "systems/y/y.txt")
+        self.assertEqual(self.wrong(), ["systems/y has no sources"])
+        self.write("systems/z/z.h", "")
+        self.assertEqual(self.wrong("base", "systems/x"), ["systems/z has no place in the order"])
 
 
 if __name__ == "__main__":

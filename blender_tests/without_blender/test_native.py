@@ -25,9 +25,9 @@ from rumple.native.surface import pose
 
 ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = {  # those of Python: the header of C++ and its struct
-    "WrinkleMeshSettings": ("systems/wrinkle_mesh.h", "Settings"),
-    "WrinkleFieldSettings": ("systems/wrinkle_field.h", "Settings"),
-    "WrinklePathsSettings": ("systems/wrinkle_paths.h", "Settings"),
+    "WrinkleMeshSettings": ("systems/wrinkle_mesh/wrinkle_mesh.h", "Settings"),
+    "WrinkleFieldSettings": ("systems/wrinkle_field/wrinkle_field.h", "Settings"),
+    "WrinklePathsSettings": ("systems/wrinkle_paths/wrinkle_paths.h", "Settings"),
     "BaseClothSettings": ("surface/cloth/base_cloth.h", "Settings"),
     "BaseClothSwing": ("surface/cloth/swing.h", "Swing"),
 }
@@ -81,7 +81,7 @@ class Header(unittest.TestCase):
         cloth, clearance = kernels.BaseClothSettings(), in_cpp("surface/cloth/clearance.h", "ClearanceSettings")
         for field, value in clearance.items():
             self.assertEqual(getattr(cloth, field), np.float32(value), field)
-        for field, value in in_cpp("surface/adaptive_reference.h", "ReferenceSettings").items():
+        for field, value in in_cpp("surface/strain/adaptive_reference.h", "ReferenceSettings").items():
             for name in ("WrinkleMeshSettings", "WrinkleFieldSettings", "WrinklePathsSettings"):
                 self.assertEqual(getattr(getattr(kernels, name)(), field), np.float32(value), f"{name}.{field}")
         self.assertEqual(kernels.WrinkleMeshSettings().reference, "STATIC_REST")

@@ -164,11 +164,11 @@ rumple_status rumple_base_cloth_state_get_view(const rumple_base_cloth_state* st
     });
 }
 
-rumple_status rumple_base_cloth_state_woken(const rumple_base_cloth_state* state,
-                                            rumple_base_cloth_state** woken) {
-    return made(woken, "woken", [&] {
+rumple_status rumple_base_cloth_state_activated(const rumple_base_cloth_state* state,
+                                                rumple_base_cloth_state** activated) {
+    return made(activated, "activated", [&] {
         base_cloth::Result result = given(state, "state").result;
-        result.state = base_cloth::woken(std::move(result.state));
+        result.state = base_cloth::activated(std::move(result.state));
         return new rumple_base_cloth_state{state->model, std::move(result)};
     });
 }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "api/handles.h"
-#include "surface/coarse.h"
+#include "surface/output/coarse.h"
 
 struct rumple_coarse {
     std::shared_ptr<const rumple::CoarseMesh> mesh;

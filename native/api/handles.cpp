@@ -60,13 +60,13 @@ std::span<const Vec3> positions_of(const rumple_pose* pose) {
     return vectors(from.positions, from.positions_count, "positions");
 }
 
-Moment moment_of(const rumple_pose* pose) {
-    Moment moment;
-    moment.time = given(pose, "pose").time;
-    moment.labels = values(pose->labels, pose->labels_count, "labels");
-    moment.next_positions = vectors(pose->next_positions, pose->next_positions_count, "next_positions");
-    moment.next_time = pose->next_time;
-    return moment;
+FrameTime frame_time_of(const rumple_pose* pose) {
+    FrameTime frame_time;
+    frame_time.time = given(pose, "pose").time;
+    frame_time.labels = values(pose->labels, pose->labels_count, "labels");
+    frame_time.next_positions = vectors(pose->next_positions, pose->next_positions_count, "next_positions");
+    frame_time.next_time = pose->next_time;
+    return frame_time;
 }
 
 glm::mat3 matrix_of(const float (&rows)[9]) {

@@ -7,11 +7,11 @@
 #include <variant>
 
 #include "api/settings.h"
-#include "surface/adaptive_reference.h"
 #include "surface/contact/collider.h"
-#include "surface/shown_mesh.h"
-#include "systems/wrinkle_field.h"
-#include "systems/wrinkle_paths.h"
+#include "surface/output/shown_mesh.h"
+#include "surface/strain/adaptive_reference.h"
+#include "systems/wrinkle_field/wrinkle_field.h"
+#include "systems/wrinkle_paths/wrinkle_paths.h"
 
 struct rumple_surface {
     explicit rumple_surface(std::shared_ptr<const rumple::Surface> of)
@@ -64,7 +64,7 @@ std::optional<PosedCollider> posed(const rumple_bodies* bodies);
 
 // Positions of a pose, and when it is.
 std::span<const Vec3> positions_of(const rumple_pose* pose);
-Moment moment_of(const rumple_pose* pose);
+FrameTime frame_time_of(const rumple_pose* pose);
 glm::mat3 matrix_of(const float (&rows)[9]);
 
 // A painted factor of the base's vertices, or none.

@@ -47,7 +47,7 @@ inline constexpr StructSize kStructSizes[] = {
     RUMPLE_SIZE(rumple_wrinkle_field_settings),
     RUMPLE_SIZE(rumple_wrinkle_field_state_view),
     RUMPLE_SIZE(rumple_wrinkle_field_view),
-    RUMPLE_SIZE(rumple_wrinkle_field_wishes),
+    RUMPLE_SIZE(rumple_wrinkle_field_wave_parameters),
     RUMPLE_SIZE(rumple_wrinkle_layers_input),
     RUMPLE_SIZE(rumple_wrinkle_layers_painted),
     RUMPLE_SIZE(rumple_wrinkle_layers_plan),

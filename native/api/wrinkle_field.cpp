@@ -196,11 +196,11 @@ rumple_status rumple_wrinkle_field_state_build(const rumple_wrinkle_field* model
     });
 }
 
-rumple_status rumple_wrinkle_field_state_woken(const rumple_wrinkle_field_state* state,
-                                               rumple_wrinkle_field_state** woken) {
-    return made(woken, "woken", [&] {
+rumple_status rumple_wrinkle_field_state_activated(const rumple_wrinkle_field_state* state,
+                                                   rumple_wrinkle_field_state** activated) {
+    return made(activated, "activated", [&] {
         const State& from = given(state, "state").state;
-        return new rumple_wrinkle_field_state{state->model, wrinkle_field::woken(from)};
+        return new rumple_wrinkle_field_state{state->model, wrinkle_field::activated(from)};
     });
 }
 
@@ -216,7 +216,7 @@ rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
         Report how;
         auto* out = new rumple_wrinkle_field_state{
             m.model, solve(*m.model, field_settings(settings), paint_in(m, paint), positions_of(pose),
-                           from ? &from->state : nullptr, how, moment_of(pose))};
+                           from ? &from->state : nullptr, how, frame_time_of(pose))};
         if (report) {
             *report = {how.rounds,         how.misfit_before, how.misfit_after,
                        how.largest_change, how.wrinkled,      how.collapsed};

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "systems/wrinkle_field_brush.h"
-
 #include <algorithm>
 
 #include "api/wrinkle_field.h"
+#include "systems/wrinkle_field/brush.h"
 
 using namespace rumple;
 using namespace rumple::api;

@@ -36,19 +36,21 @@ rumple_status rumple_waves_get_view(const rumple_waves* waves, rumple_waves_view
     });
 }
 
-rumple_status rumple_wrinkle_field_crush(const rumple_wrinkle_field* model,
-                                         const rumple_wrinkle_field_settings* settings,
-                                         const rumple_wrinkle_field_paint* paint, const float* positions,
-                                         size_t positions_count, const rumple_wrinkle_field_state* before,
-                                         rumple_waves** waves) {
+rumple_status rumple_wrinkle_field_estimate_waves(const rumple_wrinkle_field* model,
+                                                  const rumple_wrinkle_field_settings* settings,
+                                                  const rumple_wrinkle_field_paint* paint,
+                                                  const float* positions, size_t positions_count,
+                                                  const rumple_wrinkle_field_state* before,
+                                                  rumple_waves** waves) {
     return made(waves, "waves", [&] {
         const rumple_wrinkle_field& m = given(model, "model");
         const auto at = vectors(positions, positions_count, "positions");
         const auto* from = of_model(before, m, "state");
         const Settings options = field_settings(settings);
         const Paint& painted = paint_in(m, paint);
-        if (!from) return new rumple_waves{m.model, crush(*m.model, options, painted, at, {})};
-        return new rumple_waves{m.model, crush(*m.model, options, painted, at, from->state.direction,
+        if (!from) return new rumple_waves{m.model, estimate_waves(*m.model, options, painted, at, {})};
+        return new rumple_waves{m.model,
+                                estimate_waves(*m.model, options, painted, at, from->state.direction,
                                                reference_stretches(*m.model, from->state.reference, at))};
     });
 }
@@ -69,19 +71,19 @@ rumple_status rumple_wrinkle_field_shown_waves(const rumple_wrinkle_field* model
     });
 }
 
-rumple_status rumple_wrinkle_field_get_wishes(const rumple_wrinkle_field* model,
-                                              const rumple_wrinkle_field_settings* settings,
-                                              const rumple_wrinkle_field_paint* paint,
-                                              const rumple_wrinkle_field_wishes* asked) {
+rumple_status rumple_wrinkle_field_get_wave_parameters(const rumple_wrinkle_field* model,
+                                                       const rumple_wrinkle_field_settings* settings,
+                                                       const rumple_wrinkle_field_paint* paint,
+                                                       const rumple_wrinkle_field_wave_parameters* asked) {
     return guarded([&] {
         const rumple_wrinkle_field& m = given(model, "model");
-        const rumple_wrinkle_field_wishes& out = given(asked, "wishes");
+        const rumple_wrinkle_field_wave_parameters& out = given(asked, "parameters");
         const size_t n = welded_count(m);
         const auto wavelength = output<float>(out.wavelength, out.count, n, "wavelength");
         const auto mask = output<float>(out.mask, out.count, n, "mask");
         const auto rest_wrinkle = output<Vec2>(out.rest_wrinkle, out.count, n, "rest_wrinkle");
         const auto turn = output<Vec2>(out.turn, out.count, n, "turn");
-        const Wishes found = wishes(*m.model, field_settings(settings), paint_in(m, paint));
+        const WaveParameters found = wave_parameters(*m.model, field_settings(settings), paint_in(m, paint));
         write(found.wavelength, wavelength);
         write(found.mask, mask);
         write(found.rest_wrinkle, rest_wrinkle);

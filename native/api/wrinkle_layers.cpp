@@ -128,11 +128,11 @@ rumple_status rumple_wrinkle_layers_state_get_layer(const rumple_wrinkle_layers_
     });
 }
 
-rumple_status rumple_wrinkle_layers_state_woken(const rumple_wrinkle_layers_state* state,
-                                                rumple_wrinkle_layers_state** woken) {
-    return made(woken, "woken", [&] {
+rumple_status rumple_wrinkle_layers_state_activated(const rumple_wrinkle_layers_state* state,
+                                                    rumple_wrinkle_layers_state** activated) {
+    return made(activated, "activated", [&] {
         const LayersState& from = given(state, "state").state;
-        return new rumple_wrinkle_layers_state{state->model, wrinkle_mesh::woken(from)};
+        return new rumple_wrinkle_layers_state{state->model, wrinkle_mesh::activated(from)};
     });
 }
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "api/handles.h"
-#include "systems/wrinkle_mesh_layers.h"
+#include "systems/wrinkle_mesh/layers.h"
 
 struct rumple_wrinkle_layers {
     std::shared_ptr<const rumple::wrinkle_mesh::Layers> model;

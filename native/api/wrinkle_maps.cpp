@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "systems/wrinkle_maps.h"
+#include "systems/wrinkle_maps/wrinkle_maps.h"
 
 #include <algorithm>
 

@@ -102,7 +102,7 @@ Source source_of(const rumple_wrinkle_mesh_plan& plan) {
 
 Input input_of(const rumple_pose* pose) {
     const auto positions = positions_of(pose);
-    return {positions, matrix_of(pose->world_from_object), moment_of(pose)};
+    return {positions, matrix_of(pose->world_from_object), frame_time_of(pose)};
 }
 
 Paint paint_in(const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_paint* paint) {
@@ -215,11 +215,11 @@ rumple_status rumple_wrinkle_mesh_state_build(const rumple_wrinkle_mesh* model,
     });
 }
 
-rumple_status rumple_wrinkle_mesh_state_woken(const rumple_wrinkle_mesh_state* state,
-                                              rumple_wrinkle_mesh_state** woken) {
-    return made(woken, "woken", [&] {
+rumple_status rumple_wrinkle_mesh_state_activated(const rumple_wrinkle_mesh_state* state,
+                                                  rumple_wrinkle_mesh_state** activated) {
+    return made(activated, "activated", [&] {
         const State& from = given(state, "state").state;
-        return new rumple_wrinkle_mesh_state{state->model, wrinkle_mesh::woken(from)};
+        return new rumple_wrinkle_mesh_state{state->model, wrinkle_mesh::activated(from)};
     });
 }
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "api/handles.h"
-#include "systems/wrinkle_mesh.h"
+#include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
 namespace rumple::api {
 

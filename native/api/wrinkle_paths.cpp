@@ -192,7 +192,7 @@ rumple_status rumple_wrinkle_paths_state_build(const rumple_wrinkle_paths* model
 rumple_status rumple_wrinkle_paths_state_check(const rumple_wrinkle_paths_state* state) {
     return guarded([&] {
         const rumple_wrinkle_paths_state& s = given(state, "state");
-        const std::string wrong = fault(*s.model, s.state.paths);
+        const std::string wrong = validate(*s.model, s.state.paths);
         if (!wrong.empty()) throw InvalidInput(wrong);
     });
 }
@@ -209,7 +209,7 @@ rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
         const auto* touched = of_model(paint, m, "paint");
         static const Paint nothing;
         Input input;
-        static_cast<Moment&>(input) = moment_of(pose);
+        static_cast<FrameTime&>(input) = frame_time_of(pose);
         input.positions = positions_of(pose);
         Report how;
         auto* out = new rumple_wrinkle_paths_state(

@@ -2,8 +2,8 @@
 // Curves and drawings of the Wrinkle Paths.
 #include "api/wrinkle_paths.h"
 #include "base/expect.h"
-#include "systems/wrinkle_paths_curves.h"
-#include "systems/wrinkle_paths_preview.h"
+#include "systems/wrinkle_paths/curves.h"
+#include "systems/wrinkle_paths/preview.h"
 
 using namespace rumple;
 using namespace rumple::api;
@@ -100,7 +100,7 @@ rumple_status rumple_drawing_get_view(const rumple_drawing* drawing, rumple_draw
     return guarded([&] {
         const Drawing& d = given(drawing, "drawing").drawing;
         given(view, "view") = {count(d.flat),
-                               count(d.stand_in),
+                               count(d.proxy_offset),
                                count(d.parts),
                                count(d.lists.triangle_start) - 1,
                                count(d.lists.ranges),
@@ -111,7 +111,7 @@ rumple_status rumple_drawing_get_view(const rumple_drawing* drawing, rumple_draw
                                flat<float>(d.normal),
                                d.hem.data(),
                                flat<int32_t>(d.parts),
-                               flat<float>(d.stand_in),
+                               flat<float>(d.proxy_offset),
                                d.lists.triangle_start.data(),
                                flat<int32_t>(d.lists.ranges),
                                flat<float>(d.lists.ends)};
@@ -138,7 +138,7 @@ rumple_status rumple_wrinkle_paths_list(const rumple_wrinkle_paths* model,
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
         Drawing lists;
-        lists.lists = pack(*m.model, paths_settings(settings), input_at(pose, at), at);
+        lists.lists = build_triangle_lists(*m.model, paths_settings(settings), input_at(pose, at), at);
         return new rumple_drawing{m.model, std::move(lists), false};
     });
 }

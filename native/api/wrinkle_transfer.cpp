@@ -2,7 +2,7 @@
 // Layers over a coarse mesh, shown on the dense one.
 #include "api/coarse.h"
 #include "api/wrinkle_layers.h"
-#include "systems/wrinkle_mesh_transfer.h"
+#include "systems/wrinkle_mesh/transfer.h"
 
 using namespace rumple;
 using namespace rumple::api;

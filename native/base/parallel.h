@@ -13,7 +13,7 @@ namespace rumple {
 
 class Team {
   public:
-    explicit Team(int threads) : threads_(std::max(threads, 1)), meeting_(threads_) {}
+    explicit Team(int threads) : threads_(std::max(threads, 1)), barrier_(threads_) {}
 
     // Runs work(thread) on every member and returns when all are done.
     // work must not throw.
@@ -25,8 +25,8 @@ class Team {
     }
 
     // Everyone waits here for everyone (the wait yields the processor).
-    void meet() {
-        if (threads_ > 1) meeting_.arrive_and_wait();
+    void barrier() {
+        if (threads_ > 1) barrier_.arrive_and_wait();
     }
 
     struct Range {
@@ -34,14 +34,14 @@ class Team {
         size_t end;
     };
     // The part of [begin, end) that belongs to a member.
-    Range share(size_t begin, size_t end, int thread) const {
+    Range partition(size_t begin, size_t end, int thread) const {
         const size_t count = end - begin;
         return {begin + count * thread / threads_, begin + count * (thread + 1) / threads_};
     }
 
   private:
     int threads_;
-    std::barrier<> meeting_;
+    std::barrier<> barrier_;
 };
 
 }  // namespace rumple

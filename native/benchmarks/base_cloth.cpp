@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "surface/cloth/swing.h"
-#include "systems/wrinkle_mesh_layers.h"
+#include "systems/wrinkle_mesh/layers.h"
 #include "tests/meshes.h"
 
 namespace rumple {

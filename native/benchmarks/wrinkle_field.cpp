@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Crush and relax at the sizes of the paper's models (the shirt of Table 1: 455 vertices; model "B" of Table
 // 2: 5,977, with 1.83 ms and 1.75 ms on a GeForce 6800) and beyond.
-#include "systems/wrinkle_field.h"
+#include "systems/wrinkle_field/wrinkle_field.h"
 
 #include <benchmark/benchmark.h>
 
@@ -36,10 +36,10 @@ void report(benchmark::State& bench, const Scene& scene) {
     bench.SetItemsProcessed(vertices * bench.iterations());
 }
 
-void crush_step(benchmark::State& bench) {
+void estimate_step(benchmark::State& bench) {
     const Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)));
     for (auto _ : bench) {
-        const Waves waves = crush(*scene.model, scene.settings, {}, scene.pose, {});
+        const Waves waves = estimate_waves(*scene.model, scene.settings, {}, scene.pose, {});
         benchmark::DoNotOptimize(waves.height.data());
     }
     report(bench, scene);
@@ -48,7 +48,7 @@ void crush_step(benchmark::State& bench) {
 // One round, as a frame takes by default, with what it prepares.
 void relax_step(benchmark::State& bench) {
     const Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)));
-    const Waves waves = crush(*scene.model, scene.settings, {}, scene.pose, {});
+    const Waves waves = estimate_waves(*scene.model, scene.settings, {}, scene.pose, {});
     std::vector<float> phase = random_phases(*scene.model, 0);
     for (auto _ : bench) {
         relax(*scene.model, scene.settings, waves, 1, phase);
@@ -86,7 +86,7 @@ void show_geometry(benchmark::State& bench) {
 // What of it keep_length() takes.
 void keep_length_step(benchmark::State& bench) {
     const Scene scene(Index(bench.range(0)), Index(bench.range(1)), int(bench.range(2)));
-    const Waves asked = crush(*scene.model, scene.settings, {}, scene.pose, {});
+    const Waves asked = estimate_waves(*scene.model, scene.settings, {}, scene.pose, {});
     Waves waves = asked;
     for (auto _ : bench) {
         waves.height = asked.height;
@@ -110,8 +110,8 @@ void all_threads(benchmark::internal::Benchmark* bench) {
     for (const auto& [nx, ny] : {std::pair{315, 316}, {999, 999}}) bench->Args({nx, ny, 0});
 }
 
-BENCHMARK(crush_step)->Name("WrinkleField/Crush/OneThread")->Apply(one_thread);
-BENCHMARK(crush_step)->Name("WrinkleField/Crush/AllThreads")->Apply(all_threads);
+BENCHMARK(estimate_step)->Name("WrinkleField/EstimateWaves/OneThread")->Apply(one_thread);
+BENCHMARK(estimate_step)->Name("WrinkleField/EstimateWaves/AllThreads")->Apply(all_threads);
 BENCHMARK(relax_step)->Name("WrinkleField/RelaxOneRound/OneThread")->Apply(one_thread);
 BENCHMARK(relax_step)->Name("WrinkleField/RelaxOneRound/AllThreads")->Apply(all_threads);
 BENCHMARK(keep_length_step)->Name("WrinkleField/KeepLength/OneThread")->Apply(one_thread);

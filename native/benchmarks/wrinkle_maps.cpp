@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One frame of the Wrinkle Maps: influences and masks. The paper's model has 9,040 triangles, 21 bones and
 // two poses.
-#include "systems/wrinkle_maps.h"
+#include "systems/wrinkle_maps/wrinkle_maps.h"
 
 #include <benchmark/benchmark.h>
 

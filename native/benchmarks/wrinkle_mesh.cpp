@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The paper's scene: 2,048 base triangles, 32,768 fine ones, 10 iterations, attachments and normals included.
 // Mueller and Chentanez report 5 ms on one core of a Core 2 at 2.4 GHz (2010).
-#include "systems/wrinkle_mesh.h"
+#include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
 #include <benchmark/benchmark.h>
 

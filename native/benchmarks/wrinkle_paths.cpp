@@ -2,14 +2,14 @@
 // Table 9.1 of Gillette 2015 row by row, on one core: a sleeve that bends to and fro, of as many triangles,
 // with the thesis's tau and L_min (per cent of a character's height, 1.8 m). The thesis's times were taken on
 // a Core i7-3930K, its modelling on the GPU. Then 10,000 triangles.
-#include "systems/wrinkle_paths.h"
+#include "systems/wrinkle_paths/wrinkle_paths.h"
 
 #include <benchmark/benchmark.h>
 
 #include <chrono>
 #include <cmath>
 
-#include "systems/wrinkle_paths_ground.h"
+#include "systems/wrinkle_paths/context.h"
 #include "tests/wrinkle_paths_cloth.h"
 
 namespace rumple {

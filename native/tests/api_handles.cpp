@@ -6,9 +6,9 @@
 
 #include "api/sizes.h"
 #include "surface/cloth/swing.h"
-#include "systems/wrinkle_field.h"
-#include "systems/wrinkle_mesh.h"
-#include "systems/wrinkle_paths.h"
+#include "systems/wrinkle_field/wrinkle_field.h"
+#include "systems/wrinkle_mesh/wrinkle_mesh.h"
+#include "systems/wrinkle_paths/wrinkle_paths.h"
 #include "tests/api_sheet.h"
 
 namespace rumple::api {

@@ -2,7 +2,7 @@
 // The base cloth and what is worn under it.
 #include <gtest/gtest.h>
 
-#include "surface/attachments.h"
+#include "surface/output/attachments.h"
 #include "tests/base_cloth_rig.h"
 
 namespace rumple::tests {
@@ -128,9 +128,9 @@ TEST(BaseClothContact, ABodyThatMovesWakesTheCloth) {
     std::vector<Vec3> up = body.positions;
     for (Vec3& p : up) p.z += 0.003f;
     const PosedCollider risen(collider, up);
-    const Result woken = garment.solve(settings, garment.mesh.positions, &result.state, {}, &risen);
-    EXPECT_GT(woken.report.steps, 0);
-    EXPECT_GT(farthest(woken.positions, result.positions), 1e-3f);
+    const Result activated = garment.solve(settings, garment.mesh.positions, &result.state, {}, &risen);
+    EXPECT_GT(activated.report.steps, 0);
+    EXPECT_GT(farthest(activated.positions, result.positions), 1e-3f);
     const Result held = garment.solve(settings, garment.mesh.positions, &result.state, {}, &still);
     EXPECT_TRUE(equal_bits(held, result));
 }

@@ -2,9 +2,9 @@
 // The smooth surface of a base cloth stays off what is worn under it.
 #include <gtest/gtest.h>
 
-#include "surface/attachments.h"
 #include "surface/cloth/cover.h"
-#include "surface/shown_mesh.h"
+#include "surface/output/attachments.h"
+#include "surface/output/shown_mesh.h"
 #include "tests/base_cloth_rig.h"
 #include "tests/refusals.h"
 

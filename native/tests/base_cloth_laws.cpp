@@ -2,7 +2,7 @@
 // Laws of the base cloth: what must hold on any mesh and in any pose.
 #include <gtest/gtest.h>
 
-#include "surface/attachments.h"
+#include "surface/output/attachments.h"
 #include "tests/base_cloth_rig.h"
 #include "tests/refusals.h"
 

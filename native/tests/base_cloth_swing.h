@@ -50,7 +50,7 @@ struct Swinging {
     const base_cloth::Motion& motion() const { return now.state.motion; }
     // To be changed: what was at rest is so no more.
     base_cloth::Motion& disturbed() {
-        now.state = base_cloth::woken(std::move(now.state));
+        now.state = base_cloth::activated(std::move(now.state));
         return now.state.motion;
     }
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "surface/contact/self_distance.h"
-#include "systems/wrinkle_mesh_layers.h"
+#include "systems/wrinkle_mesh/layers.h"
 #include "tests/refusals.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
@@ -114,7 +114,7 @@ struct U {
         const std::vector<Paint> paint(all.size());
         LayersState state = wrinkle_mesh::solve(*layers, all, paint, {pose}, nullptr, reports);
         for (int frame = 0; frame < 4; ++frame) {
-            state = woken(state);
+            state = activated(state);
             state = wrinkle_mesh::solve(*layers, all, paint, {pose}, &state, reports);
         }
         return state;

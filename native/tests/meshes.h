@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "surface/topology.h"
+#include "surface/mesh/topology.h"
 
 namespace rumple::tests {
 

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "surface/triangle_tree.h"
+#include "surface/refine/triangle_tree.h"
 #include "tests/surface_laws.h"
 
 namespace rumple::tests {

@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "surface/coarse.h"
-#include "surface/refinement.h"
+#include "surface/output/coarse.h"
+#include "surface/refine/refinement.h"
 #include "tests/meshes.h"
 #include "tests/refusals.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "surface/coloring.h"
+#include "base/graph_coloring.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {

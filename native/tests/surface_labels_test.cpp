@@ -7,7 +7,7 @@
 #include <random>
 
 #include "base/tolerances.h"
-#include "surface/labels.h"
+#include "surface/strain/labels.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {

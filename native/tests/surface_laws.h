@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "surface/refinement.h"
+#include "surface/refine/refinement.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "surface/adaptive_reference.h"
+#include "surface/strain/adaptive_reference.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {
@@ -45,7 +45,7 @@ TEST(AdaptiveReference, RelaxesTheSameInTheSameTimeAtEveryFrameRate) {
     for (const int rate : {24, 30, 60, 120}) {
         FlatTriangle reference = kRight;
         for (int f = 0; f < rate; ++f)
-            reference = relaxed(reference, {1.0f, 0.0f, 0.5f}, share_in(0.01f, 1.0 / rate));
+            reference = relaxed(reference, {1.0f, 0.0f, 0.5f}, fraction_in(0.01f, 1.0 / rate));
         // 30 steps of 1 %: the distance of sigma from 1 falls to 0.99^30.
         EXPECT_NEAR(0.5f / reference.y2, 1.0f - 0.5f * std::pow(0.99f, 30.0f), 1e-4f) << rate;
     }

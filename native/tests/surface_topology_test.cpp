@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/errors.h"
-#include "surface/checks.h"
+#include "surface/mesh/checks.h"
 #include "tests/surface_laws.h"
 
 namespace rumple::tests {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Painting rest-pose wrinkles: laws, then cases worked by hand.
-#include "systems/wrinkle_field_brush.h"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
 
+#include "systems/wrinkle_field/brush.h"
 #include "tests/refusals.h"
 #include "tests/wrinkle_field_cloth.h"
 
@@ -137,7 +136,7 @@ TEST(WrinkleFieldBrushLaws, TheWaveStandsAcrossTheStroke) {
     const Vec3 direction = glm::normalize(Vec3(2, 1, 0));
     easel.touch(easel.field.mesh.positions, from_above({0.5f, 0.5f, 0.0f}, direction, 0.4f));
     easel.field.paint.rest_wrinkle = easel.painted;
-    const Waves waves = easel.field.crush(easel.field.mesh.positions);
+    const Waves waves = easel.field.estimate_waves(easel.field.mesh.positions);
     int wrinkled = 0;
     for (size_t v = 0; v < waves.height.size(); ++v) {
         const float p = glm::length(easel.painted[v]);
@@ -324,7 +323,8 @@ TEST(WrinkleFieldBrushExact, Sheared) {
     const Pose3 pose = moved(easel.field.mesh, [](const Vec3& p) { return Vec3(p.x + p.y, p.y, 0.0f); });
     easel.touch(pose, from_above({0.4f, 0.2f, 0.0f}, Vec3(0, 1, 0), 0.15f));
     const Vec3 p = easel.painted[2 + 5 * 2];
-    // True lengths make M a fit where the pose stretches unevenly with direction; the fit is that of crush().
+    // True lengths make M a fit where the pose stretches unevenly with direction; the fit is that of
+    // estimate_waves().
     EXPECT_LT(Easel::apart(glm::normalize(p), glm::normalize(Vec3(1, 1, 0))), 1e-5f);
     EXPECT_NEAR(glm::length(p), 0.7f, 1e-6f);
 }

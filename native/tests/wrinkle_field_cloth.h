@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "systems/wrinkle_field.h"
+#include "systems/wrinkle_field/wrinkle_field.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {
@@ -96,8 +96,8 @@ struct Field {
     explicit Field(MeshData data, const wrinkle_field::Plan& plan = {}, bool weld = true)
         : mesh(std::move(data)), model(wrinkle_field::build(tests::build(mesh, weld), plan)) {}
 
-    wrinkle_field::Waves crush(const Pose3& pose, std::span<const Vec2> before = {}) const {
-        return wrinkle_field::crush(*model, settings, paint, pose, before);
+    wrinkle_field::Waves estimate_waves(const Pose3& pose, std::span<const Vec2> before = {}) const {
+        return wrinkle_field::estimate_waves(*model, settings, paint, pose, before);
     }
     wrinkle_field::State solve(const Pose3& pose, const wrinkle_field::State* before = nullptr,
                                wrinkle_field::Report* report = nullptr) const {

@@ -26,7 +26,7 @@ TEST(WrinkleFieldLaws, RestAndRigidMotionGiveNoWrinkles) {
     for (const MeshData& mesh : bases()) {
         const Field field(mesh);
         for (const Pose3& pose : {mesh.positions, moved(mesh, turned_and_shifted)}) {
-            const Waves waves = field.crush(pose);
+            const Waves waves = field.estimate_waves(pose);
             for (size_t v = 0; v < waves.height.size(); ++v) {
                 EXPECT_NEAR(waves.compression[v], 1.0f, 2e-6f);
                 EXPECT_LT(waves.fullness[v], 2e-3f);  // the root of a rounding
@@ -38,14 +38,14 @@ TEST(WrinkleFieldLaws, RestAndRigidMotionGiveNoWrinkles) {
 
 TEST(WrinkleFieldLaws, UniformStretchGivesNoHeight) {
     for (const MeshData& mesh : bases()) {
-        const Waves waves = Field(mesh).crush(scaled(mesh, Vec3(1.3f)));
+        const Waves waves = Field(mesh).estimate_waves(scaled(mesh, Vec3(1.3f)));
         for (const float height : waves.height) EXPECT_EQ(height, 0.0f);
     }
 }
 
 TEST(WrinkleFieldLaws, UniformShrinkingIsSeenEverywhere) {
     for (const MeshData& mesh : bases()) {
-        const Waves waves = Field(mesh).crush(scaled(mesh, Vec3(0.6f)));
+        const Waves waves = Field(mesh).estimate_waves(scaled(mesh, Vec3(0.6f)));
         for (const float r : waves.compression) EXPECT_NEAR(r, 0.6f, 2e-6f);
     }
 }
@@ -66,7 +66,7 @@ TEST(WrinkleFieldLaws, BendingAloneIsHardlyCompression) {
     as_printed.true_lengths = false;
     const Field field(mesh), printed(mesh, as_printed);
     const auto most = [&](const Field& f, const Pose3& pose) {
-        const Waves waves = f.crush(pose);
+        const Waves waves = f.estimate_waves(pose);
         return *std::max_element(waves.fullness.begin(), waves.fullness.end());
     };
     EXPECT_EQ(formulas::attenuation(most(field, rolled)), 0.0f);
@@ -101,8 +101,8 @@ TEST(WrinkleFieldLaws, AHeldPoseStaysToTheBit) {
             EXPECT_TRUE(same_bits(next.phase, state.phase));
             EXPECT_TRUE(same_bits(next.direction, state.direction));
         }
-        const State awake = woken(state);
-        EXPECT_FALSE(same_bits(field.solve(pose, &awake).phase, state.phase));
+        const State active = activated(state);
+        EXPECT_FALSE(same_bits(field.solve(pose, &active).phase, state.phase));
     }
 }
 
@@ -127,7 +127,7 @@ TEST(WrinkleFieldLaws, RelaxationNeverRaisesTheMisfitAndIsStable) {
         Field field(irregular_square());
         field.settings.wavelength = 0.25f;
         field.settings.rate = rate;
-        const Waves waves = field.crush(scaled(field.mesh, {0.5f, 1.0f, 1.0f}));
+        const Waves waves = field.estimate_waves(scaled(field.mesh, {0.5f, 1.0f, 1.0f}));
         std::vector<float> phase = random_phases(*field.model, 0);
         const float start = misfit(*field.model, waves, phase);
         float before = start;
@@ -169,7 +169,7 @@ TEST(WrinkleFieldLaws, TheOrderOfTheVerticesDoesNotMatter) {
     }
     const auto squeeze = [](const Vec3& p) { return Vec3(0.7f, 0.95f + 0.1f * p.x, 1.0f) * p; };
     const Pose3 pose = moved(mesh, squeeze), other_pose = moved(other.mesh, squeeze);
-    const Waves waves = field.crush(pose), other_waves = other.crush(other_pose);
+    const Waves waves = field.estimate_waves(pose), other_waves = other.estimate_waves(other_pose);
     const State state = field.solve(pose), other_state = other.solve(other_pose);
     for (size_t v = 0; v < order.size(); ++v) {
         const size_t w = order[v];
@@ -203,7 +203,7 @@ TEST(WrinkleFieldLaws, TheHeightIsContinuousOverEdges) {
     field.settings.wavelength = 0.08f;
     const Pose3 pose = moved(field.mesh, [](const Vec3& p) { return Vec3(0.7f, 1.0f + p.x, 1.0f) * p; });
     const State state = field.solve(pose);
-    const Waves waves = field.crush(pose, state.direction);
+    const Waves waves = field.estimate_waves(pose, state.direction);
     const Surface& base = field.model->base;
     const auto vertex = [&](size_t t, int k) {
         return base.welded.corner_vertex[base.triangles[t].corner[k]];
@@ -239,7 +239,7 @@ TEST(WrinkleFieldLaws, InterpolatedCornersGiveTheHeight) {
     const Pose3 pose = moved(field.mesh, [](const Vec3& p) { return Vec3(0.7f, 1.0f + p.x, 1.0f) * p; });
     const State state = field.solve(pose);
     const Picture picture = field.show(pose, state);
-    const Waves waves = field.crush(pose, state.direction);
+    const Waves waves = field.estimate_waves(pose, state.direction);
     for (Index t = 0; t < Index(field.model->base.triangles.size()); ++t) {
         const SurfacePoint place{t, 0.2f, 0.5f};
         const float b[3] = {0.3f, 0.2f, 0.5f};
@@ -331,9 +331,9 @@ TEST(WrinkleFieldLaws, TheSeedChoosesAndIrregularityDisturbs) {
     EXPECT_TRUE(same_bits(first.phase, field.solve(pose).phase));
     field.settings.seed = 5;
     EXPECT_FALSE(same_bits(first.phase, field.solve(pose).phase));
-    const Waves tidy = field.crush(pose);
+    const Waves tidy = field.estimate_waves(pose);
     field.settings.irregularity = 1.0f;
-    const Waves wild = field.crush(pose);
+    const Waves wild = field.estimate_waves(pose);
     float least = 1.0f;
     for (size_t v = 0; v < tidy.height.size(); ++v) {
         EXPECT_EQ(tidy.compression[v], wild.compression[v]);

@@ -25,11 +25,11 @@ struct AdaptiveField : Field {
     }
     State step(const Pose3& pose, double time, const State* before,
                std::span<const std::uint8_t> labels = {}) const {
-        Moment moment;
-        moment.time = time;
-        moment.labels = labels;
+        FrameTime frame_time;
+        frame_time.time = time;
+        frame_time.labels = labels;
         Report report;
-        return wrinkle_field::solve(*model, settings, paint, pose, before, report, moment);
+        return wrinkle_field::solve(*model, settings, paint, pose, before, report, frame_time);
     }
     template <typename PoseAt>
     State play(double seconds, double rate, PoseAt&& pose_at) const {
@@ -39,8 +39,8 @@ struct AdaptiveField : Field {
         return state;
     }
     Waves waves(const Pose3& pose, const State& state) const {
-        return wrinkle_field::crush(*model, settings, paint, pose, state.direction,
-                                    reference_stretches(*model, state.reference, pose));
+        return wrinkle_field::estimate_waves(*model, settings, paint, pose, state.direction,
+                                             reference_stretches(*model, state.reference, pose));
     }
     float mean_compression(const Pose3& pose, const State& state) const {
         const Waves at = waves(pose, state);
@@ -95,7 +95,7 @@ TEST(WrinkleFieldRest, TheFirstFrameHasNoWavesWithoutARestPose) {
         const State state = field.step(first, 0.0, nullptr);
         for (const float r : field.waves(first, state).compression) EXPECT_NEAR(r, 1.0f, 2e-6f);
         size_t squeezed = 0;
-        for (const float r : field.crush(first).compression) squeezed += r < 0.9f;
+        for (const float r : field.estimate_waves(first).compression) squeezed += r < 0.9f;
         EXPECT_GT(squeezed, field.model->tangent_rest.size() / 4);
     }
 }
@@ -207,9 +207,9 @@ TEST(WrinkleFieldRest, WhatDoesNotFitIsNamed) {
     refused([&] { reference_stretches(*other.model, state.reference, other.mesh.positions); },
             "state.reference: expected 192 triangles, got 148");
     const std::vector<Vec3> few(3, Vec3(1, 0, 1));
-    refused([&] { crush(*field.model, field.settings, {}, field.mesh.positions, {}, few); },
+    refused([&] { estimate_waves(*field.model, field.settings, {}, field.mesh.positions, {}, few); },
             "stretches: expected 91 welded vertices, got 3");
-    EXPECT_TRUE(same_bits(woken(state).reference.reference, state.reference.reference));
+    EXPECT_TRUE(same_bits(activated(state).reference.reference, state.reference.reference));
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST(WrinkleFieldShown, ALengthThatIsKeptIsThatOfTheSteepness) {
 TEST(WrinkleFieldShown, AccordionPleatsKeepTheHeightOfThePaper) {
     Field field = strip(4);
     const Pose3 pose = scaled(field.mesh, {0.6f, 1.0f, 1.0f});
-    const Waves asked = field.crush(pose);
+    const Waves asked = field.estimate_waves(pose);
     for (const auto& [profile, least, most] :
          {std::tuple{accordion(), 0.9999f, 1.0f}, std::tuple{sine(), 0.85f, 0.96f}}) {
         Waves waves = asked;
@@ -144,7 +144,7 @@ TEST(WrinkleFieldShown, WhateverStrengthAndPaintAskForTheLimitHolds) {
 TEST(WrinkleFieldShown, APaintedRestWrinkleIsClothThatThePainterAdded) {
     Field field = strip(8);
     field.paint.rest_wrinkle.assign(field.mesh.positions.size(), Vec3(0.5f, 0.0f, 0.0f));
-    const Waves waves = field.crush(field.mesh.positions);
+    const Waves waves = field.estimate_waves(field.mesh.positions);
     for (const float gather : waves.gather) EXPECT_NEAR(gather, 1.0f / 0.75f, 1e-5f);
 }
 
@@ -199,7 +199,8 @@ struct InStep {
         state = field.solve(pose);
     }
     std::vector<float> kept() const {
-        const Waves asked = field.crush(pose, state.direction), left = field.shown_waves(pose, state);
+        const Waves asked = field.estimate_waves(pose, state.direction),
+                    left = field.shown_waves(pose, state);
         std::vector<float> out;
         for (size_t v = 0; v < asked.height.size(); ++v) out.push_back(left.height[v] / asked.height[v]);
         return out;
@@ -226,7 +227,7 @@ TEST(WrinkleFieldShown, AWaveInOppositePhaseVanishesAndThoseAroundItHardlySink) 
     }
     EXPECT_LT(sunk, 10);
     cloth.field.settings.dissolve = false;
-    for (const float share : cloth.kept()) EXPECT_EQ(share, 1.0f);
+    for (const float fraction : cloth.kept()) EXPECT_EQ(fraction, 1.0f);
 }
 
 // Round a fork the phase misses a whole turn: the heights fall to nothing towards it, from all sides.

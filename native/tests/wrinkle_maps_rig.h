@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "systems/wrinkle_maps.h"
+#include "systems/wrinkle_maps/wrinkle_maps.h"
 
 namespace rumple::tests {
 

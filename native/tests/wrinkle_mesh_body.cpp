@@ -2,7 +2,7 @@
 // How far a Wrinkle Mesh may go inwards over a body.
 #include <gtest/gtest.h>
 
-#include "systems/wrinkle_mesh_pose.h"
+#include "systems/wrinkle_mesh/pose.h"
 #include "tests/contact_bodies.h"
 #include "tests/meshes.h"
 

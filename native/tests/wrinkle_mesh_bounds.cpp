@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where a vertex of the Wrinkle Mesh may be: within its radius, before its plane, and nowhere that is not a
 // number.
-#include "systems/wrinkle_mesh_bounds.h"
-
 #include <gtest/gtest.h>
 
 #include "base/random.h"
+#include "systems/wrinkle_mesh/bounds.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
 namespace rumple::tests {

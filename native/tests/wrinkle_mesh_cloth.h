@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "systems/wrinkle_mesh.h"
+#include "systems/wrinkle_mesh/wrinkle_mesh.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surface/attachments.h"
-#include "surface/deformation.h"
-#include "systems/wrinkle_mesh.h"
+#include "surface/output/attachments.h"
+#include "surface/strain/deformation.h"
+#include "systems/wrinkle_mesh/wrinkle_mesh.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {

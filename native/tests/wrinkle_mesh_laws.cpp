@@ -7,7 +7,7 @@
 #include <map>
 
 #include "base/errors.h"
-#include "systems/wrinkle_mesh.h"
+#include "systems/wrinkle_mesh/wrinkle_mesh.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
 namespace rumple::tests {
@@ -219,14 +219,14 @@ TEST(WrinkleMeshLaws, TheNumberOfThreadsChangesNoBit) {
 
 TEST(WrinkleMeshLaws, AWokenStateTakesOtherSettingsInAHeldPose) {
     const Cloth cloth(tube(12, 10, 0.1f, 0.5f));
-    const State folded = cloth.solve(cloth.squeezed(0.8f), Settings{}), awake = woken(folded);
+    const State folded = cloth.solve(cloth.squeezed(0.8f), Settings{}), active = activated(folded);
     Settings soft;
     soft.bending = 0.0f;
-    EXPECT_FALSE(same_bits(cloth.solve(cloth.squeezed(0.8f), soft, &awake).offset, folded.offset));
+    EXPECT_FALSE(same_bits(cloth.solve(cloth.squeezed(0.8f), soft, &active).offset, folded.offset));
     EXPECT_TRUE(same_bits(cloth.solve(cloth.squeezed(0.8f), soft, &folded).offset, folded.offset));
-    Settings none;  // bounds hold awake or not
+    Settings none;  // bounds hold active or not
     none.radius = 0.0f;
-    EXPECT_EQ(largest(cloth.solve(cloth.squeezed(0.8f), none, &awake).offset), 0.0f);
+    EXPECT_EQ(largest(cloth.solve(cloth.squeezed(0.8f), none, &active).offset), 0.0f);
     EXPECT_EQ(largest(cloth.solve(cloth.squeezed(0.8f), none, &folded).offset), 0.0f);
 }
 

@@ -125,8 +125,8 @@ TEST(WrinkleMeshLayers, AHeldPoseStaysToTheBitAndAWokenOneIsSolved) {
     EXPECT_TRUE(same_bits(again, state));
     Settings soft;
     soft.bending = 0.0f;
-    const LayersState awake = woken(folded);
-    const LayersState softer = stack.solve({pose}, alike(3, soft), &awake, &reports);
+    const LayersState active = activated(folded);
+    const LayersState softer = stack.solve({pose}, alike(3, soft), &active, &reports);
     for (size_t k = 0; k < 3; ++k) {
         EXPECT_EQ(reports[k].active, 1.0f) << "layer " << k;
         EXPECT_FALSE(tests::same_bits(softer.layers[k].offset, folded.layers[k].offset)) << "layer " << k;

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/errors.h"
-#include "systems/wrinkle_mesh_pose.h"
+#include "systems/wrinkle_mesh/pose.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
 namespace rumple::tests {
@@ -35,8 +35,8 @@ struct AdaptiveCloth : Cloth {
     State step(const Pose3& pose, double time, const State* before, std::span<const std::uint8_t> labels = {},
                Report* report = nullptr) const {
         Input input{pose};
-        input.moment.time = time;
-        input.moment.labels = labels;
+        input.frame_time.time = time;
+        input.frame_time.labels = labels;
         Report unused;
         return wrinkle_mesh::solve(*model, settings, {}, input, before, report ? *report : unused);
     }
@@ -284,7 +284,7 @@ TEST(WrinkleMeshRest, WhatDoesNotFitIsNamed) {
     still.settings.rest.reference = Reference::kStaticRest;
     const State before = still.step(rest, 1.0, nullptr);
     EXPECT_FALSE(cloth.step(rest, 1.1, &before).reference.empty());
-    EXPECT_TRUE(same_reference(woken(state), state));
+    EXPECT_TRUE(same_reference(activated(state), state));
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // A base with its layers, and poses for them.
 #pragma once
 
-#include "systems/wrinkle_mesh_layers.h"
+#include "systems/wrinkle_mesh/layers.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
 namespace rumple::tests {

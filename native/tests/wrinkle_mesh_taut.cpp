@@ -76,8 +76,8 @@ TEST(WrinkleMeshPull, FoldsFromTwoStartsComeNearer) {
             b.offset[v] += 0.4f * cloth.model->local_edge[v] * Vec3(0.5f, 0.8f, 0.0f);
         for (int frame = 0; frame < 10; ++frame) {
             for (State* state : {&a, &b}) {
-                const State awake = woken(*state);
-                *state = cloth.solve(pose, settings, &awake);
+                const State active = activated(*state);
+                *state = cloth.solve(pose, settings, &active);
             }
         }
         double sum = 0.0;
@@ -105,7 +105,7 @@ TEST(WrinkleMeshPull, TakesItsShareOfTheWayInEveryPass) {
     const Vec3 away(0.004f, 0.002f, 0.003f);
     State state = cloth.solve(cloth.mesh.positions, settings);
     for (Vec3& o : state.offset) o = away;
-    state = woken(state);
+    state = activated(state);
     for (const Vec3& o : cloth.solve(cloth.mesh.positions, settings, &state).offset)
         EXPECT_LT(glm::distance(o, away * Vec3(0.75f, 0.75f, 0.5f)), kRounding);
 }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Laws of layers that are solved on a coarse mesh and shown on the dense one.
-#include "systems/wrinkle_mesh_transfer.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "systems/wrinkle_mesh/transfer.h"
 #include "tests/refusals.h"
 #include "tests/wrinkle_mesh_stack.h"
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "systems/wrinkle_paths_walk.h"
+#include "systems/wrinkle_paths/walk.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {
@@ -66,8 +66,8 @@ struct PathCloth {
         input.time = state.time;
         return wrinkle_paths::curves(*model, settings, input, state);
     }
-    std::string fault(const wrinkle_paths::State& state) const {
-        return wrinkle_paths::fault(*model, state.paths);
+    std::string validate(const wrinkle_paths::State& state) const {
+        return wrinkle_paths::validate(*model, state.paths);
     }
 
     template <typename Move>
@@ -93,15 +93,15 @@ struct PathCloth {
 // Every triangle of a 4 x 4 grid squeezed along x: a fold from (1.6, 1.2) runs along y to both hems.
 struct Squeezed : PathCloth {
     wrinkle_paths::Pose pose;
-    wrinkle_paths::Ground ground;
+    wrinkle_paths::PathContext context;
     explicit Squeezed(float x = 0.5f)
         : PathCloth(grid(4, 4, 1.0f)),
           pose(wrinkle_paths::make_pose(*model, squeezed(x))),
-          ground(wrinkle_paths::make_ground(*model, settings, {}, pose, pose.shapes, model->rest,
-                                            std::vector<Stretch>(32))) {}
+          context(wrinkle_paths::make_context(*model, settings, {}, pose, pose.shapes, model->rest,
+                                              std::vector<Stretch>(32))) {}
     Index triangle_at(const Vec3& p) const {
         for (Index t = 0; t < model->net.triangles(); ++t) {
-            const glm::dvec2 at = ground.to_flat(t, p), u1 = ground.corner(t, 1), u2 = ground.corner(t, 2);
+            const glm::dvec2 at = context.to_flat(t, p), u1 = context.corner(t, 1), u2 = context.corner(t, 2);
             const double y = at.y / u2.y, x = (at.x - y * u2.x) / u1.x;
             if (x > 1e-6 && y > 1e-6 && x + y < 1.0 - 1e-6) return t;
         }
@@ -111,10 +111,10 @@ struct Squeezed : PathCloth {
                                 const wrinkle_paths::WalkLimits& limits) const {
         const Index t = triangle_at(p);
         std::vector<Index> visited{t};
-        const glm::dvec2 to = ground.to_flat(t, p + direction);
-        const glm::dvec2 at = ground.to_flat(t, p);
-        return wrinkle_paths::positions(ground,
-                                        wrinkle_paths::walk(ground, t, at, to - at, limits, visited).points);
+        const glm::dvec2 to = context.to_flat(t, p + direction);
+        const glm::dvec2 at = context.to_flat(t, p);
+        return wrinkle_paths::positions(context,
+                                        wrinkle_paths::walk(context, t, at, to - at, limits, visited).points);
     }
 };
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The paths as curves that ride on the base, and ellipses of stretch.
-#include "systems/wrinkle_paths_curves.h"
-
 #include <gtest/gtest.h>
 
+#include "systems/wrinkle_paths/curves.h"
 #include "tests/refusals.h"
 #include "tests/wrinkle_paths_cloth.h"
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "base/tolerances.h"
-#include "systems/wrinkle_paths_life.h"
+#include "systems/wrinkle_paths/lifecycle.h"
 #include "tests/wrinkle_paths_cloth.h"
 
 namespace rumple::tests {
@@ -64,19 +64,19 @@ TEST(PathShapes, OfATriangleThatJittersAreNotShorter) {
 struct Sliding : Squeezed {
     std::vector<PathPoint> path;  // straight up at x = 0.8
     Sliding() {
-        std::fill(ground.activity.begin(), ground.activity.end(), 1.0f);
+        std::fill(context.activity.begin(), context.activity.end(), 1.0f);
         WalkLimits limits;
         limits.compression = 1.5f;
         limits.length = 100.0f;
         const Index t = triangle_at({0.8f, 0.3f, 0.0f});
         std::vector<Index> visited{t};
-        const glm::dvec2 at = ground.to_flat(t, {0.8f, 0.3f, 0.0f}),
-                         up = ground.to_flat(t, {0.8f, 1.3f, 0.0f});
-        path = walk(ground, t, at, up - at, limits, visited).points;
-        path.insert(path.begin(), inside(ground, t, at));
+        const glm::dvec2 at = context.to_flat(t, {0.8f, 0.3f, 0.0f}),
+                         up = context.to_flat(t, {0.8f, 1.3f, 0.0f});
+        path = walk(context, t, at, up - at, limits, visited).points;
+        path.insert(path.begin(), inside(context, t, at));
     }
     float off_axis(const std::vector<PathPoint>& points) const {
-        const std::vector<Vec3> at = positions(ground, points);
+        const std::vector<Vec3> at = positions(context, points);
         float most = 0.0f;
         for (size_t i = 0; i + 1 < at.size(); ++i) most = std::max(most, std::abs(at[i + 1].x - at[i].x));
         return most;
@@ -87,7 +87,7 @@ TEST(PathSlide, LeavesAnAlignedPathAlone) {
     Sliding sheet;
     std::vector<PathPoint> points = sheet.path;
     std::vector<float> moved;
-    follow(sheet.ground, sheet.pose, sheet.settings, 1.0 / 30.0, points, moved);
+    follow(sheet.context, sheet.pose, sheet.settings, 1.0 / 30.0, points, moved);
     ASSERT_EQ(points.size(), sheet.path.size());
     for (size_t i = 0; i < points.size(); ++i) EXPECT_EQ(points[i].at, sheet.path[i].at);
 }
@@ -99,11 +99,11 @@ TEST(PathSlide, TurnsAPathTowardsTheFieldAndNotWithoutAlpha) {
     kept = points;
     const float before = sheet.off_axis(points);
     std::vector<float> moved;
-    follow(sheet.ground, sheet.pose, sheet.settings, 1.0 / 30.0, points, moved);
+    follow(sheet.context, sheet.pose, sheet.settings, 1.0 / 30.0, points, moved);
     EXPECT_LT(sheet.off_axis(points), before);
-    EXPECT_EQ(fault(*sheet.model, {{0, 1.0f, points}}), "");
+    EXPECT_EQ(validate(*sheet.model, {{0, 1.0f, points}}), "");
     sheet.settings.alignment = 0.0f;
-    follow(sheet.ground, sheet.pose, sheet.settings, 1.0 / 30.0, kept, moved);
+    follow(sheet.context, sheet.pose, sheet.settings, 1.0 / 30.0, kept, moved);
     EXPECT_EQ(sheet.off_axis(kept), before);
 }
 
@@ -115,18 +115,18 @@ TEST(PathLive, CutsAPathBackToASegmentWithoutLength) {
     cloth.settings.fade = 10.0f;
     State state = cloth.solve(cloth.mesh.positions);
     const Pose pose = make_pose(*cloth.model, cloth.mesh.positions);
-    const Ground ground{*cloth.model, pose, {}, {}, {}};
+    const PathContext context{*cloth.model, pose, {}, {}, {}};
     const PathPoint on_edge{1, 0, {0.5f, 0.0f}};  // the middle of the diagonal, (1/16, 1/16)
     ASSERT_EQ(triangle_of(cloth.model->net.twin[half_edge(on_edge)]), 0);
     state.paths = {{0,
                     1.0f,
                     {{1, kNone, {0.5f, 0.0f}},  // the same place
                      on_edge,
-                     inside(ground, 0, {0.0625 + 1.0 / 512.0, 0.0625})}}};
-    ASSERT_EQ(cloth.fault(state), "");
+                     inside(context, 0, {0.0625 + 1.0 / 512.0, 0.0625})}}};
+    ASSERT_EQ(cloth.validate(state), "");
     for (int f = 0; f < 5; ++f) {
         ASSERT_NO_THROW(state = cloth.solve(cloth.mesh.positions, &state));
-        ASSERT_EQ(cloth.fault(state), "");
+        ASSERT_EQ(cloth.validate(state), "");
     }
 }
 
@@ -141,22 +141,22 @@ TEST(PathSlide, IsTheMinimumOfEquation52) {
     mesh.add_polygon({1, 0, 3});
     PathCloth cloth(mesh);
     const Pose pose = make_pose(*cloth.model, mesh.positions);
-    Ground ground{*cloth.model, pose, {}, {}, {}};
+    PathContext context{*cloth.model, pose, {}, {}, {}};
     for (int t = 0; t < 2; ++t) {
-        const glm::dvec2 x = ground.to_flat(t, ground.vertex(3 * t) + Vec3(1, 0, 0));
-        ground.stretch.push_back({2.0f, 1.0f, Vec2(x), true});
+        const glm::dvec2 x = context.to_flat(t, context.vertex(3 * t) + Vec3(1, 0, 0));
+        context.stretch.push_back({2.0f, 1.0f, Vec2(x), true});
     }
-    ground.compression = {2.0f, 2.0f};
-    ground.activity = {1.0f, 1.0f};
+    context.compression = {2.0f, 2.0f};
+    context.activity = {1.0f, 1.0f};
     const float c = 0.1f, alpha = 0.4f;
-    std::vector<PathPoint> points{inside(ground, 1, ground.to_flat(1, {0.5f + c, -0.5f, 0})),
+    std::vector<PathPoint> points{inside(context, 1, context.to_flat(1, {0.5f + c, -0.5f, 0})),
                                   {1, 0, {0.5f, 0.0f}},
-                                  inside(ground, 0, ground.to_flat(0, {0.5f + c, 0.5f, 0}))};
-    ASSERT_EQ(fault(*cloth.model, {{0, 1.0f, points}}), "");
+                                  inside(context, 0, context.to_flat(0, {0.5f + c, 0.5f, 0}))};
+    ASSERT_EQ(validate(*cloth.model, {{0, 1.0f, points}}), "");
     cloth.settings.alignment = alpha;
     std::vector<float> moved;
-    follow(ground, pose, cloth.settings, 1.0 / 30.0, points, moved);
-    EXPECT_NEAR(position(ground, points[1]).x, 0.5f + 2.0f * alpha * c / (2.0f * alpha + 4.0f), 1e-5f);
+    follow(context, pose, cloth.settings, 1.0 / 30.0, points, moved);
+    EXPECT_NEAR(position(context, points[1]).x, 0.5f + 2.0f * alpha * c / (2.0f * alpha + 4.0f), 1e-5f);
     ASSERT_EQ(moved.size(), 1u);
     EXPECT_NEAR(moved[0], 2.0f * alpha * c / (2.0f * alpha + 4.0f), 1e-5f);
 }
@@ -175,28 +175,28 @@ TEST(PathSlide, PassesAVertexToTheEdgesOnItsOtherSide) {
     for (Index k = 0; k < 6; ++k) mesh.add_polygon({0, 1 + k, 1 + (k + 1) % 6});
     PathCloth cloth(mesh);
     const Pose pose = make_pose(*cloth.model, mesh.positions);
-    Ground ground{*cloth.model, pose, {}, {}, {}};
-    ground.compression.assign(6, 2.0f);
-    ground.activity.assign(6, 1.0f);
-    ground.stretch.assign(6, {2.0f, 1.0f, {1.0f, 0.0f}, true});
+    PathContext context{*cloth.model, pose, {}, {}, {}};
+    context.compression.assign(6, 2.0f);
+    context.activity.assign(6, 1.0f);
+    context.stretch.assign(6, {2.0f, 1.0f, {1.0f, 0.0f}, true});
     const Index upper = 2, lower = 3;  // left of the middle: from 120 to 180 and from 180 to 240 degrees
     for (const Index t : {upper, lower}) {
         const Vec3 e = glm::normalize(Vec3(0.4f, t == upper ? 0.35f : -0.35f, 0.0f));
-        ground.stretch[t].direction = Vec2(ground.to_flat(t, ground.vertex(3 * t) + e));
+        context.stretch[t].direction = Vec2(context.to_flat(t, context.vertex(3 * t) + e));
     }
     const Index shared = 0;  // of the lower triangle: from the middle to (-1, 0)
-    std::vector<PathPoint> points{inside(ground, lower, ground.to_flat(lower, {-0.25f, -0.4f, 0})),
+    std::vector<PathPoint> points{inside(context, lower, context.to_flat(lower, {-0.25f, -0.4f, 0})),
                                   {lower, shared, {0.02f, 0.0f}},
-                                  inside(ground, upper, ground.to_flat(upper, {-0.25f, 0.4f, 0}))};
-    ASSERT_EQ(fault(*cloth.model, {{0, 1.0f, points}}), "");
+                                  inside(context, upper, context.to_flat(upper, {-0.25f, 0.4f, 0}))};
+    ASSERT_EQ(validate(*cloth.model, {{0, 1.0f, points}}), "");
     cloth.settings.alignment = 100.0f;
     std::vector<float> moved;
-    follow(ground, pose, cloth.settings, 1.0 / 30.0, points, moved);
-    EXPECT_EQ(fault(*cloth.model, {{0, 1.0f, points}}), "");
+    follow(context, pose, cloth.settings, 1.0 / 30.0, points, moved);
+    EXPECT_EQ(validate(*cloth.model, {{0, 1.0f, points}}), "");
     ASSERT_EQ(points.size(), 7u);
     const float w = 0.4f * 0.4f / (0.4f * 0.4f + 0.35f * 0.35f), d = 200.0f * w * 0.12f / (200.0f * w + 4.0f);
     for (size_t i = 1; i < 6; ++i)
-        EXPECT_NEAR(glm::length(position(ground, points[i])), d - 0.02f, 1e-4f) << i;
+        EXPECT_NEAR(glm::length(position(context, points[i])), d - 0.02f, 1e-4f) << i;
 }
 
 }  // namespace

@@ -162,14 +162,14 @@ TEST(WrinklePathsInput, CollapsedTrianglesAreTolerated) {
     State state = cloth.solve(cloth.mesh.positions);
     for (int f = 0; f < 20; ++f) {
         state = cloth.solve(f % 2 ? pose : cloth.squeezed(0.6f), &state, &report);
-        ASSERT_EQ(cloth.fault(state), "");
+        ASSERT_EQ(cloth.validate(state), "");
         for (const Vec3& p : cloth.show(f % 2 ? pose : cloth.squeezed(0.6f), state).positions)
             ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
     }
     EXPECT_GT(report.collapsed_triangles, 0);
     state = cloth.solve(Pose3(pose.size(), Vec3(1.0f)), &state, &report);  // all at one point
     EXPECT_EQ(report.collapsed_triangles, 128);
-    EXPECT_EQ(cloth.fault(state), "");
+    EXPECT_EQ(cloth.validate(state), "");
 }
 
 TEST(WrinklePathsInput, AClipOfOneFrameIsAllRest) {

@@ -54,7 +54,7 @@ TEST(WrinklePaths, LieOnTheSurfaceInEveryFrameOfAWildMotion) {
             for (int c = 0; c < 3; ++c) p[c] += 0.004f * (float(random() % 2001) / 1000.0f - 1.0f);
         }
         state = cloth.solve(pose, &state);
-        ASSERT_EQ(cloth.fault(state), "") << "frame " << f;
+        ASSERT_EQ(cloth.validate(state), "") << "frame " << f;
         most = std::max(most, state.paths.size());
         for (const float width : cloth.curves(pose, state).width) ASSERT_TRUE(std::isfinite(width));
         for (const Vec3& p : cloth.curves(pose, state).positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
@@ -256,10 +256,10 @@ TEST(WrinklePaths, GrowAndShrinkNoFasterThanTheLimit) {
     bool grew = false;
     cloth.play(0.5, pose, [&](const State& state, const Report&) {
         const Pose stands = make_pose(*cloth.model, pose(state.time));
-        const Ground ground{*cloth.model, stands, {}, {}, {}};
+        const PathContext context{*cloth.model, stands, {}, {}, {}};
         std::vector<std::pair<Index, float>> now;
         for (const Path& path : state.paths) {
-            const float length = wrinkle_paths::length(ground, path.points);
+            const float length = wrinkle_paths::length(context, path.points);
             now.emplace_back(path.id, length);
             for (const auto& [id, old] : before) {
                 if (id != path.id) continue;
@@ -329,7 +329,7 @@ TEST(WrinklePaths, HoldAPoseThatJitters) {
             for (int c = 0; c < 3; ++c) p[c] += 0.001f * (float(random() % 2001) / 1000.0f - 1.0f);
         }
         state = cloth.solve(jittered, &state);
-        ASSERT_EQ(cloth.fault(state), "");
+        ASSERT_EQ(cloth.validate(state), "");
     }
     const float after = total_length(cloth.curves(pose(9.0), state));
     EXPECT_GT(after, 0.7f * before);

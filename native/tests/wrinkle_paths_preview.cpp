@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the viewport draws: chapter 7 of Gillette 2015.
-#include "systems/wrinkle_paths_preview.h"
-
 #include <gtest/gtest.h>
 
 #include <bit>
 
+#include "systems/wrinkle_paths/preview.h"
 #include "tests/wrinkle_paths_cloth.h"
 
 namespace rumple::tests {
@@ -51,8 +50,8 @@ struct BentSleeve {
 };
 
 // The place at `share` of a half-edge of the net.
-SurfacePoint on_edge(Index half_edge, float share) {
-    const float b[3] = {1.0f - share, share, 0.0f};
+SurfacePoint on_edge(Index half_edge, float fraction) {
+    const float b[3] = {1.0f - fraction, fraction, 0.0f};
     const Index k = half_edge % 3;
     return {half_edge / 3, b[(4 - k) % 3], b[(5 - k) % 3]};
 }
@@ -99,7 +98,7 @@ TEST(PathPreview, OnTheLimitSurfaceIsNearTheFineMesh) {
 TEST(PathPreview, TheStandInIsTheSmoothSurfaceAtTheVertices) {
     const BentSleeve sleeve;
     for (size_t v = 0; v < sleeve.pose.size(); ++v)
-        EXPECT_EQ(sleeve.drawing.stand_in[v], sleeve.drawing.smooth[v] - sleeve.pose[v]);
+        EXPECT_EQ(sleeve.drawing.proxy_offset[v], sleeve.drawing.smooth[v] - sleeve.pose[v]);
 }
 
 TEST(PathPreview, NeighboursCutTheirEdgeIntoTheSameParts) {
@@ -149,9 +148,9 @@ TEST(PathPreview, BothSidesOfAnEdgeHaveTheSamePoints) {
     for (Index h = 0; h < Index(net.twin.size()); ++h) {
         if (net.twin[h] == kNone) continue;
         const bool border = sleeve.folds(h / 3) != sleeve.folds(net.twin[h] / 3);
-        for (const float share : {0.25f, 0.5f}) {
-            const Drawn here = sleeve.at(on_edge(h, share)),
-                        there = sleeve.at(on_edge(net.twin[h], 1.0f - share));
+        for (const float fraction : {0.25f, 0.5f}) {
+            const Drawn here = sleeve.at(on_edge(h, fraction)),
+                        there = sleeve.at(on_edge(net.twin[h], 1.0f - fraction));
             EXPECT_LT(glm::distance(here.position, there.position), 1e-6f) << h;
             if (border) {  // nothing to tear
                 EXPECT_LT(std::abs(here.height), 1e-6f) << h;

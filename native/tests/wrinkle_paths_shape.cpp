@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "systems/wrinkle_paths_walk.h"
+#include "systems/wrinkle_paths/walk.h"
 #include "tests/wrinkle_paths_cloth.h"
 
 namespace rumple::tests {
@@ -84,23 +84,24 @@ struct StraightFold : PathCloth {
         pose = squeezed(1.0f / 1.4f);
         state = solve(pose);
         const Pose flat = make_pose(*model, pose);
-        const Ground ground =
-            make_ground(*model, settings, {}, flat, flat.shapes, model->rest, std::vector<Stretch>(32));
+        const PathContext context =
+            make_context(*model, settings, {}, flat, flat.shapes, model->rest, std::vector<Stretch>(32));
         for (Index t = 0; t < 32; ++t) {
-            const glm::dvec2 at = ground.to_flat(t, {x, 0.02f, 0}), u1 = ground.corner(t, 1),
-                             u2 = ground.corner(t, 2);
+            const glm::dvec2 at = context.to_flat(t, {x, 0.02f, 0}), u1 = context.corner(t, 1),
+                             u2 = context.corner(t, 2);
             const double b = at.y / u2.y, a = (at.x - b * u2.x) / u1.x;
             if (a < 0 || b < 0 || a + b > 1) continue;
             WalkLimits limits;
             limits.length = 0.36f;
             std::vector<Index> visited{t};
             Path path;
-            path.points = walk(ground, t, at, ground.to_flat(t, {x, 1.02f, 0}) - at, limits, visited).points;
-            path.points.insert(path.points.begin(), inside(ground, t, at));
+            path.points =
+                walk(context, t, at, context.to_flat(t, {x, 1.02f, 0}) - at, limits, visited).points;
+            path.points.insert(path.points.begin(), inside(context, t, at));
             state.paths = {path};
             break;
         }
-        EXPECT_EQ(fault(state), "");
+        EXPECT_EQ(validate(state), "");
     }
     // The height of the crest nearest to y, with the compression given to the lower and the upper half.
     float crest(float y, float lower, float upper) {
@@ -223,7 +224,7 @@ TEST(PathShow, ListsMissNoPieceThatReachesATriangle) {
     ASSERT_GT(state.paths.size(), 3u);
     Input input;
     input.positions = pose;
-    const Packed packed = pack(*cloth.model, cloth.settings, input, state);
+    const TriangleLists lists = build_triangle_lists(*cloth.model, cloth.settings, input, state);
     const Curves lines = cloth.curves(pose, state);
     const Picture picture = cloth.show(pose, state);
     size_t lifted = 0;
@@ -232,8 +233,8 @@ TEST(PathShow, ListsMissNoPieceThatReachesATriangle) {
         float best = 0.0f;
         for (size_t c = 0; c < lines.id.size(); ++c) {
             for (Index i = lines.start[c]; i + 1 < lines.start[c + 1]; ++i)
-                best = std::max(best, formulas::fold_height(int(cloth.settings.profile), packed.ends[i],
-                                                            packed.ends[i + 1], p)
+                best = std::max(best, formulas::fold_height(int(cloth.settings.profile), lists.ends[i],
+                                                            lists.ends[i + 1], p)
                                           .height);
         }
         EXPECT_NEAR(picture.height[v], best, 1e-6f);
@@ -249,12 +250,12 @@ TEST(PathShow, ListsAreSortedAndWhole) {
     const State state = cloth.solve(pose);
     Input input;
     input.positions = pose;
-    const Packed packed = pack(*cloth.model, cloth.settings, input, state);
-    ASSERT_EQ(packed.triangle_start.size(), size_t(cloth.model->net.triangles()) + 1);
-    EXPECT_EQ(size_t(packed.triangle_start.back()), packed.ranges.size());
+    const TriangleLists lists = build_triangle_lists(*cloth.model, cloth.settings, input, state);
+    ASSERT_EQ(lists.triangle_start.size(), size_t(cloth.model->net.triangles()) + 1);
+    EXPECT_EQ(size_t(lists.triangle_start.back()), lists.ranges.size());
     const Curves lines = cloth.curves(pose, state);
-    ASSERT_EQ(packed.ends.size(), lines.positions.size());
-    for (const auto& [first, end] : packed.ranges) {
+    ASSERT_EQ(lists.ends.size(), lines.positions.size());
+    for (const auto& [first, end] : lists.ranges) {
         ASSERT_LT(first, end);
         // Within one fold: no range runs over from one path to the next.
         const auto fold = std::upper_bound(lines.start.begin(), lines.start.end(), first);
@@ -263,7 +264,7 @@ TEST(PathShow, ListsAreSortedAndWhole) {
     for (const Path& path : state.paths) {  // a triangle that a path crosses is on its list
         for (size_t i = 0; i + 1 < path.points.size(); ++i) {
             const Index t = segment_triangle(*cloth.model, path.points, i);
-            EXPECT_LT(packed.triangle_start[t], packed.triangle_start[t + 1]);
+            EXPECT_LT(lists.triangle_start[t], lists.triangle_start[t + 1]);
         }
     }
 }
@@ -295,11 +296,11 @@ TEST(PathShow, SmoothsWhatIsShorterThanTheWidth) {
 
     Path zigzag = straight;
     for (size_t i = 1; i + 1 < zigzag.points.size(); ++i) {
-        float& share = zigzag.points[i].at.x;
-        share = std::clamp(share + (i % 2 == 1 ? 0.3f : -0.3f), 0.01f, 0.99f);
+        float& fraction = zigzag.points[i].at.x;
+        fraction = std::clamp(fraction + (i % 2 == 1 ? 0.3f : -0.3f), 0.01f, 0.99f);
     }
     const Pose flat = make_pose(*cloth.model, pose);
-    const std::vector<Vec3> raw = positions(Ground{*cloth.model, flat, {}, {}, {}}, zigzag.points);
+    const std::vector<Vec3> raw = positions(PathContext{*cloth.model, flat, {}, {}, {}}, zigzag.points);
     const std::vector<Vec3> line = shown(zigzag);
     ASSERT_GT(spread(raw), 0.1f * cloth.settings.width);
     EXPECT_LT(spread(line), 0.1f * spread(raw));

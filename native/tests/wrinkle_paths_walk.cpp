@@ -39,7 +39,7 @@ TEST(PathWalk, EndsWithinATriangleWhenItsLengthIsUsedUp) {
 
 TEST(PathWalk, EndsAtTheEdgeOfLessCompression) {
     Squeezed sheet;
-    for (Index t = 16; t < 32; ++t) sheet.ground.compression[t] = 1.0f;  // the upper two rows
+    for (Index t = 16; t < 32; ++t) sheet.context.compression[t] = 1.0f;  // the upper two rows
     WalkLimits limits;
     limits.compression = 1.5f;
     limits.length = 100.0f;
@@ -53,9 +53,9 @@ TEST(PathWalk, EndsWhereItMeetsAnother) {
     const Index t =
         sheet.triangle_at({0.95f, 2.1f, 0.0f});  // crossed from (0.5, 2) .. at y = 2.06 above x = 0.8
     ASSERT_NE(t, kNone);
-    SegmentMap map(sheet.ground);
-    map.add({inside(sheet.ground, t, sheet.ground.to_flat(t, {0.6f, 2.06f, 0.0f})),
-             inside(sheet.ground, t, sheet.ground.to_flat(t, {0.95f, 2.06f, 0.0f}))});
+    SegmentMap map(sheet.context);
+    map.add({inside(sheet.context, t, sheet.context.to_flat(t, {0.6f, 2.06f, 0.0f})),
+             inside(sheet.context, t, sheet.context.to_flat(t, {0.95f, 2.06f, 0.0f}))});
     WalkLimits limits;
     limits.compression = 1.5f;
     limits.length = 100.0f;
@@ -72,19 +72,19 @@ TEST(PathWalk, TurnsWithTheCompressionOverAFoldedEdge) {
         if (p.y > 2.0f) p = Vec3(p.x, 2.0f, p.y - 2.0f);
     }
     const Pose pose = make_pose(*cloth.model, folded);
-    const Ground ground = make_ground(*cloth.model, cloth.settings, {}, pose, pose.shapes, cloth.model->rest,
-                                      std::vector<Stretch>(32));
+    const PathContext context = make_context(*cloth.model, cloth.settings, {}, pose, pose.shapes,
+                                             cloth.model->rest, std::vector<Stretch>(32));
     WalkLimits limits;
     limits.compression = 1.5f;
     limits.length = 100.0f;
     const Index t = 18;  // the lower right triangle of face (1, 2), whose corner 0 is (0.5, 2)
-    ASSERT_LT(glm::distance(ground.vertex(3 * t), Vec3(0.5f, 2.0f, 0.0f)), 1e-6f);
+    ASSERT_LT(glm::distance(context.vertex(3 * t), Vec3(0.5f, 2.0f, 0.0f)), 1e-6f);
     std::vector<Index> visited{t};
-    const glm::dvec2 at = ground.to_flat(t, {0.8f, 2.0f, 0.1f}), up = ground.to_flat(t, {0.8f, 2.0f, 1.1f});
-    const auto ends = positions(ground, walk(ground, t, at, up - at, limits, visited).points);
+    const glm::dvec2 at = context.to_flat(t, {0.8f, 2.0f, 0.1f}), up = context.to_flat(t, {0.8f, 2.0f, 1.1f});
+    const auto ends = positions(context, walk(context, t, at, up - at, limits, visited).points);
     EXPECT_LT(glm::distance(ends.back(), Vec3(0.8f, 2.0f, 2.0f)), 1e-5f);
     visited = {t};
-    const auto down = positions(ground, walk(ground, t, at, at - up, limits, visited).points);
+    const auto down = positions(context, walk(context, t, at, at - up, limits, visited).points);
     EXPECT_LT(glm::distance(down.back(), Vec3(0.8f, 0.0f, 0.0f)), 1e-5f);
 }
 
@@ -93,9 +93,9 @@ TEST(PathWalk, ReversedTwiceIsTheSamePath) {
     const State state = sheet.solve(sheet.squeezed(0.5f));
     ASSERT_FALSE(state.paths.empty());
     const std::vector<PathPoint> back = reversed(*sheet.model, state.paths[0].points);
-    EXPECT_EQ(fault(*sheet.model, {{0, 1.0f, back}}), "");
-    std::vector<Vec3> there = positions(sheet.ground, state.paths[0].points),
-                      again = positions(sheet.ground, back);
+    EXPECT_EQ(validate(*sheet.model, {{0, 1.0f, back}}), "");
+    std::vector<Vec3> there = positions(sheet.context, state.paths[0].points),
+                      again = positions(sheet.context, back);
     std::reverse(again.begin(), again.end());
     for (size_t i = 0; i < there.size(); ++i) EXPECT_LT(glm::distance(there[i], again[i]), 1e-6f);
 }
@@ -107,29 +107,29 @@ TEST(PathWalk, EndsWhenItHasTurnedTooFar) {
     cloth = PathCloth(cloth.mesh);
     const Vec3 middle(0.3f, 0.3f, 0.0f);
     const Pose pose = make_pose(*cloth.model, cloth.mesh.positions);
-    Ground ground{*cloth.model, pose, {}, std::vector<float>(800, 2.0f), std::vector<float>(800, 1.0f)};
+    PathContext context{*cloth.model, pose, {}, std::vector<float>(800, 2.0f), std::vector<float>(800, 1.0f)};
     for (Index t = 0; t < 800; ++t) {
         const Vec3 centre =
-            (ground.vertex(3 * t) + ground.vertex(3 * t + 1) + ground.vertex(3 * t + 2)) / 3.0f;
+            (context.vertex(3 * t) + context.vertex(3 * t + 1) + context.vertex(3 * t + 2)) / 3.0f;
         const Vec3 towards = pose.frames[t].to_local(glm::normalize(middle - centre));
-        ground.stretch.push_back({2.0f, 1.0f, Vec2(towards), true});
+        context.stretch.push_back({2.0f, 1.0f, Vec2(towards), true});
     }
     WalkLimits limits;
     limits.compression = 1.5f;
     limits.length = 10.0f;
     const Index t = 20 * 2 * 10 + 26;  // right of the middle
     std::vector<Index> visited{t};
-    const Vec3 start = (ground.vertex(3 * t) + ground.vertex(3 * t + 1) + ground.vertex(3 * t + 2)) / 3.0f;
-    const glm::dvec2 at = ground.to_flat(t, start), up = ground.to_flat(t, start + Vec3(0, 1, 0));
-    const Walk found = walk(ground, t, at, up - at, limits, visited);
+    const Vec3 start = (context.vertex(3 * t) + context.vertex(3 * t + 1) + context.vertex(3 * t + 2)) / 3.0f;
+    const glm::dvec2 at = context.to_flat(t, start), up = context.to_flat(t, start + Vec3(0, 1, 0));
+    const Walk found = walk(context, t, at, up - at, limits, visited);
     EXPECT_NEAR(std::abs(found.turned), kMostTurn, 0.5);
     std::vector<PathPoint> points = found.points;
-    points.insert(points.begin(), inside(ground, t, at));
-    EXPECT_EQ(fault(*cloth.model, {{0, 1.0f, points}}), "");
-    EXPECT_LT(std::abs(turning(ground, points)), kMostTurn + 0.3);
-    EXPECT_GT(std::abs(turning(ground, points)), kMostTurn - 0.6);
+    points.insert(points.begin(), inside(context, t, at));
+    EXPECT_EQ(validate(*cloth.model, {{0, 1.0f, points}}), "");
+    EXPECT_LT(std::abs(turning(context, points)), kMostTurn + 0.3);
+    EXPECT_GT(std::abs(turning(context, points)), kMostTurn - 0.6);
     // The other way round it turns to the other side by as much.
-    EXPECT_NEAR(turning(ground, reversed(*cloth.model, points)), -turning(ground, points), 1e-4);
+    EXPECT_NEAR(turning(context, reversed(*cloth.model, points)), -turning(context, points), 1e-4);
 }
 
 TEST(PathFault, NamesWhatIsWrong) {
@@ -139,7 +139,7 @@ TEST(PathFault, NamesWhatIsWrong) {
     const auto says = [&](auto&& spoil) {
         std::vector<Path> paths = state.paths;
         spoil(paths[0].points);
-        return fault(*sheet.model, paths);
+        return validate(*sheet.model, paths);
     };
     EXPECT_EQ(says([](auto&) {}), "");
     EXPECT_NE(says([](auto& p) { p[1].at.x = 1.5f; }).find("point 1: beyond its edge"), std::string::npos);

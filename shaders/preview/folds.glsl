@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Section 7.5 at a point, over the lists of section 7.2; folds_at() of native/systems/wrinkle_paths_preview.cpp is its
+// Section 7.5 at a point, over the lists of section 7.2; folds_at() of native/systems/wrinkle_paths/preview.cpp is its
 // twin.
 //   ranges  first piece and end of the pieces of one fold
 //   ends    two texels each: FoldEnd
@@ -9,15 +9,15 @@ FoldEnd fold_end(int i) {
     return FoldEnd(a.xyz, a.w, b.xyz, b.w);
 }
 
-// list: first range of the triangle and end of its ranges. p: on the flat triangle. n, share: as with_fold() has them.
-FoldBlend folds_at(ivec2 list, vec3 p, vec3 n, float share) {
+// list: first range of the triangle and end of its ranges. p: on the flat triangle. n, fraction: as with_fold() has them.
+FoldBlend folds_at(ivec2 list, vec3 p, vec3 n, float fraction) {
     FoldBlend blend = no_folds();
     for (int r = list.x; r < list.y; ++r) {
         vec4 range = TEXEL(ranges, r);
         FoldEnd start = fold_end(int(range.x));
         for (int i = int(range.x); i < int(range.y); ++i) {
             FoldEnd end = fold_end(i + 1);
-            blend = with_fold(blend, fold_height(profile, start, end, p), n, share);
+            blend = with_fold(blend, fold_height(profile, start, end, p), n, fraction);
             start = end;
         }
     }

@@ -11,5 +11,5 @@ void main() {
         vec4 link = TEXEL(links, i);
         if (link.y > 0.0) sum += link.y * misfit(Link(link.z, link.w), phase, TEXEL(phases, int(link.x)).x);
     }
-    out_phase = vec4(relaxed(phase, sum, float(count), rate * TEXEL(shares, v).x), 0.0, 0.0, 0.0);
+    out_phase = vec4(relaxed(phase, sum, float(count), rate * TEXEL(activities, v).x), 0.0, 0.0, 0.0);
 }

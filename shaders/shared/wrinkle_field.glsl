@@ -26,21 +26,21 @@ const int kProfileIntervals = 64;
 // ---- Crush (section 4.2)
 
 // t of a tangent frame: the way to a neighbour, projected along the unit normal n.
-FORMULA vec3 tangent_towards(vec3 way, vec3 n) {
-    vec3 t = way - dot(way, n) * n;
+FORMULA vec3 tangent_towards(vec3 displacement, vec3 n) {
+    vec3 t = displacement - dot(displacement, n) * n;
     float t_length = length(t);
-    if (t_length <= kNoTangent * length(way)) return any_tangent(n);
+    if (t_length <= kNoTangent * length(displacement)) return any_tangent(n);
     return t / t_length;
 }
 
 // v of a way to a neighbour: its tangent-space direction with the way's own length.
 // As printed (true_length false) it is the projection, which is shorter where the
 // surface bends, so that bending alone would count as compression.
-FORMULA vec2 tangent_space(vec3 way, vec3 t, vec3 b, bool true_length) {
-    vec2 v = vec2(dot(t, way), dot(b, way));
+FORMULA vec2 tangent_space(vec3 displacement, vec3 t, vec3 b, bool true_length) {
+    vec2 v = vec2(dot(t, displacement), dot(b, displacement));
     float v_length = length(v);
-    if (!true_length || v_length <= kNoTangent * length(way)) return v;
-    return v * (length(way) / v_length);
+    if (!true_length || v_length <= kNoTangent * length(displacement)) return v;
+    return v * (length(displacement) / v_length);
 }
 
 // v_i of equation (1) premultiplied by the inverse of the sum of v_i (x) v_i, so that
@@ -54,7 +54,7 @@ FORMULA vec2 regression_gradient(mat2 moments, vec2 v) {
 }
 
 // What the deformation of a neighbourhood asks of the wave there.
-struct Crushed {
+struct WaveEstimate {
     float r;          // strength of the strongest compression: length over rest length, 1 = as at rest
     float fullness;   // sqrt(max(1 - r^2, 0)): amplitude over W/4
     vec2 k;           // its direction, unit, in the rest frame; sign as `before`
@@ -74,14 +74,14 @@ FORMULA mat2 restretched(mat2 m, vec3 stretch) {
 // m: M of equation (1). q: painted rest-pose wrinkle in the rest frame, shorter than 1
 // (section 7). before: k of the frame before, or zero. turn: (cos, sin) of the angle by
 // which irregularity turns the wave away from k.
-FORMULA Crushed crush(mat2 m, vec2 q, vec2 before, vec2 turn) {
+FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn) {
     mat2 mq = m * (mat2(1.0f) - outerProduct(q, q));  // M (E - q (x) q)
     mat2 c = transpose(mq) * mq;
     float mean = 0.5f * (c[0][0] + c[1][1]);
     float half_difference = 0.5f * (c[0][0] - c[1][1]);
     float large = mean + sqrt(half_difference * half_difference + c[1][0] * c[1][0]);
     float det = mq[0][0] * mq[1][1] - mq[1][0] * mq[0][1];
-    Crushed result;
+    WaveEstimate result;
     // The smaller eigenvalue by the determinant: no cancellation where it is small.
     float r2 = large > 0.0f ? det * det / large : 0.0f;
     result.r = sqrt(r2);
@@ -121,10 +121,10 @@ struct Link {
 };
 
 // wave_vector: 2 pi / W k', radians per object unit. way: x'_n - x'_0; p = (x'_0 + x'_n) / 2.
-FORMULA Link link_waves(vec3 wave_vector, vec3 neighbour_wave_vector, vec3 way) {
+FORMULA Link link_waves(vec3 wave_vector, vec3 neighbour_wave_vector, vec3 displacement) {
     Link result;
     result.flip = dot(neighbour_wave_vector, wave_vector) < 0.0f ? -1.0f : 1.0f;
-    result.offset = -0.5f * (result.flip * dot(neighbour_wave_vector, way) + dot(wave_vector, way));
+    result.offset = -0.5f * (result.flip * dot(neighbour_wave_vector, displacement) + dot(wave_vector, displacement));
     return result;
 }
 

@@ -59,18 +59,18 @@ struct FoldHeight {
 };
 
 // What the piece gives a point p that is projected to `share` of it, if it is on it.
-FORMULA FoldHeight fold_at(int kind, FoldEnd a, FoldEnd b, vec3 p, float share) {
+FORMULA FoldHeight fold_at(int kind, FoldEnd a, FoldEnd b, vec3 p, float fraction) {
     FoldHeight result;
     result.height = 0.0f;
     result.gradient = vec3(0.0f, 0.0f, 0.0f);
-    if (share < 0.0f || share > 1.0f) return result;
-    vec3 way = p - mix(a.at, b.at, share);
-    float far = length(way);
-    float width = mix(a.width, b.width, share);
-    float height = mix(a.height, b.height, share);
+    if (fraction < 0.0f || fraction > 1.0f) return result;
+    vec3 displacement = p - mix(a.at, b.at, fraction);
+    float far = length(displacement);
+    float width = mix(a.width, b.width, fraction);
+    float height = mix(a.height, b.height, fraction);
     FoldProfile profile = fold_profile(kind, 2.0f * far / width);
     result.height = height * profile.height;
-    if (far > 0.0f) result.gradient = (height * profile.slope * 2.0f / (width * far)) * way;
+    if (far > 0.0f) result.gradient = (height * profile.slope * 2.0f / (width * far)) * displacement;
     return result;
 }
 
@@ -108,13 +108,13 @@ FORMULA FoldBlend no_folds() {
     return blend;
 }
 
-// n: unit normal of the surface without folds; share: factor on the fold. Gradients are measured on flat triangles:
+// n: unit normal of the surface without folds; fraction: factor on the fold. Gradients are measured on flat triangles:
 // what points out of the smooth surface is left out.
-FORMULA FoldBlend with_fold(FoldBlend blend, FoldHeight fold, vec3 n, float share) {
+FORMULA FoldBlend with_fold(FoldBlend blend, FoldHeight fold, vec3 n, float fraction) {
     if (fold.height == 0.0f) return blend;
-    float height = share * fold.height;
+    float height = fraction * fold.height;
     if (abs(height) > abs(blend.height)) blend.height = height;
-    vec3 gradient = share * (fold.gradient - dot(fold.gradient, n) * n);
+    vec3 gradient = fraction * (fold.gradient - dot(fold.gradient, n) * n);
     blend.normal += abs(height) * normalize(n - gradient);
     return blend;
 }

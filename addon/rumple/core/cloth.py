@@ -42,9 +42,9 @@ class ClothFrame:
     def nbytes(self) -> int:
         return self.positions.nbytes + self.gap.nbytes + self.body_hint.nbytes + self.state.nbytes
 
-    def woken(self) -> "ClothFrame | None":
+    def activated(self) -> "ClothFrame | None":
         """For a solve with other settings: what hangs starts anew, what swings keeps its motion."""
-        return replace(self, state=self.state.woken()) if self.frame_input is not None else None
+        return replace(self, state=self.state.activated()) if self.frame_input is not None else None
 
 
 @dataclass

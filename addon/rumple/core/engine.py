@@ -209,7 +209,7 @@ class Wrinkles:
             return self._solve(settings, positions, own, same_settings, frame_input)
         cloth = cloth_of(before)
         if cloth is not None and not same_settings:
-            cloth = cloth.woken()
+            cloth = cloth.activated()
         cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, frame_input.world_from_object,
                                          frame_input.body, cloth, not self._keeps_off_bodies(), frame_input.seconds,
                                          frame_input.surroundings)

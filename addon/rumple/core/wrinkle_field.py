@@ -73,7 +73,7 @@ class WrinkleField(Wrinkles):
     def wave_parameters(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
         """(settings, wishes, profile), native, with the paint of the last solve."""
         options = self._native_settings(settings)
-        wave_parameters = kernels.wishes_wrinkle_field(self.model, options, self._paint)
+        wave_parameters = kernels.wave_parameters_wrinkle_field(self.model, options, self._paint)
         return options, wave_parameters, native_profile(settings.profile, self._drawn)
 
     def reference_stretches(self, state: Any, positions: np.ndarray) -> np.ndarray:
@@ -91,7 +91,7 @@ class WrinkleField(Wrinkles):
     def _solve(self, settings: FieldSettings, positions: np.ndarray, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
-            before = before.woken()  # under other settings nothing of it may be held
+            before = before.activated()  # under other settings nothing of it may be held
         return kernels.solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
                                            before, **frame_input.in_time())
 

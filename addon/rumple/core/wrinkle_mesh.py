@@ -256,7 +256,7 @@ class WrinkleMesh(Wrinkles):
     def _solve(self, settings: MeshSettings, positions: np.ndarray, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
-            before = before.woken()  # under other settings nothing of it may be held
+            before = before.activated()  # under other settings nothing of it may be held
         if not self.layer_count:
             return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
                                               before, frame_input.world_from_object, **frame_input.in_time())

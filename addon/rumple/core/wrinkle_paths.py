@@ -111,7 +111,7 @@ class WrinklePaths(Wrinkles):
                  frame_input: FrameInput) -> PreviewFrame:
         drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
         off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
-        return PreviewFrame(drawing, drawing.stand_in + off)
+        return PreviewFrame(drawing, drawing.proxy_offset + off)
 
     def _native_settings(self, settings: PathsSettings) -> Any:
         options = kernels.WrinklePathsSettings()

@@ -114,9 +114,9 @@ class BaseClothState(Handle):
     velocity = Array("(w, 3) float32, object units / s; (0, 3) where it does not swing", FLOAT, "velocity_count", 3)
     nbytes = Number("memory of what lives on", "bytes")
 
-    def woken(self) -> "BaseClothState":
+    def activated(self) -> "BaseClothState":
         """A copy that is not held, for a solve with other settings. Of cloth that swings."""
-        return BaseClothState.made(lib.rumple_base_cloth_state_woken, self)
+        return BaseClothState.made(lib.rumple_base_cloth_state_activated, self)
 
 
 class BaseClothReport(c.BaseClothReport):

@@ -166,9 +166,9 @@ class WrinkleFieldState(Handle):
         """Of an adaptive rest shape: a dict of plain arrays; else None."""
         return reference_arrays(self, self.view.reference)
 
-    def woken(self) -> "WrinkleFieldState":
+    def activated(self) -> "WrinkleFieldState":
         """The same phases with no vertex held: for a solve with other settings."""
-        return WrinkleFieldState.made(lib.rumple_wrinkle_field_state_woken, self)
+        return WrinkleFieldState.made(lib.rumple_wrinkle_field_state_activated, self)
 
 
 class WrinkleFieldReport(c.WrinkleFieldReport):

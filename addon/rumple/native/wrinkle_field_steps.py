@@ -31,7 +31,7 @@ class WrinkleFieldWaves(Handle):
     direction = Array("(w, 2) float32, k in the rest frame", FLOAT, "vertex_count", 2)
 
 
-class WrinkleFieldWishes:
+class WrinkleFieldWaveParameters:
     """What settings and paint ask of the w welded vertices."""
 
     def __init__(self, count: int) -> None:
@@ -41,11 +41,11 @@ class WrinkleFieldWishes:
         self.turn = new(FLOAT, count, 2)  # (w, 2) (cos, sin) of the turn away from k
 
 
-def wishes_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings,
-                         paint: WrinkleFieldPaint) -> WrinkleFieldWishes:
+def wave_parameters_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings,
+                                  paint: WrinkleFieldPaint) -> WrinkleFieldWaveParameters:
     """What settings and paint ask of every welded vertex, whatever the pose."""
-    found = WrinkleFieldWishes(model.vertex_count)
-    lib.rumple_wrinkle_field_get_wishes(model, settings, paint.of(model), c.WrinkleFieldWishes(
+    found = WrinkleFieldWaveParameters(model.vertex_count)
+    lib.rumple_wrinkle_field_get_wave_parameters(model, settings, paint.of(model), c.WrinkleFieldWaveParameters(
         *map(address, (found.wavelength, found.mask, found.rest_wrinkle, found.turn)), model.vertex_count))
     return found
 
@@ -58,10 +58,10 @@ def probe_formula(formula: int, arguments: np.ndarray) -> np.ndarray:
     return out
 
 
-def crush_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings, paint: WrinkleFieldPaint,
-                        positions: np.ndarray, state: WrinkleFieldState | None = None) -> WrinkleFieldWaves:
+def estimate_waves_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings, paint: WrinkleFieldPaint,
+                                 positions: np.ndarray, state: WrinkleFieldState | None = None) -> WrinkleFieldWaves:
     """Section 4.2: the waves of a frame without their phases."""
-    return WrinkleFieldWaves.made(lib.rumple_wrinkle_field_crush, model, settings, paint.of(model),
+    return WrinkleFieldWaves.made(lib.rumple_wrinkle_field_estimate_waves, model, settings, paint.of(model),
                                   *given(positions, "positions", FLOAT, 3), state)
 
 
@@ -121,6 +121,6 @@ def evaluate_wrinkle_field(model: WrinkleFieldModel, waves: WrinkleFieldWaves, p
     return heights, gradients
 
 
-__all__ = ["WrinkleFieldWaves", "WrinkleFieldWishes", "crush_wrinkle_field", "evaluate_wrinkle_field",
+__all__ = ["WrinkleFieldWaves", "WrinkleFieldWaveParameters", "estimate_waves_wrinkle_field", "evaluate_wrinkle_field",
            "misfit_wrinkle_field", "probe_formula", "random_phases", "reference_stretches", "relax_wrinkle_field",
-           "shown_waves_wrinkle_field", "wishes_wrinkle_field"]
+           "shown_waves_wrinkle_field", "wave_parameters_wrinkle_field"]

@@ -86,9 +86,9 @@ class WrinkleLayersState(Handle):
         lib.rumple_wrinkle_layers_state_get_layer(self, layer, view)
         return lent(self, view.offset, FLOAT, (view.offset_count, 3))
 
-    def woken(self) -> "WrinkleLayersState":
+    def activated(self) -> "WrinkleLayersState":
         """The same offsets with no vertex held: for a solve with other settings."""
-        return WrinkleLayersState.made(lib.rumple_wrinkle_layers_state_woken, self)
+        return WrinkleLayersState.made(lib.rumple_wrinkle_layers_state_activated, self)
 
 
 def solve_wrinkle_layers(model: WrinkleMeshLayers, settings: Sequence[WrinkleMeshSettings],

@@ -115,9 +115,9 @@ class WrinkleMeshState(Handle):
         """Of an adaptive rest shape: a dict of plain arrays; else None."""
         return reference_arrays(self, self.view.reference)
 
-    def woken(self) -> "WrinkleMeshState":
+    def activated(self) -> "WrinkleMeshState":
         """The same offsets with no vertex held: for a solve with other settings."""
-        return WrinkleMeshState.made(lib.rumple_wrinkle_mesh_state_woken, self)
+        return WrinkleMeshState.made(lib.rumple_wrinkle_mesh_state_activated, self)
 
 
 def reference_arrays(owner: Handle, view: Any) -> dict[str, Any] | None:

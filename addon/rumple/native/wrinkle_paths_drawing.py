@@ -64,7 +64,7 @@ class WrinklePathsDrawing(WrinklePathsLists):
     hem = Array("(w,) float32: factor on the folds", FLOAT, "vertex_count")
     parts = Array("(t, 4) int32: parts that a triangle and its edges (from corners 0, 1, 2) are cut into", INT,
                   "part_count", 4)
-    stand_in = Array("(n, 3) float32: the way from every vertex of the base to `smooth`", FLOAT, "base_vertex_count", 3)
+    proxy_offset = Array("(n, 3) float32: from every vertex of the base to `smooth`", FLOAT, "base_vertex_count", 3)
 
     @property
     def curved(self) -> bool:

@@ -111,8 +111,8 @@ typedef struct rumple_base_cloth_state_view {
 RUMPLE_API rumple_status rumple_base_cloth_state_get_view(const rumple_base_cloth_state* state,
                                                           rumple_base_cloth_state_view* view);
 // A copy that no solve holds at rest: for other settings than it was solved with.
-RUMPLE_API rumple_status rumple_base_cloth_state_woken(const rumple_base_cloth_state* state,
-                                                       rumple_base_cloth_state** woken);
+RUMPLE_API rumple_status rumple_base_cloth_state_activated(const rumple_base_cloth_state* state,
+                                                           rumple_base_cloth_state** activated);
 
 typedef struct rumple_base_cloth_report {
     int32_t steps;      // 0: the pose was held

@@ -133,8 +133,8 @@ RUMPLE_API rumple_status rumple_wrinkle_field_state_build(const rumple_wrinkle_f
                                                           const rumple_wrinkle_field_state_view* arrays,
                                                           rumple_wrinkle_field_state** state);
 // The same phases with no vertex held: for a solve with other settings.
-RUMPLE_API rumple_status rumple_wrinkle_field_state_woken(const rumple_wrinkle_field_state* state,
-                                                          rumple_wrinkle_field_state** woken);
+RUMPLE_API rumple_status rumple_wrinkle_field_state_activated(const rumple_wrinkle_field_state* state,
+                                                              rumple_wrinkle_field_state** activated);
 
 typedef struct rumple_wrinkle_field_report {
     int32_t rounds;       // of relaxation
@@ -212,12 +212,12 @@ typedef struct rumple_waves_view {
 RUMPLE_API rumple_status rumple_waves_get_view(const rumple_waves* waves, rumple_waves_view* view);
 
 // Section 4.2. positions: (n, 3). before: or NULL. Cost: O(edges).
-RUMPLE_API rumple_status rumple_wrinkle_field_crush(const rumple_wrinkle_field* model,
-                                                    const rumple_wrinkle_field_settings* settings,
-                                                    const rumple_wrinkle_field_paint* paint,
-                                                    const float* positions, size_t positions_count,
-                                                    const rumple_wrinkle_field_state* before,
-                                                    rumple_waves** waves);
+RUMPLE_API rumple_status rumple_wrinkle_field_estimate_waves(const rumple_wrinkle_field* model,
+                                                             const rumple_wrinkle_field_settings* settings,
+                                                             const rumple_wrinkle_field_paint* paint,
+                                                             const float* positions, size_t positions_count,
+                                                             const rumple_wrinkle_field_state* before,
+                                                             rumple_waves** waves);
 // The waves that rumple_wrinkle_field_show() draws.
 RUMPLE_API rumple_status rumple_wrinkle_field_shown_waves(const rumple_wrinkle_field* model,
                                                           const rumple_wrinkle_field_settings* settings,
@@ -228,17 +228,16 @@ RUMPLE_API rumple_status rumple_wrinkle_field_shown_waves(const rumple_wrinkle_f
                                                           rumple_waves** waves);
 
 // What settings and paint ask of every welded vertex, whatever the pose; each with w rows, written.
-typedef struct rumple_wrinkle_field_wishes {
+typedef struct rumple_wrinkle_field_wave_parameters {
     float* wavelength;    // (w): W, object units
     float* mask;          // (w): factor on the amplitude
     float* rest_wrinkle;  // (w, 2): q, rest frame
     float* turn;          // (w, 2): (cos, sin) of the turn away from k
     size_t count;         // w
-} rumple_wrinkle_field_wishes;
-RUMPLE_API rumple_status rumple_wrinkle_field_get_wishes(const rumple_wrinkle_field* model,
-                                                         const rumple_wrinkle_field_settings* settings,
-                                                         const rumple_wrinkle_field_paint* paint,
-                                                         const rumple_wrinkle_field_wishes* wishes);
+} rumple_wrinkle_field_wave_parameters;
+RUMPLE_API rumple_status rumple_wrinkle_field_get_wave_parameters(
+    const rumple_wrinkle_field* model, const rumple_wrinkle_field_settings* settings,
+    const rumple_wrinkle_field_paint* paint, const rumple_wrinkle_field_wave_parameters* parameters);
 
 // Deformed positions and unit normals (or zero) of the welded vertices, (w, 3) each, written.
 RUMPLE_API rumple_status rumple_wrinkle_field_weld_pose(const rumple_wrinkle_field* model,

@@ -69,8 +69,8 @@ RUMPLE_API rumple_status rumple_wrinkle_layers_state_get_layer(const rumple_wrin
                                                                int32_t layer,
                                                                rumple_wrinkle_mesh_state_view* view);
 // The same offsets with no vertex held: for a solve with other settings.
-RUMPLE_API rumple_status rumple_wrinkle_layers_state_woken(const rumple_wrinkle_layers_state* state,
-                                                           rumple_wrinkle_layers_state** woken);
+RUMPLE_API rumple_status rumple_wrinkle_layers_state_activated(const rumple_wrinkle_layers_state* state,
+                                                               rumple_wrinkle_layers_state** activated);
 
 // What a frame is solved over.
 typedef struct rumple_wrinkle_layers_input {

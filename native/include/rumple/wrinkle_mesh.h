@@ -124,8 +124,8 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_state_build(const rumple_wrinkle_me
                                                          const rumple_wrinkle_mesh_state_view* arrays,
                                                          rumple_wrinkle_mesh_state** state);
 // The same offsets with no vertex held: for a solve with other settings.
-RUMPLE_API rumple_status rumple_wrinkle_mesh_state_woken(const rumple_wrinkle_mesh_state* state,
-                                                         rumple_wrinkle_mesh_state** woken);
+RUMPLE_API rumple_status rumple_wrinkle_mesh_state_activated(const rumple_wrinkle_mesh_state* state,
+                                                             rumple_wrinkle_mesh_state** activated);
 
 typedef struct rumple_wrinkle_mesh_report {
     int32_t iterations;           // 0: the pose was held, nothing was solved

@@ -223,7 +223,7 @@ typedef struct rumple_drawing_view {
     const float* normal;            // (w, 3), unit
     const float* hem;               // (w): factor on the folds
     const int32_t* parts;           // (t, 4): parts that a triangle, and its edges from corners 0, 1, 2, have
-    const float* stand_in;          // (n, 3): the way from every vertex of the base to `smooth`
+    const float* proxy_offset;      // (n, 3): the way from every vertex of the base to `smooth`
     const int32_t* triangle_start;  // (t + 1): where the ranges of every triangle begin
     const int32_t* ranges;          // (r, 2): first piece and end of the pieces that reach the triangle
     const float* ends;              // (e, 8): piece i runs from end i to i + 1; at, width, along, height

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "surface/cloth/clearance.h"
-#include "surface/topology.h"
+#include "surface/mesh/topology.h"
 
 namespace rumple::base_cloth {
 

@@ -4,7 +4,7 @@
 
 #include "base/tolerances.h"
 #include "surface/cloth/base_cloth.h"
-#include "surface/refinement.h"
+#include "surface/refine/refinement.h"
 
 namespace rumple::base_cloth {
 namespace {
@@ -30,9 +30,9 @@ Springs collect_springs(const Surface& surface) {
     for (const Triangle& triangle : surface.triangles)
         area[triangle.polygon] += triangle_area(surface, triangle);
     Springs springs;
-    const auto add = [&](Index a, Index b, float share, bool diagonal) {
+    const auto add = [&](Index a, Index b, float fraction, bool diagonal) {
         Spring& spring = springs[std::minmax(a, b)];
-        spring.area += share;
+        spring.area += fraction;
         spring.diagonal = diagonal;
     };
     for (Index p = 0; p < surface.welded.polygons(); ++p) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "surface/contact/collider.h"
-#include "surface/topology.h"
+#include "surface/mesh/topology.h"
 
 namespace rumple {
 

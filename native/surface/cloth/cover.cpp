@@ -5,7 +5,7 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
-#include "surface/shown_mesh.h"
+#include "surface/output/shown_mesh.h"
 
 namespace rumple {
 namespace {

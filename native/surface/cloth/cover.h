@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "surface/attachments.h"
 #include "surface/contact/collider.h"
+#include "surface/output/attachments.h"
 
 namespace rumple {
 

@@ -61,8 +61,9 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
     const auto& [model, settings, pose, planes, inertia] = cloth;
     for (size_t v = 0; v < x.size(); ++v) {
         const Vec3 away = x[v] - pose.animated[v];
-        const float share = pose.room[v] > 0.0f ? glm::dot(away, away) / (pose.room[v] * pose.room[v]) : 0.0f;
-        const float back = model.area[v] * pose.follow[v] * (1.0f + kWall * share * share);
+        const float fraction =
+            pose.room[v] > 0.0f ? glm::dot(away, away) / (pose.room[v] * pose.room[v]) : 0.0f;
+        const float back = model.area[v] * pose.follow[v] * (1.0f + kWall * fraction * fraction);
         const float firm = model.area[v] * std::max(kContact, pose.follow[v]);
         const float inward = -height_above(planes[v], x[v]), beyond = -height_above(pose.ahead[v], x[v]);
         const float contact = inward > 0.0f ? firm : 0.0f, ahead = beyond > 0.0f ? firm : 0.0f;
@@ -70,8 +71,8 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
                  ahead * beyond * pose.ahead[v].normal;
         if (inertia) out[v] += inertia->push[v] - inertia->resist[v] * (x[v] - inertia->from[v]);
         if (!hessian) continue;
-        const float growth = 4.0f * model.area[v] * pose.follow[v] * kWall * share;
-        const Vec3 wall = share > 0.0f ? std::sqrt(growth) / pose.room[v] * away : Vec3(0.0f);
+        const float growth = 4.0f * model.area[v] * pose.follow[v] * kWall * fraction;
+        const Vec3 wall = fraction > 0.0f ? std::sqrt(growth) / pose.room[v] * away : Vec3(0.0f);
         hessian->vertices[v] = {back, wall, contact, ahead};
         hessian->inverse_diagonal[v] = glm::mat3(back) + glm::outerProduct(wall, wall) +
                                        contact * glm::outerProduct(planes[v].normal, planes[v].normal) +
@@ -80,12 +81,13 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
     }
     for (size_t s = 0; s < model.springs.size(); ++s) {
         const auto& [a, b, rest, weight, diagonal] = model.springs[s];
-        const Vec3 way = x[b] - x[a];
-        const float length = std::max(std::sqrt(glm::dot(way, way)), kShortestEdge);
-        const Vec3 n = way / length;
+        const Vec3 displacement = x[b] - x[a];
+        const float length = std::max(std::sqrt(glm::dot(displacement, displacement)), kShortestEdge);
+        const Vec3 n = displacement / length;
         const Tension t = tension(settings, diagonal, length, settings.slack * rest);
         const float smooth = diagonal ? 0.0f : settings.smoothing;
-        const Vec3 pull = weight * (t.force * n + smooth * (way - (pose.animated[b] - pose.animated[a])));
+        const Vec3 pull =
+            weight * (t.force * n + smooth * (displacement - (pose.animated[b] - pose.animated[a])));
         out[a] += pull;
         out[b] -= pull;
         if (!hessian) continue;
@@ -167,18 +169,18 @@ float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report) {
     forces(cloth, x, force, &hessian);
     report.gradients += conjugate_gradients(cloth, hessian, force, step);
     const double slope = inner_product(force, step);
-    float share = 1.0f;
+    float fraction = 1.0f;
     for (int i = 0; i < kShortenings; ++i) {
-        for (size_t v = 0; v < vertices; ++v) tried[v] = x[v] + share * step[v];
+        for (size_t v = 0; v < vertices; ++v) tried[v] = x[v] + fraction * step[v];
         forces(cloth, tried, there, nullptr);
         const double slope_there = inner_product(there, step);
         if (slope_there >= -0.1 * slope) break;
-        share *= static_cast<float>(std::max(slope / (slope - slope_there), 0.1));
+        fraction *= static_cast<float>(std::max(slope / (slope - slope_there), 0.1));
     }
     float farthest = 0.0f;
     for (size_t v = 0; v < vertices; ++v) {
-        x[v] += share * step[v];
-        farthest = std::max(farthest, share * glm::length(step[v]));
+        x[v] += fraction * step[v];
+        farthest = std::max(farthest, fraction * glm::length(step[v]));
     }
     return farthest;
 }

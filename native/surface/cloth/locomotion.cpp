@@ -45,7 +45,7 @@ RigidMotion rigid_motion(std::span<const float> area, std::span<const Vec3> from
     if (sum <= 0.0) return {};
     out.centre /= sum;
     centre_to /= sum;
-    out.way = centre_to - out.centre;
+    out.displacement = centre_to - out.centre;
     glm::dmat3 products(0.0);
     for (size_t v = 0; v < area.size(); ++v) {
         products += glm::outerProduct(double(area[v]) * (glm::dvec3(to[v]) - centre_to),
@@ -55,14 +55,14 @@ RigidMotion rigid_motion(std::span<const float> area, std::span<const Vec3> from
     return out;
 }
 
-RigidMotion part_of(const RigidMotion& motion, double share) {
+RigidMotion part_of(const RigidMotion& motion, double fraction) {
     RigidMotion out = motion;
-    out.way *= share;
+    out.displacement *= fraction;
     // The shorter way round.
     const glm::dquat turn = motion.turn.w < 0.0 ? -motion.turn : motion.turn;
     const glm::dvec3 axis(turn.x, turn.y, turn.z);
     const double sine = glm::length(axis);
-    const double angle = 2.0 * std::atan2(sine, turn.w) * share;
+    const double angle = 2.0 * std::atan2(sine, turn.w) * fraction;
     out.turn = sine > 0.0 ? glm::angleAxis(angle, axis / sine) : glm::dquat(1.0, 0.0, 0.0, 0.0);
     return out;
 }

@@ -13,10 +13,12 @@ namespace rumple::base_cloth {
 struct RigidMotion {
     glm::dquat turn{1.0, 0.0, 0.0, 0.0};
     glm::dvec3 centre{0.0};
-    glm::dvec3 way{0.0};
+    glm::dvec3 displacement{0.0};
 
     Vec3 of_direction(const Vec3& v) const { return Vec3(turn * glm::dvec3(v)); }
-    Vec3 of_point(const Vec3& p) const { return Vec3(centre + way + turn * (glm::dvec3(p) - centre)); }
+    Vec3 of_point(const Vec3& p) const {
+        return Vec3(centre + displacement + turn * (glm::dvec3(p) - centre));
+    }
 };
 
 // The rigid motion that is nearest to what moved `from` to `to`, in the least squares weighted by area.
@@ -25,7 +27,7 @@ struct RigidMotion {
 // Equal poses give the identity to the bit. Cost: O(vertices).
 RigidMotion rigid_motion(std::span<const float> area, std::span<const Vec3> from, std::span<const Vec3> to);
 
-// A share of a motion: of the angle of its turn, and of its way. share: 0 to 1.
-RigidMotion part_of(const RigidMotion& motion, double share);
+// A share of a motion: of the angle of its turn, and of its way. fraction: 0 to 1.
+RigidMotion part_of(const RigidMotion& motion, double fraction);
 
 }  // namespace rumple::base_cloth

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "surface/disjoint_sets.h"
-#include "surface/edge_graph.h"
+#include "surface/mesh/disjoint_sets.h"
+#include "surface/mesh/edge_graph.h"
 
 namespace rumple {
 namespace {
@@ -29,10 +29,10 @@ struct Border {
     float radius = 0.0f;
 };
 
-float held_by_width(float share) {
-    if (share <= kWrist) return 1.0f;
-    if (share <= kSleeve) return glm::mix(1.0f, kSleeveHeld, (share - kWrist) / (kSleeve - kWrist));
-    return kSleeveHeld * std::clamp((kLoose - share) / (kLoose - kSleeve), 0.0f, 1.0f);
+float held_by_width(float fraction) {
+    if (fraction <= kWrist) return 1.0f;
+    if (fraction <= kSleeve) return glm::mix(1.0f, kSleeveHeld, (fraction - kWrist) / (kSleeve - kWrist));
+    return kSleeveHeld * std::clamp((kLoose - fraction) / (kLoose - kSleeve), 0.0f, 1.0f);
 }
 
 // Connected sets of vertices: the number of its set for every vertex that an edge in `chosen` has, else
@@ -96,7 +96,7 @@ std::vector<float> diagonals(const Surface& surface, std::span<const Index> part
 void hold(const Border& border, float firmly, float reach, const EdgeGraph& graph,
           std::vector<float>& follow) {
     std::vector<float> distance(graph.size(), std::numeric_limits<float>::max());
-    shortest_ways(graph, border.vertices, reach, distance, [&](Index v) {
+    shortest_paths(graph, border.vertices, reach, distance, [&](Index v) {
         const float t = 1.0f - distance[v] / reach;
         follow[v] = std::max(follow[v], firmly * t * t * (3.0f - 2.0f * t));
     });

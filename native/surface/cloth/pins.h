@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "surface/topology.h"
+#include "surface/mesh/topology.h"
 
 namespace rumple {
 

@@ -6,8 +6,8 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
-#include "surface/attachments.h"
-#include "surface/contact/closest_point.h"
+#include "surface/output/attachments.h"
+#include "surface/query/closest_point.h"
 
 namespace rumple::base_cloth {
 namespace {
@@ -115,9 +115,9 @@ void describe(const Model& model, const Settings& settings, const Pose& pose, st
     size_t touching = 0, taut = 0;
     const size_t vertices = x.size();
     for (size_t v = 0; v < vertices; ++v) {
-        const float way = glm::distance(x[v], pose.animated[v]);
-        sum += way;
-        out.report.offset_max = std::max(out.report.offset_max, way);
+        const float displacement = glm::distance(x[v], pose.animated[v]);
+        sum += displacement;
+        out.report.offset_max = std::max(out.report.offset_max, displacement);
         touching += height_above(planes[v], x[v]) < kTouching * settings.room;
     }
     for (const Model::Spring& spring : model.springs)
@@ -172,9 +172,9 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
 
 void move_to(const Model& model, const Pose& pose, std::vector<Vec3> animated, Pose& moved) {
     for (size_t v = 0; v < animated.size(); ++v) {
-        const Vec3 way = animated[v] - pose.animated[v];
-        moved.inner[v] = pose.inner[v] + way;
-        moved.ahead[v].point = pose.ahead[v].point + way;
+        const Vec3 displacement = animated[v] - pose.animated[v];
+        moved.inner[v] = pose.inner[v] + displacement;
+        moved.ahead[v].point = pose.ahead[v].point + displacement;
     }
     moved.animated = std::move(animated);
     enclose_triangles(model.surface, moved);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "surface/cloth/base_cloth.h"
-#include "surface/deformation.h"
+#include "surface/strain/deformation.h"
 
 namespace rumple::base_cloth {
 

@@ -79,33 +79,35 @@ std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, std::span
         if (twice_area < kShortestEdge * kShortestEdge) continue;
         const Vec3 n = normal / twice_area;
         const Vec3 met = swing.wind - (velocity[v[0]] + velocity[v[1]] + velocity[v[2]]) / 3.0f;
-        const float share = twice_area / 6.0f * swing.drag * std::abs(glm::dot(met, n));
-        const glm::mat3 along = share * glm::outerProduct(n, n);
+        const float fraction = twice_area / 6.0f * swing.drag * std::abs(glm::dot(met, n));
+        const glm::mat3 along = fraction * glm::outerProduct(n, n);
         for (const Index corner : v) out[corner] += along;
     }
     return out;
 }
 
 // How far inertia takes every vertex; the edge of the room takes what it would do beyond.
-std::vector<Vec3> inertial_ways(const Pose& pose, const Motion& motion, float h) {
+std::vector<Vec3> inertial_displacements(const Pose& pose, const Motion& motion, float h) {
     std::vector<Vec3> out;
     for (size_t v = 0; v < motion.position.size(); ++v) {
-        const Vec3 way = h * motion.velocity[v], away = motion.position[v] + way - pose.animated[v];
+        const Vec3 displacement = h * motion.velocity[v],
+                   away = motion.position[v] + displacement - pose.animated[v];
         const float length = std::sqrt(glm::dot(away, away)), most = pose.farthest(v);
         const Vec3 edge = pose.animated[v] + away * (most / std::max(length, kShortestEdge));
-        out.push_back(length > most ? edge - motion.position[v] : way);
+        out.push_back(length > most ? edge - motion.position[v] : displacement);
     }
     return out;
 }
 
 // What is pinned goes with the animation, what is free where inertia takes it: else conjugate gradients would
 // spend themselves on the pins.
-std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<const Vec3> way, float h) {
+std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<const Vec3> displacement,
+                              float h) {
     std::vector<Vec3> out;
-    for (size_t v = 0; v < way.size(); ++v) {
+    for (size_t v = 0; v < displacement.size(); ++v) {
         const float pull = pose.follow[v] * h * h;
-        const Vec3 animated_way = pose.animated[v] - motion.animated[v];
-        out.push_back(motion.position[v] + (way[v] + pull * animated_way) / (1.0f + pull));
+        const Vec3 animated_displacement = pose.animated[v] - motion.animated[v];
+        out.push_back(motion.position[v] + (displacement[v] + pull * animated_displacement) / (1.0f + pull));
     }
     return out;
 }
@@ -114,13 +116,14 @@ std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<
 // whose slope is the force at the end of the step: damping A d / (2 h) |(x - from) - (way of the
 // animation)|^2, air h / 2 u . D u, u = wind - (x - from) / h.
 Inertia inertia_of(const Model& model, const Swing& swing, const Pose& pose, const Motion& motion,
-                   std::span<const Vec3> way, float h) {
+                   std::span<const Vec3> displacement, float h) {
     Inertia out{motion.position, {}, drag_of(model, swing, motion.position, motion.velocity)};
-    for (size_t v = 0; v < way.size(); ++v) {
-        const float share = model.area[v] / h;
-        const Vec3 animated_way = pose.animated[v] - motion.animated[v];
-        out.push.push_back(share * (way[v] / h + swing.damping * animated_way) + out.resist[v] * swing.wind);
-        out.resist[v] = glm::mat3(share * (1.0f / h + swing.damping)) + out.resist[v] / h;
+    for (size_t v = 0; v < displacement.size(); ++v) {
+        const float fraction = model.area[v] / h;
+        const Vec3 animated_displacement = pose.animated[v] - motion.animated[v];
+        out.push.push_back(fraction * (displacement[v] / h + swing.damping * animated_displacement) +
+                           out.resist[v] * swing.wind);
+        out.resist[v] = glm::mat3(fraction * (1.0f / h + swing.damping)) + out.resist[v] / h;
     }
     return out;
 }
@@ -128,10 +131,10 @@ Inertia inertia_of(const Model& model, const Swing& swing, const Pose& pose, con
 // One time step of the length h. motion: becomes that of its end. Returns the speed that tells rest.
 float step(const Model& model, const Settings& settings, const Swing& swing, const Pose& pose, float h,
            Motion& motion, std::vector<Plane>& planes, Result& out) {
-    const std::vector<Vec3> way = inertial_ways(pose, motion, h);
-    std::vector<Vec3> x = first_guess(pose, motion, way, h);
+    const std::vector<Vec3> displacement = inertial_displacements(pose, motion, h);
+    std::vector<Vec3> x = first_guess(pose, motion, displacement, h);
     look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const Inertia inertia = inertia_of(model, swing, pose, motion, way, h);
+    const Inertia inertia = inertia_of(model, swing, pose, motion, displacement, h);
     for (int newton = 0; newton < swing.newton_steps; ++newton)
         newton_step({model, settings, pose, planes, &inertia}, x, out.report);
     float fastest = 0.0f;
@@ -150,14 +153,14 @@ float step(const Model& model, const Settings& settings, const Swing& swing, con
 
 // The animation at a share of the way to a pose: the parabola through it and the two frames before. Straight
 // lines would jerk the cloth at every frame, at 24 frames a second more than at 60.
-std::vector<Vec3> animated_at(const Pose& pose, const Motion& was, float seconds, float share) {
+std::vector<Vec3> animated_at(const Pose& pose, const Motion& was, float seconds, float fraction) {
     const float before = was.seconds > 0.0f ? was.seconds / seconds : 1.0f;
     std::vector<Vec3> out;
     for (size_t v = 0; v < was.animated.size(); ++v) {
-        const Vec3 way = pose.animated[v] - was.animated[v];
-        const Vec3 way_before = (was.animated[v] - was.animated_before[v]) / before;
-        out.push_back(was.animated[v] + share * way +
-                      share * (share - 1.0f) / (1.0f + before) * (way - way_before));
+        const Vec3 displacement = pose.animated[v] - was.animated[v];
+        const Vec3 displacement_before = (was.animated[v] - was.animated_before[v]) / before;
+        out.push_back(was.animated[v] + fraction * displacement +
+                      fraction * (fraction - 1.0f) / (1.0f + before) * (displacement - displacement_before));
     }
     return out;
 }
@@ -170,12 +173,12 @@ Motion step_through(const Model& model, const Settings& settings, const Swing& s
     const float h = swing.seconds / float(std::max(steps, 1));
     Motion motion = was;
     motion.fastest = 0.0f;
-    Pose on_the_way = steps > 1 ? pose : Pose{};
+    Pose pose_between = steps > 1 ? pose : Pose{};
     for (int i = 1; i < steps; ++i) {
-        const float share = float(i) / float(steps);
-        move_to(model, pose, animated_at(pose, was, swing.seconds, share), on_the_way);
+        const float fraction = float(i) / float(steps);
+        move_to(model, pose, animated_at(pose, was, swing.seconds, fraction), pose_between);
         motion.fastest =
-            std::max(motion.fastest, step(model, settings, swing, on_the_way, h, motion, planes, out));
+            std::max(motion.fastest, step(model, settings, swing, pose_between, h, motion, planes, out));
     }
     if (steps > 0)
         motion.fastest = std::max(motion.fastest, step(model, settings, swing, pose, h, motion, planes, out));
@@ -212,7 +215,7 @@ void check(const Swing& swing) {
     expect_finite<Vec3>("wind and placement", finite, "vector");
 }
 
-State woken(State state) {
+State activated(State state) {
     state.motion.fastest = Motion{}.fastest;
     return state;
 }

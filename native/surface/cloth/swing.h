@@ -31,7 +31,7 @@ struct Swing {
 void check(const Swing& swing);
 
 // The same state, which swing() does not hold: for other settings than it was solved with.
-State woken(State state);
+State activated(State state);
 
 // One frame. As solve(); without a state that swings it is the equilibrium of the pose, with no velocity.
 // Cost: about 0.7 of that of solve() from a state, for each time step.

@@ -145,7 +145,10 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
     messages.note_unplayed(runtime, unplayed, depsgraph.mode == "RENDER")
     if runtime.evaluator.HAS_CURVES:
         path_curves.write(obj, runtime)
-    return _show(output_obj, runtime, result, depsgraph.mode == "VIEWPORT")
+    written = _show(output_obj, runtime, result, depsgraph.mode == "VIEWPORT")
+    if written:
+        runtime.written_at = inputs.frame
+    return written
 
 
 def _solve(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene,

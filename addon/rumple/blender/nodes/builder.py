@@ -161,8 +161,12 @@ class GeometryNodes:
         self.group.links.new(geometry, size.inputs[0])
         return size.outputs["Point Count" if domain == "POINT" else "Face Corner Count"]
 
-    def mesh_of(self, obj: Socket) -> Socket:
-        """An object's mesh in its own space."""
+    def object_info(self, obj: Socket) -> bpy.types.NodeOutputs:
+        """Of an object: "Geometry" in its own space, "Location" in that of its parent or the world."""
         info = self.node("GeometryNodeObjectInfo")
         self.link(obj, info, "Object")
-        return info.outputs["Geometry"]
+        return info.outputs
+
+    def mesh_of(self, obj: Socket) -> Socket:
+        """An object's mesh in its own space."""
+        return self.object_info(obj)["Geometry"]

@@ -3,7 +3,7 @@
 
 Two hidden meshes come in (maps/hidden_meshes.py): the skeleton, whose points are heads and tails of the bones as they
 stand now in the space of the root bone, and the skin, whose points hold the weights of the vertices. With the
-influences I of three poses in a vector (Dutreve et al. 2009; native/systems/wrinkle_maps.cpp computes the same and
+influences I of three poses in a vector (Dutreve et al. 2009; native/systems/wrinkle_maps computes the same and
 tests compare):
 
     I_i = clamp(slope . (p - neutral))       section 5.1; slope = way / |way|^2, head and tail together

@@ -41,7 +41,7 @@ from ...core.systems import SYSTEMS, System
 from .. import compat
 from .builder import GeometryNodes, empty_modifier_group
 
-VERSION = 5  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 6  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 METHOD_KEY = "rumple_method"
 
@@ -143,6 +143,12 @@ class _Builder(GeometryNodes):
         return self.both(self.node("GeometryNodeIsViewport").outputs[0],
                          self.at(carried, self.named(SHOWS_PROXY, "INT"), 0, "INT"))
 
+    def coarse(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """What the first pass of a frame hands on: see frame/first_pass.py."""
+        index = self.index()
+        numbered = self.store(geometry, BASE_INDEX, "INT", index)
+        return self.store(numbered, BASE_POSITION, "FLOAT_VECTOR", self.position())
+
     def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
         self.link(self.element_count(geometry, "POINT"), compare, "A")
@@ -151,7 +157,8 @@ class _Builder(GeometryNodes):
 
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
-        geometry, carried = inputs["Geometry"], self.mesh_of(inputs[OUTPUT])
+        geometry, output = inputs["Geometry"], self.object_info(inputs[OUTPUT])
+        carried = output["Geometry"]
         clip = self.mesh_of(inputs[CACHE])
         # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
         baked = self.both(inputs[BAKED], self.counts_match(clip, self.clip_points(carried)))
@@ -162,6 +169,7 @@ class _Builder(GeometryNodes):
         fine = self.store_base_position(geometry, fine)
         for name in OUTPUT_ONLY:
             fine = self.without(fine, name)
+        first_pass = self.above(self.components(output["Location"])[0], 0.5)
+        fine = self.switch(first_pass, fine, self.coarse(geometry))
         shown = self.switch(self.counts_match(geometry, inputs[COUNT]), geometry, fine)
-        output = self.node("NodeGroupOutput")
-        self.group.links.new(shown, output.inputs[0])
+        self.group.links.new(shown, self.node("NodeGroupOutput").inputs[0])

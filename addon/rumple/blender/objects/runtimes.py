@@ -49,6 +49,8 @@ class Runtime(CachedFrame):
     groups: list[str] | None = None  # names of the vertex groups when the output object was last checked
     inputs: Inputs | None = None
     result: engine.FrameResult | engine.PreviewFrame | None = None  # what the output object holds
+    written_at: float | None = None  # the frame that the output object was written in, last
+    moved_in: int = 0  # the scene whose last frame wrote the output object: its next one will
     analyzing: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
     analyzed: Inputs | None = None  # ... and this is what was read
     asked_for_proxy: bool = False  # by the preview, last

@@ -26,14 +26,14 @@ class Passes:
         def source(name: str) -> str:
             return glsl.source(*glsl.FORMULAS, "preview/texels", f"preview/{name}")
 
-        self.crush = Pass(source("crush"),
-                          ("vertices", "wave_parameters", "neighbours", "positions", "normals", "before", "stretches"),
-                          ("out_waves", "out_crushed"),
-                          (("FLOAT", "strength"), ("BOOL", "true_lengths"), ("BOOL", "adaptive")))
-        self.link = Pass(source("link"), ("neighbours", "waves", "crushed", "positions", "solved"),
-                         ("out_link", "out_solved"))
-        self.wake = Pass(source("wake"), ("vertices", "solved"), ("out_share",))
-        self.relax = Pass(source("relax"), ("vertices", "links", "shares", "phases"), ("out_phase",),
+        self.estimate_waves = Pass(
+            source("estimate_waves"),
+            ("vertices", "wave_parameters", "neighbours", "positions", "normals", "before", "stretches"),
+            ("out_waves", "out_estimate"), (("FLOAT", "strength"), ("BOOL", "true_lengths"), ("BOOL", "adaptive")))
+        self.edge_offsets = Pass(source("edge_offsets"), ("neighbours", "waves", "estimate", "positions", "solved"),
+                                 ("out_link", "out_solved"))
+        self.activity = Pass(source("activity"), ("vertices", "solved"), ("out_activity",))
+        self.relax = Pass(source("relax"), ("vertices", "links", "activities", "phases"), ("out_phase",),
                           (("FLOAT", "rate"),))
         self.dissolve = Pass(source("dissolve"), ("vertices", "links", "waves", "phases"), ("out_waves",))
         self.unfold = Pass(source("unfold"), ("fans", "fan_corners", "positions"), ("out_u", "out_v"))
@@ -54,7 +54,7 @@ class GpuField:
         owners = np.repeat(np.arange(self.vertex_count), self._counts)
         self._neighbours = upload(np.column_stack((neighbours, model.gradients, owners)))
         self._links = [Target(len(neighbours), 2) for _ in range(2)]  # ping-pong: link reads what it solved before
-        self._shares = Target(self.vertex_count)
+        self._activities = Target(self.vertex_count)
         self._waves = [Target(self.vertex_count, 2) for _ in range(2)]  # ping-pong: crush reads the k of before
         self._dissolved = Target(self.vertex_count)
         self._phases = [Target(self.vertex_count) for _ in range(2)]  # ping-pong, as figure 2 has it
@@ -79,7 +79,7 @@ class GpuField:
                             upload(corners.reshape(-1, 4)))
 
     def set_wave_parameters(self, settings: Any, wave_parameters: Any, profile: Any) -> None:
-        """settings: WrinkleFieldSettings; wishes: WrinkleFieldWishes; profile: WrinkleFieldProfile."""
+        """settings: WrinkleFieldSettings; wave_parameters: WrinkleFieldWaveParameters; profile: WrinkleFieldProfile."""
         self._strength, self._rate = float(settings.strength), float(settings.rate)
         self._dissolves = bool(settings.dissolve)
         wavelength = np.where(self._has_frame, wave_parameters.wavelength, 0.0)
@@ -90,11 +90,11 @@ class GpuField:
     def begin(self, phase: np.ndarray, direction: np.ndarray, solved_offset: np.ndarray | None = None) -> None:
         """The state of the frame before, as a WrinkleFieldState has it. Without solved_offset no vertex is held."""
         self._start_phase, self._start_direction = upload(phase[:, None]), upload(direction)
-        self.wake()
+        self.measure_activity()
         if solved_offset is not None:
             self._start_solved = upload(solved_offset[:, None])
 
-    def wake(self) -> None:
+    def measure_activity(self) -> None:
         """Let no vertex be held in the next frame."""
         self._start_solved = upload(np.full((self._links[0].count, 1), _NEVER, np.float32))
 
@@ -106,31 +106,32 @@ class GpuField:
         self._positions, self._normals = upload(positions), upload(normals)
         self._stretches = upload(stretches) if stretches is not None and len(stretches) else None
 
-    def crush(self) -> None:
+    def estimate_waves(self) -> None:
         """Section 4.2, then what relax() needs of it. Cost: O(edges)."""
         before = self._start_direction or self._waves[0].textures[1]
         self._start_direction = None
         self._waves.reverse()
-        self._passes.crush.run(self._waves[0], {
+        self._passes.estimate_waves.run(self._waves[0], {
             "vertices": self._vertices, "wave_parameters": self._wave_parameters, "neighbours": self._neighbours,
             "before": before,
             "positions": self._positions, "normals": self._normals,
             "stretches": self._stretches or self._positions},
             strength=self._strength, true_lengths=self._true_lengths, adaptive=self._stretches is not None)
-        waves, crushed = self._waves[0].textures
+        waves, estimate = self._waves[0].textures
         solved = self._start_solved or self._links[0].textures[1]
         self._start_solved = None
         self._links.reverse()
-        self._passes.link.run(self._links[0], {"neighbours": self._neighbours, "waves": waves, "crushed": crushed,
-                                               "positions": self._positions, "solved": solved})
-        self._passes.wake.run(self._shares, {"vertices": self._vertices, "solved": self._links[0].textures[1]})
+        self._passes.edge_offsets.run(self._links[0], {
+            "neighbours": self._neighbours, "waves": waves, "estimate": estimate, "positions": self._positions,
+            "solved": solved})
+        self._passes.activity.run(self._activities, {"vertices": self._vertices, "solved": self._links[0].textures[1]})
 
     def relax(self, rounds: int) -> None:
         """So many rounds of equation (6). Cost: O(rounds x edges)."""
         for _ in range(rounds):
             self._passes.relax.run(self._phases[1], {
-                "vertices": self._vertices, "links": self._links[0].textures[0], "shares": self._shares.textures[0],
-                "phases": self.phases}, rate=self._rate)
+                "vertices": self._vertices, "links": self._links[0].textures[0],
+                "activities": self._activities.textures[0], "phases": self.phases}, rate=self._rate)
             self._phases.reverse()
             self._start_phase = None
 
@@ -219,12 +220,12 @@ class Drawing:
                 return False
             self.waves.begin(state.phase, state.direction, state.solved_offset)
         elif before.settings != inputs.settings:
-            self.waves.wake()
+            self.waves.measure_activity()
         state = fine.wrinkles_of(inputs.frame) if inputs.settings.adapts else None
         positions = fine.solved_over(inputs.frame, inputs.positions)
         welded, normals = self._model.weld_pose(positions)
         self.waves.pose(welded, normals, fine.reference_stretches(state, positions) if state is not None else None)
-        self.waves.crush()
+        self.waves.estimate_waves()
         self.waves.relax(inputs.settings.rounds if goes_on else 0)
         self.waves.dissolve()
         self.waves.unfold()

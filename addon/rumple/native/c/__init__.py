@@ -64,7 +64,7 @@ STRUCTS: dict[str, Any] = {
     "rumple_wrinkle_field_report": WrinkleFieldReport,
     "rumple_frame_waves_view": FrameWavesView,
     "rumple_waves_view": WavesView,
-    "rumple_wrinkle_field_wishes": WrinkleFieldWishes,
+    "rumple_wrinkle_field_wave_parameters": WrinkleFieldWaveParameters,
     "rumple_dab": Dab,
     "rumple_scatter": Scatter,
     "rumple_lines_view": LinesView,

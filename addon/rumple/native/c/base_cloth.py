@@ -150,7 +150,7 @@ BASE_CLOTH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_base_cloth_paint_free": (None, (BaseClothPaintPointer,)),
     "rumple_base_cloth_state_free": (None, (BaseClothStatePointer,)),
     "rumple_base_cloth_state_get_view": (CHECKED, (BaseClothStatePointer, POINTER(BaseClothStateView))),
-    "rumple_base_cloth_state_woken": (CHECKED, (BaseClothStatePointer, POINTER(BaseClothStatePointer))),
+    "rumple_base_cloth_state_activated": (CHECKED, (BaseClothStatePointer, POINTER(BaseClothStatePointer))),
     "rumple_base_cloth_solve": (CHECKED, (BaseClothPointer, POINTER(BaseClothSettings), BaseClothPaintPointer,
         c_void_p, c_size_t, POINTER(Bodies), BaseClothStatePointer, POINTER(BaseClothReport),
         POINTER(BaseClothStatePointer))),

@@ -177,8 +177,8 @@ class WavesView(Struct):
         ("direction", c_void_p),)
 
 
-class WrinkleFieldWishes(Struct):
-    """struct rumple_wrinkle_field_wishes"""
+class WrinkleFieldWaveParameters(Struct):
+    """struct rumple_wrinkle_field_wave_parameters"""
 
     __slots__ = ()
     wavelength: int | None  # (w): W, object units
@@ -206,7 +206,7 @@ WRINKLE_FIELD_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_wrinkle_field_state_get_view": (CHECKED, (WrinkleFieldStatePointer, POINTER(WrinkleFieldStateView))),
     "rumple_wrinkle_field_state_build": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldStateView),
         POINTER(WrinkleFieldStatePointer))),
-    "rumple_wrinkle_field_state_woken": (CHECKED, (WrinkleFieldStatePointer, POINTER(WrinkleFieldStatePointer))),
+    "rumple_wrinkle_field_state_activated": (CHECKED, (WrinkleFieldStatePointer, POINTER(WrinkleFieldStatePointer))),
     "rumple_wrinkle_field_solve": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
         WrinkleFieldPaintPointer, POINTER(Pose), WrinkleFieldStatePointer, POINTER(WrinkleFieldReport),
         POINTER(WrinkleFieldStatePointer))),
@@ -218,13 +218,13 @@ WRINKLE_FIELD_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         c_size_t, c_void_p, c_size_t, c_bool, c_void_p, c_size_t)),
     "rumple_waves_free": (None, (WavesPointer,)),
     "rumple_waves_get_view": (CHECKED, (WavesPointer, POINTER(WavesView))),
-    "rumple_wrinkle_field_crush": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
+    "rumple_wrinkle_field_estimate_waves": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
         WrinkleFieldPaintPointer, c_void_p, c_size_t, WrinkleFieldStatePointer, POINTER(WavesPointer))),
     "rumple_wrinkle_field_shown_waves": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
         POINTER(WrinkleFieldProfile), WrinkleFieldPaintPointer, c_void_p, c_size_t, WrinkleFieldStatePointer,
         POINTER(WavesPointer))),
-    "rumple_wrinkle_field_get_wishes": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
-        WrinkleFieldPaintPointer, POINTER(WrinkleFieldWishes))),
+    "rumple_wrinkle_field_get_wave_parameters": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
+        WrinkleFieldPaintPointer, POINTER(WrinkleFieldWaveParameters))),
     "rumple_wrinkle_field_weld_pose": (CHECKED, (WrinkleFieldPointer, c_void_p, c_size_t, c_void_p, c_void_p,
         c_size_t)),
     "rumple_wrinkle_field_stretches": (CHECKED, (WrinkleFieldPointer, WrinkleFieldStatePointer, c_void_p, c_size_t,

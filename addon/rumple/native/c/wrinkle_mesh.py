@@ -160,7 +160,7 @@ WRINKLE_MESH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_wrinkle_mesh_state_get_view": (CHECKED, (WrinkleMeshStatePointer, POINTER(WrinkleMeshStateView))),
     "rumple_wrinkle_mesh_state_build": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshStateView),
         POINTER(WrinkleMeshStatePointer))),
-    "rumple_wrinkle_mesh_state_woken": (CHECKED, (WrinkleMeshStatePointer, POINTER(WrinkleMeshStatePointer))),
+    "rumple_wrinkle_mesh_state_activated": (CHECKED, (WrinkleMeshStatePointer, POINTER(WrinkleMeshStatePointer))),
     "rumple_wrinkle_mesh_solve": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings), WrinkleMeshPaintPointer,
         POINTER(Pose), WrinkleMeshStatePointer, POINTER(WrinkleMeshReport), POINTER(WrinkleMeshStatePointer))),
     "rumple_wrinkle_mesh_solve_in_order": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings),

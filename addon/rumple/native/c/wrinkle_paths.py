@@ -158,14 +158,14 @@ class DrawingView(Struct):
     normal: int | None  # (w, 3), unit
     hem: int | None  # (w): factor on the folds
     parts: int | None  # (t, 4): parts that a triangle, and its edges from corners 0, 1, 2, have
-    stand_in: int | None  # (n, 3): the way from every vertex of the base to `smooth`
+    proxy_offset: int | None  # (n, 3): the way from every vertex of the base to `smooth`
     triangle_start: int | None  # (t + 1): where the ranges of every triangle begin
     ranges: int | None  # (r, 2): first piece and end of the pieces that reach the triangle
     ends: int | None  # (e, 8): piece i runs from end i to i + 1; at, width, along, height
     _fields_ = (("vertex_count", c_int32), ("base_vertex_count", c_int32), ("part_count", c_int32),
         ("triangle_count", c_int32), ("range_count", c_int32), ("end_count", c_int32), ("curved", c_bool),
         ("flat", c_void_p), ("smooth", c_void_p), ("normal", c_void_p), ("hem", c_void_p), ("parts", c_void_p),
-        ("stand_in", c_void_p), ("triangle_start", c_void_p), ("ranges", c_void_p), ("ends", c_void_p),)
+        ("proxy_offset", c_void_p), ("triangle_start", c_void_p), ("ranges", c_void_p), ("ends", c_void_p),)
 
 
 WRINKLE_PATHS_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {

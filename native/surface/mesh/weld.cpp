@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/mesh/weld.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <unordered_map>
+
+#include "base/tolerances.h"
+#include "surface/mesh/checks.h"
+#include "surface/mesh/disjoint_sets.h"
+#include "surface/query/bounds.h"
+
+namespace rumple {
+namespace {
+
+using Cell = std::array<std::int64_t, 3>;
+
+struct CellHash {
+    std::size_t operator()(const Cell& cell) const {
+        std::uint64_t hash = 0;
+        for (std::int64_t x : cell) hash = (hash ^ static_cast<std::uint64_t>(x)) * 0x9E3779B97F4A7C15ull;
+        return hash ^ (hash >> 32);
+    }
+};
+
+// place[v]: the lowest vertex, among `vertices`, at the place of v; kNone for others.
+// A vertex joins the first earlier place within `distance`, so that places do not chain.
+std::vector<Index> find_places(std::span<const Vec3> positions, const std::vector<Index>& vertices,
+                               double distance) {
+    std::vector<Index> place(positions.size(), kNone);
+    std::unordered_map<Cell, std::vector<Index>, CellHash> places;
+    const auto coordinate = [&](float x) { return static_cast<std::int64_t>(std::floor(x / distance)); };
+    for (Index v : vertices) {
+        const Vec3 p = positions[v];
+        const Cell cell{coordinate(p.x), coordinate(p.y), coordinate(p.z)};
+        for (int neighbour = 0; neighbour < 27; ++neighbour) {
+            const Cell near{cell[0] + neighbour % 3 - 1, cell[1] + neighbour / 3 % 3 - 1,
+                            cell[2] + neighbour / 9 - 1};
+            const auto found = places.find(near);
+            if (found == places.end()) continue;
+            for (Index u : found->second) {
+                const bool close = glm::length(glm::dvec3(p) - glm::dvec3(positions[u])) <= distance;
+                if (close && (place[v] == kNone || u < place[v])) place[v] = u;
+            }
+        }
+        if (place[v] == kNone) {
+            place[v] = v;
+            places[cell].push_back(v);
+        }
+    }
+    return place;
+}
+
+struct Seam {
+    Index vertex[2][2];  // [side][end]
+};
+
+// A boundary edge from place to place, a < b among places.
+struct BoundaryEdge {
+    Index a, b;
+    bool forward;
+    Index corner;
+    Index vertex[2];  // at a, at b
+};
+
+std::vector<BoundaryEdge> collect_boundary_edges(const std::vector<EdgeUse>& uses,
+                                                 const std::vector<Index>& place) {
+    std::vector<BoundaryEdge> boundary;
+    for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
+        end = edge_run_end(uses, i);
+        if (end - i != 1) continue;
+        Index from = uses[i].a, to = uses[i].b;
+        if (!uses[i].forward) std::swap(from, to);
+        if (place[from] == place[to]) continue;  // a zero-length edge has no direction to pair by
+        const bool forward = place[from] < place[to];
+        if (!forward) std::swap(from, to);
+        boundary.push_back({place[from], place[to], forward, uses[i].corner, {from, to}});
+    }
+    std::sort(boundary.begin(), boundary.end(), [](const BoundaryEdge& x, const BoundaryEdge& y) {
+        return std::tie(x.a, x.b, x.corner) < std::tie(y.a, y.b, y.corner);
+    });
+    return boundary;
+}
+
+// Boundary edges that lie on one another, in opposite directions. `refused`
+// gets a vertex of every edge that has a partner but not exactly one.
+std::vector<Seam> pair_edges(const std::vector<BoundaryEdge>& boundary, std::vector<Index>& refused) {
+    std::vector<Seam> seams;
+    for (std::size_t i = 0, end = 0; i < boundary.size(); i = end) {
+        end = i + 1;
+        while (end < boundary.size() && boundary[end].a == boundary[i].a &&
+               boundary[end].b == boundary[i].b) {
+            ++end;
+        }
+        if (end - i == 1) continue;
+        const BoundaryEdge &x = boundary[i], &y = boundary[i + 1];
+        if (end - i == 2 && x.forward != y.forward) {
+            seams.push_back({{{x.vertex[0], x.vertex[1]}, {y.vertex[0], y.vertex[1]}}});
+        } else {
+            refused.push_back(std::min(x.vertex[0], x.vertex[1]));
+        }
+    }
+    return seams;
+}
+
+// Classes (their lowest vertices) whose joining breaks the mesh.
+std::vector<Index> find_broken_classes(const PolygonMesh& mesh, const std::vector<Index>& class_of) {
+    PolygonMesh welded = mesh;
+    for (Index& v : welded.corner_vertex) v = class_of[v];
+    std::vector<Index> broken;
+    std::vector<Index> seen_in(mesh.vertex_count, kNone);
+    for (Index p = 0; p < welded.polygons(); ++p) {
+        for (Index c = welded.polygon_start[p]; c < welded.polygon_start[p + 1]; ++c) {
+            const Index v = welded.corner_vertex[c];
+            if (seen_in[v] == p) broken.push_back(v);
+            seen_in[v] = p;
+        }
+    }
+    if (!broken.empty()) return broken;
+    const std::vector<EdgeUse> uses = collect_edge_uses(welded);
+    for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
+        end = edge_run_end(uses, i);
+        if (end - i > 2 || (end - i == 2 && uses[i].forward == uses[i + 1].forward)) {
+            broken.push_back(uses[i].a);
+            broken.push_back(uses[i].b);
+        }
+    }
+    const Index twin = find_duplicate_polygons(welded).second;
+    for (Index c = 0; twin != kNone && c < welded.polygon_size(twin); ++c) {
+        broken.push_back(welded.corner_vertex[welded.polygon_start[twin] + c]);
+    }
+    return broken;
+}
+
+// Vertices with a boundary edge, ascending.
+std::vector<Index> find_rim(const std::vector<EdgeUse>& uses) {
+    std::vector<Index> rim;
+    for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
+        end = edge_run_end(uses, i);
+        if (end - i == 1) rim.insert(rim.end(), {uses[i].a, uses[i].b});
+    }
+    std::sort(rim.begin(), rim.end());
+    rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+    return rim;
+}
+
+// Joins the seams that touch no barred vertex. A seam is joined at both ends or
+// at none: joined at one, its faces would meet in a point.
+std::vector<Index> join_seams(const std::vector<Seam>& seams, const std::vector<bool>& barred) {
+    DisjointSets classes(static_cast<Index>(barred.size()));
+    for (const Seam& seam : seams) {
+        bool free = true;
+        for (const auto& side : seam.vertex) free = free && !barred[side[0]] && !barred[side[1]];
+        if (!free) continue;
+        for (int end = 0; end < 2; ++end) classes.unite(seam.vertex[0][end], seam.vertex[1][end]);
+    }
+    std::vector<Index> class_of(barred.size());
+    for (std::size_t v = 0; v < class_of.size(); ++v) class_of[v] = classes.find(static_cast<Index>(v));
+    return class_of;
+}
+
+}  // namespace
+
+Weld find_weld(const PolygonMesh& mesh, std::span<const Vec3> positions) {
+    const std::vector<EdgeUse> uses = collect_edge_uses(mesh);
+    const double distance = kWeldDistance * bounding_diagonal(positions);
+    const std::vector<Index> place = find_places(positions, find_rim(uses), distance);
+    std::vector<Index> refused;
+    const std::vector<Seam> seams = pair_edges(collect_boundary_edges(uses, place), refused);
+
+    // Join all, then take back, class by class, what breaks the mesh. Every
+    // round bars a class of two or more vertices for good, so the loop ends.
+    Weld weld;
+    std::vector<bool> barred(mesh.vertex_count, false);
+    for (bool clean = false; !clean;) {
+        weld.class_of = join_seams(seams, barred);
+        const std::vector<Index> broken = find_broken_classes(mesh, weld.class_of);
+        clean = broken.empty();
+        std::vector<bool> is_broken(mesh.vertex_count, false);
+        for (Index v : broken) is_broken[v] = true;
+        for (Index v = 0; v < mesh.vertex_count; ++v) {
+            if (is_broken[weld.class_of[v]]) barred[v] = true;
+        }
+        refused.insert(refused.end(), broken.begin(), broken.end());
+    }
+    if (!refused.empty()) {
+        const Index first = *std::min_element(refused.begin(), refused.end());
+        weld.warnings.push_back(
+            "seams: some edges that lie on one another were not joined, because faces "
+            "there overlap or face opposite ways; the first is at vertex " +
+            std::to_string(first));
+    }
+    return weld;
+}
+
+}  // namespace rumple

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Joins the vertices that a game mesh was split into at its seams. Internal to surface.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "surface/mesh/topology.h"
+
+namespace rumple {
+
+// Which vertices become one: class_of[v] is the lowest vertex of v's class.
+//
+// A seam is a pair of boundary edges that lie on one another (both ends within
+// kWeldDistance) and run in opposite directions, as the two sides of a cut do.
+// Joining edges, not points, leaves apart what merely touches: two sleeves that
+// meet in a point, or the same-facing layers of a double cloth. Where three or
+// more boundary edges lie on one another, or joining would make an edge
+// non-manifold, a polygon degenerate or two polygons equal, the seams that meet
+// there stay open and a warning names the first vertex.
+struct Weld {
+    std::vector<Index> class_of;
+    std::vector<std::string> warnings;
+};
+
+Weld find_weld(const PolygonMesh& mesh, std::span<const Vec3> positions);
+
+}  // namespace rumple

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/output/attachments.h"
+
+#include <algorithm>
+
+#include "base/formulas.h"
+#include "base/tolerances.h"
+
+namespace rumple {
+
+void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std::span<Vec3> normals) {
+    for (Vec3& n : normals) n = Vec3(0.0f);
+    for (const Triangle& triangle : surface.triangles) {
+        Index v[3];
+        for (int k = 0; k < 3; ++k) v[k] = surface.welded.corner_vertex[triangle.corner[k]];
+        const Vec3 twice_area =
+            glm::cross(positions[v[1]] - positions[v[0]], positions[v[2]] - positions[v[0]]);
+        for (int k = 0; k < 3; ++k) normals[v[k]] += twice_area;
+    }
+    for (Vec3& n : normals) {
+        const float length = glm::length(n);
+        n = length > kShortestEdge * kShortestEdge ? n / length : Vec3(0.0f);
+    }
+}
+
+void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
+                     std::span<TriangleFrame> frames) {
+    for (size_t t = 0; t < surface.triangles.size(); ++t) {
+        const Index* corner = surface.triangles[t].corner;
+        const auto at = [&](int k) { return positions[surface.welded.corner_vertex[corner[k]]]; };
+        frames[t] = triangle_frame(at(0), at(1), at(2));
+    }
+}
+
+Vec3 pn_triangle(const Vec3 p[3], const Vec3 n[3], float b0, float b1) {
+    return formulas::pn_point(p[0], p[1], p[2], n[0], n[1], n[2], b0, b1);
+}
+
+void attach(const Surface& surface, const Attachments& attachments, std::span<const Vec3> positions,
+            std::span<const Vec3> normals, std::span<Vec3> out, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+        const SurfacePoint& place = attachments.places[i];
+        if (place.triangle == kNone) {
+            out[i] = Vec3(0.0f);
+        } else if (attachments.kind == AttachmentKind::kLinear) {
+            out[i] = interpolate(surface, place, positions);
+        } else if (attachments.kind == AttachmentKind::kPnTriangle) {
+            Vec3 p[3], n[3];
+            for (int k = 0; k < 3; ++k) {
+                const Index v = surface.welded.corner_vertex[surface.triangles[place.triangle].corner[k]];
+                p[k] = positions[v];
+                n[k] = normals[v];
+            }
+            out[i] = pn_triangle(p, n, place.b0, place.b1);
+        } else {
+            Vec3 sum(0.0f);
+            for (Index k = attachments.limit.start[i]; k < attachments.limit.start[i + 1]; ++k) {
+                sum += attachments.limit.weight[k] * positions[attachments.limit.index[k]];
+            }
+            out[i] = sum;
+        }
+    }
+}
+
+std::vector<float> gaps_at(const Surface& surface, const Attachments& attachments,
+                           std::span<const float> gap) {
+    std::vector<float> out(attachments.places.size(), 0.0f);
+    if (attachments.kind == AttachmentKind::kLimit) {
+        std::vector<float> welded;
+        for (const Index v : surface.representative) welded.push_back(gap[v]);
+        apply<float>(attachments.limit, welded, out);
+        for (float& g : out) g = std::max(g, 0.0f);
+        return out;
+    }
+    for (size_t v = 0; v < out.size(); ++v) {
+        const SurfacePoint& place = attachments.places[v];
+        if (place.triangle == kNone) continue;
+        const auto [a, b, c] = display_vertices(surface, place.triangle);
+        out[v] = (1.0f - place.b0 - place.b1) * gap[a] + place.b0 * gap[b] + place.b1 * gap[c];
+    }
+    return out;
+}
+
+Index hint_at(const Surface& surface, Index triangle, std::span<const Index> hints) {
+    const auto [a, b, c] = display_vertices(surface, triangle);
+    return std::max({hints[a], hints[b], hints[c]});
+}
+
+}  // namespace rumple

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where fine vertices are tied to the deformed base (Mueller and Chentanez
+// 2010, section 4; Vlachos et al. 2001 for PN triangles).
+#pragma once
+
+#include <vector>
+
+#include "surface/refine/refinement.h"
+#include "surface/strain/deformation.h"
+
+namespace rumple {
+
+enum class AttachmentKind { kLinear, kPnTriangle, kLimit };
+
+// places: one per fine vertex; triangle == kNone is an unattached vertex.
+struct Attachments {
+    AttachmentKind kind = AttachmentKind::kLimit;
+    std::vector<SurfacePoint> places;
+    SparseRows limit;  // kLimit only: rows of limit-surface weights over welded vertices
+};
+
+// Unit normals of the welded vertices, weighted by triangle area; zero where
+// every triangle around a vertex has collapsed. Cost: O(triangles).
+void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std::span<Vec3> normals);
+
+// The frame of every triangle of the deformed base. Cost: O(triangles).
+void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
+                     std::span<TriangleFrame> frames);
+
+// The cubic Bezier triangle of Vlachos et al. 2001, section 3.1, at weight b0
+// of corner 1 and b1 of corner 2. normals: unit, at the corners.
+Vec3 pn_triangle(const Vec3 corner[3], const Vec3 normal[3], float b0, float b1);
+
+// Attachment points a_i on the deformed base, object space. normals are used by
+// kPnTriangle only. Unattached vertices get the origin. begin/end: which
+// places, so that threads can share the work.
+void attach(const Surface& surface, const Attachments& attachments, std::span<const Vec3> positions,
+            std::span<const Vec3> normals, std::span<Vec3> out, size_t begin, size_t end);
+
+// Linear interpolation of vertex values at a place: equation (1).
+inline Vec3 interpolate(const Surface& surface, const SurfacePoint& place, std::span<const Vec3> values) {
+    const Triangle& triangle = surface.triangles[place.triangle];
+    const auto value = [&](int k) { return values[surface.welded.corner_vertex[triangle.corner[k]]]; };
+    return (1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2);
+}
+
+// How far what is attached may go inwards, of how far the vertices of the base may: object units, per place,
+// as the attachments lie over the vertices. The smooth surface (kLimit) is lower than a crest by as much as
+// its gap, and weights of its rows may be below zero, gaps not. gap: per display vertex. Unattached vertices
+// get 0. Cost: O(places).
+std::vector<float> gaps_at(const Surface& surface, const Attachments& attachments,
+                           std::span<const float> gap);
+
+// Where to look for a body near a triangle: the largest of its vertices' hints, so kNone where none has one.
+// hints: per display vertex.
+Index hint_at(const Surface& surface, Index triangle, std::span<const Index> hints);
+
+}  // namespace rumple

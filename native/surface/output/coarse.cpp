@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/output/coarse.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "base/expect.h"
+#include "surface/mesh/edge_graph.h"
+#include "surface/output/attachments.h"
+#include "surface/refine/refinement.h"
+
+namespace rumple {
+namespace {
+
+// The farthest that a vertex is from a sample, over the mean edge between samples. Measured on shirts,
+// sweaters and trousers.
+constexpr float kRadius = 0.7f;
+
+// Of the cage, until the smooth surface runs through the dense mesh: each leaves about a half of what is
+// wrong.
+constexpr int kCorrections = 6;
+
+// Sides of the triangles, and both diagonals of quads, so that distances do not depend on how one is cut.
+EdgeGraph build_graph(const Surface& surface) {
+    std::set<std::pair<Index, Index>> sides;
+    const auto add = [&](Index a, Index b) { sides.emplace(std::min(a, b), std::max(a, b)); };
+    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
+        const auto [a, b, c] = welded_vertices(surface, t);
+        add(a, b), add(b, c), add(c, a);
+    }
+    const PolygonMesh& mesh = surface.welded;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        if (mesh.polygon_size(p) != 4) continue;
+        const Index* corner = &mesh.corner_vertex[mesh.polygon_start[p]];
+        add(corner[0], corner[2]), add(corner[1], corner[3]);
+    }
+    EdgeGraph graph(mesh.vertex_count);
+    for (const auto& [a, b] : sides) connect(surface, a, b, graph);
+    return graph;
+}
+
+// Which sample every vertex is nearest to, along the edges.
+class Cells {
+  public:
+    std::vector<Index> samples;  // welded vertices
+    std::vector<Index> owner;    // per welded vertex: its sample's place in `samples`
+
+    explicit Cells(const Surface& surface)
+        : owner(surface.welded.vertex_count, kNone),
+          graph_(build_graph(surface)),
+          distance_(graph_.size(), std::numeric_limits<float>::infinity()) {}
+
+    // Samples among some vertices until none of them is farther than the radius from one: farthest first,
+    // the lowest number of equals.
+    void sample(std::span<const Index> among, float radius) {
+        const auto nearer = [&](Index a, Index b) { return distance_[a] < distance_[b]; };
+        while (!among.empty()) {
+            const Index farthest = *std::ranges::max_element(among, nearer);
+            if (distance_[farthest] <= radius) return;
+            grow(farthest);
+        }
+    }
+
+  private:
+    // The cell of a new sample: what is nearer to it than to all before.
+    void grow(Index sample) {
+        const Index number = static_cast<Index>(samples.size());
+        samples.push_back(sample);
+        shortest_paths(graph_, std::span(&sample, 1), std::numeric_limits<float>::infinity(), distance_,
+                       [&](Index vertex) { owner[vertex] = number; });
+    }
+
+    EdgeGraph graph_;
+    std::vector<float> distance_;
+};
+
+using Corners = std::array<Index, 3>;
+
+// Where three cells meet. Along a ragged border of two cells a third one meets them there and back: what is
+// left of both windings counts. A side that two triangles of one winding would have is left open.
+std::vector<Corners> triangles_between(const Surface& surface, std::span<const Index> owner) {
+    std::map<Corners, int> meetings;  // from the lowest corner on, with the winding that it has in excess
+    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
+        const auto [u, v, w] = welded_vertices(surface, t);
+        const Index a = owner[u], b = owner[v], c = owner[w];
+        if (a == b || b == c || c == a) continue;
+        Corners sorted{a, b, c};
+        std::ranges::sort(sorted);
+        const bool even =
+            sorted == Corners{a, b, c} || sorted == Corners{b, c, a} || sorted == Corners{c, a, b};
+        meetings[sorted] += even ? 1 : -1;
+    }
+    std::vector<Corners> out;
+    std::set<std::pair<Index, Index>> used;  // directed sides
+    for (const auto& [corners, excess] : meetings) {
+        if (excess == 0) continue;
+        auto [a, b, c] = corners;
+        if (excess < 0) std::swap(b, c);
+        const std::pair<Index, Index> sides[3] = {{a, b}, {b, c}, {c, a}};
+        if (std::ranges::any_of(sides, [&](const auto& side) { return used.contains(side); })) continue;
+        used.insert(std::begin(sides), std::end(sides));
+        out.push_back({a, b, c});
+    }
+    return out;
+}
+
+Surface surface_of(std::span<const Vec3> positions, const std::vector<Corners>& triangles) {
+    std::vector<Index> start{0}, vertex, corner;
+    for (const auto& triangle : triangles) {
+        for (const Index v : triangle) {
+            corner.push_back(static_cast<Index>(vertex.size()));
+            vertex.push_back(v);
+        }
+        start.push_back(static_cast<Index>(vertex.size()));
+    }
+    return build_surface({positions, start, vertex, corner, false});
+}
+
+float mean_edge(const Surface& surface) {
+    double sum = 0.0;
+    for (const Edge& e : surface.edges)
+        sum += glm::distance(surface.positions_rest[e.a], surface.positions_rest[e.b]);
+    return float(sum / double(surface.edges.size()));
+}
+
+// Moves vertices along their normals until the smooth surface runs through where they were. Along the surface
+// they stay: it need not pass a vertex just there, and small triangles would turn over.
+std::vector<Vec3> cage_around(const Surface& surface, const SparseRows& limit, std::span<const Vec3> wanted) {
+    std::vector<Vec3> cage(wanted.begin(), wanted.end()), normals(wanted.size()), at(wanted.size());
+    vertex_normals(surface, wanted, normals);
+    for (int i = 0; i < kCorrections; ++i) {
+        apply<Vec3>(limit, cage, at);
+        for (size_t v = 0; v < at.size(); ++v) {
+            if (limit.start[v] < limit.start[v + 1])
+                cage[v] += glm::dot(wanted[v] - at[v], normals[v]) * normals[v];
+        }
+    }
+    return cage;
+}
+
+}  // namespace
+
+std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spacing) {
+    if (!(spacing > 0.0f)) throw InvalidInput("spacing: expected above 0, got " + std::to_string(spacing));
+    Cells cells(dense);
+    std::vector<Index> border, all;
+    for (Index v = 0; v < dense.welded.vertex_count; ++v) {
+        if (dense.boundary_vertex[v]) border.push_back(v);
+        all.push_back(v);
+    }
+    cells.sample(border, kRadius * spacing);
+    cells.sample(all, kRadius * spacing);
+    const auto triangles = triangles_between(dense, cells.owner);
+    if (triangles.empty())
+        throw InvalidInput("the mesh is too small for a spacing of " + std::to_string(spacing));
+    auto out = std::make_shared<CoarseMesh>();
+    std::vector<Vec3> rest;
+    for (const Index v : cells.samples) {
+        rest.push_back(dense.positions_rest[v]);
+        out->dense_vertex.push_back(dense.representative[v]);
+    }
+    const Surface through = surface_of(rest, triangles);
+    out->limit = vertex_limit_stencils(through);
+    out->surface = surface_of(cage_around(through, out->limit, rest), triangles);
+    out->mean_edge = mean_edge(out->surface);
+    return out;
+}
+
+std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dense,
+                                   std::span<const Vec3> positions) {
+    expect_count("positions", positions.size(), dense.display.vertex_count, "vertices");
+    expect_finite("positions", positions, "vertex");  // also where no coarse vertex is
+    std::vector<Vec3> welded(dense.welded.vertex_count), wanted;
+    weld_positions(dense, positions, welded);
+    for (const Index v : coarse.dense_vertex) wanted.push_back(welded[dense.welded_of[v]]);
+    return cage_around(coarse.surface, coarse.limit, wanted);
+}
+
+}  // namespace rumple

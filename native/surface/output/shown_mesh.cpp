@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/output/shown_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/errors.h"
+#include "base/expect.h"
+#include "base/tolerances.h"
+
+namespace rumple {
+namespace {
+
+using Pair = std::array<Index, 2>;
+
+// Shown edges whose both ends are made from the same two source vertices only
+// lie on the edge between those two.
+void collect_edge_sources(ShownMesh& shown, const PolygonMesh& source) {
+    const std::vector<Edge> source_edges = collect_edges(source);
+    std::vector<Pair> known;
+    known.reserve(source_edges.size());
+    for (const Edge& e : source_edges) known.push_back({e.a, e.b});
+    const SparseRows& from = shown.vertex_from_source;
+    const auto support = [&](Index v, std::vector<Index>& out) {
+        for (Index k = from.start[v]; k < from.start[v + 1]; ++k) {
+            if (from.weight[k] > kZeroWeight) out.push_back(from.index[k]);
+        }
+    };
+    std::vector<Index> both;
+    for (const Edge& e : collect_edges(shown.mesh)) {
+        both.clear();
+        support(e.a, both);
+        support(e.b, both);
+        std::sort(both.begin(), both.end());
+        both.erase(std::unique(both.begin(), both.end()), both.end());
+        if (both.size() != 2 || !std::binary_search(known.begin(), known.end(), Pair{both[0], both[1]}))
+            continue;
+        shown.edges.push_back({e.a, e.b});
+        shown.edge_sources.push_back({both[0], both[1]});
+    }
+}
+
+SparseRows identity(Index rows) {
+    SparseRows out;
+    for (Index r = 0; r < rows; ++r) {
+        out.add(r, 1.0f);
+        out.end_row();
+    }
+    return out;
+}
+
+void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> welded,
+           std::span<const TriangleFrame> frames, ShownFrame& out) {
+    for (size_t v = 0; v < mesh.places.size(); ++v) {
+        const SurfacePoint& place = mesh.places[v];
+        out.local_offset[v] =
+            frames[place.triangle].to_local(out.positions[v] - interpolate(base, place, welded));
+    }
+}
+
+}  // namespace
+
+void refuse_too_many(double corners, const FineSource& source, Index steps) {
+    double per_corner = 1.0;
+    if (source.kind == FineSource::Kind::kSubdivision) per_corner = std::pow(4.0, source.level);
+    if (source.kind == FineSource::Kind::kRegular) per_corner = double(source.segments) * source.segments;
+    const double estimate = corners / 4.0 * per_corner * std::pow(4.0, steps);
+    if (estimate > source.most_vertices) {
+        throw InvalidInput("the fine mesh would have about " +
+                           std::to_string(static_cast<long long>(estimate)) + " vertices, more than " +
+                           std::to_string(source.most_vertices));
+    }
+}
+
+FineMesh refine(const Surface& base, const FineSource& source, Index steps) {
+    refuse_too_many(base.welded.corners(), source, steps);
+    switch (source.kind) {
+        case FineSource::Kind::kSubdivision:
+            return refine_subdivision(base.welded, source.level);
+        case FineSource::Kind::kRegular:
+            return refine_regular(base, source.segments);
+        case FineSource::Kind::kLongestEdge:
+            return refine_longest_edge(base, source.longest_edge, source.most_vertices);
+    }
+    return {};
+}
+
+Attachments attach_refined(const Surface& base, const FineSource& source, const FineMesh& fine,
+                           AttachmentKind kind) {
+    Attachments attachments{kind, locate_on_parents(base, fine), {}};
+    if (kind == AttachmentKind::kLimit) {
+        attachments.limit = source.kind == FineSource::Kind::kSubdivision
+                                ? subdivision_stencils(base.welded, source.level, true)
+                                : limit_stencils(base, attachments.places);
+    }
+    return attachments;
+}
+
+std::vector<Vec3> attached_at_rest(const Surface& base, const Attachments& attachments) {
+    std::vector<Vec3> rest(attachments.places.size()), normals(base.welded.vertex_count);
+    vertex_normals(base, base.positions_rest, normals);
+    attach(base, attachments, base.positions_rest, normals, rest, 0, rest.size());
+    return rest;
+}
+
+ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& fine, Index steps,
+                    std::span<const Vec3> solved_rest) {
+    const FineMesh step = refine_subdivision(fine.mesh, steps);
+    const FineMesh whole = compose(step, fine);
+    const Unwelded open = unweld(source, whole);
+    const SparseRows smooth = subdivision_stencils(fine.mesh, steps, false);
+    ShownMesh shown;
+    shown.mesh = open.mesh;
+    shown.vertex_from_source = open.vertex_from_display;
+    shown.corner_from_source = whole.corner_from_parent;
+    shown.polygon_source = whole.polygon_parent;
+    for (const Index v : open.fine_vertex) {
+        for (Index k = smooth.start[v]; k < smooth.start[v + 1]; ++k) {
+            shown.from_solved.add(smooth.index[k], smooth.weight[k]);
+        }
+        shown.from_solved.end_row();
+    }
+    shown.positions_rest.resize(open.fine_vertex.size());
+    apply<Vec3>(shown.from_solved, solved_rest, shown.positions_rest);
+    if (&source != &base) {
+        std::vector<float> distance(shown.positions_rest.size());
+        shown.places = closest_points(base, shown.positions_rest, distance);
+    } else {
+        const std::vector<SurfacePoint> places = locate_on_parents(base, whole);
+        for (const Index v : open.fine_vertex) shown.places.push_back(places[v]);
+    }
+    for (const SurfacePoint& place : shown.places) {
+        shown.embedding.push_back(display_vertices(base, place.triangle));
+    }
+    collect_edge_sources(shown, source.display);
+    return shown;
+}
+
+ShownMesh show_triangles(const Surface& base) {
+    ShownMesh shown;
+    const Index vertices = base.display.vertex_count;
+    shown.mesh.vertex_count = vertices;
+    shown.places.resize(vertices);
+    for (Index v = 0; v < vertices; ++v) {
+        shown.embedding.push_back({v, v, v});
+        shown.from_solved.add(base.welded_of[v], 1.0f);
+        shown.from_solved.end_row();
+        shown.positions_rest.push_back(base.positions_rest[base.welded_of[v]]);
+    }
+    shown.vertex_from_source = identity(vertices);
+    const Index triangles = static_cast<Index>(base.triangles.size());
+    for (Index t = 0; t < triangles; ++t) {
+        const std::array<Index, 3> vertex = display_vertices(base, t);
+        for (int k = 0; k < 3; ++k) {
+            shown.mesh.corner_vertex.push_back(vertex[k]);
+            shown.corner_from_source.add(base.triangles[t].corner[k], 1.0f);
+            shown.corner_from_source.end_row();
+            SurfacePoint& place = shown.places[vertex[k]];
+            if (place.triangle != kNone) continue;
+            place = {t, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f};
+            shown.embedding[vertex[k]] = vertex;
+        }
+        shown.mesh.polygon_start.push_back(shown.mesh.corners());
+        shown.polygon_source.push_back(base.triangles[t].polygon);
+    }
+    collect_edge_sources(shown, base.display);
+    return shown;
+}
+
+void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> positions,
+                 ShownFrame& frame) {
+    expect_count("positions", positions.size(), base.display.vertex_count, "vertices");
+    std::vector<Vec3> welded(base.welded.vertex_count);
+    weld_positions(base, positions, welded);
+    std::vector<TriangleFrame> frames(base.triangles.size());
+    triangle_frames(base, welded, frames);
+    embed(base, mesh, welded, frames, frame);
+}
+
+void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& stretch,
+                std::span<const Vec3> base_positions, std::span<const TriangleFrame> frames,
+                std::span<const Vec3> solved, std::span<const Vec3> offset, ShownFrame& out) {
+    const size_t shown = mesh.places.size();
+    out.positions.resize(shown);
+    out.offset.resize(shown);
+    out.local_offset.resize(shown);
+    apply<Vec3>(mesh.from_solved, solved, out.positions);
+    apply<Vec3>(mesh.from_solved, offset, out.offset);
+    embed(base, mesh, base_positions, frames, out);
+    measure_stretch(base, stretch, base_positions, mesh.places, out.stretch);
+}
+
+}  // namespace rumple

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where fine vertices sit on the base, and how seams open again.
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "base/tolerances.h"
+#include "surface/refine/refinement.h"
+#include "surface/refine/triangle_tree.h"
+
+namespace rumple {
+namespace {
+
+// The triangles of every polygon: polygon p owns triangle[start[p]] to triangle[start[p + 1] - 1].
+struct PolygonTriangles {
+    std::vector<Index> start;
+    std::vector<Index> triangle;
+
+    explicit PolygonTriangles(const Surface& surface)
+        : start(surface.welded.polygons() + 1, 0), triangle(surface.triangles.size()) {
+        for (const Triangle& t : surface.triangles) ++start[t.polygon + 1];
+        for (std::size_t p = 1; p < start.size(); ++p) start[p] += start[p - 1];
+        std::vector<Index> next(start.begin(), start.end() - 1);
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+            triangle[next[surface.triangles[t].polygon]++] = static_cast<Index>(t);
+        }
+    }
+};
+
+// The parent polygon of the first polygon around each fine vertex.
+std::vector<Index> find_parents(const FineMesh& fine) {
+    std::vector<Index> parent(fine.mesh.vertex_count, kNone);
+    for (Index p = 0; p < fine.mesh.polygons(); ++p) {
+        for (Index c = fine.mesh.polygon_start[p]; c < fine.mesh.polygon_start[p + 1]; ++c) {
+            Index& known = parent[fine.mesh.corner_vertex[c]];
+            if (known == kNone) known = fine.polygon_parent[p];
+        }
+    }
+    return parent;
+}
+
+// Fine corner <- base display vertices.
+SparseRows corners_from_display(const Surface& surface, const FineMesh& fine) {
+    SparseRows pick;
+    for (Index v : surface.display.corner_vertex) {
+        pick.add(v, 1.0f);
+        pick.end_row();
+    }
+    return compose(fine.corner_from_parent, pick);
+}
+
+// The columns of a row that really carry weight, ascending.
+std::vector<Index> columns_with_weight(const SparseRows& rows, Index r) {
+    std::vector<Index> columns;
+    for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k) {
+        if (std::abs(rows.weight[k]) > kZeroWeight) columns.push_back(rows.index[k]);
+    }
+    return columns;
+}
+
+}  // namespace
+
+FineMesh compose(const FineMesh& outer, const FineMesh& inner) {
+    FineMesh result;
+    result.mesh = outer.mesh;
+    result.vertex_from_parent = compose(outer.vertex_from_parent, inner.vertex_from_parent);
+    result.corner_from_parent = compose(outer.corner_from_parent, inner.corner_from_parent);
+    result.polygon_parent.reserve(outer.polygon_parent.size());
+    for (Index p : outer.polygon_parent) result.polygon_parent.push_back(inner.polygon_parent[p]);
+    return result;
+}
+
+std::vector<SurfacePoint> locate_on_parents(const Surface& surface, const FineMesh& fine) {
+    std::vector<Vec3> positions(fine.mesh.vertex_count);
+    apply<Vec3>(fine.vertex_from_parent, surface.positions_rest, positions);
+    const PolygonTriangles triangles(surface);
+    const std::vector<Index> parent = find_parents(fine);
+
+    std::vector<SurfacePoint> places(positions.size());
+    for (std::size_t v = 0; v < places.size(); ++v) {
+        if (parent[v] == kNone) continue;
+        double best = std::numeric_limits<double>::infinity();
+        for (Index k = triangles.start[parent[v]]; k < triangles.start[parent[v] + 1]; ++k) {
+            const TrianglePoint point = closest_point(surface, triangles.triangle[k], positions[v]);
+            if (point.squared_distance < best) {
+                best = point.squared_distance;
+                places[v] = point.place;
+            }
+        }
+    }
+    return places;
+}
+
+std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const Vec3> queries,
+                                         std::span<float> distance) {
+    assert(distance.size() == queries.size());
+    const TriangleTree tree(surface);
+    std::vector<SurfacePoint> places(queries.size());
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        const TrianglePoint point = tree.closest(queries[i]);
+        places[i] = point.place;
+        distance[i] = static_cast<float>(std::sqrt(point.squared_distance));
+    }
+    return places;
+}
+
+Unwelded unweld(const Surface& surface, const FineMesh& fine) {
+    const SparseRows corner_rows = corners_from_display(surface, fine);
+    // Corners of one fine vertex that draw on the same display vertices are one
+    // vertex: across a seam they draw on different ones.
+    std::vector<std::vector<Index>> corners_of(fine.mesh.vertex_count);
+    for (Index c = 0; c < fine.mesh.corners(); ++c) corners_of[fine.mesh.corner_vertex[c]].push_back(c);
+
+    Unwelded result;
+    result.mesh.polygon_start = fine.mesh.polygon_start;
+    result.mesh.corner_vertex.resize(fine.mesh.corner_vertex.size());
+    for (Index v = 0; v < fine.mesh.vertex_count; ++v) {
+        std::map<std::vector<Index>, Index> vertex_of;  // display columns -> new vertex
+        for (Index c : corners_of[v]) {
+            const auto [found, fresh] =
+                vertex_of.try_emplace(columns_with_weight(corner_rows, c), result.mesh.vertex_count);
+            result.mesh.corner_vertex[c] = found->second;
+            if (!fresh) continue;
+            ++result.mesh.vertex_count;
+            result.fine_vertex.push_back(v);
+            for (Index k = corner_rows.start[c]; k < corner_rows.start[c + 1]; ++k) {
+                result.vertex_from_display.add(corner_rows.index[k], corner_rows.weight[k]);
+            }
+            result.vertex_from_display.end_row();
+        }
+    }
+    return result;
+}
+
+}  // namespace rumple

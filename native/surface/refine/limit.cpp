@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Points of the subdivision limit surface at any place of the base.
+//
+// OpenSubdiv speaks of ptex faces: a triangle of a Loop mesh and a quad of a
+// Catmull-Clark mesh are one, a polygon of n other corners is n, the i-th at
+// corner i:
+//
+//   quad           3 --- 2     triangle  2        n-gon, sub-face i:
+//   (u, v)         |     |               | \        (0,0) corner i
+//                  0 --- 1               0 - 1      (1,0) middle of the edge to corner i + 1
+//                                                   (1,1) centre
+//                                                   (0,1) middle of the edge from corner i - 1
+#include <opensubdiv/far/ptexIndices.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "surface/refine/subdivider.h"
+
+namespace rumple {
+namespace {
+
+using LimitFactory = Far::LimitStencilTableFactoryReal<double>;
+
+struct PtexPlace {
+    int face = 0;  // within the polygon
+    double u = 0.0;
+    double v = 0.0;
+};
+
+// The polygon is laid out as the regular n-gon around the origin with corner 0
+// at (1, 0): every triangulation of a polygon is one of the regular n-gon too,
+// so that places map one to one, whatever the shape at rest (concave, bent, flat).
+glm::dvec2 corner_in_regular_polygon(Index i, Index n) {
+    const double angle = 2.0 * std::numbers::pi * i / n;
+    return {std::cos(angle), std::sin(angle)};
+}
+
+// Sub-face i is the kite of corner (1), the middles of its two edges and the
+// centre (0). In coordinates x from the corner to the centre and y across, with
+// s = u + v and d = u - v, its bilinear map is
+//   y = d * half_width,   x = s * depth + u v * c,   u v = (s^2 - d^2) / 4,
+// so d is known and s is the root of a quadratic, written without cancellation.
+PtexPlace invert_kite(const glm::dvec2& p, Index n) {
+    const double turn = 2.0 * std::numbers::pi / n;
+    Index i = static_cast<Index>(std::lround(std::atan2(p.y, p.x) / turn));
+    i = (i % n + n) % n;
+    const glm::dvec2 corner = corner_in_regular_polygon(i, n);
+    const double x = 1.0 - glm::dot(p, corner);
+    const double y = corner.x * p.y - corner.y * p.x;
+    const double half_width = std::cos(turn / 2) * std::sin(turn / 2);
+    const double depth = std::sin(turn / 2) * std::sin(turn / 2);
+    const double c = 1.0 - 2.0 * depth;
+    const double d = y / half_width;
+    const double q = x + c * d * d / 4.0;
+    const double s = 2.0 * q / (depth + std::sqrt(std::max(depth * depth + c * q, 0.0)));
+    return {i, std::clamp((s + d) / 2.0, 0.0, 1.0), std::clamp((s - d) / 2.0, 0.0, 1.0)};
+}
+
+PtexPlace to_ptex(const Surface& surface, const SurfacePoint& place, bool loop) {
+    const Triangle& triangle = surface.triangles[place.triangle];
+    const Index begin = surface.welded.polygon_start[triangle.polygon];
+    const Index n = surface.welded.polygon_size(triangle.polygon);
+    const double weight[3] = {1.0 - place.b0 - place.b1, place.b0, place.b1};
+    static constexpr double kSquare[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    static constexpr double kTriangle[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+    glm::dvec2 p(0.0);
+    for (int k = 0; k < 3; ++k) {
+        const Index i = triangle.corner[k] - begin;
+        if (n == 4) {
+            p += weight[k] * glm::dvec2(kSquare[i][0], kSquare[i][1]);
+        } else if (loop) {
+            p += weight[k] * glm::dvec2(kTriangle[i][0], kTriangle[i][1]);
+        } else {
+            p += weight[k] * corner_in_regular_polygon(i, n);
+        }
+    }
+    if (n != 4 && !loop) return invert_kite(p, n);
+    PtexPlace result{0, std::clamp(p.x, 0.0, 1.0), std::clamp(p.y, 0.0, 1.0)};
+    if (loop) result.v = std::min(result.v, 1.0 - result.u);
+    return result;
+}
+
+// Rows of attached places to their places; unattached ones get an empty row.
+SparseRows spread_rows(const SparseRows& attached, std::span<const SurfacePoint> places) {
+    SparseRows rows;
+    Index r = 0;
+    for (const SurfacePoint& place : places) {
+        if (place.triangle != kNone) {
+            for (Index k = attached.start[r]; k < attached.start[r + 1]; ++k) {
+                rows.add(attached.index[k], attached.weight[k]);
+            }
+            ++r;
+        }
+        rows.end_row();
+    }
+    return rows;
+}
+
+}  // namespace
+
+SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> places) {
+    if (places.empty()) return {};
+    const UsedVertices used(surface.welded);
+    const Refiner refiner = make_refiner(surface.welded, used);
+    // Irregular vertices are isolated so far, then OpenSubdiv puts Gregory patches around them.
+    refiner->RefineAdaptive(Far::TopologyRefiner::AdaptiveOptions(kExactLimitLevels));
+    const Far::PtexIndices ptex(*refiner);
+    const bool loop = refiner->GetSchemeType() == Sdc::SCHEME_LOOP;
+
+    std::vector<double> u, v;  // of attached places; reserved, as locations point into them
+    u.reserve(places.size());
+    v.reserve(places.size());
+    LimitFactory::LocationArrayVec locations;
+    for (const SurfacePoint& place : places) {
+        if (place.triangle == kNone) continue;
+        const PtexPlace at = to_ptex(surface, place, loop);
+        u.push_back(at.u);
+        v.push_back(at.v);
+        LimitFactory::LocationArray location;
+        location.ptexIdx = ptex.GetFaceId(surface.triangles[place.triangle].polygon) + at.face;
+        location.numLocations = 1;
+        location.s = &u.back();
+        location.t = &v.back();
+        locations.push_back(location);
+    }
+    LimitFactory::Options options;
+    options.generate1stDerivatives = false;
+    SparseRows attached;
+    if (!locations.empty()) {
+        const std::unique_ptr<const Far::LimitStencilTableReal<double>> table(
+            LimitFactory::Create(*refiner, locations, nullptr, nullptr, options));
+        attached = copy_rows(*table, used.vertex_of);
+    }
+    assert(attached.rows() == static_cast<Index>(locations.size()));
+    return spread_rows(attached, places);
+}
+
+SparseRows vertex_limit_stencils(const Surface& surface) {
+    std::vector<SurfacePoint> places(surface.welded.vertex_count);
+    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
+        const std::array<Index, 3> vertex = welded_vertices(surface, t);
+        for (int k = 0; k < 3; ++k) {
+            SurfacePoint& place = places[vertex[k]];
+            if (place.triangle == kNone) place = {t, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f};
+        }
+    }
+    return limit_stencils(surface, places);
+}
+
+}  // namespace rumple

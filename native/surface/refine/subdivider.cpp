@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/refine/subdivider.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "base/errors.h"
+
+namespace rumple {
+namespace {
+
+bool all_triangles(const PolygonMesh& mesh) {
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        if (mesh.polygon_size(p) != 3) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+UsedVertices::UsedVertices(const PolygonMesh& mesh) {
+    std::vector<Index> used_of(mesh.vertex_count, kNone);
+    for (Index v : mesh.corner_vertex) used_of[v] = 0;
+    for (Index v = 0; v < mesh.vertex_count; ++v) {
+        if (used_of[v] == kNone) continue;
+        used_of[v] = static_cast<Index>(vertex_of.size());
+        vertex_of.push_back(v);
+    }
+    corner.reserve(mesh.corner_vertex.size());
+    for (Index v : mesh.corner_vertex) corner.push_back(used_of[v]);
+}
+
+Refiner make_refiner(const PolygonMesh& mesh, const UsedVertices& used) {
+    std::vector<int> sizes(mesh.polygons());
+    for (Index p = 0; p < mesh.polygons(); ++p) sizes[p] = mesh.polygon_size(p);
+    std::vector<int> own_value(mesh.corners());
+    for (Index c = 0; c < mesh.corners(); ++c) own_value[c] = c;
+    Far::TopologyDescriptor::FVarChannel channel;
+    channel.numValues = mesh.corners();
+    channel.valueIndices = own_value.data();
+
+    Far::TopologyDescriptor descriptor;
+    descriptor.numVertices = static_cast<int>(used.vertex_of.size());
+    descriptor.numFaces = mesh.polygons();
+    descriptor.numVertsPerFace = sizes.data();
+    descriptor.vertIndicesPerFace = used.corner.data();
+    descriptor.numFVarChannels = 1;
+    descriptor.fvarChannels = &channel;
+
+    Sdc::Options options;
+    options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
+    options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_ALL);
+    const Sdc::SchemeType scheme = all_triangles(mesh) ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK;
+    using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
+    Refiner refiner(Factory::Create(descriptor, Factory::Options(scheme, options)));
+    if (!refiner) throw TopologyError("OpenSubdiv cannot refine this mesh");
+    return refiner;
+}
+
+SparseRows copy_rows(const Far::StencilTableReal<double>& table, std::span<const Index> column_of) {
+    SparseRows rows;
+    std::vector<std::pair<Index, double>> entries;
+    for (int i = 0; i < table.GetNumStencils(); ++i) {
+        const auto stencil = table.GetStencil(i);
+        entries.clear();
+        for (int k = 0; k < stencil.GetSize(); ++k) {
+            entries.emplace_back(column_of[stencil.GetVertexIndices()[k]], stencil.GetWeights()[k]);
+        }
+        std::sort(entries.begin(), entries.end());
+        for (std::size_t k = 0; k < entries.size(); ++k) {
+            assert(k == 0 || entries[k].first != entries[k - 1].first);
+            const float weight = static_cast<float>(entries[k].second);
+            if (weight != 0.0f) rows.add(entries[k].first, weight);
+        }
+        rows.end_row();
+    }
+    return rows;
+}
+
+}  // namespace rumple

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// All that we use of OpenSubdiv's Far. Internal to surface.
+#pragma once
+
+#include <opensubdiv/far/primvarRefiner.h>
+#include <opensubdiv/far/stencilTableFactory.h>
+#include <opensubdiv/far/topologyDescriptor.h>
+
+#include <memory>
+
+#include "surface/refine/refinement.h"
+
+namespace rumple {
+
+namespace Far = OpenSubdiv::Far;
+namespace Sdc = OpenSubdiv::Sdc;
+using Refiner = std::unique_ptr<Far::TopologyRefiner>;
+
+// OpenSubdiv leaves a vertex without polygons undefined, so it does not see them.
+struct UsedVertices {
+    std::vector<Index> vertex_of;  // used -> parent
+    std::vector<Index> corner;     // per corner: used vertex
+
+    explicit UsedVertices(const PolygonMesh& mesh);
+};
+
+// Level 0 of the mesh, not yet refined: Loop when all polygons are triangles,
+// else Catmull-Clark. Face-varying channel 0 gives every corner a value of its
+// own, interpolated linearly: its stencils are the rows corner <- parent corners.
+Refiner make_refiner(const PolygonMesh& mesh, const UsedVertices& used);
+
+// The rows of an OpenSubdiv table, columns renamed by `column_of`, sorted, zeros dropped.
+SparseRows copy_rows(const Far::StencilTableReal<double>& table, std::span<const Index> column_of);
+
+}  // namespace rumple

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shapes of triangles in their own plane, and the stretch from one to another: Gillette 2015, section 4.1.1.
+#pragma once
+
+#include <cmath>
+
+#include "surface/strain/deformation.h"
+
+namespace rumple {
+
+// The shape of a triangle in its own plane: edge vectors u1 = (x1, 0) and u2 = (x2, y2), object
+// units. All zero where the triangle has no area worth trusting.
+struct FlatTriangle {
+    float x1 = 0.0f;
+    float x2 = 0.0f;
+    float y2 = 0.0f;
+
+    bool has_area() const { return y2 > 0.0f; }
+    float area() const { return 0.5f * x1 * y2; }
+    // What flatten() can give: no edge of negative length, nothing that is not finite.
+    bool is_sound() const { return x1 >= 0.0f && y2 >= 0.0f && std::isfinite(x1 + x2 + y2); }
+};
+FlatTriangle flatten(const Vec3& p0, const Vec3& p1, const Vec3& p2);
+
+// The shape between two: squared lengths are mixed, so that turning alone never shrinks a triangle.
+// fraction: of b, 0..1. The one with area where the other has none.
+FlatTriangle between(const FlatTriangle& a, const FlatTriangle& b, float fraction);
+
+// Eigenvalues of U (eq. 4.2) and the direction that the thesis calls e_i.
+struct Stretch {
+    float compression = 1.0f;  // lambda~_min = 1 / lambda_min, at most kMostCompression
+    float stretch = 1.0f;      // lambda_max, at most kMostCompression
+    Vec2 direction{1.0f,
+                   0.0f};  // of strongest compression, unit, in the current triangle's plane (u1 along x)
+    bool defined = false;  // false: a triangle without area, in which nothing is known
+};
+
+// F = [u1, u2] [u1', u2']^-1 (eq. 4.1) in in-plane frames.
+Stretch measure_stretch(const FlatTriangle& reference, const FlatTriangle& current);
+
+// F^T F of the map from one shape to another, in the plane of the first. Exactly the identity where they are
+// equal; the identity too where one has no area: nothing is known there.
+Tensor2 metric(const FlatTriangle& from, const FlatTriangle& to);
+
+// (cos, sin) of the rotation R in F = R U: both shapes have u1 along x, so a shear turns the rest of them.
+Vec2 rotation(const FlatTriangle& from, const FlatTriangle& to);
+
+// A compressed triangle's reference after its eigenvalues were relaxed towards 1 by `share` (section 4.2):
+// Sigma' = (1 - share) Sigma + share I, and [u1', u2'] = B Sigma'^-1 A^T [u1, u2].
+FlatTriangle relaxed(const FlatTriangle& reference, const FlatTriangle& current, float fraction);
+
+// The shape nearest to `reference` whose stretches from `rest` are at most `most`.
+FlatTriangle capped(const FlatTriangle& reference, const FlatTriangle& rest, float most);
+
+}  // namespace rumple

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Section 7 of Loviscach 2006, seen from the artist's hand.
+#include "systems/wrinkle_field/brush.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <glm/gtc/noise.hpp>
+#include <utility>
+
+#include "base/expect.h"
+#include "base/random.h"
+#include "surface/refine/triangle_tree.h"
+#include "systems/wrinkle_field/frames.h"
+
+namespace rumple::wrinkle_field {
+namespace {
+
+// Erasing and smoothing leave no vector shorter than this: nobody would see it, and a line of the overlay
+// would stay behind.
+constexpr float kUnpainted = 1e-3f;
+
+// Unit: none. A mean of directions, or a direction pulled back through a collapsed neighbourhood, that is
+// shorter than this share of what went in, is noise.
+constexpr float kNoDirection = 1e-3f;
+
+// Unit: none (cosine). Between this slope towards the viewer and the silhouette the paint fades out: there is
+// no telling where a stroke would lie.
+constexpr float kGrazing = 0.2f;
+
+// Of the scattered field: over which part of the noise's range the wrinkles fade out.
+constexpr float kScatterFade = 0.35f;
+
+// ... and over how many patches of it they keep their direction.
+constexpr float kScatterCoherence = 2.0f;
+
+// p and -p mean the same, so means are taken of |p| exp(2 i angle).
+using Director = std::complex<float>;
+
+Director director(const Vec2& v) {
+    const float length = glm::length(v);
+    if (length == 0.0f) return {};
+    const Director z(v.x, v.y);
+    return z * z / length;
+}
+
+Vec2 undirected(const Director& z) {
+    const float length = std::abs(z);
+    if (length == 0.0f) return Vec2(0.0f);
+    return std::sqrt(length) * Vec2(std::sqrt(z).real(), std::sqrt(z).imag());
+}
+
+Vec2 in_frame(const Model& model, size_t v, const Vec3& rest) {
+    return {glm::dot(model.tangent_rest[v], rest), glm::dot(model.bitangent_rest[v], rest)};
+}
+
+Vec3 in_rest_space(const Model& model, size_t v, const Vec2& q) {
+    return q.x * model.tangent_rest[v] + q.y * model.bitangent_rest[v];
+}
+
+// In the vertex's frame, as long as it is in space: neighbouring tangent planes are turned, not projected.
+Vec2 carried(const Model& model, size_t v, const Vec3& rest) {
+    const Vec2 flat = in_frame(model, v, rest);
+    const float length = glm::length(flat);
+    return length > formulas::kNoTangent * glm::length(rest) ? flat * (glm::length(rest) / length)
+                                                             : Vec2(0.0f);
+}
+
+float falloff(Falloff kind, float distance) {
+    const float t = std::clamp(1.0f - distance, 0.0f, 1.0f);
+    switch (kind) {
+        case Falloff::kSmooth:
+            return t * t * (3.0f - 2.0f * t);
+        case Falloff::kSharp:
+            return t * t;
+        case Falloff::kLinear:
+            return t;
+        case Falloff::kConstant:
+            return distance < 1.0f ? 1.0f : 0.0f;
+    }
+    return 0.0f;
+}
+
+// What a dab asks of a vertex.
+struct Request {
+    float weight = 0.0f;   // 0..1
+    Vec2 direction{0.0f};  // of the compression, unit, rest frame; zero: undefined there
+};
+
+// k of the rest pose whose folds, deformed, run along (or across) the stroke as it is seen. Folds carry over
+// as k' = (M^-1)^T k (section 5.1), so k = M^T k', which needs no inverse.
+Vec2 pulled_back(const Canvas& canvas, const Dab& dab, size_t v) {
+    const Vec3 seen = glm::cross(canvas.normals[v], glm::cross(dab.view, dab.direction));  // tangential
+    const Vec3 compression = dab.across ? seen : glm::cross(canvas.normals[v], seen);
+    const Vec2 k(glm::dot(canvas.tangent[v], compression), glm::dot(canvas.bitangent[v], compression));
+    const float length = glm::length(k);
+    const float most =
+        glm::length(compression) * (glm::length(canvas.tangent[v]) + glm::length(canvas.bitangent[v]));
+    return length > kNoDirection * most ? k / length : Vec2(0.0f);
+}
+
+std::vector<Request> ask(const Canvas& canvas, const Dab& dab) {
+    std::vector<Request> requests(canvas.positions.size());
+    const Vec3 view = glm::normalize(dab.view) * (glm::dot(dab.normal, dab.view) < 0.0f ? -1.0f : 1.0f);
+    for (size_t v = 0; v < requests.size(); ++v) {
+        const float distance = glm::distance(canvas.positions[v], dab.centre) / dab.radius;
+        const float slope = glm::dot(canvas.normals[v], view);
+        const float facing =
+            dab.touch == Touch::kPaint ? glm::smoothstep(0.0f, kGrazing, slope) : float(slope > 0.0f);
+        if (distance >= 1.0f || facing <= 0.0f) continue;
+        requests[v] = {dab.strength * facing * falloff(dab.falloff, distance), pulled_back(canvas, dab, v)};
+    }
+    return requests;
+}
+
+// What the mirror image of the dab asks of a vertex: what the dab asks where the vertex's twin is.
+Request mirrored(const Model& model, std::span<const Request> requests, const SurfacePoint& twin, size_t v) {
+    Request out;
+    if (twin.triangle == kNone) return out;
+    const float fraction[3] = {1.0f - twin.b0 - twin.b1, twin.b0, twin.b1};
+    Director sum;
+    for (int k = 0; k < 3; ++k) {
+        const Index corner = model.base.triangles[twin.triangle].corner[k];
+        const Index from = model.base.welded.corner_vertex[corner];
+        const Vec3 there = in_rest_space(model, from, requests[from].direction);
+        out.weight += fraction[k] * requests[from].weight;
+        sum +=
+            fraction[k] * requests[from].weight * director(carried(model, v, {-there.x, there.y, there.z}));
+    }
+    const Vec2 direction = undirected(sum);
+    const float length = glm::length(direction);
+    if (length > kNoDirection * out.weight) out.direction = direction / length;
+    return out;
+}
+
+// The dab and its mirror image meet near the plane: neither comes first.
+Request both(const Request& a, const Request& b) {
+    Request out{std::max(a.weight, b.weight), {}};
+    const Vec2 direction = undirected(a.weight * director(a.direction) + b.weight * director(b.direction));
+    const float length = glm::length(direction);
+    if (length > kNoDirection * out.weight) out.direction = direction / length;
+    return out;
+}
+
+std::vector<Request> with_mirror(const Model& model, std::vector<Request> requests,
+                                 std::span<const SurfacePoint> twins) {
+    if (twins.empty()) return requests;
+    std::vector<Request> out(requests.size());
+    for (size_t v = 0; v < out.size(); ++v)
+        out[v] = both(requests[v], mirrored(model, requests, twins[v], v));
+    return out;
+}
+
+Vec3 painted_over(const Model& model, size_t v, const Vec3& p, const Request& request, float length) {
+    if (request.direction == Vec2(0.0f)) return p;
+    Vec3 wanted = length * in_rest_space(model, v, request.direction);
+    if (glm::dot(wanted, p) < 0.0f) wanted = -wanted;
+    return p + request.weight * (wanted - p);
+}
+
+Vec3 erased(const Vec3& p, float weight) {
+    const Vec3 rest = (1.0f - weight) * p;
+    return glm::length(rest) < kUnpainted ? Vec3(0.0f) : rest;
+}
+
+Vec3 smoothed(const Model& model, std::span<const Vec3> painted, size_t v, float weight) {
+    const Index begin = model.neighbour_start[v], end = model.neighbour_start[v + 1];
+    if (begin == end) return painted[v];
+    Director sum;
+    for (Index i = begin; i < end; ++i) {
+        sum += director(carried(model, v, painted[model.neighbours[i].vertex]));
+    }
+    const Director mean = sum / static_cast<float>(end - begin);
+    const Vec2 q = undirected((1.0f - weight) * director(carried(model, v, painted[v])) + weight * mean);
+    const Vec3 p = glm::length(q) < kUnpainted ? Vec3(0.0f) : in_rest_space(model, v, q);
+    return glm::dot(p, painted[v]) < 0.0f ? -p : p;
+}
+
+void check_dab(const Dab& dab) {
+    expect_within("radius", dab.radius, 1e-9, 1e9);
+    expect_within("strength", dab.strength, 0.0, 1.0);
+    expect_within("length", dab.length, 0.0, kLongestPainted);
+    const Vec3 vectors[] = {dab.centre, dab.normal, dab.view, dab.direction};
+    const char* names[] = {"centre", "normal", "view", "direction"};
+    for (int i = 0; i < 4; ++i) {
+        if (!is_finite(vectors[i])) throw InvalidInput(std::string(names[i]) + ": it is not finite");
+    }
+    if (dab.view == Vec3(0.0f)) throw InvalidInput("view: it has no length");
+}
+
+// The value of every welded vertex; of several painted unlike, the first.
+std::vector<Vec3> of_welded(const Surface& surface, std::span<const Vec3> painted) {
+    std::vector<Vec3> out;
+    for (const Index v : surface.representative) out.push_back(painted[v]);
+    return out;
+}
+
+float mean_edge(const Model& model, std::span<const Vec3> positions, size_t v) {
+    const Index begin = model.neighbour_start[v], end = model.neighbour_start[v + 1];
+    float sum = 0.0f;
+    for (Index i = begin; i < end; ++i)
+        sum += glm::distance(positions[v], positions[model.neighbours[i].vertex]);
+    return begin == end ? 0.0f : sum / static_cast<float>(end - begin);
+}
+
+// Three smooth functions of the place, -1..1, that know nothing of one another.
+Vec3 noise3(const Vec3& place, std::uint32_t seed) {
+    Vec3 out;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        const Vec3 elsewhere(noise(seed, 3 * i), noise(seed, 3 * i + 1), noise(seed, 3 * i + 2));
+        out[static_cast<int>(i)] = glm::simplex(place + 100.0f * elsewhere);
+    }
+    return out;
+}
+
+// The value that this share of all values lies above.
+float exceeded_by(std::vector<float> values, float fraction) {
+    const size_t above = static_cast<size_t>(std::lround(double(fraction) * double(values.size())));
+    if (above == 0) return *std::max_element(values.begin(), values.end());
+    const auto place = values.end() - static_cast<std::ptrdiff_t>(above);
+    std::nth_element(values.begin(), place, values.end());
+    return std::nextafter(*place, -2.0f);  // the place itself included
+}
+
+}  // namespace
+
+Canvas lay_out(const Model& model, std::span<const Vec3> positions) {
+    Pose pose = weld_pose(model, positions);
+    const size_t vertices = pose.positions.size();
+    Canvas canvas{std::move(pose.positions), std::move(pose.normals), {}, {}};
+    canvas.tangent.assign(vertices, Vec3(0.0f));
+    canvas.bitangent.assign(vertices, Vec3(0.0f));
+    for (size_t v = 0; v < vertices; ++v) {
+        const std::optional<Neighbourhood> around = regress(model, canvas.positions, canvas.normals[v], v);
+        if (!around) continue;
+        canvas.tangent[v] = around->m[0][0] * around->tangent + around->m[0][1] * around->bitangent;
+        canvas.bitangent[v] = around->m[1][0] * around->tangent + around->m[1][1] * around->bitangent;
+    }
+    return canvas;
+}
+
+std::vector<SurfacePoint> find_twins(const Model& model) {
+    const TriangleTree tree(model.base);
+    const std::vector<Vec3>& rest = model.base.positions_rest;
+    std::vector<SurfacePoint> twins;
+    for (size_t v = 0; v < rest.size(); ++v) {
+        const TrianglePoint found = tree.closest({-rest[v].x, rest[v].y, rest[v].z});
+        const double near = 0.5 * mean_edge(model, rest, v);
+        twins.push_back(found.squared_distance <= near * near ? found.place
+                                                              : SurfacePoint{kNone, 0.0f, 0.0f});
+    }
+    return twins;
+}
+
+void apply(const Model& model, const Canvas& canvas, const Dab& dab, std::span<const SurfacePoint> twins,
+           std::span<Vec3> painted) {
+    check_dab(dab);
+    check_rest_wrinkle(model, painted);
+    if (!twins.empty()) expect_count("twins", twins.size(), canvas.positions.size(), "welded vertices");
+    const std::vector<Request> requests = with_mirror(model, ask(canvas, dab), twins);
+    const std::vector<Vec3> before = of_welded(model.base, painted);
+    const auto touched = [&](size_t v) {
+        switch (dab.touch) {
+            case Touch::kErase:
+                return erased(before[v], requests[v].weight);
+            case Touch::kSmooth:
+                return smoothed(model, before, v, requests[v].weight);
+            default:
+                return painted_over(model, v, before[v], requests[v], dab.length);
+        }
+    };
+    for (size_t v = 0; v < painted.size(); ++v) {
+        const size_t w = static_cast<size_t>(model.base.welded_of[v]);
+        if (requests[w].weight > 0.0f) painted[v] = touched(w);
+    }
+}
+
+std::vector<Vec3> scatter(const Model& model, const Scatter& settings) {
+    expect_within("density", settings.density, 0.0, 1.0);
+    expect_within("size", settings.size, 1e-6, 1e6);
+    expect_within("length", settings.length, 0.0, kLongestPainted);
+    const std::vector<Vec3>& rest = model.base.positions_rest;
+    std::vector<float> cover;
+    for (const Vec3& p : rest) cover.push_back(noise3(p / settings.size, hashed(settings.seed, 1)).x);
+    const float bar = exceeded_by(cover, settings.density);
+    std::vector<Vec3> field(rest.size(), Vec3(0.0f));
+    for (size_t v = 0; v < rest.size(); ++v) {
+        // Where the noise stands upright on the surface there is no direction: the wrinkles fade out there.
+        const Vec2 q = in_frame(
+            model, v, noise3(rest[v] / (kScatterCoherence * settings.size), hashed(settings.seed, 2)));
+        const float amount = glm::length(q);
+        if (cover[v] <= bar || amount == 0.0f) continue;
+        const float strength = glm::smoothstep(0.0f, kScatterFade, std::min(cover[v] - bar, amount));
+        field[v] = in_rest_space(model, v, settings.length * strength * q / amount);
+    }
+    std::vector<Vec3> painted;
+    for (const Index w : model.base.welded_of) painted.push_back(field[w]);
+    return painted;
+}
+
+Lines draw(const Model& model, const Canvas& canvas, std::span<const Vec3> painted, bool across) {
+    expect_count("painted", painted.size(), model.base.welded_of.size(), "vertices");
+    const std::vector<Vec3> welded = of_welded(model.base, painted);
+    Lines lines;
+    for (size_t v = 0; v < welded.size(); ++v) {
+        const Vec2 p = in_frame(model, v, welded[v]);
+        const float strength = glm::length(p);
+        // Folds run at right angles to p in the rest pose, and lie in the cloth as it deforms.
+        const Vec3 fold = -p.y * canvas.tangent[v] + p.x * canvas.bitangent[v];
+        const float fold_length = glm::length(fold);
+        if (!(strength >= kUnpainted) || !(fold_length > 0.0f) || !is_finite(fold)) continue;
+        const Vec3 along = fold / fold_length;
+        const float edge = mean_edge(model, canvas.positions, v);
+        const Vec3 half = 0.5f * strength * edge * (across ? glm::cross(canvas.normals[v], along) : along);
+        lines.ends.push_back(canvas.positions[v] - half);
+        lines.ends.push_back(canvas.positions[v] + half);
+        lines.strength.push_back(strength);
+    }
+    return lines;
+}
+
+}  // namespace rumple::wrinkle_field

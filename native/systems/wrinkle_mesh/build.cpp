@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Section 3 of Mueller and Chentanez 2010: the fine mesh, its references to
+// the base, and its constraints.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <string>
+
+#include "base/errors.h"
+#include "base/graph_coloring.h"
+#include "base/tolerances.h"
+#include "systems/wrinkle_mesh/pose.h"
+#include "systems/wrinkle_mesh/wrinkle_mesh.h"
+
+namespace rumple::wrinkle_mesh {
+namespace {
+
+FineMesh copy_own(const Surface& own, const Source& source, Index display_steps) {
+    FineSource as_it_is = source;
+    as_it_is.level = 0;
+    as_it_is.kind = FineSource::Kind::kSubdivision;
+    refuse_too_many(own.welded.corners(), as_it_is, display_steps);
+    return refine_subdivision(own.welded, 0);
+}
+
+// Constraints act on triangles, as in the paper: polygons are cut along their
+// shorter diagonal (quads) or in a fan.
+std::vector<std::array<Index, 3>> triangulate(const PolygonMesh& mesh, std::span<const Vec3> rest) {
+    std::vector<std::array<Index, 3>> triangles;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        const Index size = mesh.polygon_size(p);
+        const auto vertex = [&](Index k) { return mesh.corner_vertex[mesh.polygon_start[p] + k % size]; };
+        const bool turn = size == 4 && glm::distance(rest[vertex(1)], rest[vertex(3)]) <
+                                           glm::distance(rest[vertex(0)], rest[vertex(2)]);
+        const Index first = turn ? 1 : 0;
+        for (Index k = 1; k + 1 < size; ++k) {
+            triangles.push_back({vertex(first), vertex(first + k), vertex(first + k + 1)});
+        }
+    }
+    return triangles;
+}
+
+using Pair = std::array<Index, 2>;
+
+Pair sorted_pair(Index a, Index b) {
+    return a < b ? Pair{a, b} : Pair{b, a};
+}
+
+struct PairSets {
+    std::vector<Pair> edges;     // of the triangles
+    std::vector<Pair> opposite;  // the two vertices across an edge of two triangles
+    std::vector<Pair> border;    // edges of one triangle
+};
+
+PairSets collect_pairs(const std::vector<std::array<Index, 3>>& triangles) {
+    std::map<Pair, std::vector<Index>> across;  // edge -> the third vertex of each triangle beside it
+    for (const auto& t : triangles) {
+        for (int k = 0; k < 3; ++k) across[sorted_pair(t[k], t[(k + 1) % 3])].push_back(t[(k + 2) % 3]);
+    }
+    PairSets sets;
+    for (const auto& [edge, thirds] : across) {
+        sets.edges.push_back(edge);
+        if (thirds.size() == 1) sets.border.push_back(edge);
+        if (thirds.size() < 2 || thirds[0] == thirds[1]) continue;
+        const Pair pair = sorted_pair(thirds[0], thirds[1]);
+        if (!across.contains(pair)) sets.opposite.push_back(pair);
+    }
+    std::sort(sets.opposite.begin(), sets.opposite.end());
+    sets.opposite.erase(std::unique(sets.opposite.begin(), sets.opposite.end()), sets.opposite.end());
+    return sets;
+}
+
+// Pairs ordered by colour, each colour in the order given.
+Pairs coloured(const std::vector<Pair>& pairs, std::span<const Vec3> rest) {
+    std::vector<Index> a, b;
+    for (const Pair& pair : pairs) {
+        a.push_back(pair[0]);
+        b.push_back(pair[1]);
+    }
+    const std::vector<Index> colour = color_constraints(static_cast<Index>(rest.size()), a, b);
+    std::vector<Index> order(pairs.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return colour[i] < colour[j]; });
+    Pairs out;
+    for (const Index i : order) {
+        if (out.colour_start.empty() || colour[i] != colour[order[out.size() - 1]]) {
+            out.colour_start.push_back(static_cast<Index>(out.size()));
+        }
+        out.a.push_back(a[i]);
+        out.b.push_back(b[i]);
+        out.rest.push_back(glm::distance(rest[a[i]], rest[b[i]]));
+    }
+    out.colour_start.push_back(static_cast<Index>(out.size()));
+    return out;
+}
+
+std::vector<float> mean_edge_around(const Pairs& edges, size_t vertices) {
+    std::vector<float> sum(vertices, 0.0f);
+    std::vector<int> count(vertices, 0);
+    for (size_t i = 0; i < edges.size(); ++i) {
+        for (const Index v : {edges.a[i], edges.b[i]}) {
+            sum[v] += edges.rest[i];
+            ++count[v];
+        }
+    }
+    for (size_t v = 0; v < vertices; ++v) sum[v] = count[v] ? sum[v] / static_cast<float>(count[v]) : 0.0f;
+    return sum;
+}
+
+// Rings from the open borders, by breadth-first search over the edges.
+std::vector<Index> rings_from_border(const PairSets& sets, size_t vertices) {
+    std::vector<std::vector<Index>> neighbours(vertices);
+    for (const Pair& e : sets.edges) {
+        neighbours[e[0]].push_back(e[1]);
+        neighbours[e[1]].push_back(e[0]);
+    }
+    std::vector<Index> ring(vertices, kNone);
+    std::vector<Index> front;
+    for (const Pair& e : sets.border) {
+        for (const Index v : e) {
+            if (ring[v] == kNone) front.push_back(v);
+            ring[v] = 0;
+        }
+    }
+    while (!front.empty()) {
+        std::vector<Index> next;
+        for (const Index v : front) {
+            for (const Index n : neighbours[v]) {
+                if (ring[n] != kNone) continue;
+                ring[n] = ring[v] + 1;
+                next.push_back(n);
+            }
+        }
+        front.swap(next);
+    }
+    return ring;
+}
+
+// The artist's mesh: closest points, and what is left between them and the mesh.
+// fine: the artist's mesh without the vertices that no polygon uses.
+void bind_own(Model& model, const Source& source, const FineMesh& fine, std::span<const Vec3> rest) {
+    model.unattached_distance.resize(rest.size());
+    model.attachments.places = closest_points(model.base, rest, model.unattached_distance);
+    for (size_t v = 0; v < rest.size(); ++v) {
+        const Index vertex = source.own->representative[fine.vertex_from_parent.index[v]];
+        if (source.farthest > 0.0f && model.unattached_distance[v] > source.farthest) {
+            throw InvalidInput("vertex " + std::to_string(vertex) + " of the own mesh is " +
+                               std::to_string(model.unattached_distance[v]) +
+                               " away from the base, farther than " + std::to_string(source.farthest));
+        }
+        if (!source.attached.empty()) model.attached[v] = source.attached[vertex];
+    }
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
+                                   Index display_steps) {
+    auto model = std::make_shared<Model>();
+    model->base = std::move(base);
+    const bool own = source.own != nullptr;
+    const FineMesh fine =
+        own ? copy_own(*source.own, source, display_steps) : refine(model->base, source, display_steps);
+    model->solved = fine.mesh;
+    const size_t vertices = fine.mesh.vertex_count;
+    model->attached.assign(vertices, 1);
+    std::vector<Vec3> own_rest(own ? vertices : 0);
+    if (own) {
+        apply<Vec3>(fine.vertex_from_parent, source.own->positions_rest, own_rest);
+        bind_own(*model, source, fine, own_rest);
+        model->attachments.kind = attachment;
+        if (attachment == AttachmentKind::kLimit) {
+            model->attachments.limit = limit_stencils(model->base, model->attachments.places);
+        }
+    } else {
+        model->attachments = attach_refined(model->base, source, fine, attachment);
+    }
+    std::vector<Vec3> rest = attached_at_rest(model->base, model->attachments);
+    if (own) {
+        std::vector<Vec3> normals(model->base.welded.vertex_count);
+        vertex_normals(model->base, model->base.positions_rest, normals);
+        std::vector<TriangleFrame> frames(model->base.triangles.size());
+        triangle_frames(model->base, model->base.positions_rest, frames);
+        for (size_t v = 0; v < vertices; ++v) {
+            const Vec3 left = own_rest[v] - rest[v];
+            const SurfacePoint& place = model->attachments.places[v];
+            model->rest_offset.push_back(
+                smooth_frame(frames[place.triangle], interpolate(model->base, place, normals))
+                    .to_local(left));
+        }
+        rest = std::move(own_rest);
+    }
+    model->positions_rest = rest;
+    model->triangles = triangulate(fine.mesh, rest);
+    const PairSets sets = collect_pairs(model->triangles);
+    model->distance = coloured(sets.edges, rest);
+    model->bending = coloured(sets.opposite, rest);
+    model->local_edge = mean_edge_around(model->distance, vertices);
+    model->boundary_ring = rings_from_border(sets, vertices);
+    model->stretch = build_stretch(model->base);
+    if (source.adaptive) model->adaptive = place_pairs(*model);
+    model->near = near_triangles(model->base);
+    model->shown = show_fine(model->base, own ? *source.own : model->base, fine, display_steps, rest);
+    return model;
+}
+
+std::vector<float> carry_paint(const Model& model, std::span<const float> base_values) {
+    std::vector<float> out;
+    out.reserve(model.attachments.places.size());
+    for (const SurfacePoint& place : model.attachments.places) {
+        const Triangle& triangle = model.base.triangles[place.triangle];
+        const auto value = [&](int k) {
+            return base_values[model.base.display.corner_vertex[triangle.corner[k]]];
+        };
+        out.push_back((1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2));
+    }
+    return out;
+}
+
+}  // namespace rumple::wrinkle_mesh

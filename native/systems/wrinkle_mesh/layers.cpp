@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_mesh/layers.h"
+
+#include <algorithm>
+#include <string>
+
+#include "base/errors.h"
+#include "base/expect.h"
+#include "systems/wrinkle_mesh/pose.h"
+
+namespace rumple::wrinkle_mesh {
+namespace {
+
+// Where a layer has its vertices, without folds of its own, over positions of the base or of the layer below.
+std::vector<Vec3> attached_over(const Model& layer, std::span<const Vec3> below) {
+    std::vector<Vec3> welded(layer.base.welded.vertex_count), out(layer.attached.size());
+    weld_positions(layer.base, below, welded);
+    attach(layer.base, layer.attachments, welded, {}, out, 0, out.size());
+    return out;
+}
+
+// How far the next layer may go inwards: what the vertices of this one have left.
+std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
+    std::vector<float> gap;
+    for (size_t v = 0; v < pose.gap.size(); ++v) {
+        const float outwards = glm::dot(solved[v] - pose.attachment[v], pose.normal[v]);
+        gap.push_back(std::max(pose.gap[v] + outwards, 0.0f));
+    }
+    return gap;
+}
+
+// The input of every layer, one after the other.
+class Chain {
+  public:
+    // The base mesh is a cage around its smooth surface, which only the gap knows: bodies are for the layers
+    // on it.
+    explicit Chain(const Input& input) : input_(input), bodies_(input.bodies) { input_.bodies = nullptr; }
+
+    const Input& input() const { return input_; }
+
+    // Goes on from a layer's solved positions.
+    void ride_on(const Pose& pose, std::vector<Vec3> solved) {
+        gap_ = gap_left(pose, solved);
+        positions_ = std::move(solved);
+        if (input_.bodies) {
+            body_hint_ = pose.body;
+            input_.body_hint = body_hint_;
+        }
+        input_.positions = positions_;
+        input_.gap = gap_;
+        input_.bodies = bodies_;
+    }
+
+    std::vector<Vec3> take_positions() { return std::move(positions_); }
+
+  private:
+    Input input_;
+    const PosedCollider* bodies_;
+    std::vector<Vec3> positions_;
+    std::vector<float> gap_;
+    std::vector<Index> body_hint_;
+};
+
+// Where the layer below looked for something in front of it, within a wider reach, and found nothing: there
+// the next layer need not look. Per vertex; empty before the first layer.
+class Clear {
+  public:
+    // Goes on to a layer: clear where all corners are of the triangle that a vertex lies on.
+    void refine(const Model& layer) {
+        const std::vector<std::uint8_t> below = std::move(clear_);
+        clear_.assign(layer.attached.size(), 0);
+        for (size_t v = 0; v < clear_.size() && !below.empty(); ++v) {
+            const auto [a, b, c] = display_vertices(layer.base, layer.attachments.places[v].triangle);
+            clear_[v] = below[a] && below[b] && below[c];
+        }
+    }
+    bool at(size_t vertex) const { return clear_[vertex] != 0; }
+    void mark(size_t vertex) { clear_[vertex] = 1; }
+
+  private:
+    std::vector<std::uint8_t> clear_;
+};
+
+// How far a layer looks for what bounds it, object units: a share of that is its radius. 0 where it cannot
+// go.
+std::vector<float> reaches(const Model& layer, const Settings& settings, const Paint& paint) {
+    std::vector<float> reach = attachment_radii(layer, settings, paint);
+    for (float& r : reach) r *= settings.apart > 0.0f ? 1.0f / settings.apart : 0.0f;
+    return reach;
+}
+
+void look_at_own(const OwnSurface& own, const Model& layer, const Settings& settings, const Paint& paint,
+                 Clear& clear, Pose& pose) {
+    clear.refine(layer);
+    if (settings.apart <= 0.0f && settings.slide <= 0.0f) return;
+    std::vector<float> reach = reaches(layer, settings, paint);
+    for (size_t v = 0; v < reach.size(); ++v) {
+        if (clear.at(v)) reach[v] = 0.0f;
+    }
+    const PosedOwnSurface posed(own, pose.attachment);
+    pose.own = posed.facing(reach);
+    pose.heights = posed.heights();
+    for (size_t v = 0; v < reach.size(); ++v) {
+        if (reach[v] > 0.0f && pose.own[v].towards == Vec3(0.0f)) clear.mark(v);
+    }
+}
+
+// What of a body is ahead bounds a vertex as its own cloth does, but for the fraction: a body does not give
+// way.
+void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings& settings, const Paint& paint,
+                float thickness, Clear& clear, Pose& pose) {
+    clear.refine(layer);
+    if (settings.apart <= 0.0f) return;
+    const std::vector<float> reach = reaches(layer, settings, paint);
+    for (size_t v = 0; v < reach.size(); ++v) {
+        if (reach[v] <= 0.0f || clear.at(v)) continue;
+        const Vec3& a = pose.attachment[v];
+        const BodyAhead body = bodies.ahead(a, pose.normal[v], reach[v] + thickness, thickness);
+        if (body.triangle == kNone) {
+            clear.mark(v);
+            continue;
+        }
+        const float before = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
+        if (before / settings.apart < pose.own[v].distance)
+            pose.own[v] = {-body.normal, before / settings.apart, true};
+    }
+}
+
+void check_counts(const Layers& layers, size_t settings, size_t paint) {
+    expect_count("settings", settings, layers.layers.size(), "layers");
+    expect_count("paint", paint, layers.layers.size(), "layers");
+}
+
+bool fits(const Layers& layers, const LayersState* state) {
+    return state && state->layers.size() == layers.layers.size();
+}
+
+}  // namespace
+
+Surface solved_surface(const Model& layer) {
+    const PolygonMesh& mesh = layer.solved;
+    std::vector<Index> triangle_corner;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        for (Index k = 1; k + 1 < mesh.polygon_size(p); ++k) {
+            for (const Index c : {Index(0), k, Index(k + 1)})
+                triangle_corner.push_back(mesh.polygon_start[p] + c);
+        }
+    }
+    return build_surface(
+        {layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false});
+}
+
+std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps,
+                                           Index most_vertices) {
+    expect_within("levels", levels, 0, kMostLevels);
+    auto out = std::make_shared<Layers>();
+    out->base = std::move(base);
+    FineSource whole;
+    whole.level = levels;
+    whole.most_vertices = most_vertices;
+    refuse_too_many(out->base.welded.corners(), whole, display_steps);
+    FineMesh fine = refine_subdivision(out->base.welded, 0);
+    for (Index level = 0; level <= levels; ++level) {
+        Source source;
+        source.level = level > 0 ? 1 : 0;
+        source.most_vertices = most_vertices;
+        Surface on = level > 0 ? solved_surface(*out->layers.back()) : out->base;
+        if (level > 0) fine = compose(refine_subdivision(on.welded, 1), fine);
+        // The base mesh is what its surface is subdivided from: it stays where it is.
+        const AttachmentKind kind = level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear;
+        out->layers.push_back(build(std::move(on), source, kind, 0));
+    }
+    for (const auto& layer : out->layers) out->own.emplace_back(layer->positions_rest, layer->triangles);
+    const Model& finest = *out->layers.back();
+    out->shown = show_fine(out->base, out->base, fine, display_steps, finest.positions_rest);
+    out->stretch = build_stretch(out->base);
+    return out;
+}
+
+std::vector<std::vector<float>> carry_paint(const Layers& layers, std::span<const float> base_values) {
+    std::vector<std::vector<float>> out;
+    for (const auto& layer : layers.layers)
+        out.push_back(carry_paint(*layer, out.empty() ? base_values : std::span<const float>(out.back())));
+    return out;
+}
+
+LayersState activated(const LayersState& state) {
+    LayersState out;
+    for (const State& layer : state.layers) out.layers.push_back(activated(layer));
+    out.solved = state.solved;
+    return out;
+}
+
+LayersState solve(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
+                  const Input& input, const LayersState* state, std::vector<Report>& reports) {
+    check_counts(layers, settings.size(), paint.size());
+    if (!fits(layers, state)) state = nullptr;
+    reports.assign(layers.layers.size(), {});
+    LayersState out;
+    Chain chain(input);
+    Clear own_cloth, body_ahead;
+    std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
+    for (size_t k = 0; k < layers.layers.size(); ++k) {
+        const Model& layer = *layers.layers[k];
+        check(layer, paint[k]);
+        Pose pose = make_pose(layer, chain.input());
+        pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
+        look_at_own(layers.own[k], layer, settings[k], paint[k], own_cloth, pose);
+        if (input.bodies)
+            look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, body_ahead, pose);
+        out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,
+                                        state ? &state->layers[k] : nullptr, reports[k]));
+        chain.ride_on(pose, solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]));
+    }
+    out.solved = chain.take_positions();
+    return out;
+}
+
+std::vector<Vec3> offsets(const Layers& layers, std::span<const Vec3> animated, const LayersState& state) {
+    expect_count("state", state.solved.size(), layers.layers.back()->attached.size(), "positions");
+    std::vector<Vec3> bare(animated.begin(), animated.end());
+    for (const auto& layer : layers.layers) bare = attached_over(*layer, bare);
+    std::vector<Vec3> offset(state.solved);
+    for (size_t v = 0; v < offset.size(); ++v) offset[v] -= bare[v];
+    return offset;
+}
+
+void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
+          const LayersState& state, Picture& picture) {
+    const std::vector<Vec3> offset = offsets(layers, animated, state);
+    std::vector<Vec3> base(layers.base.welded.vertex_count);
+    weld_positions(layers.base, positions, base);
+    std::vector<TriangleFrame> frames(layers.base.triangles.size());
+    triangle_frames(layers.base, base, frames);
+    show_frame(layers.base, layers.shown, layers.stretch, base, frames, state.solved, offset, picture);
+    embed_frame(layers.base, layers.shown, animated, picture);
+}
+
+}  // namespace rumple::wrinkle_mesh

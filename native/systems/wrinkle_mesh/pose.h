@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One frame of the base as the solver of the Wrinkle Mesh sees it. Inside this
+// system only.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/tolerances.h"
+#include "surface/contact/self_distance.h"
+#include "systems/wrinkle_mesh/wrinkle_mesh.h"
+
+namespace rumple::wrinkle_mesh {
+
+// The deformed base and the attachments of one frame.
+struct Pose {
+    std::vector<Vec3> base;  // welded vertices
+    std::vector<Vec3> base_normals;
+    std::vector<TriangleFrame> frames;  // per base triangle
+    std::vector<Vec3> attachment;       // a_i
+    std::vector<Vec3> unwrinkled;       // where layers without folds would have them; empty: no layers
+    std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
+    std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
+    std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
+    std::vector<OwnSide> own;           // what of the own cloth faces each attachment; empty: no bound
+    std::vector<float> heights;         // PosedOwnSurface::heights() at the attachments; empty: no bound
+    Index collapsed = 0;
+};
+
+// Throws InvalidInput when positions do not match the model or are not finite.
+Pose make_pose(const Model& model, const Input& input);
+
+// solve() for a pose that is made.
+State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                 const Pose& pose, const State* state, Report& report);
+
+// p_i = a_i + o_i (2), object space.
+std::vector<Vec3> solved_positions(const Model& model, const Settings& settings, const Input& input,
+                                   const Pose& pose, const State& state);
+
+// Throw InvalidInput when they are of another model.
+void check(const Model& model, const Paint& paint);
+void check(const Model& model, const State& state);
+
+// A triangle's frame tilted onto the interpolated normal, so that what rides in
+// it does not jump from triangle to triangle. The triangle's own frame where
+// the normal is lost; zero where the triangle has collapsed.
+TriangleFrame smooth_frame(const TriangleFrame& triangle, const Vec3& interpolated_normal);
+
+// An offset of object space, as State stores it, and back.
+class OffsetFrames {
+  public:
+    OffsetFrames(const Model& model, const Settings& settings, const Input& input, const Pose& pose);
+    Vec3 stored(size_t v, const Vec3& offset) const;
+    Vec3 in_object(size_t v, const Vec3& stored) const;
+
+  private:
+    const Model& model_;
+    const Pose& pose_;
+    bool world_;
+    glm::mat3 world_from_object_;
+    glm::mat3 object_from_world_;
+};
+
+// A painted factor: 1 where nothing was painted.
+inline float painted(const std::vector<float>& paint, size_t v) {
+    return paint.empty() ? 1.0f : paint[v];
+}
+
+// r_i (section 3.1), object units: relative to the local edge, painted, faded at hems.
+std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint);
+
+// Length of every pair: distance, then bending. Empty positions: empty.
+std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positions);
+
+// Where the pairs lie on the base. Cost: O(pairs).
+Adaptive place_pairs(const Model& model);
+
+// The rest shape's state of this frame: empty for a static one. Throws InvalidInput as solve() does.
+ReferenceState adapt_rest(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
+                          const State* before);
+
+// By how much the reference triangles scale the rest length of every pair e; empty, which means 1, for an
+// empty reference. From the rest pose: |F e| / |e|, F from rest to reference. Without one (kFirstFrame) the
+// rest pose's lengths mean nothing: the length in this pose times |F e| / |F' e|, F' from rest to this pose.
+// lengths: pair_lengths() of the attachments.
+std::vector<float> rest_scales(const Model& model, const Settings& settings, const ReferenceState& reference,
+                               const Pose& pose, std::span<const float> lengths);
+inline float scale_of(const std::vector<float>& scales, size_t pair) {
+    return scales.empty() ? 1.0f : scales[pair];
+}
+
+// What every pair is asked for in this pose, of its lengths at the attachments and without folds (empty: no
+// layers).
+struct Targets {
+    std::vector<float> distance;
+    std::vector<float> bending;
+    std::vector<float> stiffness;  // k_bending per bending pair
+};
+
+Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
+                     std::span<const float> lengths, std::span<const float> unwrinkled,
+                     const std::vector<float>& rest_scales);
+
+// Relative errors of the lengths of pairs.
+struct LengthError {
+    float rms = 0.0f;
+    float largest = 0.0f;
+};
+
+LengthError length_error(const Pairs& pairs, std::span<const float> target, std::span<const Vec3> positions);
+
+}  // namespace rumple::wrinkle_mesh

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a solved frame looks like, and how good it is.
+#include <algorithm>
+
+#include "systems/wrinkle_mesh/pose.h"
+
+namespace rumple::wrinkle_mesh {
+
+namespace {
+
+// Area of the solved mesh over rest area, where the base is compressed.
+float compressed_area(const Model& model, std::span<const Vec3> base, std::span<const Vec3> positions) {
+    const auto area = [](std::span<const Vec3> p, Index a, Index b, Index c) {
+        return double(glm::length(glm::cross(p[b] - p[a], p[c] - p[a])));
+    };
+    std::vector<bool> compressed;
+    for (const Triangle& t : model.base.triangles) {
+        const auto v = [&](int k) { return model.base.welded.corner_vertex[t.corner[k]]; };
+        compressed.push_back(area(base, v(0), v(1), v(2)) <
+                             0.9 * area(model.base.positions_rest, v(0), v(1), v(2)));
+    }
+    double now = 0.0, rest = 0.0;
+    for (const auto& t : model.triangles) {
+        const auto inside = [&](Index v) { return bool(compressed[model.attachments.places[v].triangle]); };
+        if (!inside(t[0]) || !inside(t[1]) || !inside(t[2])) continue;
+        now += area(positions, t[0], t[1], t[2]);
+        rest += area(model.positions_rest, t[0], t[1], t[2]);
+    }
+    return rest > 0.0 ? static_cast<float>(now / rest) : 1.0f;
+}
+
+}  // namespace
+
+std::vector<Vec3> solved_positions(const Model& model, const Settings& settings, const Input& input,
+                                   const Pose& pose, const State& state) {
+    const OffsetFrames frames(model, settings, input, pose);
+    std::vector<Vec3> positions(pose.attachment);
+    for (size_t v = 0; v < positions.size(); ++v) positions[v] += frames.in_object(v, state.offset[v]);
+    return positions;
+}
+
+void show(const Model& model, const Settings& settings, const Input& input, const State& state,
+          Picture& picture) {
+    check(model, state);
+    const Pose pose = make_pose(model, input);
+    const size_t vertices = pose.attachment.size();
+    const OffsetFrames frames(model, settings, input, pose);
+    std::vector<Vec3> offset(vertices), positions(vertices);
+    for (size_t v = 0; v < vertices; ++v) {
+        offset[v] = frames.in_object(v, state.offset[v]);
+        positions[v] = pose.attachment[v] + offset[v];
+    }
+    show_frame(model.base, model.shown, model.stretch, pose.base, pose.frames, positions, offset, picture);
+}
+
+Measures measure(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                 const State& state) {
+    check(model, paint);
+    check(model, state);
+    const Pose pose = make_pose(model, input);
+    const OffsetFrames frames(model, settings, input, pose);
+    Measures out;
+    std::vector<Vec3> positions(pose.attachment.size());
+    const std::vector<float> radii = attachment_radii(model, settings, paint);
+    for (size_t v = 0; v < positions.size(); ++v) {
+        const Vec3 offset = frames.in_object(v, state.offset[v]);
+        positions[v] = pose.attachment[v] + offset;
+        out.offsets.push_back(pose.frames[model.attachments.places[v].triangle].to_local(offset));
+        const float length = glm::length(offset);
+        out.largest_offset = std::max(out.largest_offset, length);
+        if (model.attached[v] && radii[v] > 0.0f) {
+            out.attachment_violation = std::max(out.attachment_violation, (length - radii[v]) / radii[v]);
+        }
+    }
+    std::vector<float> wanted(model.distance.rest);
+    const std::vector<float> scales =
+        rest_scales(model, settings, state.reference, pose, pair_lengths(model, pose.attachment));
+    for (size_t i = 0; i < wanted.size(); ++i) wanted[i] *= settings.prestretch * scale_of(scales, i);
+    const LengthError before = length_error(model.distance, wanted, pose.attachment);
+    const LengthError after = length_error(model.distance, wanted, positions);
+    out.edge_error_before_rms = before.rms;
+    out.edge_error_before_max = before.largest;
+    out.edge_error_after_rms = after.rms;
+    out.edge_error_after_max = after.largest;
+    out.compressed_area_before = compressed_area(model, pose.base, pose.attachment);
+    out.compressed_area_after = compressed_area(model, pose.base, positions);
+    return out;
+}
+
+}  // namespace rumple::wrinkle_mesh

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Section 4 of Mueller and Chentanez 2010: the runtime update.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/expect.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "base/smooth_step.h"
+#include "base/tolerances.h"
+#include "systems/wrinkle_mesh/bounds.h"
+#include "systems/wrinkle_mesh/pose.h"
+#include "systems/wrinkle_mesh/wrinkle_mesh.h"
+
+namespace rumple::wrinkle_mesh {
+namespace {
+
+// Below this many triangles threads are not worth it: alone a frame takes a few milliseconds, and on a
+// machine that is busy (a render beside it) every one of some hundred meetings may wait for the scheduler.
+constexpr size_t kTrianglesForThreads = 100'000;
+constexpr int kMostThreads = 4;
+
+int choose_threads(const Model& model, const Settings& settings) {
+    if (settings.threads > 0) return settings.threads;
+    if (model.triangles.size() < kTrianglesForThreads) return 1;
+    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
+}
+
+// How much of a new solution every vertex takes: 0 where the base has kept its
+// shape since it was last solved, so that a held pose stays to the bit and a
+// standing leg does not creep because the arm moves. lengths: as State::solved_length has them.
+std::vector<float> activity(const Model& model, std::span<const float> lengths, const State& state) {
+    std::vector<float> active(model.attached.size(), 0.0f);
+    const auto visit = [&](const Pairs& pairs, size_t first, auto&& act) {
+        for (size_t i = 0; i < pairs.size(); ++i) act(pairs.a[i], pairs.b[i], pairs.rest[i], first + i);
+    };
+    const auto strain = [&](Index a, Index b, float rest, size_t i) {
+        const float change = std::abs(lengths[i] - state.solved_length[i]) / std::max(rest, kShortestEdge);
+        const float act = smooth_step(kHeldStrain, kFreeStrain, change);
+        active[a] = std::max(active[a], act);
+        active[b] = std::max(active[b], act);
+    };
+    visit(model.distance, 0, strain);
+    visit(model.bending, model.distance.size(), strain);
+    // A solved vertex takes its neighbours along by half: no hard border between held and solved.
+    std::vector<float> spread = active;
+    visit(model.distance, 0, [&](Index a, Index b, float, size_t) {
+        spread[a] = std::max(spread[a], 0.5f * active[b]);
+        spread[b] = std::max(spread[b], 0.5f * active[a]);
+    });
+    return spread;
+}
+
+// A flat sheet under compression is in (unstable) balance: push every vertex
+// that has hardly left its attachment a little along the normal, by how much
+// its edges are compressed. At rest nothing is pushed.
+void perturb_unbuckled(const Model& model, const Settings& settings, const Pose& pose,
+                       std::span<const float> lengths, const Targets& targets, std::span<Vec3> positions) {
+    if (settings.nudge <= 0.0f) return;
+    std::vector<float> compression(positions.size(), 0.0f);
+    for (size_t i = 0; i < model.distance.size(); ++i) {
+        const float c = 1.0f - lengths[i] / std::max(targets.distance[i], kShortestEdge);
+        for (const Index v : {model.distance.a[i], model.distance.b[i]})
+            compression[v] = std::max(compression[v], c);
+    }
+    for (size_t v = 0; v < positions.size(); ++v) {
+        const float full_at = 0.1f;  // a tenth of compression gets the whole push
+        const float size = settings.nudge * model.local_edge[v] * std::min(1.0f, compression[v] / full_at);
+        if (glm::distance(positions[v], pose.attachment[v]) >= size) continue;
+        positions[v] += size * noise(settings.seed, static_cast<std::uint32_t>(v)) * pose.normal[v];
+    }
+}
+
+// Equations (3) to (5), scaled with a stiffness.
+inline void project_pair(Vec3& p1, Vec3& p2, float target, float stiffness) {
+    const Vec3 difference = p2 - p1;
+    const float length = std::sqrt(glm::dot(difference, difference));
+    if (length < kShortestEdge) return;
+    const Vec3 half = (0.5f * stiffness * (length - target) / length) * difference;
+    p1 += half;
+    p2 -= half;
+}
+
+// One pass over pairs [begin, end) of one colour: the loop that a SIMD kernel may replace.
+void sweep_pairs(const Pairs& pairs, std::span<const float> target, std::span<const float> stiffness,
+                 std::span<Vec3> positions, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+        project_pair(positions[pairs.a[i]], positions[pairs.b[i]], target[i],
+                     stiffness.empty() ? 1.0f : stiffness[i]);
+    }
+}
+
+// Gauss-Seidel colour by colour (section 4.1). Pairs of one colour share no
+// vertex, so their order, and the number of threads, cannot change a bit.
+void relax_coloured(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
+                    int threads, std::span<Vec3> positions) {
+    const bool pulled = bounds.pulls();
+    Team team(threads);
+    team.run([&](int thread) {
+        const auto sweep = [&](const Pairs& pairs, std::span<const float> target,
+                               std::span<const float> stiffness) {
+            for (size_t c = 0; c + 1 < pairs.colour_start.size(); ++c) {
+                const Team::Range part =
+                    team.partition(pairs.colour_start[c], pairs.colour_start[c + 1], thread);
+                sweep_pairs(pairs, target, stiffness, positions, part.begin, part.end);
+                team.barrier();
+            }
+        };
+        for (int i = 0; i < iterations; ++i) {
+            sweep(model.distance, targets.distance, {});
+            sweep(model.bending, targets.bending, targets.stiffness);
+            const Team::Range part = team.partition(0, positions.size(), thread);
+            for (size_t v = part.begin; v < part.end; ++v) {
+                if (pulled) bounds.pull(v, positions[v]);
+                bounds.project(v, positions[v]);
+            }
+            team.barrier();
+        }
+    });
+}
+
+// The printed solver: every constraint in turn, by the vertices it joins.
+void relax_sequential(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
+                      std::span<Vec3> positions) {
+    const auto natural_order = [](const Pairs& pairs) {
+        std::vector<size_t> order(pairs.size());
+        for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+        std::sort(order.begin(), order.end(), [&](size_t i, size_t j) {
+            return std::pair(pairs.a[i], pairs.b[i]) < std::pair(pairs.a[j], pairs.b[j]);
+        });
+        return order;
+    };
+    const std::vector<size_t> distance = natural_order(model.distance),
+                              bending = natural_order(model.bending);
+    for (int i = 0; i < iterations; ++i) {
+        for (const size_t c : distance) {
+            project_pair(positions[model.distance.a[c]], positions[model.distance.b[c]], targets.distance[c],
+                         1.0f);
+        }
+        for (const size_t c : bending) {
+            project_pair(positions[model.bending.a[c]], positions[model.bending.b[c]], targets.bending[c],
+                         targets.stiffness[c]);
+        }
+        for (size_t v = 0; v < positions.size(); ++v) {
+            bounds.pull(v, positions[v]);
+            bounds.project(v, positions[v]);
+        }
+    }
+}
+
+float share_above_zero(std::span<const float> values) {
+    size_t above = 0;
+    for (const float value : values) above += value > 0.0f;
+    return values.empty() ? 0.0f : float(above) / float(values.size());
+}
+
+bool fits(const Model& model, const State* state) {
+    return state && state->offset.size() == model.attached.size() &&
+           state->solved_length.size() == model.distance.size() + model.bending.size();
+}
+
+// The share of the new positions that every vertex takes, put back within its
+// bounds: the blend may leave a plane that turned since the frame before.
+void blend(const Settings& settings, std::span<const Vec3> before, std::span<const float> active,
+           const Bounds& bounds, std::span<Vec3> positions) {
+    for (size_t v = 0; v < positions.size(); ++v) {
+        if (active[v] <= 0.0f) continue;
+        positions[v] = before[v] + active[v] * (1.0f - settings.damping) * (positions[v] - before[v]);
+        bounds.project(v, positions[v]);
+    }
+}
+
+// Pairs between held vertices remember the pose they were solved in, so that a
+// slow drift adds up until it is solved.
+void remember_lengths(const Model& model, std::span<const float> active, const State& before,
+                      std::vector<float>& lengths) {
+    size_t i = 0;
+    for (const Pairs* pairs : {&model.distance, &model.bending}) {
+        for (size_t k = 0; k < pairs->size(); ++k, ++i) {
+            const bool held = active[pairs->a[k]] <= 0.0f && active[pairs->b[k]] <= 0.0f;
+            if (held) lengths[i] = before.solved_length[i];
+        }
+    }
+}
+
+using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, int, std::span<Vec3>);
+
+State solve_with(Relax relax, const Model& model, const Settings& settings, const Paint& paint,
+                 const Input& input, const Pose& pose, const State* before, Report& report) {
+    check(settings);
+    check(model, paint);
+    const OffsetFrames frames(model, settings, input, pose);
+    if (!fits(model, before)) before = nullptr;
+    const std::vector<float> lengths = pair_lengths(model, pose.attachment);
+    State state{std::vector<Vec3>(pose.attachment.size(), Vec3(0.0f)), lengths,
+                adapt_rest(model, settings, input, pose, before)};
+    const std::vector<float> scales = rest_scales(model, settings, state.reference, pose, lengths);
+    for (size_t i = 0; i < scales.size(); ++i) state.solved_length[i] /= std::max(scales[i], kShortestEdge);
+    const Targets targets =
+        make_targets(model, settings, paint, lengths, pair_lengths(model, pose.unwrinkled), scales);
+    const std::vector<float> active = before ? activity(model, state.solved_length, *before)
+                                             : std::vector<float>(pose.attachment.size(), 1.0f);
+
+    std::vector<Vec3> positions = pose.attachment;  // p_i = a_i + o_i (2)
+    for (size_t v = 0; before && v < positions.size(); ++v)
+        positions[v] += frames.in_object(v, before->offset[v]);
+    const std::vector<Vec3> start = positions;
+
+    report = {};
+    report.collapsed_triangles = pose.collapsed;
+    report.active = share_above_zero(active);
+    report.error_before = length_error(model.distance, targets.distance, pose.attachment).rms;
+    const Bounds bounds(model, settings, paint, pose);
+    if (report.active > 0.0f) {
+        perturb_unbuckled(model, settings, pose, lengths, targets, positions);
+        report.iterations = before ? settings.iterations : settings.start_iterations;
+        relax(model, targets, bounds, report.iterations, choose_threads(model, settings), positions);
+        if (before) blend(settings, start, active, bounds, positions);
+    }
+    // o_i = p_i - a_i; what was held keeps its bits, unless a plane that turned or a smaller radius pushes
+    // it.
+    for (size_t v = 0; v < positions.size(); ++v) {
+        const bool held = before && active[v] <= 0.0f;
+        if (held) positions[v] = start[v];
+        const bool pushed = held && bounds.push_back(v, positions[v]);
+        const bool kept = held && !pushed;
+        state.offset[v] = kept ? before->offset[v] : frames.stored(v, positions[v] - pose.attachment[v]);
+        report.kept_apart += bounds.kept_apart(v, positions[v]);
+    }
+    const LengthError after = length_error(model.distance, targets.distance, positions);
+    report.error_after = after.rms;
+    report.largest_error = after.largest;
+    if (before) remember_lengths(model, active, *before, state.solved_length);
+    return state;
+}
+
+}  // namespace
+
+void check(const Settings& settings) {
+    expect_within("radius", settings.radius, 0.0, 1e6);
+    expect_within("prestretch", settings.prestretch, 1e-3, 1e3);
+    expect_within("slack", settings.slack, 1e-3, 1e3);
+    expect_within("taut_range", settings.taut_range, 0.0, 1e3);
+    expect_within("bending", settings.bending, 0.0, 1.0);
+    expect_within("inside", settings.inside, 0.0, 1.0);
+    expect_within("stretch_relief", settings.stretch_relief, 0.0, 1.0);
+    expect_within("buckling_threshold", settings.buckling_threshold, 0.0, 1.0);
+    expect_within("compression_limit", settings.compression_limit, 1.0, 1e6);
+    expect_within("hem_rings", settings.hem_rings, 0, 1e6);
+    expect_within("iterations", settings.iterations, 0, 1e6);
+    expect_within("start_iterations", settings.start_iterations, 0, 1e6);
+    expect_within("damping", settings.damping, 0.0, 1.0);
+    expect_within("tangential_pull", settings.tangential_pull, 0.0, 1.0);
+    expect_within("normal_pull", settings.normal_pull, 0.0, 1.0);
+    expect_within("apart", settings.apart, 0.0, 0.5);
+    expect_within("slide", settings.slide, 0.0, 0.5);
+    expect_within("nudge", settings.nudge, 0.0, 1e3);
+    expect_within("threads", settings.threads, 0, 1024);
+    check_reference(settings.rest);
+}
+
+State activated(const State& state) {
+    // No attachment has infinite length: every pair has changed.
+    return {state.offset,
+            std::vector<float>(state.solved_length.size(), std::numeric_limits<float>::infinity()),
+            state.reference};
+}
+
+State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+            const State* state, Report& report) {
+    return solve_pose(model, settings, paint, input, make_pose(model, input), state, report);
+}
+
+State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                 const Pose& pose, const State* state, Report& report) {
+    return solve_with(relax_coloured, model, settings, paint, input, pose, state, report);
+}
+
+State solve_reference(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                      const State* state, Report& report) {
+    const Relax printed = [](const Model& m, const Targets& targets, const Bounds& bounds, int iterations,
+                             int, std::span<Vec3> positions) {
+        relax_sequential(m, targets, bounds, iterations, positions);
+    };
+    return solve_with(printed, model, settings, paint, input, make_pose(model, input), state, report);
+}
+
+}  // namespace rumple::wrinkle_mesh

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_mesh/transfer.h"
+
+#include "base/expect.h"
+#include "base/smooth_step.h"
+
+namespace rumple::wrinkle_mesh {
+namespace {
+
+// What lies within an edge of the coarse mesh from it moves with it, what is two away does not.
+constexpr float kNear = 1.0f, kFar = 2.0f;
+
+SparseRows ways_from(const Surface& finest, std::span<const Vec3> points, float edge) {
+    std::vector<float> distance(points.size());
+    const std::vector<SurfacePoint> places = closest_points(finest, points, distance);
+    const SparseRows smooth = limit_stencils(finest, places);
+    SparseRows out;
+    for (Index v = 0; v < smooth.rows(); ++v) {
+        const float fraction = 1.0f - smooth_step(kNear * edge, kFar * edge, distance[v]);
+        for (Index k = smooth.start[v]; fraction > 0.0f && k < smooth.start[v + 1]; ++k)
+            out.add(finest.representative[smooth.index[k]], fraction * smooth.weight[k]);
+        out.end_row();
+    }
+    return out;
+}
+
+}  // namespace
+
+std::shared_ptr<const Transfer> build_transfer(Surface base, const CoarseMesh& coarse, const Layers& layers,
+                                               Index level, Index display_steps, Index most_vertices) {
+    expect_count("layers", layers.base.display.vertex_count, coarse.dense_vertex.size(), "coarse vertices");
+    auto out = std::make_shared<Transfer>();
+    out->base = std::move(base);
+    FineSource source;
+    source.level = level;
+    source.most_vertices = most_vertices;
+    const FineMesh fine = refine(out->base, source, display_steps);
+    // Vertices that were modelled stay where they are.
+    out->attachments =
+        attach_refined(out->base, source, fine, level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear);
+    const std::vector<Vec3> rest = attached_at_rest(out->base, out->attachments);
+    out->from_finest = ways_from(solved_surface(*layers.layers.back()), rest, coarse.mean_edge);
+    out->shown = show_fine(out->base, out->base, fine, display_steps, rest);
+    out->stretch = build_stretch(out->base);
+    return out;
+}
+
+void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& layers,
+          std::span<const Vec3> animated, const LayersState& state, Picture& picture) {
+    const std::vector<Vec3> displacements =
+        offsets(layers, coarse_positions(coarse, transfer.base, animated), state);
+    std::vector<Vec3> base(transfer.base.welded.vertex_count);
+    weld_positions(transfer.base, animated, base);
+    const size_t moved = transfer.attachments.places.size();
+    std::vector<Vec3> offset(moved), solved(moved);
+    apply<Vec3>(transfer.from_finest, displacements, offset);
+    attach(transfer.base, transfer.attachments, base, {}, solved, 0, moved);
+    for (size_t v = 0; v < moved; ++v) solved[v] += offset[v];
+    std::vector<TriangleFrame> frames(transfer.base.triangles.size());
+    triangle_frames(transfer.base, base, frames);
+    show_frame(transfer.base, transfer.shown, transfer.stretch, base, frames, solved, offset, picture);
+}
+
+}  // namespace rumple::wrinkle_mesh

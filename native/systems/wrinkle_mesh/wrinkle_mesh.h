@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Wrinkle Meshes: M. Mueller and N. Chentanez, SCA 2010. A fine mesh attached
+// to a coarse animated one, relaxed by a static position-based solver.
+// Equation numbers are the paper's; docs/wrinkle_mesh.md says where we leave it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "surface/contact/collider.h"
+#include "surface/output/attachments.h"
+#include "surface/output/shown_mesh.h"
+#include "surface/strain/adaptive_reference.h"
+#include "surface/strain/deformation.h"
+
+namespace rumple::wrinkle_mesh {
+
+enum class Collision { kNone, kPlane, kNeighbourhood };
+enum class OffsetSpace { kTriangle, kWorld };
+
+// What the user sets for every solve. Lengths are relative to the fine mesh.
+struct Settings {
+    float radius = 1.0f;      // r: attachment radius, in mean lengths of the rest edges around a vertex, >= 0
+    float prestretch = 1.0f;  // s: rest length over measured length, > 0
+    float bending = 0.7f;     // k_bending, 0..1
+    Collision collision = Collision::kPlane;
+    float inside = 0.4f;          // depth of the collision plane below the surface, in radii, 0..1
+    float stretch_relief = 0.3f;  // share of the base's excess length that is given in to, 0..1
+    float buckling_threshold =
+        0.0f;                        // compression of the base that bears no folds, share of the length, 0..1
+    float compression_limit = 1.3f;  // rest length at most this times the base's length, >= 1
+    int hem_rings = 3;               // rings over which r fades to 0 at boundaries; 0: no fade
+    int iterations = 10;             // from a given state, >= 0
+    int start_iterations = 20;       // from the canonical start, >= 0
+    float damping = 0.3f;            // share of the former offset that is kept, 0..1
+    OffsetSpace offset_space = OffsetSpace::kTriangle;
+    // Share of its way back to the attachment that every pass pulls a vertex, along the surface and off it,
+    // 0..1. Without it cloth drifts within its radius: no two ways to a frame end in the same folds. (Not in
+    // the paper.)
+    float tangential_pull = 0.0f;
+    float normal_pull = 0.0f;
+    // Only layers have these (wrinkle_mesh_layers). (Not in the paper.)
+    float slack = 1.0f;  // length over rest length at which the base pulls taut, > 0
+    float taut_range =
+        0.0f;                // over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere taut
+    float apart = 0.0f;      // share of the distance to its own cloth that a vertex may go towards it
+    float slide = 0.0f;      // share of the heights of its triangles that a vertex may go along the surface
+    float nudge = 0.02f;     // size of the random push of unbuckled vertices, in fine edges, >= 0
+    std::uint32_t seed = 0;  // of that push
+    int threads = 0;         // 0: chosen by size; the result does not depend on it
+    // What counts as unwrinkled: the rest pose, or reference triangles that adapt (Source::adaptive).
+    ReferenceSettings rest{.reference = Reference::kStaticRest};
+};
+
+// Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
+void check(const Settings& settings);
+
+// Painted factors per solved vertex, each 0..1. Empty means 1 everywhere.
+struct Paint {
+    std::vector<float> radius;      // r x value
+    std::vector<float> prestretch;  // 1 + (s - 1) x value
+    std::vector<float> bending;     // k x value
+    std::vector<float> inside;      // inside x value
+};
+
+// Distance constraints between pairs of solved vertices, ordered by colour: no
+// two of one colour share a vertex.
+struct Pairs {
+    std::vector<Index> a;
+    std::vector<Index> b;
+    std::vector<float> rest;          // measured at rest, before s, object units
+    std::vector<Index> colour_start;  // colours + 1
+
+    size_t size() const { return a.size(); }
+};
+
+// What an adaptive rest shape needs: the base's triangles, and where every pair lies in them.
+struct Adaptive {
+    struct Place {
+        std::array<Index, 2> triangle;  // of the base: the one it lies in, or the two it lies between
+        std::array<Vec2, 2> along;      // the pair at rest in the plane of each, object units
+    };
+    ReferenceModel triangles;
+    std::vector<Place> pairs;  // distance, then bending
+};
+
+// Built once at rest, then immutable; may be shared between objects.
+struct Model {
+    Surface base;
+    PolygonMesh solved;                  // the fine mesh that is solved
+    Attachments attachments;             // per solved vertex
+    std::vector<std::uint8_t> attached;  // 0: no attachment and no collision constraint
+    std::vector<Vec3> positions_rest;    // per solved vertex, object space
+    std::vector<Vec3>
+        rest_offset;  // own mesh: from surface to rest position, in the smooth frame; else empty
+    Pairs distance;
+    Pairs bending;
+    std::vector<float> local_edge;     // per solved vertex: mean rest length of the edges around it
+    std::vector<Index> boundary_ring;  // per solved vertex: edges to the nearest open border; -1: none
+    std::vector<std::array<Index, 3>> triangles;  // of the solved mesh, for areas
+    StretchModel stretch;
+    NearTriangles near;
+    std::optional<Adaptive> adaptive;  // where Source::adaptive asked for it
+    ShownMesh shown;
+    std::vector<float> unattached_distance;  // own mesh: distance to the base at rest, per vertex; else empty
+};
+
+struct Source : FineSource {
+    const Surface* own = nullptr;  // the artist's mesh, at rest, in the base's object space; or none
+    std::span<const std::uint8_t> attached;  // per display vertex of own; empty: all attached
+    bool adaptive = false;                   // for Settings::rest other than kStaticRest
+    float farthest = 0.0f;                   // refuse an own mesh farther than this from the base; 0: any
+};
+
+// Section 3. Throws InvalidInput (a fine mesh of more than most_vertices, an own
+// mesh too far away). Cost: seconds for a million fine vertices.
+std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
+                                   Index display_steps);
+
+// Painted values of the base's vertices (as the artist has them) -> solved vertices.
+std::vector<float> carry_paint(const Model& model, std::span<const float> base_values);
+
+// What lives from frame to frame (section 4: "we store o_i instead of p_i").
+struct State {
+    std::vector<Vec3> offset;          // o_i: in the frame of the base triangle, or in object space (kWorld)
+    std::vector<float> solved_length;  // attachment length of every pair when it was last solved, over
+                                       // that by which its rest length was scaled: distance, then bending
+    ReferenceState reference{};        // of an adaptive rest shape; else empty
+};
+
+// The same offsets with no vertex held: for a solve with other settings than the state was solved with.
+State activated(const State& state);
+
+// One frame of the base. positions: of its vertices as the artist has them, deformed, object space.
+// world_from_object is used by OffsetSpace::kWorld only, frame_time by an adaptive rest shape only.
+// For Collision::kPlane:
+//   gap: per vertex of the base, how far the cloth may go inwards before it meets what is worn under it,
+//   object units; empty: no limit but Settings::inside. bodies, body_hint: where a triangle of a body is
+//   known near a vertex of the base (else kNone), the body is looked at for every solved vertex around.
+//   thickness: how far the cloth stays off it, object units.
+struct Input {
+    std::span<const Vec3> positions;
+    glm::mat3 world_from_object{1.0f};
+    FrameTime frame_time{};
+    std::span<const float> gap{};
+    const PosedCollider* bodies = nullptr;
+    std::span<const Index> body_hint{};
+    float thickness = 0.0f;
+};
+
+struct Report {
+    int iterations = 0;          // 0: the pose was held, nothing was solved
+    float error_before = 0.0f;   // RMS relative length error of the distance constraints at the attachments
+    float error_after = 0.0f;    // ... of the solved mesh
+    float largest_error = 0.0f;  // largest relative length error after
+    float active = 0.0f;         // share of the vertices that were solved; the rest was held
+    Index collapsed_triangles = 0;  // base triangles without area in this pose
+    Index kept_apart = 0;           // vertices that would have come too near to their own cloth or a body
+};
+
+// Section 4.1. Solves one frame from `state` (the frame before), or from the
+// canonical start when there is none, and returns the new state. Deterministic
+// on any number of threads. A state of another model counts as none; one without a reference starts one.
+// Throws InvalidInput when positions, paint or reference do not match the model, positions are not
+// finite, a setting is out of its range, or the rest shape is to adapt and the model was not built for it.
+// Cost: O(iterations x pairs).
+State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+            const State* state, Report& report);
+
+// The same with the sweeps in natural order, one constraint after the other as
+// printed. For tests.
+State solve_reference(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                      const State* state, Report& report);
+
+// The shown mesh for a frame and its state.
+using Picture = ShownFrame;
+// Throws InvalidInput when positions or state do not match the model.
+void show(const Model& model, const Settings& settings, const Input& input, const State& state,
+          Picture& picture);
+
+// How good a frame is: for reports and tests, not for playback.
+struct Measures {
+    float edge_error_before_rms = 0.0f;  // |length - s l0| / (s l0), fine mesh at its attachments
+    float edge_error_before_max = 0.0f;
+    float edge_error_after_rms = 0.0f;  // ... solved
+    float edge_error_after_max = 0.0f;
+    float compressed_area_before =
+        1.0f;  // area / rest area where base triangles are below 0.9 of their rest area
+    float compressed_area_after = 1.0f;
+    float attachment_violation =
+        0.0f;                     // largest (|o| - r) / r over attached vertices with r > 0, not below 0
+    float largest_offset = 0.0f;  // object units
+    std::vector<Vec3> offsets;    // o_i, per solved vertex, in the triangle frame
+};
+Measures measure(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                 const State& state);
+
+}  // namespace rumple::wrinkle_mesh

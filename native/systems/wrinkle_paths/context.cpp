@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_paths/context.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/tolerances.h"
+
+namespace rumple::wrinkle_paths {
+
+Pose make_pose(const Model& model, std::span<const Vec3> positions) {
+    std::vector<Vec3> welded(size_t(model.base.welded.vertex_count));
+    weld_positions(model.base, positions, welded);
+    return make_welded_pose(model, std::move(welded));
+}
+
+Pose make_welded_pose(const Model& model, std::vector<Vec3> welded) {
+    Pose pose{flat_pose(model.net, std::move(welded)), {}, 0};
+    pose.frames.resize(model.rest.size());
+    triangle_frames(model.base, pose.positions, pose.frames);
+    for (const FlatTriangle& shape : pose.shapes) pose.collapsed += !shape.has_area();
+    return pose;
+}
+
+std::vector<Stretch> stretches(const Model& model, const State& state,
+                               std::span<const Vec3> welded_positions) {
+    const FlatPose pose = flat_pose(model.net, {welded_positions.begin(), welded_positions.end()});
+    std::vector<Stretch> out;
+    for (size_t t = 0; t < pose.shapes.size(); ++t)
+        out.push_back(measure_stretch(state.reference[t], pose.shapes[t]));
+    return out;
+}
+
+float hem_weight(const Model& model, const Settings& settings, Index vertex) {
+    const Index ring = model.border_ring[vertex];
+    if (settings.hem_rings == 0 || ring == kNone || ring >= settings.hem_rings) return 1.0f;
+    const float x = float(ring) / float(settings.hem_rings);
+    return x * x * (3.0f - 2.0f * x);
+}
+
+PathContext make_context(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
+                         const std::vector<FlatTriangle>& shapes, const std::vector<FlatTriangle>& reference,
+                         const std::vector<Stretch>& changes) {
+    PathContext context{model, pose, {}, {}, {}};
+    for (size_t t = 0; t < reference.size(); ++t) {
+        context.stretch.push_back(pose.shapes[t].has_area() ? measure_stretch(reference[t], shapes[t])
+                                                            : Stretch{});
+        float mask = 0.0f;
+        for (const Index corner : model.base.triangles[t].corner) {
+            const float painted =
+                paint.mask.empty() ? 1.0f : paint.mask[model.base.display.corner_vertex[corner]];
+            mask += painted * hem_weight(model, settings, model.base.welded.corner_vertex[corner]) / 3.0f;
+        }
+        const float strain = std::max(changes[t].compression, changes[t].stretch) - 1.0f;
+        const float x = std::clamp((strain - kHeldChange) / (kFreeChange - kHeldChange), 0.0f, 1.0f);
+        context.activity.push_back(x * x * (3.0f - 2.0f * x));
+        context.compression.push_back(1.0f + mask * (context.stretch[t].compression - 1.0f));
+    }
+    return context;
+}
+
+std::vector<FlatTriangle> smoothed_shapes(const Settings& settings, double seconds, const State* state,
+                                          const Pose& pose) {
+    std::vector<FlatTriangle> shapes = pose.shapes;
+    if (!state) return shapes;
+    const float fraction = fraction_of(seconds, settings.smoothing);
+    for (size_t t = 0; t < shapes.size(); ++t) shapes[t] = between(state->shapes[t], shapes[t], fraction);
+    return shapes;
+}
+
+}  // namespace rumple::wrinkle_paths

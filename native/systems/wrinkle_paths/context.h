@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One frame of the base as the Wrinkle Paths see it. Inside this system only.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "systems/wrinkle_paths/wrinkle_paths.h"
+
+namespace rumple::wrinkle_paths {
+
+struct Pose : FlatPose {                // u1 of a shape lies along its frame's tangent
+    std::vector<TriangleFrame> frames;  // per triangle
+    Index collapsed = 0;
+};
+
+// Throw InvalidInput when positions do not match the model or are not finite.
+void check_positions(const Model& model, std::span<const Vec3> positions, const char* name);
+Pose make_pose(const Model& model, std::span<const Vec3> positions);
+Pose make_welded_pose(const Model& model, std::vector<Vec3> welded);
+
+// What paths stand on: the pose, and the compression of its triangles.
+struct PathContext {
+    const Model& model;
+    const Pose& pose;
+    std::vector<Stretch> stretch;    // per triangle
+    std::vector<float> compression;  // lambda~_min after the mask; 1 where nothing is known
+    std::vector<float> activity;     // 0: has kept its shape of late, 1: moves
+
+    // Corners of a triangle in its plane: (0, 0), u1, u2.
+    glm::dvec2 corner(Index triangle, Index k) const {
+        const FlatTriangle& shape = pose.shapes[triangle];
+        return k == 0 ? glm::dvec2(0.0) : k == 1 ? glm::dvec2(shape.x1, 0.0) : glm::dvec2(shape.x2, shape.y2);
+    }
+    Vec3 vertex(Index half_edge) const { return pose.positions[model.net.vertex[half_edge]]; }
+    Vec3 to_object(Index triangle, const glm::dvec2& at) const {
+        const TriangleFrame& frame = pose.frames[triangle];
+        return vertex(3 * triangle) + float(at.x) * frame.tangent + float(at.y) * frame.bitangent;
+    }
+    glm::dvec2 to_flat(Index triangle, const Vec3& p) const {
+        const Vec3 local = pose.frames[triangle].to_local(p - vertex(3 * triangle));
+        return {local.x, local.y};
+    }
+    Vec3 across(Index triangle) const {  // e_i of eq. 5.2: direction of strongest compression
+        return pose.frames[triangle].to_object(Vec3(stretch[triangle].direction, 0.0f));
+    }
+};
+// shapes: of the triangles as the paths see them, smoothed in time.
+PathContext make_context(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
+                         const std::vector<FlatTriangle>& shapes, const std::vector<FlatTriangle>& reference,
+                         const std::vector<Stretch>& changes);
+
+// The shapes of a pose, as an exponential filter of those in `state`. Squared lengths are filtered: noise
+// lengthens them by its own square only, but shortens the shorter axis, every time, by itself.
+std::vector<FlatTriangle> smoothed_shapes(const Settings& settings, double seconds, const State* state,
+                                          const Pose& pose);
+
+inline Index half_edge(const PathPoint& p) {
+    return 3 * p.triangle + p.edge;
+}
+
+// The triangle of the segment from points[i] to points[i + 1].
+inline Index segment_triangle(const Model& model, const std::vector<PathPoint>& points, size_t i) {
+    return points[i].edge == kNone ? points[i].triangle : triangle_of(model.net.twin[half_edge(points[i])]);
+}
+
+// 0 at open borders, 1 from settings.hem_rings on: for compression and height.
+float hem_weight(const Model& model, const Settings& settings, Index vertex);
+
+}  // namespace rumple::wrinkle_paths

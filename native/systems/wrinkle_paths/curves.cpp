@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_paths/curves.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/tolerances.h"
+#include "systems/wrinkle_paths/context.h"
+
+namespace rumple::wrinkle_paths {
+namespace {
+
+// Triangles that a smoothed point may have left its own for.
+constexpr int kMostSteps = 32;
+
+// Weights of the corners where a point stands over the plane of a triangle.
+Vec3 weights_of(const PathContext& context, Index triangle, const Vec3& p) {
+    const FlatTriangle& shape = context.pose.shapes[triangle];
+    if (!shape.has_area()) return {1.0f, 0.0f, 0.0f};
+    const glm::dvec2 at = context.to_flat(triangle, p);
+    const double v = at.y / shape.y2, u = (at.x - v * shape.x2) / shape.x1;
+    return {float(1.0 - u - v), float(u), float(v)};
+}
+
+// The place below a point, by a walk towards it from its segment's triangle; at a border the nearest weights.
+SurfacePoint place_of(const PathContext& context, Index triangle, const Vec3& p) {
+    Vec3 weights = weights_of(context, triangle, p);
+    for (int step = 0; step < kMostSteps; ++step) {
+        const Index least =
+            weights.x < weights.y ? (weights.x < weights.z ? 0 : 2) : (weights.y < weights.z ? 1 : 2);
+        if (weights[least] >= 0.0f) break;
+        const Index twin = context.model.net.twin[next_in_triangle(3 * triangle + least)];
+        if (twin == kNone) break;
+        triangle = triangle_of(twin);
+        weights = weights_of(context, triangle, p);
+    }
+    weights = glm::max(weights, 0.0f);
+    weights /= weights.x + weights.y + weights.z;
+    return {triangle, weights.y, weights.z};
+}
+
+float hem_weight_at(const Model& model, const Settings& settings, const SurfacePoint& place) {
+    float weight = 0.0f;
+    const float fraction[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
+    for (Index k = 0; k < 3; ++k)
+        weight += fraction[k] * hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]);
+    return weight;
+}
+
+// The unwrinkled surface that the fine mesh rides on; the limit surface as PN triangles between its vertices.
+struct SmoothBase {
+    const Model& model;
+    const Pose& pose;
+    std::vector<Vec3> normals, vertices;
+
+    SmoothBase(const Model& of, const Pose& at)
+        : model(of), pose(at), normals(at.positions.size()), vertices(at.positions) {
+        vertex_normals(model.base, pose.positions, normals);
+        if (model.attachments.kind == AttachmentKind::kLimit)
+            apply<Vec3>(model.vertex_limit, pose.positions, vertices);
+    }
+    Vec3 at(const SurfacePoint& place) const {
+        if (model.attachments.kind == AttachmentKind::kLinear)
+            return interpolate(model.base, place, pose.positions);
+        Vec3 corner[3], normal[3];
+        for (Index k = 0; k < 3; ++k) {
+            const Index v = model.net.vertex[3 * place.triangle + k];
+            corner[k] = vertices[v];
+            normal[k] = normals[v];
+        }
+        return pn_triangle(corner, normal, place.b0, place.b1);
+    }
+    Vec3 normal_at(const SurfacePoint& place) const {
+        const Vec3 normal = interpolate(model.base, place, normals);
+        const float size = glm::length(normal);
+        return size > kShortestNormal ? normal / size : Vec3(0.0f);
+    }
+};
+
+}  // namespace
+
+RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state,
+                  std::span<const Vec3> animated) {
+    RidingCurves out{curves(model, settings, input, state), {}, {}, {}};
+    if (animated.empty()) animated = input.positions;
+    check_positions(model, animated, "animated");
+    const Pose pose = make_pose(model, input.positions), ridden = make_pose(model, animated);
+    const PathContext context{model, pose, {}, {}, {}};
+    const SmoothBase smooth(model, pose);
+    for (size_t i = 0; i < out.positions.size(); ++i) {
+        const SurfacePoint place = place_of(context, out.triangle[i], out.positions[i]);
+        out.height[i] *= hem_weight_at(model, settings, place);
+        out.positions[i] = smooth.at(place) + out.height[i] * smooth.normal_at(place);
+        out.weights.push_back({place.b0, place.b1});
+        out.local_offset.push_back(ridden.frames[place.triangle].to_local(
+            out.positions[i] - interpolate(model.base, place, ridden.positions)));
+        std::array<Index, 3> corners;
+        for (Index k = 0; k < 3; ++k)
+            corners[k] = model.base.display.corner_vertex[model.base.triangles[place.triangle].corner[k]];
+        out.corners.push_back(corners);
+    }
+    return out;
+}
+
+std::vector<Ellipse> ellipses(const Model& model, std::span<const Vec3> positions, const State& state,
+                              float size) {
+    check_positions(model, positions, "positions");
+    check_reference(model.base, state);
+    const Pose pose = make_pose(model, positions);
+    std::vector<Ellipse> out(model.rest.size());
+    for (size_t t = 0; t < out.size(); ++t) {
+        const Index* v = &model.net.vertex[3 * t];
+        out[t].centre = (pose.positions[v[0]] + pose.positions[v[1]] + pose.positions[v[2]]) / 3.0f;
+        const FlatTriangle& reference = state.reference[t];
+        const Stretch stretch = measure_stretch(reference, pose.shapes[t]);
+        if (!stretch.defined) continue;
+        const float around = reference.x1 + std::hypot(reference.x2, reference.y2) +
+                             std::hypot(reference.x2 - reference.x1, reference.y2);
+        const float radius = size * 2.0f * reference.area() / around;
+        const Vec2 along = stretch.direction;
+        out[t].compressed = radius / stretch.compression * pose.frames[t].to_object(Vec3(along, 0.0f));
+        out[t].stretched = radius * stretch.stretch * pose.frames[t].to_object(Vec3(-along.y, along.x, 0.0f));
+    }
+    return out;
+}
+
+}  // namespace rumple::wrinkle_paths

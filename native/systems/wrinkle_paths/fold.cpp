@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_paths/fold.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/tolerances.h"
+#include "systems/wrinkle_paths/lifecycle.h"
+
+namespace rumple::wrinkle_paths {
+namespace {
+
+// Pieces that a smoothed segment is cut into, to the width L_min, and at most.
+constexpr float kPiecesPerWidth = 2.0f;
+constexpr int kMostPieces = 16;
+
+// Of the Gaussian that smooths a path, in L_min.
+constexpr float kStiffness = 1.0f;
+
+// The ends of a fold taper over so many full widths, or over half of it where it is shorter.
+constexpr float kTaper = 2.0f;
+
+// A fold's compression is its mean over so many full widths to both sides.
+constexpr float kBlur = 0.75f;
+
+using formulas::FoldEnd;
+
+// Lengths along a line of points from its first.
+std::vector<float> lengths_along(const std::vector<FoldEnd>& ends) {
+    std::vector<float> arc_length{0.0f};
+    for (size_t i = 0; i + 1 < ends.size(); ++i)
+        arc_length.push_back(arc_length.back() + glm::distance(ends[i].at, ends[i + 1].at));
+    return arc_length;
+}
+
+// The mean of a line around its point i, by a Gaussian of its length; nothing at the ends.
+Vec3 smoothed(const std::vector<FoldEnd>& ends, const std::vector<float>& arc_length, size_t i, float most) {
+    const float sigma = std::min(most, 0.5f * std::min(arc_length[i], arc_length.back() - arc_length[i]));
+    if (sigma <= kShortestEdge) return ends[i].at;
+    Vec3 sum(0.0f);
+    float weights = 0.0f;
+    const auto add = [&](size_t j) {
+        const float x = (arc_length[j] - arc_length[i]) / sigma;
+        const float span = arc_length[std::min(j + 1, arc_length.size() - 1)] - arc_length[j > 0 ? j - 1 : 0];
+        const float weight = std::exp(-0.5f * x * x) * span;
+        sum += weight * ends[j].at;
+        weights += weight;
+    };
+    for (size_t j = i; j < arc_length.size() && arc_length[j] - arc_length[i] <= 3.0f * sigma; ++j) add(j);
+    for (size_t j = i; j-- > 0 && arc_length[i] - arc_length[j] <= 3.0f * sigma;) add(j);
+    return sum / weights;
+}
+
+// Section 6.2: a fold cannot bend within its own width.
+void smooth(const Settings& settings, const std::vector<Vec3>& points, Fold& fold) {
+    std::vector<FoldEnd> raw;
+    for (size_t i = 0; i + 1 < points.size(); ++i) {
+        const float size = glm::distance(points[i], points[i + 1]);
+        const int pieces =
+            std::clamp(int(std::ceil(kPiecesPerWidth * size / settings.width)), 1, kMostPieces);
+        fold.first.push_back(static_cast<Index>(raw.size()));
+        for (int k = 0; k < pieces; ++k)
+            raw.push_back({glm::mix(points[i], points[i + 1], float(k) / float(pieces)), 0.0f, {}, 0.0f});
+    }
+    fold.first.push_back(static_cast<Index>(raw.size()));
+    raw.push_back({points.back(), 0.0f, {}, 0.0f});
+    fold.ends = raw;
+    const std::vector<float> arc_length = lengths_along(raw);
+    const float most = kStiffness * settings.width;
+    for (size_t i = 1; i + 1 < raw.size(); ++i) fold.ends[i].at = smoothed(raw, arc_length, i, most);
+}
+
+float signed_side(Direction direction, Index id) {
+    const bool inward = direction == Direction::kInward || (direction == Direction::kBoth && id % 2 == 1);
+    return inward ? -1.0f : 1.0f;
+}
+
+float ease(float x) {
+    x = std::clamp(x, 0.0f, 1.0f);
+    return x * x * (3.0f - 2.0f * x);
+}
+
+// Of the compression, what the fold takes up: nothing at what paths reach to, all from tau on. The rest the
+// cloth takes up in its plane, as it does below tau where there is no fold.
+float folded_share(const Settings& settings, float compression) {
+    const float least = reach_threshold(settings);
+    return ease((compression - least) / std::max(settings.threshold - least, 1e-6f));
+}
+
+// The compression of the triangles that a path runs through, at `way` from its start. It has a step at every
+// edge; its mean over a stretch of the path has none.
+class AlongPath {
+  public:
+    AlongPath(const PathContext& context, const Path& path, const Fold& fold,
+              const std::vector<float>& arc_length) {
+        for (size_t i = 0; i + 1 < path.points.size(); ++i) {
+            const float compression =
+                weighted_compression(context, segment_triangle(context.model, path.points, i));
+            add(arc_length[fold.first[i + 1]], std::min(compression, kMostRatio));
+        }
+    }
+    float mean(float arc_length, float reach) const {
+        const float from = std::max(arc_length - reach, 0.0f), to = std::min(arc_length + reach, end_.back());
+        return to > from ? (sum(to) - sum(from)) / (to - from) : value_.back();
+    }
+
+  private:
+    void add(float end, float value) {
+        sum_.push_back(sum_.back() + value * (end - end_.back()));
+        end_.push_back(end);
+        value_.push_back(value);
+    }
+    float sum(float arc_length) const {  // from the start
+        const auto above = std::upper_bound(end_.begin() + 1, end_.end() - 1, arc_length);
+        const size_t i = size_t(above - end_.begin()) - 1;
+        return sum_[i] + value_[i] * (arc_length - end_[i]);
+    }
+
+    std::vector<float> end_{0.0f}, sum_{0.0f}, value_;
+};
+
+// Section 6.1: L_max wide and flat at the ends, as narrow as the compression asks for between them. Where
+// that falls below tau the fold sinks, down to nothing at the compression that paths reach to.
+void shape(const PathContext& context, const Settings& settings, const Path& path, Fold& fold) {
+    std::vector<FoldEnd>& ends = fold.ends;
+    const std::vector<float> arc_length = lengths_along(ends);
+    const float widest = kMostRatio * settings.width;  // s = L_max
+    const float taper = std::max(std::min(0.5f * arc_length.back(), kTaper * widest), kShortestEdge);
+    const float rise = settings.height * ease(path.fade) * signed_side(settings.direction, path.id);
+    const AlongPath along(context, path, fold, arc_length);
+    for (size_t i = 0; i < ends.size(); ++i) {
+        FoldEnd& end = ends[i];
+        const float compression = along.mean(arc_length[i], kBlur * widest);
+        const float middle = ease(std::min(arc_length[i], arc_length.back() - arc_length[i]) / taper);
+        end.width = glm::mix(widest, widest / std::max(compression, 1.0f), middle);
+        end.height = rise * folded_share(settings, compression) * end.width *
+                     height_table(settings.profile).height_over_width(widest / end.width);
+        const Vec3 before = i > 0 ? unit(end.at - ends[i - 1].at) : Vec3(0.0f);
+        const Vec3 after = i + 1 < ends.size() ? unit(ends[i + 1].at - end.at) : Vec3(0.0f);
+        end.along = unit(before + after);
+    }
+}
+
+}  // namespace
+
+Vec3 unit(const Vec3& v) {
+    const float size = glm::length(v);
+    return size > kShortestEdge ? v / size : Vec3(0.0f);
+}
+
+Fold make_fold(const PathContext& context, const Settings& settings, const Path& path) {
+    Fold fold;
+    smooth(settings, positions(context, path.points), fold);
+    shape(context, settings, path, fold);
+    return fold;
+}
+
+}  // namespace rumple::wrinkle_paths

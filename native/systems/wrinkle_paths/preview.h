@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the viewport draws Wrinkle Paths from, on the GPU: chapter 7 of Gillette 2015. docs/gpu_preview.md
+// says how its shaders read it.
+#pragma once
+
+#include "systems/wrinkle_paths/wrinkle_paths.h"
+
+namespace rumple::wrinkle_paths {
+
+// Parts that a triangle is cut into along each edge: powers of two.
+inline constexpr Index kMostParts = 32;
+
+struct Parts {
+    Index triangle = 1;  // the largest of
+    std::array<Index, 3> edges{1, 1,
+                               1};  // those of its edges, from corner k to k + 1: the same on both sides
+};
+
+// A frame. The surface is the PN triangles over `smooth` and `normal`; heights are measured over `flat`.
+struct Drawing {
+    std::vector<Vec3> flat;    // per welded vertex, object space: the deformed base
+    std::vector<Vec3> smooth;  // ... its place on the surface that the fine mesh is attached to
+    std::vector<Vec3> normal;  // unit; of the triangles around it: also the way of the folds
+    bool curved = true;        // false: straight triangles, for a linear attachment
+    std::vector<float> hem;    // factor on the folds
+    std::vector<Parts> parts;  // per triangle
+    TriangleLists lists;
+    std::vector<Vec3> proxy_offset;  // per vertex of the base as the artist has it: the way to `smooth`
+};
+// Throws as show() does. Cost: that of the triangles reached.
+Drawing draw(const Model& model, const Settings& settings, const Input& input, const State& state);
+
+// What the vertex and fragment stages make of a place, for tests: their twin.
+struct Drawn {
+    Vec3 position;
+    Vec3 normal;
+    float height;
+};
+Drawn drawn_at(const Model& model, const Settings& settings, const Drawing& drawing,
+               const SurfacePoint& place);
+
+}  // namespace rumple::wrinkle_paths

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_paths/profile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rumple::wrinkle_paths {
+namespace {
+
+// Arc length over width of a fold h / L high.
+double arc_over_width(Profile kind, double height_over_width) {
+    constexpr int kSteps = 2048;
+    double sum = 0.0;
+    for (int i = 0; i < kSteps; ++i) {
+        const double rise = formulas::fold_profile(int(kind), float(i + 1) / kSteps).height -
+                            formulas::fold_profile(int(kind), float(i) / kSteps).height;
+        sum += std::hypot(0.5 / kSteps, height_over_width * rise);
+    }
+    return 2.0 * sum;
+}
+
+// Every profile is longer than kMostRatio times its width when it is this high over its width.
+constexpr double kHighest = 0.75;
+
+}  // namespace
+
+HeightTable::HeightTable(Profile kind) {
+    for (int i = 0; i <= kIntervals; ++i) ratio_[i] = float(arc_over_width(kind, kHighest * i / kIntervals));
+}
+
+float HeightTable::height_over_width(float ratio) const {
+    ratio = std::clamp(ratio, 1.0f, kMostRatio);
+    const auto above = std::upper_bound(ratio_.begin(), ratio_.end(), ratio);
+    const int i = std::clamp(int(above - ratio_.begin()) - 1, 0, kIntervals - 1);
+    // Length grows with the square of a small height, so squares of heights are mixed.
+    const float fraction = (ratio - ratio_[i]) / (ratio_[i + 1] - ratio_[i]);
+    const float low = float(i * i), high = float((i + 1) * (i + 1));
+    return float(kHighest) / kIntervals * std::sqrt(low + std::max(fraction, 0.0f) * (high - low));
+}
+
+const HeightTable& height_table(Profile kind) {
+    static const std::array<HeightTable, 4> tables{
+        HeightTable(Profile::kSpline), HeightTable(Profile::kQuartic), HeightTable(Profile::kCircularArcs),
+        HeightTable(Profile::kSine)};
+    return tables[size_t(kind)];
+}
+
+float circle_half_angle(float ratio) {
+    if (ratio <= 1.0f) return 0.0f;
+    double phi = std::numbers::pi;
+    for (int i = 0; i < 32; ++i) {
+        const double change = (std::sin(phi) - phi / ratio) / (std::cos(phi) - 1.0 / ratio);  // (6.1)
+        phi -= change;
+        if (std::abs(change) < 1e-12) break;
+    }
+    return float(phi);
+}
+
+float circle_height_over_width(float ratio) {
+    const double phi = circle_half_angle(ratio);
+    if (phi <= 0.0) return 0.0f;
+    return float((1.0 - std::cos(phi)) / (2.0 * std::sin(phi)));  // radius (1 - cos), chord 2 radius sin
+}
+
+}  // namespace rumple::wrinkle_paths

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Chapters 7 and 8 of Gillette 2015: whom the folds reach, and the heights they give.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <thread>
+
+#include "base/expect.h"
+#include "base/parallel.h"
+#include "base/tolerances.h"
+#include "systems/wrinkle_paths/fold.h"
+
+namespace rumple::wrinkle_paths {
+namespace {
+
+// Below this many fine vertices threads are not worth it: alone a frame takes a few milliseconds.
+constexpr size_t kVerticesForThreads = 50'000;
+constexpr int kMostThreads = 4;
+
+// A bound is so much wider than what it is computed from.
+constexpr float kRounding = 1.0f + 1e-5f;
+
+using formulas::FoldEnd;
+
+int choose_threads(const Settings& settings, size_t vertices) {
+    if (settings.threads > 0) return settings.threads;
+    if (vertices < kVerticesForThreads) return 1;
+    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
+}
+
+// The least distance between two segments in space.
+float segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    const Vec3 u = b - a, v = d - c, w = a - c;
+    const float uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), uw = glm::dot(u, w),
+                vw = glm::dot(v, w), area = uu * vv - uv * uv;
+    float s = area > 0.0f ? std::clamp((uv * vw - vv * uw) / area, 0.0f, 1.0f) : 0.0f;
+    const float t = vv > 0.0f ? std::clamp((uv * s + vw) / vv, 0.0f, 1.0f) : 0.0f;
+    s = uu > 0.0f ? std::clamp((uv * t - uw) / uu, 0.0f, 1.0f) : 0.0f;
+    return glm::length(w + s * u - t * v);
+}
+
+// Chapter 8: triangles within reach of a segment, walking outwards from its own.
+class TriangleFlood {
+  public:
+    explicit TriangleFlood(const PathContext& context)
+        : context_(context), seen_(context.model.rest.size(), 0) {}
+
+    template <typename Visit>
+    void visit(Index triangle, const Vec3& a, const Vec3& b, float radius, Visit&& found) {
+        front_.assign(1, triangle);
+        seen_[triangle] = ++query_;
+        while (!front_.empty()) {
+            const Index t = front_.back();
+            front_.pop_back();
+            found(t);
+            for (Index h = 3 * t; h < 3 * t + 3; ++h) {
+                const Index twin = context_.model.net.twin[h];
+                if (twin == kNone || seen_[triangle_of(twin)] == query_) continue;
+                if (segment_distance(a, b, context_.vertex(h), context_.vertex(next_in_triangle(h))) > radius)
+                    continue;
+                seen_[triangle_of(twin)] = query_;
+                front_.push_back(triangle_of(twin));
+            }
+        }
+    }
+
+  private:
+    const PathContext& context_;
+    std::vector<Index> seen_;
+    std::vector<Index> front_;
+    Index query_ = 0;
+};
+
+// How far the smoothed pieces leave the straight segment: instead of the bounding ellipse of section 8.1.
+float deviation(const Fold& fold, Index begin, Index end) {
+    float most = 0.0f;
+    for (Index i = begin + 1; i < end; ++i) {
+        const Vec3 p = fold.ends[i].at;
+        most = std::max(most, segment_distance(fold.ends[begin].at, fold.ends[end].at, p, p));
+    }
+    return most;
+}
+
+struct Reached {
+    Index triangle;
+    std::array<Index, 2> pieces;
+};
+
+// Sorted into lists by triangle; ranges that follow one another become one.
+void sort_by_triangle(std::vector<Reached>& reached, Index triangles, TriangleLists& out) {
+    std::stable_sort(reached.begin(), reached.end(),
+                     [](const Reached& a, const Reached& b) { return a.triangle < b.triangle; });
+    size_t next = 0;
+    for (Index t = 0; t < triangles; ++t) {
+        const size_t first = out.ranges.size();
+        for (; next < reached.size() && reached[next].triangle == t; ++next) {
+            const std::array<Index, 2>& pieces = reached[next].pieces;
+            if (out.ranges.size() > first && out.ranges.back()[1] == pieces[0]) {
+                out.ranges.back()[1] = pieces[1];
+            } else {
+                out.ranges.push_back(pieces);
+            }
+        }
+        out.triangle_start.push_back(static_cast<Index>(out.ranges.size()));
+    }
+}
+
+TriangleLists build_triangle_lists(const PathContext& context, const Settings& settings,
+                                   const std::vector<Path>& paths) {
+    TriangleLists out;
+    TriangleFlood reach(context);
+    std::vector<Reached> reached;
+    for (const Path& path : paths) {
+        const Fold fold = make_fold(context, settings, path);
+        const Index base = static_cast<Index>(out.ends.size());
+        for (size_t i = 0; i + 1 < path.points.size(); ++i) {
+            const Index begin = fold.first[i], end = fold.first[i + 1];
+            const float radius = 0.5f * kMostRatio * settings.width + deviation(fold, begin, end);
+            reach.visit(segment_triangle(context.model, path.points, i), fold.ends[begin].at,
+                        fold.ends[end].at, radius, [&](Index t) {
+                            reached.push_back({t, {base + begin, base + end}});
+                        });
+        }
+        out.ends.insert(out.ends.end(), fold.ends.begin(), fold.ends.end());
+    }
+    sort_by_triangle(reached, context.model.net.triangles(), out);
+    return out;
+}
+
+float hem_weight_at(const Model& model, const Settings& settings, const SurfacePoint& place) {
+    const auto corner = [&](Index k) {
+        return hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]);
+    };
+    return (1.0f - place.b0 - place.b1) * corner(0) + place.b0 * corner(1) + place.b1 * corner(2);
+}
+
+// Beyond it a piece's height is zero: most points of the triangles that it reaches are.
+struct Ball {
+    Vec3 middle{0.0f};
+    float radius = 0.0f;  // 0: of a piece without height
+};
+
+std::vector<Ball> balls_around(const std::vector<FoldEnd>& ends) {
+    std::vector<Ball> balls(ends.size());
+    for (size_t i = 0; i + 1 < ends.size(); ++i) {
+        const FoldEnd &a = ends[i], &b = ends[i + 1];
+        if (a.height == 0.0f && b.height == 0.0f) continue;
+        const float size = glm::distance(a.at, b.at) + std::max(a.width, b.width);
+        balls[i] = {0.5f * (a.at + b.at), 0.5f * kRounding * size};
+    }
+    return balls;
+}
+
+bool may_reach(const Ball& ball, const Vec3& p, float radius) {
+    const Vec3 displacement = p - ball.middle;
+    const float reach = ball.radius + radius;
+    return glm::dot(displacement, displacement) <= reach * reach;
+}
+
+// The pieces that are not flat at the points of one triangle.
+void pieces_at(const PathContext& context, const TriangleLists& lists, const std::vector<Ball>& balls,
+               Index triangle, std::vector<Index>& pieces) {
+    const Vec3 a = context.vertex(3 * triangle), b = context.vertex(3 * triangle + 1),
+               c = context.vertex(3 * triangle + 2), middle = (a + b + c) / 3.0f;
+    const float radius =
+        kRounding * std::max({glm::distance(middle, a), glm::distance(middle, b), glm::distance(middle, c)});
+    pieces.clear();
+    for (Index r = lists.triangle_start[triangle]; r < lists.triangle_start[triangle + 1]; ++r) {
+        for (Index i = lists.ranges[r][0]; i < lists.ranges[r][1]; ++i) {
+            if (balls[i].radius > 0.0f && may_reach(balls[i], middle, radius)) pieces.push_back(i);
+        }
+    }
+}
+
+// Section 7.5: the highest of the pieces at a point.
+float height_at(const TriangleLists& lists, const std::vector<Ball>& balls, const std::vector<Index>& pieces,
+                Profile kind, const Vec3& p) {
+    float best = 0.0f;
+    for (const Index i : pieces) {
+        if (!may_reach(balls[i], p, 0.0f)) continue;
+        const float height = formulas::fold_height(int(kind), lists.ends[i], lists.ends[i + 1], p).height;
+        if (std::abs(height) > std::abs(best)) best = height;
+    }
+    return best;
+}
+
+// Of the fine vertices that lie in some triangles.
+void fine_heights(const PathContext& context, const Settings& settings, const TriangleLists& lists,
+                  const std::vector<Ball>& balls, Team::Range triangles, std::vector<float>& height) {
+    const Model& model = context.model;
+    std::vector<Index> pieces;
+    for (Index t = Index(triangles.begin); t < Index(triangles.end); ++t) {
+        if (lists.triangle_start[t] == lists.triangle_start[t + 1]) continue;
+        pieces_at(context, lists, balls, t, pieces);
+        if (pieces.empty()) continue;
+        for (Index k = model.fine_start[t]; k < model.fine_start[t + 1]; ++k) {
+            const Index v = model.fine_vertex[k];
+            const SurfacePoint& place = model.attachments.places[v];
+            const Vec3 p = interpolate(model.base, place, context.pose.positions);
+            height[v] = height_at(lists, balls, pieces, settings.profile, p);
+            if (height[v] != 0.0f) height[v] *= hem_weight_at(model, settings, place);
+        }
+    }
+}
+
+// The fine vertices on the smooth surface, lifted along its normals.
+struct Lifted {
+    std::vector<float> height;
+    std::vector<Vec3> offset;
+    std::vector<Vec3> positions;
+};
+
+// Every fine vertex lies in one triangle, so that no two threads write to one.
+Lifted lift(const PathContext& context, const Settings& settings, const TriangleLists& lists) {
+    const Model& model = context.model;
+    const std::vector<Vec3>& base = context.pose.positions;
+    const size_t vertices = model.attachments.places.size();
+    Lifted out{std::vector<float>(vertices, 0.0f), std::vector<Vec3>(vertices, Vec3(0.0f)),
+               std::vector<Vec3>(vertices)};
+    std::vector<Vec3> normals(base.size());
+    vertex_normals(model.base, base, normals);
+    const std::vector<Ball> balls = balls_around(lists.ends);
+    Team team(choose_threads(settings, vertices));
+    team.run([&](int thread) {
+        fine_heights(context, settings, lists, balls, team.partition(0, model.rest.size(), thread),
+                     out.height);
+        team.barrier();
+        const Team::Range part = team.partition(0, vertices, thread);
+        attach(model.base, model.attachments, base, normals, out.positions, part.begin, part.end);
+        for (size_t v = part.begin; v < part.end; ++v) {
+            if (out.height[v] == 0.0f) continue;
+            out.offset[v] =
+                out.height[v] * unit(interpolate(model.base, model.attachments.places[v], normals));
+            out.positions[v] += out.offset[v];
+        }
+    });
+    return out;
+}
+
+void check_shown(const Model& model, const Input& input, const State& state) {
+    check_positions(model, input.positions, "positions");
+    expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
+    const std::string wrong = validate(model, state.paths);
+    if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
+}
+
+}  // namespace
+
+void show(const Model& model, const Settings& settings, const Input& input, const State& state,
+          Picture& picture) {
+    check(settings);
+    check_shown(model, input, state);
+    const Pose pose = make_pose(model, input.positions);
+    const PathContext context{model, pose, {}, state.compression, {}};
+    const Lifted lifted = lift(context, settings, build_triangle_lists(context, settings, state.paths));
+    show_frame(model.base, model.shown, model.stretch, pose.positions, pose.frames, lifted.positions,
+               lifted.offset, picture);
+    picture.height.resize(model.shown.places.size());
+    apply<float>(model.shown.from_solved, lifted.height, picture.height);
+}
+
+TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Input& input,
+                                   const State& state) {
+    check(settings);
+    check_shown(model, input, state);
+    const Pose pose = make_pose(model, input.positions);
+    return build_triangle_lists(PathContext{model, pose, {}, state.compression, {}}, settings, state.paths);
+}
+
+Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state) {
+    check(settings);
+    check_shown(model, input, state);
+    const Pose pose = make_pose(model, input.positions);
+    const PathContext context{model, pose, {}, state.compression, {}};
+    Curves out;
+    for (const Path& path : state.paths) {
+        const Fold fold = make_fold(context, settings, path);
+        out.id.push_back(path.id);
+        for (const FoldEnd& end : fold.ends) {
+            out.positions.push_back(end.at);
+            out.width.push_back(end.width);
+            out.height.push_back(end.height);
+        }
+        for (size_t i = 0; i + 1 < path.points.size(); ++i)
+            out.triangle.resize(out.triangle.size() + fold.first[i + 1] - fold.first[i],
+                                segment_triangle(model, path.points, i));
+        out.triangle.push_back(out.triangle.back());
+        out.start.push_back(static_cast<Index>(out.positions.size()));
+    }
+    return out;
+}
+
+}  // namespace rumple::wrinkle_paths

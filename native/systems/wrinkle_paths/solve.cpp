@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/expect.h"
+#include "systems/wrinkle_paths/lifecycle.h"
+#include "systems/wrinkle_paths/wrinkle_paths.h"
+
+namespace rumple::wrinkle_paths {
+namespace {
+
+void check(const Model& model, const Paint& paint) {
+    if (paint.mask.empty()) return;
+    expect_count("paint.mask", paint.mask.size(), size_t(model.base.display.vertex_count),
+                 "values, one per vertex of the base, or none");
+    for (size_t v = 0; v < paint.mask.size(); ++v) {
+        if (paint.mask[v] >= 0.0f && paint.mask[v] <= 1.0f) continue;
+        throw InvalidInput("paint.mask: vertex " + std::to_string(v) + " is " +
+                           std::to_string(paint.mask[v]) + ", expected 0..1");
+    }
+}
+
+void check(const Model& model, const State& state) {
+    check_reference(model.base, state);
+    expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
+    const auto refuse = [](const char* name, size_t at) {
+        throw InvalidInput(std::string("state.") + name + ": number " + std::to_string(at) +
+                           " is out of range");
+    };
+    expect_count("state.shapes", state.shapes.size(), model.rest.size(), "triangles");
+    for (size_t t = 0; t < state.compression.size(); ++t) {
+        if (!state.shapes[t].is_sound()) refuse("shapes", t);
+        if (!(state.compression[t] > 0.0f) || !std::isfinite(state.compression[t])) refuse("compression", t);
+    }
+    for (size_t i = 0; i < state.paths.size(); ++i) {
+        if (!(state.paths[i].fade >= 0.0f && state.paths[i].fade <= 1.0f)) refuse("path_fade", i);
+    }
+    const std::string wrong = validate(model, state.paths);
+    if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
+}
+
+void check(const Model& model, const Input& input, const State* state) {
+    check_positions(model, input.positions, "positions");
+    if (state) check(model, *state);
+    check_frame_time(model.base, input, state);
+}
+
+// Section 5.2.1 for all paths, and how far their points went.
+void follow_all(const PathContext& context, const State& state, const Settings& settings, double seconds,
+                std::vector<Path>& paths, Report& report) {
+    const size_t vertices = context.pose.positions.size();
+    const Pose before = make_welded_pose(
+        context.model, {state.past_positions.end() - std::ptrdiff_t(vertices), state.past_positions.end()});
+    std::vector<float> moved;
+    for (Path& path : paths) follow(context, before, settings, seconds, path.points, moved);
+    if (moved.empty()) return;
+    double sum = 0.0;
+    for (const float length : moved) sum += length;
+    std::sort(moved.begin(), moved.end());
+    report.moved_mean = float(sum / double(moved.size())) / settings.width;
+    report.moved_most = moved[moved.size() * 99 / 100] / settings.width;
+}
+
+}  // namespace
+
+void check_positions(const Model& model, std::span<const Vec3> positions, const char* name) {
+    expect_count(name, positions.size(), size_t(model.base.display.vertex_count), "vertices");
+    expect_finite(name, positions, "vertex");
+}
+
+State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+            const State* state, Report& report) {
+    check(settings);
+    check(model, paint);
+    check(model, input, state);
+    report = {};
+    const Pose pose = make_pose(model, input.positions);
+    const double seconds = state ? input.time - state->time : 0.0;
+    State next;
+    next.next_id = state ? state->next_id : 0;
+    std::vector<Stretch> changes;
+    static_cast<ReferenceState&>(next) = adapt(model.base, model, settings, input, pose, state, changes);
+    next.shapes = smoothed_shapes(settings, seconds, state, pose);
+    const PathContext context =
+        make_context(model, settings, paint, pose, next.shapes, next.reference, changes);
+    next.compression = context.compression;
+
+    SegmentMap map(context);
+    const bool goes_on = state && settings.persistent;
+    if (goes_on) {
+        next.paths = state->paths;
+        follow_all(context, *state, settings, seconds, next.paths, report);
+        update_lifecycle(context, settings, seconds, next.paths, map, report);
+    }
+    spawn(context, settings, !goes_on, next, map, report);
+
+    report.paths = static_cast<Index>(next.paths.size());
+    report.collapsed_triangles = pose.collapsed;
+    for (const std::uint8_t label : next.labels) {
+        report.compressed += label == kCompress;
+        report.stretched += label == kStretch;
+    }
+    return next;
+}
+
+}  // namespace rumple::wrinkle_paths

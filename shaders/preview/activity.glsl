@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The share of every round that a vertex takes, one texel per welded vertex: the largest that its links ask for.
+// out_share: that share, in x.
+
+void main() {
+    vec4 vertex = TEXEL(vertices, THIS_TEXEL(vertices));
+    float largest = 0.0;
+    for (int i = int(vertex.x); i < int(vertex.x) + int(vertex.y); ++i) largest = max(largest, TEXEL(solved, i).y);
+    out_activity = vec4(largest, 0.0, 0.0, 0.0);
+}
