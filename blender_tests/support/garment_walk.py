@@ -140,7 +140,7 @@ class Walk(RandomWalk):
             bpy.ops.object.rumple_remove()
 
     def do_add(self):
-        obj = self.pick(nodes_mod=False)
+        obj = self.pick(ours=False)
         if obj and len(obj.data.vertices) < 1500 and path_curves.find(obj) is None:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
             obj.rumple.field.gpu_preview = obj.rumple.paths.gpu_preview = True

@@ -136,7 +136,7 @@ class Walk(RandomWalk):
             bpy.ops.rumple.maps_remove()
 
     def do_add(self):
-        if self.pick(nodes_mod=False):
+        if self.pick(ours=False):
             bpy.ops.rumple.maps_add()
 
     def do_wrinkle_mesh(self):

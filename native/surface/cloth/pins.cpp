@@ -88,6 +88,7 @@ std::vector<float> diagonals(const Surface& surface, std::span<const Index> part
         high[part[v]] = glm::max(high[part[v]], surface.positions_rest[v]);
     }
     std::vector<float> out;
+    out.reserve(parts);
     for (Index p = 0; p < parts; ++p) out.push_back(glm::length(high[p] - low[p]));
     return out;
 }

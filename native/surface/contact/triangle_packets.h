@@ -9,8 +9,8 @@
 
 #include "base/lanes.h"
 #include "base/tolerances.h"
-#include "surface/query/closest_point.h"
 #include "surface/contact/posed_triangles.h"
+#include "surface/query/closest_point.h"
 
 namespace rumple {
 
