@@ -2,7 +2,8 @@
 """Writes what artists install. Started by scripts/package, in Debian's Python and with nothing but it.
 
     packaging.py FOLDER OUT    FOLDER has a folder for each platform with its library. For each an extension zip
-                               (Blender 4.2 and later), one extension zip with all, and the legacy zip (before 4.2) with all
+                               (Blender 4.2 and later), one extension zip with all, and the legacy zip (before 4.2)
+                               with all
 
 Times inside the archives are fixed: the same input gives the same bytes.
 """
