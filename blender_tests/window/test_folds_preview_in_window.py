@@ -51,7 +51,7 @@ class Pictures(FoldsCase):
         yield from self.both()
         self.screenshot("folds_preview")
         self.assertEqual(len(preview._on_gpu), 1)
-        self.assertGreater(self.runtime().picture.report.paths, 0)
+        self.assertGreater(self.runtime().result.report.paths, 0)
         here = np.abs(self.fine - self.fine[5, 5]) > 8.0
         difference = np.abs(self.drawn - self.fine)[here]
         self.assertLess(np.median(difference), 4.0)
@@ -132,7 +132,7 @@ class Meshes(FoldsCase):
     def test_the_proxy_has_its_vertices_on_the_drawn_surface(self) -> Iterator[float]:
         yield from self.make()
         yield from self.settled()
-        drawing = self.runtime().picture.drawing
+        drawing = self.runtime().result.drawing
         for place in sleeve.shown(self.obj):
             self.assertLess(((drawing.smooth - place)**2).sum(1).min(), 1e-9)
 
