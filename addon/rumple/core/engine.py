@@ -40,10 +40,9 @@ class Moment:
     cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
     surroundings: Surroundings = Surroundings()  # where the system reads them
 
-    def in_time(self) -> dict[str, Any]:
-        """As native solves take it."""
-        return dict(time=self.seconds, labels=self.labels, next_positions=self.next_positions,
-                    next_time=self.next_seconds)
+    def in_time(self) -> tuple[float, np.ndarray | None, np.ndarray | None, float]:
+        """As native poses take it."""
+        return self.seconds, self.labels, self.next_positions, self.next_seconds
 
 
 class Wrinkles:
@@ -55,6 +54,7 @@ class Wrinkles:
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
     FITTING = "wavelength"  # the setting that suits the mesh when wrinkles are added: see fitting_length()
     HAS_CURVES = False  # whether curves() has something to say
+    _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: Any, model: Any, warnings: list[str],
                  unit_scale: float) -> None:
@@ -168,14 +168,17 @@ class Wrinkles:
         replayed = entry is not None and entry.inputs == digest and (entry.final or not final)
         if not replayed:
             state = before.state if before is not None else None
-            state, report = self._solve_over(settings, self._positions_solved(positions), state,
-                                             before is not None and before.chosen == chosen, moment)
+            state, report, pose = self._solve_over(settings, self._positions_solved(positions), state,
+                                                   before is not None and before.chosen == chosen, moment)
             entry = Entry(state, digest, chosen, final, report)
             self.history.put(frame, entry)
         solved = time.perf_counter()
         moment = replace(moment, cloth=cloth_of(entry.state))
-        picture = (self._sketch if sketched else self._show)(settings, self.solved_over(frame, positions),
-                                                             system_state(entry.state), moment)
+        over = self.solved_over(frame, positions)
+        if replayed:
+            pose = self._pose(over, moment)
+        self._last_pose = (over.copy(), pose)
+        picture = (self._sketch if sketched else self._show)(settings, over, pose, system_state(entry.state), moment)
         picture.report, picture.replayed = entry.report, replayed
         picture.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
         picture.unplayed = swings and not entry.final
@@ -198,20 +201,27 @@ class Wrinkles:
 
     # --- the base cloth
     def _solve_over(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
-                    moment: Moment) -> tuple[Any, Any]:
-        """The base cloth, or the animated mesh out of a body, then the system over it. Everything as _solve() has it.
-        """
+                    moment: Moment) -> tuple[Any, Any, Any]:
+        """The base cloth, or the animated mesh out of a body, then the system over it. Everything as _solve() has it;
+        and the pose that it was solved in."""
         own = system_state(before)
         if settings.base_cloth == "OFF" and moment.body is None:
-            return self._solve(settings, positions, own, same_settings, moment)
+            pose = self._pose(positions, moment)
+            return *self._solve(settings, pose, own, same_settings, moment), pose
         cloth = cloth_of(before)
         if cloth is not None and not same_settings:
             cloth = cloth.activated()
         cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, moment.world_from_object, moment.body,
                                          cloth, not self._keeps_off_bodies(), moment.seconds, moment.surroundings)
-        state, report = self._solve(settings, cloth.positions, own, same_settings, replace(moment, cloth=cloth))
+        pose = self._pose(cloth.positions, moment)
+        state, report = self._solve(settings, pose, own, same_settings, replace(moment, cloth=cloth))
         return OnCloth(cloth, state), OnClothReport(cloth.report, report, moment.body is not None,
-                                              settings.base_cloth != "OFF")
+                                                    settings.base_cloth != "OFF"), pose
+
+    def _pose_of(self, frame: float, positions: np.ndarray) -> Any:
+        """The pose of a stored frame, for who looks at it: the one that was made last, if it is of these positions."""
+        over = self.solved_over(frame, positions)
+        return self._last_pose[1] if np.array_equal(self._last_pose[0], over) else over
 
     def _base_cloth(self) -> Stage:
         if self._stage is None:
@@ -363,16 +373,19 @@ class Wrinkles:
         """The native paint."""
         raise NotImplementedError
 
-    def _solve(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
-               moment: Moment) -> tuple[Any, Any]:
-        """(state, report) from the state of the frame before; same_settings: it was solved with these. positions: what
-        the wrinkles lie on."""
+    def _pose(self, positions: np.ndarray, moment: Moment) -> Any:
+        """What the system makes of the positions that the wrinkles lie on: made once a frame, for all that follows."""
         raise NotImplementedError
 
-    def _show(self, settings: Any, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
+    def _solve(self, settings: Any, pose: Any, before: Any, same_settings: bool, moment: Moment) -> tuple[Any, Any]:
+        """(state, report) from the state of the frame before; same_settings: it was solved with these."""
         raise NotImplementedError
 
-    def _sketch(self, settings: Any, positions: np.ndarray, state: Any, moment: Moment) -> Sketch:
+    def _show(self, settings: Any, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Picture:
+        """positions: what the pose was made of."""
+        raise NotImplementedError
+
+    def _sketch(self, settings: Any, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Sketch:
         """Where the viewport can draw frames by itself."""
         raise NotImplementedError
 

@@ -88,17 +88,19 @@ class WrinkleField(Wrinkles):
         return native.load().WrinkleFieldPaint(
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != "profile"})
 
-    def _solve(self, settings: FieldSettings, positions: np.ndarray, before: Any, same_settings: bool,
+    def _pose(self, positions: np.ndarray, moment: Moment) -> Any:
+        return native.load().WrinkleFieldPose.of(self.model, positions, *moment.in_time())
+
+    def _solve(self, settings: FieldSettings, pose: Any, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.activated()  # under other settings nothing of it may be held
-        return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
-                                                 before, **moment.in_time())
+        return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, pose,
+                                                 before)
 
-    def _show(self, settings: FieldSettings, positions: np.ndarray, state: Any,
-              moment: Moment) -> Picture:
+    def _show(self, settings: FieldSettings, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Picture:
         shown = native.load().show_wrinkle_field(self.model, self._native_settings(settings),
-                                                 native_profile(settings.profile, self._drawn), self._paint, positions,
+                                                 native_profile(settings.profile, self._drawn), self._paint, pose,
                                                  state, None if moment.cloth is None else moment.cloth.gap)
         own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
         nothing = np.zeros((len(self.corner_vertex), 3), np.float32)

@@ -249,15 +249,20 @@ class WrinkleMesh(Wrinkles):
             return native.load().WrinkleLayersPaint(self.model, ours, words)
         return native.load().WrinkleMeshPaint(self.model, ours)
 
-    def _solve(self, settings: MeshSettings, positions: np.ndarray, before: Any, same_settings: bool,
+    def _pose(self, positions: np.ndarray, moment: Moment) -> Any:
+        if self.layer_count:
+            return positions  # every layer makes its own, of the layer before
+        return native.load().WrinkleMeshPose.of(self.model, positions, *moment.in_time(), moment.world_from_object)
+
+    def _solve(self, settings: MeshSettings, pose: Any, before: Any, same_settings: bool,
                moment: Moment) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.activated()  # under other settings nothing of it may be held
         if not self.layer_count:
-            return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                                    before, moment.world_from_object, **moment.in_time())
+            return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, pose,
+                                                    before)
         layers = layer_settings(settings, self.layer_count, self.finest_share)
-        return native.load().solve_wrinkle_layers(self.model, layers, self._paint, positions, state=before,
+        return native.load().solve_wrinkle_layers(self.model, layers, self._paint, pose, state=before,
                                                   **self._contact(settings, moment))
 
     def _contact(self, settings: MeshSettings, moment: Moment) -> dict[str, Any]:
@@ -272,14 +277,13 @@ class WrinkleMesh(Wrinkles):
         return dict(gap=cloth.gap, collider=collider, body_positions=moment.body.positions, body_hint=cloth.body_hint,
                     thickness=base_cloth.thickness(settings))
 
-    def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, moment: Moment) -> Picture:
+    def _show(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Picture:
         if self.coarse is not None:
             return Picture.of(native.load().show_wrinkle_transfer(self.transfer, self.coarse, self.model,
                                                                   moment.animated, state))
         if self.layer_count:
             return Picture.of(native.load().show_wrinkle_layers(self.model, moment.animated, positions, state))
-        shown = native.load().show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
-                                                moment.world_from_object)
+        shown = native.load().show_wrinkle_mesh(self.model, native_settings(settings), pose, state)
         return self._picture(shown, moment)
 
 

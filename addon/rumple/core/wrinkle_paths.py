@@ -11,6 +11,7 @@ from .. import native
 from .base_mesh import BaseMesh, Refused, checked_surface
 from .cloth import size_factor
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Sketch, Wrinkles
+from .on_cloth import cloth_of
 from .settings import PathsSettings
 
 MOST_LEVEL = 5
@@ -72,15 +73,16 @@ class WrinklePaths(Wrinkles):
         return lines
 
     def curves(self, frame: float, positions: np.ndarray, settings: PathsSettings) -> Any:
+        animated = None if cloth_of(self.state_of(frame)) is None else positions
         return native.load().ride_wrinkle_paths(self.model, self._native_settings(settings),
-                                                self.solved_over(frame, positions), self.wrinkles_of(frame), positions)
+                                                self._pose_of(frame, positions), self.wrinkles_of(frame), animated)
 
     def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
         1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
-        state, positions = self.wrinkles_of(frame), self.solved_over(frame, positions)
-        corners = positions[self.base.corner_vertex[self.base.triangle_corner]]
-        return corners, state.labels, native.load().wrinkle_path_ellipses(self.model, positions, state)
+        state, pose = self.wrinkles_of(frame), self._pose_of(frame, positions)
+        corners = self.solved_over(frame, positions)[self.base.corner_vertex[self.base.triangle_corner]]
+        return corners, state.labels, native.load().wrinkle_path_ellipses(self.model, pose, state)
 
     def curve_points(self, settings: PathsSettings) -> float:
         """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
@@ -97,18 +99,20 @@ class WrinklePaths(Wrinkles):
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         return native.load().WrinklePathsPaint(self.model, paint)
 
-    def _solve(self, settings: PathsSettings, positions: np.ndarray, before: Any, same_settings: bool,
-               moment: Moment) -> tuple[Any, Any]:
-        return native.load().solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, positions,
-                                                 state=before, **moment.in_time())
+    def _pose(self, positions: np.ndarray, moment: Moment) -> Any:
+        return native.load().WrinklePathsPose.of(self.model, positions, *moment.in_time())
 
-    def _show(self, settings: PathsSettings, positions: np.ndarray, state: Any,
-              moment: Moment) -> Picture:
-        shown = native.load().show_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+    def _solve(self, settings: PathsSettings, pose: Any, before: Any, same_settings: bool,
+               moment: Moment) -> tuple[Any, Any]:
+        return native.load().solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, pose,
+                                                 moment.seconds, state=before)
+
+    def _show(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Picture:
+        shown = native.load().show_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         return self._picture(shown, moment, rumple_height=shown.height)
 
-    def _sketch(self, settings: PathsSettings, positions: np.ndarray, state: Any, moment: Moment) -> Sketch:
-        drawing = native.load().draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+    def _sketch(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Sketch:
+        drawing = native.load().draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         off = positions - moment.animated if moment.cloth is not None else np.float32(0.0)
         return Sketch(drawing, drawing.proxy_offset + off)
 
