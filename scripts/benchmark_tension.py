@@ -71,8 +71,8 @@ class Tree:
         return next(socket for socket in on_edges.outputs if socket.enabled)
 
     def edge_length(self, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        ends, distance = self.node("GeometryNodeInputMeshEdgeVertices"), self.node("ShaderNodeVectorMath",
-                                                                                  operation="DISTANCE")
+        ends = self.node("GeometryNodeInputMeshEdgeVertices")
+        distance = self.node("ShaderNodeVectorMath", operation="DISTANCE")
         for end, target in zip(("Vertex Index 1", "Vertex Index 2"), distance.inputs):
             at = self.node("GeometryNodeFieldAtIndex", data_type="FLOAT_VECTOR", domain="POINT")
             self.group.links.new(ends.outputs[end], at.inputs["Index"])

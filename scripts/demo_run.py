@@ -81,12 +81,12 @@ def play(garment: bpy.types.Object, frames: range) -> Report:
         began = time.perf_counter()
         scene.frame_set(frame)
         spent = 1e3 * (time.perf_counter() - began)
-        entry = runtimes.of(garment)
-        if entry.message or entry.inputs is None:
-            say(f"frame {frame}: {entry.message or 'nothing was solved'}")
+        runtime = runtimes.of(garment)
+        if runtime.message or runtime.inputs is None:
+            say(f"frame {frame}: {runtime.message or 'nothing was solved'}")
             raise SystemExit(1)
-        measures = fine.measure_frame(float(frame), entry.inputs.positions, properties.settings_of(garment, scene))
-        report.add(frame, entry.picture, measures, spent)
+        measures = fine.measure_frame(float(frame), runtime.inputs.positions, properties.settings_of(garment, scene))
+        report.add(frame, runtime.result, measures, spent)
         if number % 10 == 0:
             say(f"solving frame {frame} of {frames[-1]}")
     return report

@@ -48,7 +48,7 @@ class Played:
     bare_ms: float = 0.0  # of a whole frame without the wrinkles
     frame_ms: float = 0.0  # with them
     solve_ms: float = 0.0  # of which the add-on
-    strayed: float = 0.0  # metres: largest distance of a simulation's vertex from Rumple's mesh at rest
+    largest_gap: float = 0.0  # metres: largest distance of a simulation's vertex from Rumple's mesh at rest
 
 
 def evenly(frames: np.ndarray, count: int) -> list[int]:
@@ -94,17 +94,17 @@ def play(garment: bpy.types.Object, rest: np.ndarray, frames: np.ndarray, wanted
     armature = truth_clip.skinned_by(garment).data
     armature.pose_position = "REST"
     scene.frame_set(int(frames[0]))
-    corners, shares, played.strayed = places_on(evaluated(garment), rest)
+    corners, shares, played.largest_gap = places_on(evaluated(garment), rest)
     armature.pose_position = "POSE"
     whole, solving = [], []
     for frame in frames.tolist():
         began = time.perf_counter()
         scene.frame_set(frame)
         whole.append(1e3 * (time.perf_counter() - began))
-        entry = runtimes.of(garment)
-        if entry.message or entry.picture is None:
-            raise SystemExit(f"frame {frame}: {entry.message or 'nothing was solved'}")
-        solving.append(sum(entry.picture.milliseconds.values()))
+        runtime = runtimes.of(garment)
+        if runtime.message or runtime.result is None:
+            raise SystemExit(f"frame {frame}: {runtime.message or 'nothing was solved'}")
+        solving.append(sum(runtime.result.milliseconds.values()))
         if frame in wanted | pictured:
             here = evaluated(garment)
             played.sampled[frame] = np.einsum("nk,nkj->nj", shares, here.positions[corners])
@@ -195,7 +195,7 @@ def main() -> None:
     for line in table(numbers):
         say(line)
     say(f"of Rumple's frame {played.solve_ms:.1f} ms are the add-on's; its mesh at rest is at most "
-        f"{1e3 * played.strayed:.2f} mm from the simulation's")
+        f"{1e3 * played.largest_gap:.2f} mm from the simulation's")
     faces = stored["starts"], stored["corners"]
     draw(garment, dict(zip(ROWS, (
         {frame: Shown(stored["base"][frame - first], *faces) for frame in pictured}, played.shown,

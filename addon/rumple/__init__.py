@@ -15,11 +15,11 @@ bl_info = {     # read by Blender 3.4 to 4.1; from 4.2 on blender_manifest.toml
 }
 
 
-def register():
+def register() -> None:
     from . import blender
     blender.register()
 
 
-def unregister():
+def unregister() -> None:
     from . import blender
     blender.unregister()

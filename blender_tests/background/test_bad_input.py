@@ -86,11 +86,11 @@ class BadInput:
         torn.data[1].co.x = 0.5
         torn.value = 1.0
         sleeve.at(2)
-        before = runtimes.of(obj).picture
+        before = runtimes.of(obj).result
         torn.data[2].co.y = math.nan
         sleeve.at(3)
         self.assertEqual(obj.rumple.message, "Rag: positions: vertex 2 is not finite")
-        self.assertIs(runtimes.of(obj).picture, before)
+        self.assertIs(runtimes.of(obj).result, before)
         torn.data[2].co.y = 1.0
         sleeve.at(4)
         self.assertEqual(obj.rumple.message, "")

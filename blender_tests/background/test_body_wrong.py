@@ -22,10 +22,10 @@ class Wrong(Worn):
         sleeve.at(5)
 
     def check_said(self, obj: bpy.types.Object, words: str, frame: int = 9) -> None:
-        before = runtimes.of(obj).picture
+        before = runtimes.of(obj).result
         sleeve.at(frame)
         self.assertRegex(obj.rumple.message, f"^{obj.name}: .*{words}")
-        self.assertIs(runtimes.of(obj).picture, before)
+        self.assertIs(runtimes.of(obj).result, before)
 
     def check_right(self, obj: bpy.types.Object, frame: int = 10) -> None:
         sleeve.at(frame)

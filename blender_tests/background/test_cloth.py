@@ -210,10 +210,10 @@ class ToTheBit(Cloth):
         """Positions by time, as they are shown to renders."""
         found, show = {}, solve._show
 
-        def spy(held, entry, picture, in_viewport) -> bool:
+        def spy(held, runtime, picture, in_viewport) -> bool:
             if not in_viewport:
-                found[entry.inputs.frame] = picture.positions
-            return show(held, entry, picture, in_viewport)
+                found[runtime.inputs.frame] = picture.positions
+            return show(held, runtime, picture, in_viewport)
 
         with mock.patch.object(solve, "_show", spy):
             render()
@@ -265,21 +265,21 @@ class Changes(Cloth):
 
     def test_each_setting_updates_the_picture_and_the_way_back_is_exact(self) -> None:
         obj = garment(level=2)  # drape, folds and detail
-        settings, entry = obj.rumple.mesh, runtimes.of(obj)
+        settings, runtime = obj.rumple.mesh, runtimes.of(obj)
         first = played(obj, 10)
-        cloth = entry.evaluator.state_of(10.0).cloth.positions
+        cloth = runtime.evaluator.state_of(10.0).cloth.positions
         for name, value in (("slack", 1.08), ("gravity", 3.0), ("room", 0.004), ("drape", 0.1), ("folds", 0.1),
                             ("detail", 0.2), ("layers", "ONE"), ("base_cloth", "OFF")):
             former = getattr(settings, name)
             setattr(settings, name, value)
             bpy.context.view_layer.update()
-            self.assertEqual(getattr(entry.inputs.settings, name), getattr(settings, name))
+            self.assertEqual(getattr(runtime.inputs.settings, name), getattr(settings, name))
             self.assertEqual(obj.rumple.message, "")
             np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
             other = played(obj, 10)[10]
             self.assertTrue(len(other) != len(first[10]) or difference(other, first[10]) > 2e-4, name)
             if name in ("slack", "gravity", "room"):
-                moved = difference(entry.evaluator.state_of(10.0).cloth.positions, cloth)
+                moved = difference(runtime.evaluator.state_of(10.0).cloth.positions, cloth)
                 self.assertGreater(moved, 1e-4, f"base cloth, {name}")
             setattr(settings, name, former)
             self.same(first, played(obj, 10))

@@ -256,8 +256,8 @@ class Baked(Cloth):
         hung, places = {}, {}
 
         def base_cloth() -> np.ndarray:
-            entry = runtimes.of(outer)
-            return entry.evaluator.solved_over(entry.inputs.frame, entry.inputs.positions)
+            runtime = runtimes.of(outer)
+            return runtime.evaluator.solved_over(runtime.inputs.frame, runtime.inputs.positions)
 
         def apart(frame: int) -> float:
             return float(np.abs(base_cloth() - hung[frame]).mean())

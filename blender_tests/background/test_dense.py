@@ -66,7 +66,7 @@ class Dense(cloth_scenes.Cloth):
 
     def test_paint_starts_with_a_value_for_every_vertex_and_pins_the_cloth(self) -> None:
         sleeve.play(LAST)
-        free = np.linalg.norm(runtimes.of(self.obj).picture.offset, axis=1)
+        free = np.linalg.norm(runtimes.of(self.obj).result.offset, axis=1)
         bpy.ops.object.rumple_paint(group="follow")
         bpy.ops.object.mode_set(mode="OBJECT")
         group = self.obj.vertex_groups["Rumple Follow"]
@@ -76,7 +76,7 @@ class Dense(cloth_scenes.Cloth):
         self.obj.rumple.mesh.radius = 0.0
         scheduler.sync_all()
         sleeve.play(LAST)
-        pinned = np.linalg.norm(runtimes.of(self.obj).picture.offset, axis=1)
+        pinned = np.linalg.norm(runtimes.of(self.obj).result.offset, axis=1)
         self.assertLess(np.median(pinned), 0.1 * np.median(free))
 
     def test_it_stays_out_of_the_body(self) -> None:

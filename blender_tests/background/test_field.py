@@ -112,7 +112,7 @@ class Settings(unittest.TestCase):
             scheduler.sync_all()
             sleeve.at(19)
             sleeve.at(20)
-            k = runtimes.of(obj).picture.attributes[VECTORS[0]]
+            k = runtimes.of(obj).result.attributes[VECTORS[0]]
             lengths.append(np.median(np.sqrt((k**2).sum(1))) / scale)  # radians per metre
         self.assertAlmostEqual(lengths[0] / lengths[1], 1.0, places=2)  # the arm is not scaled along: other poses
 

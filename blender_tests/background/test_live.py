@@ -59,15 +59,15 @@ class Frames(unittest.TestCase):
         obj = sleeve.scene()
         sleeve.at(9)
         written = []
-        original = output_mesh.write_picture
-        output_mesh.write_picture = lambda *arguments: written.append(1) or original(*arguments)
+        original = output_mesh.write_result
+        output_mesh.write_result = lambda *arguments: written.append(1) or original(*arguments)
         try:
             bpy.data.objects.new("Empty", None)
             for _ in range(3):
                 obj.update_tag()
                 bpy.context.view_layer.update()
         finally:
-            output_mesh.write_picture = original
+            output_mesh.write_result = original
         self.assertEqual(written, [])
 
     def test_updates_are_read_before_anything_is_made_anew(self):
@@ -218,11 +218,11 @@ class Copies(unittest.TestCase):
     def test_renaming(self):
         obj = sleeve.scene()
         sleeve.play(1, 5)
-        stored = len(runtimes.of(obj).evaluator.history.frames())
+        stored = len(runtimes.of(obj).evaluator.frame_cache.frames())
         obj.name = "Shirt"
         sleeve.at(6)
         self.assertEqual(obj.rumple.message, "")
-        self.assertEqual(len(runtimes.of(obj).evaluator.history.frames()), stored + 1)
+        self.assertEqual(len(runtimes.of(obj).evaluator.frame_cache.frames()), stored + 1)
 
     def test_removing_one_of_two_that_share_a_mesh(self):
         obj = sleeve.scene()

@@ -163,11 +163,11 @@ class Beside(unittest.TestCase):
     def test_a_new_skin_at_the_address_of_the_former_one_gets_its_weights(self):
         """In 3.4 keys are addresses: the weights of a new skin were taken to be written, and every mask was 0."""
         self.check(6)
-        entry, make = maps_runtimes.of(self.obj), maps_meshes.new_skin
+        runtime, make = maps_runtimes.of(self.obj), maps_meshes.new_skin
 
         def at_the_same_address(*arguments):
             skin = make(*arguments)
-            entry.output_key = compat.session_key(skin.data)
+            runtime.output_key = compat.session_key(skin.data)
             return skin
 
         self.obj.rumple_maps.root = "nobody"

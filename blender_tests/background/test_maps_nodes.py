@@ -5,7 +5,7 @@ import unittest
 import bpy
 import numpy as np
 from rumple.blender.nodes import maps_shader
-from rumple.core.engine import Refused
+from rumple.core.engine import UserError
 from support import maps_renders
 
 
@@ -111,7 +111,7 @@ class InAMaterial(unittest.TestCase):
 
     def refused(self, word, group=None):
         before = links(self.material)
-        with self.assertRaisesRegex(Refused, word):
+        with self.assertRaisesRegex(UserError, word):
             maps_shader.insert(self.material, group or self.group)
         self.assertEqual(links(self.material), before)
 

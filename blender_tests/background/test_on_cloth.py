@@ -54,7 +54,7 @@ class FirstClick(Cloth):
                 self.assertAlmostEqual(settings.width, 0.027, 6)  # 0.7 of the mean edge, 39 mm: more than 25 mm
             else:
                 fine = runtimes.of(obj).evaluator
-                self.assertAlmostEqual(settings.wavelength, fine.fitting_length(fine.base, 1.0), 6)
+                self.assertAlmostEqual(settings.wavelength, fine.suggested_length(fine.base, 1.0), 6)
             sleeve.play(1, 8)
             self.assertEqual(obj.rumple.message, "")
             self.assertGreater(off_animation(obj), 2e-3, kind)
@@ -82,8 +82,8 @@ class Shown(Cloth):
         obj, _body, _settings = worn("FIELD")
         for frame in (1, 2, 3, 12, 20, 7):
             sleeve.at(frame)
-            entry = runtimes.of(obj)
-            cloth = entry.evaluator.solved_over(float(frame), entry.inputs.positions)
+            runtime = runtimes.of(obj)
+            cloth = runtime.evaluator.solved_over(float(frame), runtime.inputs.positions)
             np.testing.assert_allclose(sleeve.shown(obj), cloth, atol=2e-6)
         self.assertGreater(off_animation(obj), 2e-3)
 
@@ -190,9 +190,9 @@ class PaintedAndWorn(Cloth):
             bpy.context.view_layer.update()
             for frame in (1, 2, 3, 4):
                 sleeve.at(frame)
-                entry = runtimes.of(inner)
+                runtime = runtimes.of(inner)
                 np.testing.assert_array_equal(runtimes.of(outer).inputs.body.positions,
-                                              entry.evaluator.solved_over(float(frame), entry.inputs.positions))
+                                              runtime.evaluator.solved_over(float(frame), runtime.inputs.positions))
             self.assertGreater(off_animation(inner), 1e-3)
             self.assertEqual((inner.rumple.message, outer.rumple.message), ("", ""))
 

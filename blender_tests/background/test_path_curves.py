@@ -82,8 +82,8 @@ class Curves(unittest.TestCase):
         sleeve.play()
         curves, positions, _ = curve_edges.seen(child)
         child.modifiers.remove(child.modifiers[curve_edges.NAME])
-        ours = path_curves.find(child)
-        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.002)
+        nodes_mod = path_curves.find(child)
+        compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")["Radius"], 0.002)
         child.update_tag()
         sleeve.at(20)
         mesh = sleeve.evaluated(child).data
@@ -151,8 +151,8 @@ class Lives(unittest.TestCase):
 
     def test_an_emptied_input_removes_nothing(self) -> None:
         _, child = curved()
-        ours = path_curves.find(child)
-        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Garment"], None)
+        nodes_mod = path_curves.find(child)
+        compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")["Garment"], None)
         scheduler.sync_all()
         self.assertIn(child.name, bpy.data.objects)
 
@@ -287,8 +287,8 @@ class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
         bpy.ops.object.rumple_add(method="PATHS")
         bpy.ops.object.rumple_curves_add()
         child = curve_edges.child_of(obj)
-        ours = path_curves.find(child)
-        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.006)
+        nodes_mod = path_curves.find(child)
+        compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")["Radius"], 0.006)
         obj.is_holdout = True  # only the curves are seen
         sleeve.play()
         stills = {frame: small_renders.still(frame) for frame in (14, 17, 20)}

@@ -27,7 +27,7 @@ class Paths(unittest.TestCase):
         sleeve.play()
         offset = np.sqrt((sleeve.attribute(obj, "rumple_offset")**2).sum(1))
         x = runtimes.of(obj).evaluator.positions_rest[:, 0]
-        self.assertGreater(runtimes.of(obj).picture.report.paths, 0)
+        self.assertGreater(runtimes.of(obj).result.report.paths, 0)
         self.assertGreater(offset.max(), 0.1 * obj.rumple.paths.width)
         self.assertEqual(offset[x < 0.1].max(), 0.0)
         self.assertEqual(obj.rumple.message, "")
@@ -35,7 +35,7 @@ class Paths(unittest.TestCase):
     def test_at_rest_nothing_folds(self) -> None:
         obj = folding()
         sleeve.at(1)
-        self.assertEqual(runtimes.of(obj).picture.report.paths, 0)
+        self.assertEqual(runtimes.of(obj).result.report.paths, 0)
         self.assertEqual(np.abs(sleeve.attribute(obj, "rumple_height")).max(), 0.0)
 
     def test_played_frames_come_back_to_the_bit(self) -> None:
@@ -77,7 +77,7 @@ class Paths(unittest.TestCase):
             scheduler.sync_all()
             sleeve.play()
             self.assertEqual(obj.rumple.message, "", preset)
-            seen[preset] = runtimes.of(obj).picture.report.paths
+            seen[preset] = runtimes.of(obj).result.report.paths
         self.assertGreater(seen["SILK"], seen["COTTON"])
         self.assertLess(seen["LEATHER"], seen["COTTON"])
         back = {name: getattr(obj.rumple.paths, name) for name in chosen}

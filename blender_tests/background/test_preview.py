@@ -18,22 +18,21 @@ class Background(unittest.TestCase):
         bpy.ops.object.rumple_add(method="FIELD")
         sleeve.play(1, 5)
         self.assertEqual(obj.rumple.message, "")
-        self.assertIsNone(preview._handle)
-        self.assertNotIn(preview._on_load, bpy.app.handlers.load_pre)
+        self.assertFalse(preview.handler.added)
         self.assertEqual((gpu_arrays._kept, len(preview._on_gpu)), ({}, 0))
 
     def test_unregister_and_register(self) -> None:
         preview.unregister()
         preview.register()
-        self.assertIsNone(preview._handle)
+        self.assertFalse(preview.handler.added)
 
     def test_the_switch_is_not_part_of_what_is_solved(self) -> None:
         """Turning it on keeps the stored frames."""
         obj = sleeve.scene(wrinkles=False)
         bpy.ops.object.rumple_add(method="FIELD")
         sleeve.play(1, 5)
-        stored = runtimes.of(obj).evaluator.history.frames()
+        stored = runtimes.of(obj).evaluator.frame_cache.frames()
         obj.rumple.field.gpu_preview = True
         sleeve.at(5)
-        self.assertEqual(runtimes.of(obj).evaluator.history.frames(), stored)
+        self.assertEqual(runtimes.of(obj).evaluator.frame_cache.frames(), stored)
         self.assertGreaterEqual(len(stored), 5)

@@ -154,15 +154,15 @@ class WholeClip(unittest.TestCase):
 
     def by_hand(self, obj: bpy.types.Object) -> dict[int, np.ndarray]:
         """All frames with the labels of the whole clip, by the engine alone."""
-        scene, entry = bpy.context.scene, runtimes.of(obj)
+        scene, runtime = bpy.context.scene, runtimes.of(obj)
         now = evaluator.sources(obj)
         fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale)
         poses = {}
         for frame in range(1, sleeve.LAST + 1):
             sleeve.at(frame)
-            poses[float(frame)] = entry.inputs.positions
+            poses[float(frame)] = runtime.inputs.positions
         rate = scene.render.fps / scene.render.fps_base
-        fine.look_at_clip(poses, now.settings, frame_rate=rate)
+        fine.analyze_clip(poses, now.settings, frame_rate=rate)
         return {int(frame): fine.solve_frame(frame, pose, now.settings, {}, start=1, frame_rate=rate).positions
                 for frame, pose in poses.items()}
 
@@ -239,8 +239,8 @@ class WholeClip(unittest.TestCase):
             for _ in range(steps):
                 self.assertTrue(bake.step())
             bake.cancel()
-            entry = runtimes.of(obj)
-            self.assertFalse(entry.analyzing)
+            runtime = runtimes.of(obj)
+            self.assertFalse(runtime.analyzing)
             self.assertIsNone(clip_status.clip_path(obj))
             sleeve.at(14)
             sleeve.at(sleeve.LAST)

@@ -19,8 +19,8 @@ JUMPED = "reached by a jump"
 
 def speed(obj: bpy.types.Object) -> float:
     """Of the fastest vertex of the base cloth, m/s."""
-    entry = runtimes.of(obj)
-    velocity = entry.evaluator.state_of(entry.inputs.frame).cloth.state.velocity
+    runtime = runtimes.of(obj)
+    velocity = runtime.evaluator.state_of(runtime.inputs.frame).cloth.state.velocity
     return float(np.linalg.norm(velocity, axis=1).max())
 
 

@@ -82,7 +82,7 @@ class ClothClip(Clip):
         began = time.perf_counter()
         shown = self.show(frame).copy()
         took = 1e3 * (time.perf_counter() - began)
-        picture = runtimes.of(self.garment).picture
+        picture = runtimes.of(self.garment).result
         bare = shown - picture.offset
         over, over_bare = self.heights(shown), self.heights(bare)
         beside = int((over[np.isnan(over_bare)] < -DEEP).sum())
@@ -176,7 +176,7 @@ class Worn(EveryFrame):
         pairs = {}
         for frame in self.frames[::EVERY_CROSSING]:
             shown = self.clip.show(frame).copy()
-            bare = shown - runtimes.of(self.clip.garment).picture.offset
+            bare = shown - runtimes.of(self.clip.garment).result.offset
             pairs[frame] = self.clip.crossings(shown), self.clip.crossings(bare)
         shown_sum, bare_sum = np.sum(list(pairs.values()), axis=0)
         self.assertGreater(bare_sum, 100, "nothing is crossed: the law says nothing")
@@ -227,10 +227,10 @@ class Simulated(unittest.TestCase):
             setattr(self.garment.rumple.mesh, name, value)
         for frame in self.frames:
             bpy.context.scene.frame_set(frame)
-        entry = runtimes.of(self.garment)
-        self.assertEqual(entry.message, "")
-        a, b = sides(entry.evaluator.polygon_start, entry.evaluator.corner_vertex).T
-        offset, count = entry.picture.offset, np.zeros(entry.evaluator.vertex_count)
+        runtime = runtimes.of(self.garment)
+        self.assertEqual(runtime.message, "")
+        a, b = sides(runtime.evaluator.polygon_start, runtime.evaluator.corner_vertex).T
+        offset, count = runtime.result.offset, np.zeros(runtime.evaluator.vertex_count)
         around = np.zeros(offset.shape)
         for one, other in ((a, b), (b, a)):
             np.add.at(around, one, offset[other])
@@ -246,7 +246,7 @@ class Simulated(unittest.TestCase):
     def test_one_click_gives_a_skirt_folds_without_noise(self) -> None:
         skirt = "S3_skirt_sim", "skirt"
         clicked = self.clicked(*skirt)
-        self.assertGreater(np.linalg.norm(runtimes.of(self.garment).picture.offset, axis=1).max(), 0.005)
+        self.assertGreater(np.linalg.norm(runtimes.of(self.garment).result.offset, axis=1).max(), 0.005)
         self.assertLess(clicked, 0.9 * self.noise(*skirt, buckling_threshold=0.0))
         self.assertLess(clicked, 0.65 * self.noise(*skirt, buckling_threshold=0.0, layers="ONE"))
 

@@ -107,10 +107,10 @@ class Face(unittest.TestCase):
 
     def test_what_a_frame_costs_is_written_down(self):
         """Not judged: a busy machine would fail it."""
-        ours = maps_modifier.find(self.head)
+        nodes_mod = maps_modifier.find(self.head)
         times = {}
         for shown in (False, True):
-            ours.show_viewport = shown
+            nodes_mod.show_viewport = shown
             for _ in range(2):
                 began = time.perf_counter()
                 for frame in range(1, 132):

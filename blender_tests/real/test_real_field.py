@@ -32,12 +32,12 @@ class Waving(PlayedOnce):
         cls.scene.frame_set(frame)
         mesh = cls.garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         values = [compat.read_attribute(mesh.attributes[a.name]) for a in cls.fine.ATTRIBUTES]
-        entry = runtimes.of(cls.garment)
+        runtime = runtimes.of(cls.garment)
         return dict(frame=frame, message=cls.garment.rumple.message, finite=all(np.isfinite(v).all() for v in values),
                     digest=digest(np.concatenate([v.ravel() for v in values])),
-                    phase=cls.fine.history.get(float(frame)).state.phase,
-                    wrinkled=mesh_amplitude(mesh) > 0.05 * 0.25 * entry.inputs.settings.wavelength,
-                    amplitude=float(mesh_amplitude(mesh).max()), misfit=entry.picture.report.misfit_after)
+                    phase=cls.fine.frame_cache.get(float(frame)).state.phase,
+                    wrinkled=mesh_amplitude(mesh) > 0.05 * 0.25 * runtime.inputs.settings.wavelength,
+                    amplitude=float(mesh_amplitude(mesh).max()), misfit=runtime.result.report.misfit_after)
 
     @classmethod
     def summary(cls) -> dict:
@@ -65,10 +65,10 @@ class Waving(PlayedOnce):
         held = self.frames[len(self.frames) // 2]
         self.scene.frame_set(held)
         positions = runtimes.of(self.garment).inputs.positions.copy()
-        expected = self.fine.history.get(float(held)).state.phase
+        expected = self.fine.frame_cache.get(float(held)).state.phase
         for frame in range(held + 1, held + HELD):
             self.fine.solve_frame(float(frame), positions, settings, {}, start=self.frames[0])
-            np.testing.assert_array_equal(self.fine.history.get(float(frame)).state.phase, expected)
+            np.testing.assert_array_equal(self.fine.frame_cache.get(float(frame)).state.phase, expected)
         for frame in self.frames:  # as played again
             self.scene.frame_set(frame)
 

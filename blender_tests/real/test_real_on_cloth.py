@@ -30,12 +30,12 @@ class OnCloth(PlayedOnce):
         cls.scene.frame_set(frame)
         mesh = cls.garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         shown = compat.positions(mesh).copy()
-        entry = runtimes.of(cls.garment)
-        picture, cloth = entry.picture, cls.fine.solved_over(float(frame), entry.inputs.positions)
+        runtime = runtimes.of(cls.garment)
+        picture, cloth = runtime.result, cls.fine.solved_over(float(frame), runtime.inputs.positions)
         area = cls.area(picture.positions) / cls.area(cls.fine.positions_rest)
         return dict(frame=frame, message=cls.garment.rumple.message, finite=bool(np.isfinite(shown).all()),
                     digest=digest(shown), area=area, offset=picture.offset.copy(),
-                    hangs=1e3 * float(np.linalg.norm(cloth - entry.inputs.positions, axis=1).mean()))
+                    hangs=1e3 * float(np.linalg.norm(cloth - runtime.inputs.positions, axis=1).mean()))
 
     @classmethod
     def area(cls, positions: np.ndarray) -> float:

@@ -26,13 +26,13 @@ class Folding(PlayedOnce):
         cls.scene.frame_set(frame)
         mesh = cls.garment.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         shown = compat.positions(mesh)
-        entry = runtimes.of(cls.garment)
-        state, report = cls.fine.history.get(float(frame)).state, entry.picture.report
+        runtime = runtimes.of(cls.garment)
+        state, report = cls.fine.frame_cache.get(float(frame)).state, runtime.result.report
         return dict(frame=frame, message=cls.garment.rumple.message, finite=bool(np.isfinite(shown).all()),
                     digest=digest(shown), fault=native.load().wrinkle_path_fault(cls.fine.model, state),
                     paths=report.paths, born=report.born, moved=report.moved_most,
-                    height=float(np.abs(entry.picture.attributes["rumple_height"]).max()),
-                    milliseconds=sum(entry.picture.milliseconds.values()))
+                    height=float(np.abs(runtime.result.attributes["rumple_height"]).max()),
+                    milliseconds=sum(runtime.result.milliseconds.values()))
 
     @classmethod
     def summary(cls) -> dict:

@@ -87,13 +87,13 @@ def played(obj: bpy.types.Object, last: int = sleeve.LAST) -> dict[float, np.nda
 
 def off_animation(obj: bpy.types.Object) -> float:
     """Farthest way of the base cloth from the animated mesh, metres."""
-    entry = runtimes.of(obj)
-    cloth = entry.evaluator.state_of(entry.inputs.frame).cloth
-    return float(np.linalg.norm(cloth.positions - entry.inputs.positions, axis=1).max())
+    runtime = runtimes.of(obj)
+    cloth = runtime.evaluator.state_of(runtime.inputs.frame).cloth
+    return float(np.linalg.norm(cloth.positions - runtime.inputs.positions, axis=1).max())
 
 
 def final(obj: bpy.types.Object, frame: float) -> bool:
-    return runtimes.of(obj).evaluator.history.get(frame).final
+    return runtimes.of(obj).evaluator.frame_cache.get(frame).final
 
 
 def difference(one: np.ndarray, other: np.ndarray) -> float:

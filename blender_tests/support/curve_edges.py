@@ -47,8 +47,8 @@ def seen(child):
 
 def solved(garment):
     """The curves of the frame that was solved last."""
-    entry = runtimes.of(garment)
-    return entry.evaluator.curves(entry.inputs.frame, entry.inputs.positions, entry.inputs.settings)
+    runtime = runtimes.of(garment)
+    return runtime.evaluator.curves(runtime.inputs.frame, runtime.inputs.positions, runtime.inputs.settings)
 
 
 def same(test, garment, child):

@@ -48,19 +48,19 @@ class Walk(RandomWalk):
         scheduler.sync_all()
         sleeve.at(self.random.randint(1, sleeve.LAST))
         outputs = set()
-        for obj, ours in list(modifier.wrinkled_objects()):
+        for obj, nodes_mod in list(modifier.wrinkled_objects()):
             trail = f"{obj.name} after {self.done[-8:]}"
-            held = modifier.output_object(ours)
-            assert held is not None and held.name not in outputs, f"{trail}: output object {held}"
-            outputs.add(held.name)
+            output_obj = modifier.output_object(nodes_mod)
+            assert output_obj is not None and output_obj.name not in outputs, f"{trail}: output object {output_obj}"
+            outputs.add(output_obj.name)
             refused = bodies.refusal(obj)
-            assert obj.rumple.message == refused or modifier.is_baked(ours), f"{trail}: {obj.rumple.message}"
+            assert obj.rumple.message == refused or modifier.is_baked(nodes_mod), f"{trail}: {obj.rumple.message}"
             if refused:
                 continue  # the last picture stays
             self.check_body(obj, trail)
-            last = obj.modifiers[len(obj.modifiers) - 1] == ours  # a Subdivision behind it moves the points
-            drawn = isinstance(sleeve.picture(obj), engine.Sketch)  # by the viewport: there is no fine mesh to compare
-            if last and obj.name in bpy.context.view_layer.objects and not modifier.is_baked(ours) and not drawn:
+            last = obj.modifiers[len(obj.modifiers) - 1] == nodes_mod  # a Subdivision behind it moves the points
+            drawn = isinstance(sleeve.picture(obj), engine.PreviewFrame)  # by the viewport: no fine mesh to compare
+            if last and obj.name in bpy.context.view_layer.objects and not modifier.is_baked(nodes_mod) and not drawn:
                 off = np.abs(sleeve.shown(obj) - sleeve.picture(obj).positions).max()
                 assert off < 1e-5, f"{trail}: shows something else, {off}"
             self.check_curves(obj, trail)
@@ -140,7 +140,7 @@ class Walk(RandomWalk):
             bpy.ops.object.rumple_remove()
 
     def do_add(self):
-        obj = self.pick(ours=False)
+        obj = self.pick(nodes_mod=False)
         if obj and len(obj.data.vertices) < 1500 and path_curves.find(obj) is None:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
             obj.rumple.field.gpu_preview = obj.rumple.paths.gpu_preview = True

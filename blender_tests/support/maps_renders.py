@@ -55,7 +55,7 @@ class Quad:
         packs[:, :len(self.wrinkles)] = self.masks(corners[:, 0], corners[:, 1]).T
         for pack in range(packs.shape[1] // 3):
             compat.write_attribute(mesh, maps_shader.MASKS.format(pack), "FLOAT_VECTOR", "POINT",
-                                     packs[:, 3 * pack:3 * pack + 3])
+                                   packs[:, 3 * pack:3 * pack + 3])
         obj = bpy.data.objects.new("Quad", mesh)
         bpy.context.scene.collection.objects.link(obj)
         mesh.materials.append(material("Skin", image("Neutral", self.neutral)))

@@ -30,14 +30,14 @@ class Walk(RandomWalk):
         self.do_pose()
         self.check_lists()
         mapped = maps_modifier.mapped_objects()
-        shown = [(obj, ours) for obj, ours in mapped if obj.name in bpy.context.view_layer.objects]
-        owned = [ours.node_group for _, ours in shown]
-        owned += [maps_modifier.skin(ours) for obj, ours in shown if obj.rumple_maps.poses]
+        shown = [(obj, nodes_mod) for obj, nodes_mod in mapped if obj.name in bpy.context.view_layer.objects]
+        owned = [nodes_mod.node_group for _, nodes_mod in shown]
+        owned += [maps_modifier.skin(nodes_mod) for obj, nodes_mod in shown if obj.rumple_maps.poses]
         assert len(set(owned)) == len(owned) and None not in owned, f"after {self.done[-8:]}: {owned}"
-        for obj, ours in shown:
+        for obj, nodes_mod in shown:
             trail = f"{obj.name} after {self.done[-8:]}"
             assert obj.rumple_maps.message == "", f"{trail}: {obj.rumple_maps.message}"
-            if ours.show_viewport and obj.rumple_maps.poses:
+            if nodes_mod.show_viewport and obj.rumple_maps.poses:
                 self.compare(obj, trail)
 
     def compare(self, obj, trail):
@@ -136,7 +136,7 @@ class Walk(RandomWalk):
             bpy.ops.rumple.maps_remove()
 
     def do_add(self):
-        if self.pick(ours=False):
+        if self.pick(nodes_mod=False):
             bpy.ops.rumple.maps_add()
 
     def do_wrinkle_mesh(self):

@@ -78,7 +78,7 @@ class Clip:
     def lengths(self, positions: np.ndarray) -> np.ndarray:
         return np.linalg.norm(positions[self.edges[:, 0]] - positions[self.edges[:, 1]], axis=1)
 
-    def spike(self, shown: np.ndarray, picture: engine.Picture) -> float:
+    def spike(self, shown: np.ndarray, picture: engine.FrameResult) -> float:
         unwrinkled = self.lengths(shown - picture.offset)
         allowed = np.maximum(np.maximum(unwrinkled, self.rest_lengths), 0.5 * self.rest_lengths.mean())
         return float((self.lengths(shown) / allowed).max())
@@ -86,13 +86,13 @@ class Clip:
     def look(self, frame: int) -> Seen:
         """Show a frame and measure it."""
         shown = self.show(frame)
-        entry = runtimes.of(self.garment)
-        found = self.fine.measure_frame(float(frame), entry.inputs.positions,
+        runtime = runtimes.of(self.garment)
+        found = self.fine.measure_frame(float(frame), runtime.inputs.positions,
                                         properties.settings_of(self.garment, self.scene))
         former, self.offsets = self.offsets, np.array(found.offsets)
         change = 0.0 if former is None else float(np.linalg.norm(self.offsets - former, axis=1).max())
         return Seen(frame, self.garment.rumple.message, len(shown), bool(np.isfinite(shown).all()), digest(shown),
-                    float(np.abs(shown - entry.picture.positions).max()), self.spike(shown, entry.picture),
+                    float(np.abs(shown - runtime.result.positions).max()), self.spike(shown, runtime.result),
                     found.attachment_violation, found.compressed_area_before, found.compressed_area_after,
                     found.edge_error_before_rms, found.edge_error_after_rms, found.largest_offset, change)
 

@@ -32,7 +32,7 @@ def twin_of(obj: bpy.types.Object) -> bpy.types.Object:
     return twin
 
 
-def pictures(obj: bpy.types.Object, frames: Sequence[float]) -> tuple[engine.Wrinkles, list[engine.Picture]]:
+def pictures(obj: bpy.types.Object, frames: Sequence[float]) -> tuple[engine.Wrinkles, list[engine.FrameResult]]:
     """Solve these frames, and no others, one after the other."""
     scene, twin = bpy.context.scene, twin_of(obj)
     settings = properties.settings_of(obj, scene)

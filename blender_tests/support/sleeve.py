@@ -169,7 +169,7 @@ def attribute(obj, name):
 
 def picture(obj):
     """What was solved last."""
-    return runtimes.of(obj).picture
+    return runtimes.of(obj).result
 
 
 def output_object(obj):

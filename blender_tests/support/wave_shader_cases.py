@@ -123,13 +123,13 @@ class Waves:
 
     def computed(self, profile: str = "SINE") -> tuple[np.ndarray, np.ndarray]:
         """Height and gradient at self.points, from the kernel."""
-        entry = runtimes.of(self.obj)
-        fine, kernels = entry.evaluator, native.load()
-        state = fine.history.get(1.0).state
+        runtime = runtimes.of(self.obj)
+        fine, kernels = runtime.evaluator, native.load()
+        state = fine.frame_cache.get(1.0).state
         waves = kernels.shown_waves_wrinkle_field(
-            fine.model, fine._native_settings(entry.inputs.settings), kernels.WrinkleFieldProfile(profile), fine._paint,
-            entry.inputs.positions, state)
-        triangles = entry.inputs.positions[fine.corner_vertex.reshape(-1, 3), :2].astype(float)
+            fine.model, fine._native_settings(runtime.inputs.settings), kernels.WrinkleFieldProfile(profile),
+            fine._paint, runtime.inputs.positions, state)
+        triangles = runtime.inputs.positions[fine.corner_vertex.reshape(-1, 3), :2].astype(float)
         origin, b, c = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
         way = self.points[:, None] - origin
         area = b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0]

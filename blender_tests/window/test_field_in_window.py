@@ -5,6 +5,5 @@ from support import wave_shader_cases
 from support.window_case import WindowCase
 
 
-
 class Rendered(wave_shader_cases.Waves, WindowCase):
     """In a window; the background suite has the same."""

@@ -51,7 +51,7 @@ class Sheet:
         for frame in range(1, 16):  # folds rise in some frames
             share = min(frame / 6.0, 1.0)
             pose = ((1.0 - share) * rest + share * self.pose).astype(np.float32)
-            self.sketch = self.fine.solve_frame(float(frame), pose, self.settings, {}, start=1, sketched=True)
+            self.sketch = self.fine.solve_frame(float(frame), pose, self.settings, {}, start=1, for_preview=True)
         self.drawing = self.sketch.drawing
         self.native_settings = self.fine._native_settings(self.settings)
 

@@ -19,14 +19,15 @@ from support.preview_case import PreviewCase, smooth
 class FoldsCase(PreviewCase):
     method = "PATHS"
 
-    def entry(self) -> runtimes.Runtime:
+    def runtime(self) -> runtimes.Runtime:
         return runtimes.of(self.obj)
 
     def settled(self, uses_proxy: bool = True) -> Iterator[float]:
         """Waits until the viewport has the mesh that it should have."""
         self.area.tag_redraw()
-        yield from self.until(lambda: self.entry().inputs is not None and self.entry().inputs.uses_proxy == uses_proxy)
-        self.assertEqual(self.entry().inputs.uses_proxy, uses_proxy)
+        yield from self.until(lambda: self.runtime().inputs is not None
+                              and self.runtime().inputs.uses_proxy == uses_proxy)
+        self.assertEqual(self.runtime().inputs.uses_proxy, uses_proxy)
         yield 0.1
 
     def both(self) -> Iterator[float]:
@@ -50,7 +51,7 @@ class Pictures(FoldsCase):
         yield from self.both()
         self.screenshot("folds_preview")
         self.assertEqual(len(preview._on_gpu), 1)
-        self.assertGreater(self.entry().picture.report.paths, 0)
+        self.assertGreater(self.runtime().picture.report.paths, 0)
         here = np.abs(self.fine - self.fine[5, 5]) > 8.0
         difference = np.abs(self.drawn - self.fine)[here]
         self.assertLess(np.median(difference), 4.0)
@@ -122,16 +123,16 @@ class Meshes(FoldsCase):
         for frame in range(2, sleeve.LAST + 1):
             sleeve.at(frame)
             self.assertEqual(len(sleeve.shown(self.obj)), len(self.obj.data.vertices))
-            self.assertEqual(self.entry().inputs.frame, frame)
+            self.assertEqual(self.runtime().inputs.frame, frame)
         self.assertEqual(shown, [])
         yield from self.shot()
         (held,) = preview._on_gpu.values()
-        self.assertIs(held.inputs, self.entry().inputs)
+        self.assertIs(held.inputs, self.runtime().inputs)
 
     def test_the_proxy_has_its_vertices_on_the_drawn_surface(self) -> Iterator[float]:
         yield from self.make()
         yield from self.settled()
-        drawing = self.entry().picture.drawing
+        drawing = self.runtime().picture.drawing
         for place in sleeve.shown(self.obj):
             self.assertLess(((drawing.smooth - place)**2).sum(1).min(), 1e-9)
 

@@ -7,7 +7,6 @@ import os
 from pathlib import Path
 from typing import Callable
 
-import gpu
 import numpy as np
 import rumple_native as native
 from rumple.blender.viewport import glsl, gpu_arrays, preview_field
@@ -307,7 +306,7 @@ class Stages(WindowCase):
         state, _ = native.solve_wrinkle_field(model, settings, paint, frames[0])
         field = preview_field.GpuField(preview_field.Passes(), model)
         field.set_wave_parameters(settings, native.wave_parameters_wrinkle_field(model, settings, paint),
-                         native.WrinkleFieldProfile("SINE"))
+                                  native.WrinkleFieldProfile("SINE"))
         gpu_arrays.plain_state()
         field.begin(state.phase, state.direction, state.solved_offset)
         for frame, positions in enumerate(frames[1:], 1):

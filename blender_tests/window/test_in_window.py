@@ -71,11 +71,11 @@ class Viewport(WindowCase):
         yield 0.2
         with self.area("VIEW_3D"):
             bpy.ops.screen.animation_play()
-        yield from self.until(lambda: len(runtimes.of(obj).evaluator.history.frames()) > 3)
+        yield from self.until(lambda: len(runtimes.of(obj).evaluator.frame_cache.frames()) > 3)
         with self.area("VIEW_3D"):
             bpy.ops.screen.animation_cancel(restore_frame=False)
         yield 0.2
-        self.assertGreater(len(runtimes.of(obj).evaluator.history.frames()), 3)
+        self.assertGreater(len(runtimes.of(obj).evaluator.frame_cache.frames()), 3)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
     def test_duplicates_are_split_by_the_timer(self):

@@ -65,7 +65,7 @@ class Overlay(PathsCase):
         yield from self.shot()
         self.screenshot("paths_overlay")
         blue, green, red = self.coloured()
-        report = runtimes.of(self.obj).picture.report
+        report = runtimes.of(self.obj).result.report
         self.assertGreater(min(report.compressed, report.stretched), 5)
         self.assertGreater(blue, without[0] + 500, "the inside of the bend")
         self.assertGreater(green, without[1] + 2000, "what keeps its shape")
@@ -127,8 +127,8 @@ class Curves(PathsCase):
         with sleeve.context():
             self.assertGreater(curve_edges.same(self, self.obj, child), 1)
         child.modifiers.remove(child.modifiers[curve_edges.NAME])
-        ours = path_curves.find(child)
-        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.003)
+        nodes_mod = path_curves.find(child)
+        compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")["Radius"], 0.003)
         child.update_tag()
         yield from self.shot()
         self.screenshot("paths_curves")
@@ -160,8 +160,8 @@ class Curves(PathsCase):
             bpy.ops.object.rumple_remove()
             bpy.ops.object.rumple_add(method="PATHS")
             bpy.ops.object.rumple_curves_add()
-        ours = path_curves.find(curve_edges.child_of(obj))
-        compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")["Radius"], 0.006)
+        nodes_mod = path_curves.find(curve_edges.child_of(obj))
+        compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")["Radius"], 0.006)
         obj.is_holdout = True
         view, scene, ended = bpy.context.preferences.view, bpy.context.scene, []
         self.addCleanup(setattr, view, "render_display_type", view.render_display_type)

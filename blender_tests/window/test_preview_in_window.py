@@ -110,10 +110,11 @@ class Drawn(PreviewCase):
             self.area.tag_redraw()
             yield from self.until_drawn(frame)
             self.assertFalse(self.held().refused)  # drawn while it was made anew
-            entry = runtimes.of(self.obj)
+            runtime = runtimes.of(self.obj)
             expected = native.estimate_waves_wrinkle_field(
-                entry.evaluator.model, entry.evaluator._native_settings(entry.inputs.settings), entry.evaluator._paint,
-                entry.inputs.positions, entry.evaluator.state_of(float(frame)))
+                runtime.evaluator.model, runtime.evaluator._native_settings(runtime.inputs.settings),
+                runtime.evaluator._paint,
+                runtime.inputs.positions, runtime.evaluator.state_of(float(frame)))
             fullness = self.held().drawing.waves.read_waves()[1][:, 2]
             np.testing.assert_allclose(fullness**2, expected.fullness**2, atol=1e-5, err_msg=str(frame))
             self.assertLess(fullness.max() if frame == 10 else 0.0, 1e-2)  # the first frame is unwrinkled
@@ -185,9 +186,9 @@ class Exact(PreviewCase):
 
     def expected(self, at: np.ndarray) -> dict[str, np.ndarray]:
         """Of points (n, 2) of the sheet from above: by equations (5), (7), (8) from what the shader nodes read."""
-        entry = runtimes.of(self.obj)
-        model, shown = entry.evaluator.model, entry.picture.attributes
-        positions, normals = model.weld_pose(entry.inputs.positions)
+        runtime = runtimes.of(self.obj)
+        model, shown = runtime.evaluator.model, runtime.result.attributes
+        positions, normals = model.weld_pose(runtime.inputs.positions)
         out = {name: np.full((len(at), width), np.nan) for name, width in (
             ("height", 1), ("normal", 3), ("smooth", 3), ("place", 3), ("u", 3), ("v", 3))}
         for t, triangle in enumerate(model.triangles):

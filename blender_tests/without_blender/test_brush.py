@@ -7,7 +7,7 @@ import unittest
 
 import numpy as np
 from rumple.core.brush import LEAST_SPACING, LONGEST, Easel, Hand
-from rumple.core.engine import Refused
+from rumple.core.engine import UserError
 from rumple.core.settings import FieldSettings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.native import load
@@ -108,13 +108,13 @@ class EaselLaws(unittest.TestCase):
         bad = np.zeros((81, 3), np.float32)
         bad[5, 0] = np.nan
         dab = dict(centre=(0.0, 0.0, 0.0), radius=0.4, **ABOVE)
-        with self.assertRaisesRegex(Refused, "Sheet: rest_wrinkle: vertex 5 is not finite"):
+        with self.assertRaisesRegex(UserError, "Sheet: rest_wrinkle: vertex 5 is not finite"):
             easel.dab(bad, False, **dab)
-        with self.assertRaisesRegex(Refused, "Sheet: rest_wrinkle: expected 81 vertices, got 80"):
+        with self.assertRaisesRegex(UserError, "Sheet: rest_wrinkle: expected 81 vertices, got 80"):
             easel.dab(bad[:80], False, **dab)
-        with self.assertRaisesRegex(Refused, "Sheet: positions: expected 81 vertices, got 80"):
+        with self.assertRaisesRegex(UserError, "Sheet: positions: expected 81 vertices, got 80"):
             easel.pose(bad[:80])
-        with self.assertRaisesRegex(Refused, "Sheet: density"):
+        with self.assertRaisesRegex(UserError, "Sheet: density"):
             easel.scatter(0, 2.0, 0.1, 0.5)
 
     def test_the_longest_vector_is_the_kernels(self) -> None:

@@ -2,6 +2,7 @@
 """The rules of docs/architecture.md that a search can hold. Imports and includes: test_import_order.py."""
 from __future__ import annotations
 
+import ast
 import re
 import unittest
 from pathlib import Path
@@ -24,10 +25,33 @@ class Conventions(unittest.TestCase):
         for file in sources("addon/rumple/blender"):
             self.assertNotRegex(file.read_text(), r"np\.(linalg|einsum|cross|dot)\b", str(file))
 
+    def test_native_tests_that_set_threads_say_so_in_their_names(self) -> None:
+        """By that word scripts/suite picks what runs under ThreadSanitizer."""
+        named = 0
+        for file in sources("native/tests"):
+            for test in re.split(r"(?m)^TEST(?:_F|_P)?\(", file.read_text())[1:]:
+                name = test[:test.index(")")]
+                body = test[:test.index("\n}")]
+                if re.search(r"\bthreads\b|std::j?thread\b|\btogether\(", body):
+                    self.assertIn("Thread", name, f"{file}: {name}")
+                    named += 1
+        self.assertGreaterEqual(named, 8)
+
     def test_every_source_says_its_licence_first(self) -> None:
         for file in sources("native", "addon", "blender_tests", "shaders", "scripts"):
             head = file.read_text().splitlines()[:2]
             self.assertTrue(any("SPDX-License-Identifier: GPL-3.0-or-later" in line for line in head), str(file))
+
+    def test_the_version_is_that_of_the_c_header(self) -> None:
+        """The one place. Blender reads these two as they are; CMake and native/c are made from the header."""
+        found = re.search(r'#define RUMPLE_VERSION "(.+)"', (ROOT / "native/include/rumple/base.h").read_text())
+        version = found.group(1)
+        manifest = (ROOT / "addon/rumple/blender_manifest.toml").read_text()
+        self.assertEqual(re.findall(r'(?m)^version = "(.+)"', manifest), [version])
+        info = ast.literal_eval(re.search(r"bl_info = ({.*?\n})", (ROOT / "addon/rumple/__init__.py").read_text(),
+                                          re.DOTALL).group(1))
+        self.assertEqual(".".join(map(str, info["version"])), version)
+        self.assertTrue((ROOT / "CHANGELOG.md").read_text().split("\n## ")[1].startswith(version))
 
     def test_lines_fit_on_the_screen(self) -> None:
         for file in sources("native", "addon", "blender_tests", "scripts", "docs"):

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 from rumple.core.body import Body
-from rumple.core.engine import Refused
+from rumple.core.engine import UserError
 from rumple.core.presets import MESH_PRESETS
 from rumple.core.settings import MeshSettings
-from rumple.core.wrinkle_mesh import WrinkleMesh, fitting_wavelength, level_for, wavelength_of
+from rumple.core.wrinkle_mesh import WrinkleMesh, suggested_wavelength, level_for, wavelength_of
 from support.meshes import compressed, quad_mesh, rotated, sheet, tube
 
 SETTINGS = MeshSettings(density="LEVEL", level=2)
@@ -51,9 +51,9 @@ class FrameLaws(unittest.TestCase):
 
     def test_a_jump_starts_canonically_and_is_provisional(self) -> None:
         self.solve(5)
-        self.assertEqual(self.mesh.history.frames(), [(5.0, False)])
+        self.assertEqual(self.mesh.frame_cache.frames(), [(5.0, False)])
         self.play()
-        self.assertTrue(all(final for _, final in self.mesh.history.frames()))
+        self.assertTrue(all(final for _, final in self.mesh.frame_cache.frames()))
 
     def test_independent_frames_do_not_know_their_neighbours(self) -> None:
         alone = replace(SETTINGS, stateless=True)
@@ -88,7 +88,7 @@ class FrameLaws(unittest.TestCase):
     def test_changed_settings_and_paint_forget_the_stored_frames(self) -> None:
         self.play()
         self.solve(8, settings=replace(SETTINGS, radius=0.5))
-        self.assertEqual(len(self.mesh.history.frames()), 1)
+        self.assertEqual(len(self.mesh.frame_cache.frames()), 1)
         weights = np.zeros(len(self.base.positions), np.float32)
         flat = self.mesh.solve_frame(5.0, self.clip[5], SETTINGS, {"radius": weights}, start=1)
         self.assertEqual(float(np.abs(flat.offset).max()), 0.0)
@@ -96,7 +96,7 @@ class FrameLaws(unittest.TestCase):
     def test_an_animated_setting_keeps_the_frames_and_their_order_does_not_matter(self) -> None:
         growing = {f: replace(SETTINGS, radius=0.4 + 0.1 * f) for f in FRAMES}
         played = [self.solve(f, settings=growing[f]).positions for f in FRAMES]
-        self.assertTrue(all(final for _, final in self.mesh.history.frames()))
+        self.assertTrue(all(final for _, final in self.mesh.frame_cache.frames()))
         for frame in (6, 2, 8, 3):
             picture = self.solve(frame, settings=growing[frame])
             self.assertTrue(picture.replayed)
@@ -127,11 +127,11 @@ class FrameLaws(unittest.TestCase):
 
     def test_the_memory_limit_holds_and_drops_provisional_frames_first(self) -> None:
         self.solve(6)
-        size = self.mesh.history.bytes
-        self.mesh.history.limit_bytes = 3 * size
+        size = self.mesh.frame_cache.bytes
+        self.mesh.frame_cache.limit_bytes = 3 * size
         for frame in (1, 2, 3):
             self.solve(frame)
-        self.assertEqual(self.mesh.history.frames(), [(1.0, True), (2.0, True), (3.0, True)])
+        self.assertEqual(self.mesh.frame_cache.frames(), [(1.0, True), (2.0, True), (3.0, True)])
 
     def test_folds_ride_with_a_rigid_motion(self) -> None:
         here = self.solve(5)
@@ -191,9 +191,9 @@ class FineMesh(unittest.TestCase):
     def test_the_fitting_wavelength_suits_dolls_and_giants_and_spares_dense_meshes(self) -> None:
         for unit_scale in (0.05, 1.0, 20.0):
             base = tube(12, 12)
-            self.assertEqual(level_for(base, fitting_wavelength(base, unit_scale), unit_scale), 2)
+            self.assertEqual(level_for(base, suggested_wavelength(base, unit_scale), unit_scale), 2)
         dense = tube(160, 160)
-        self.assertEqual(level_for(dense, fitting_wavelength(dense, 1.0), 1.0), 0)
+        self.assertEqual(level_for(dense, suggested_wavelength(dense, 1.0), 1.0), 0)
 
     def test_corner_values_keep_their_seam(self) -> None:
         base = tube(8, 2)
@@ -243,7 +243,7 @@ class KeptApart(unittest.TestCase):
 
 class BadInput(unittest.TestCase):
     def refused(self, base, settings=SETTINGS, **arguments) -> str:
-        with self.assertRaises(Refused) as caught:
+        with self.assertRaises(UserError) as caught:
             WrinkleMesh.build(base, settings, **arguments)
         return str(caught.exception)
 
@@ -274,9 +274,9 @@ class BadInput(unittest.TestCase):
         mesh.solve_frame(1.0, base.positions, SETTINGS, {}, start=1)
         bad = base.positions.copy()
         bad[3, 0] = np.inf
-        with self.assertRaisesRegex(Refused, r"^Sheet: .*\b3\b"):
+        with self.assertRaisesRegex(UserError, r"^Sheet: .*\b3\b"):
             mesh.solve_frame(2.0, bad, SETTINGS, {}, start=1)
-        self.assertEqual(mesh.history.frames(), [(1.0, True)])
+        self.assertEqual(mesh.frame_cache.frames(), [(1.0, True)])
 
 
 if __name__ == "__main__":

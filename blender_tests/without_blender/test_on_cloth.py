@@ -11,7 +11,7 @@ import numpy as np
 from rumple import native
 from rumple.core.body import Body
 from rumple.core.cloth import BaseCloth
-from rumple.core.engine import Picture, Wrinkles
+from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, PathsSettings
 from rumple.core.systems import SYSTEMS
 from support.meshes import rotated, tube
@@ -46,12 +46,12 @@ class OnCloth(unittest.TestCase):
         return SYSTEMS[method].wrinkles.build(self.base, settings)
 
     def solve(self, fine: Wrinkles, frame: int, settings: Any, positions: np.ndarray | None = None,
-              paint: dict | None = None, **options: Any) -> Picture:
+              paint: dict | None = None, **options: Any) -> FrameResult:
         options = {"world_from_object": np.eye(3, dtype=np.float32), **options}
         return fine.solve_frame(float(frame), self.clip[frame] if positions is None else positions, settings,
                                 paint or {}, start=1, **options)
 
-    def same(self, one: Picture, other: Picture, offsets: bool = True) -> None:
+    def same(self, one: FrameResult, other: FrameResult, offsets: bool = True) -> None:
         np.testing.assert_array_equal(one.positions, other.positions)
         if offsets:
             np.testing.assert_array_equal(one.local_offset, other.local_offset)
@@ -130,9 +130,9 @@ class OnCloth(unittest.TestCase):
     def test_curves_and_proxies_ride_on_the_animated_mesh(self) -> None:
         fine, apart = self.build(PATHS), self.build(PATHS)
         for frame in FRAMES:
-            sketch = self.solve(fine, frame, on_cloth(PATHS), sketched=True)
+            sketch = self.solve(fine, frame, on_cloth(PATHS), for_preview=True)
             cloth = fine.solved_over(float(frame), self.clip[frame])
-            expected = self.solve(apart, frame, PATHS, cloth, sketched=True)
+            expected = self.solve(apart, frame, PATHS, cloth, for_preview=True)
             np.testing.assert_allclose(sketch.proxy_offset + self.clip[frame], expected.proxy_offset + cloth, atol=1e-6)
         self.solve(fine, 5, on_cloth(PATHS))
         curves = fine.curves(5.0, self.clip[5], on_cloth(PATHS))
@@ -184,7 +184,7 @@ class OnCloth(unittest.TestCase):
                 self.assertTrue(picture.replayed)
                 self.same(picture, played[frame - 1])
             self.solve(other, 6, settings)
-            self.assertEqual(other.history.frames(), [(6.0, False)])
+            self.assertEqual(other.frame_cache.frames(), [(6.0, False)])
             for frame in (7, 2, 8):
                 self.solve(other, frame, settings)
             for frame in FRAMES:
@@ -222,7 +222,7 @@ class OnCloth(unittest.TestCase):
         self.assertGreater(least[True], 0.0503 + 1e-3)
 
 
-def heights(picture: Picture) -> np.ndarray:
+def heights(picture: FrameResult) -> np.ndarray:
     """(d,) of the waves over the cloth of a tube along z, positive outwards."""
     outwards = (picture.offset[:, :2] * picture.positions[:, :2]).sum(axis=1)
     return np.copysign(np.linalg.norm(picture.offset, axis=1), outwards)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 from rumple.core import poses
-from rumple.core.engine import Refused
+from rumple.core.engine import UserError
 from rumple.core.poses import PoseComparison, PoseRig, ReferencePose, SkinWeights, TrackedBone
 
 
@@ -69,20 +69,20 @@ class Json(unittest.TestCase):
         good = json.loads(face().to_json())
         for change, word in ((dict(format="gltf"), "not a file"), (dict(version=2), "version 2"),
                              (dict(maps="colour"), "COLOUR"), (dict(gain=1000), "gain"), (dict(bones=5), "read")):
-            with self.assertRaisesRegex(Refused, word):
+            with self.assertRaisesRegex(UserError, word):
                 poses.from_json(json.dumps({**good, **change}))
-        with self.assertRaisesRegex(Refused, "lack 'root'"):
+        with self.assertRaisesRegex(UserError, "lack 'root'"):
             poses.from_json(json.dumps({key: value for key, value in good.items() if key != "root"}))
         good["poses"][1]["bones"].pop()
-        with self.assertRaisesRegex(Refused, "pose 1: expected 4 bones, got 3"):
+        with self.assertRaisesRegex(UserError, "pose 1: expected 4 bones, got 3"):
             poses.from_json(json.dumps(good))
-        with self.assertRaisesRegex(Refused, "cannot be read"):
+        with self.assertRaisesRegex(UserError, "cannot be read"):
             poses.from_json("{")
 
 
 class Checks(unittest.TestCase):
     def refused(self, rig: PoseRig, word: str) -> None:
-        with self.assertRaisesRegex(Refused, word):
+        with self.assertRaisesRegex(UserError, word):
             PoseComparison.build(rig, one_bone_each(len(rig.bones)))
 
     def test_names_must_be_given_once(self) -> None:
@@ -182,14 +182,14 @@ class Frames(unittest.TestCase):
         turn = np.array([[0, -2, 0, 3], [2, 0, 0, 4], [0, 0, 2, 5], [0, 0, 0, 1]], np.float32)
         moved = (rig.neutral.reshape(-1, 3) @ turn[:3, :3].T + turn[:3, 3]).reshape(-1, 6)
         np.testing.assert_allclose(poses.bones_in_root_space("Face", turn, moved), rig.neutral, atol=1e-6)
-        with self.assertRaisesRegex(Refused, "Face: root: its matrix has no inverse"):
+        with self.assertRaisesRegex(UserError, "Face: root: its matrix has no inverse"):
             poses.bones_in_root_space("Face", np.zeros((4, 4)), moved)
 
     def test_a_bone_that_is_not_finite_is_named(self) -> None:
         rig = face()
         now = rig.neutral.copy()
         now[2, 4] = np.nan
-        with self.assertRaisesRegex(Refused, "Face: the present pose: the tail of bone bone2 is not finite"):
+        with self.assertRaisesRegex(UserError, "Face: the present pose: the tail of bone bone2 is not finite"):
             PoseComparison.build(rig, one_bone_each(4)).frame(now)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import rumple_native as native
-from rumple.core.engine import Picture, Wrinkles
+from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
@@ -30,13 +30,13 @@ class OnATube(unittest.TestCase):
         self.base = tube(12, 12)
         self.clip = {f: compressed(self.base.positions, 1.0 - 0.04 * (f - 1)) for f in FRAMES}
 
-    def solve(self, fine: Wrinkles, frame: float, settings: Any, rate: float = 30.0, start: int = 1) -> Picture:
+    def solve(self, fine: Wrinkles, frame: float, settings: Any, rate: float = 30.0, start: int = 1) -> FrameResult:
         whole, part = int(frame), np.float32(frame % 1.0)
         pose = self.clip[whole] if part == 0 else (1 - part) * self.clip[whole] + part * self.clip[whole + 1]
         return fine.solve_frame(float(frame), pose, settings, {}, start=start, frame_rate=rate)
 
     def reference(self, fine: Wrinkles, frame: float) -> np.ndarray:
-        state = fine.history.get(float(frame)).state
+        state = fine.frame_cache.get(float(frame)).state
         return (state.arrays if isinstance(fine, WrinklePaths) else state.reference)["reference"]
 
     def stored(self, model: Any, state: Any) -> Any:
@@ -83,7 +83,7 @@ class Adapting(OnATube):
                 self.solve(fine, f, settings)
             slow = self.reference(fine, 12)
             self.solve(fine, 5, settings, rate=60.0)  # elsewhere: what is stored is of other times now
-            self.assertEqual(len(fine.history.frames()), 1)
+            self.assertEqual(len(fine.frame_cache.frames()), 1)
             for f in FRAMES:
                 self.solve(fine, f, settings, rate=60.0)
             self.assertGreater(np.abs(self.reference(fine, 12) - slow).max(), 1e-6)
@@ -120,11 +120,12 @@ class Adapting(OnATube):
             fine = system.build(self.base, settings)
             for f in range(1, 8):
                 self.solve(fine, f, settings)
-            entry = fine.history.get(6.0)
+            entry = fine.frame_cache.get(6.0)
             expected = self.solve(fine, 7, settings).positions
             other = system.build(self.base, settings)
             self.solve(other, 6, settings)
-            other.history.get(6.0).state, other.history.get(6.0).final = self.stored(other.model, entry.state), True
+            other.frame_cache.get(6.0).state, other.frame_cache.get(6.0).final = self.stored(other.model,
+                                                                                             entry.state), True
             np.testing.assert_array_equal(self.solve(other, 7, settings).positions, expected)
             self.assertGreater(entry.state.nbytes, self.clip[1].nbytes)
 
@@ -132,7 +133,7 @@ class Adapting(OnATube):
         settings = SYSTEMS[0][1]
         fine = WrinkleMesh.build(self.base, settings)
         self.solve(fine, 1, settings)
-        state = fine.history.get(1.0).state
+        state = fine.frame_cache.get(1.0).state
         good = state.reference
         for name, value in (("labels", good["labels"].astype(np.int32)), ("reference", good["reference"][:, :2]),
                             ("past_times", good["past_times"][None])):
@@ -164,7 +165,7 @@ class SeeingAhead(OnATube):
                                  np.concatenate([self.clip[f] for f in FRAMES]))
 
     def look(self, fine: Wrinkles, settings: Any) -> None:
-        fine.look_at_clip({float(f): self.clip[f] for f in FRAMES}, settings, frame_rate=30.0)
+        fine.analyze_clip({float(f): self.clip[f] for f in FRAMES}, settings, frame_rate=30.0)
 
     def state_arrays(self, fine: Wrinkles, state: Any) -> dict[str, np.ndarray]:
         if isinstance(fine, WrinklePaths):
@@ -194,14 +195,14 @@ class SeeingAhead(OnATube):
             self.look(fine, settings)
             for f in FRAMES:
                 self.solve(fine, f, settings)
-                self.assert_same(fine, fine.history.get(float(f)).state, expected[f - 1])
-            self.assertEqual(fine.strayed, set())
+                self.assert_same(fine, fine.frame_cache.get(float(f)).state, expected[f - 1])
+            self.assertEqual(fine.pose_mismatches, set())
             self.assertFalse(np.array_equal(self.reference(fine, 12), self.state_arrays(fine, live[-1])["reference"]))
-            fine.look_at_clip({}, settings)
-            self.assertEqual(fine.history.frames(), [])
+            fine.analyze_clip({}, settings)
+            self.assertEqual(fine.frame_cache.frames(), [])
             for f in FRAMES:
                 self.solve(fine, f, settings)
-                self.assert_same(fine, fine.history.get(float(f)).state, live[f - 1])
+                self.assert_same(fine, fine.frame_cache.get(float(f)).state, live[f - 1])
 
     def test_a_changed_frame_is_solved_as_live(self) -> None:
         for system, settings in self.each():
@@ -210,17 +211,17 @@ class SeeingAhead(OnATube):
             self.clip[5] = np.float32(1.001) * self.clip[5]
             for f in FRAMES:
                 self.solve(fine, f, settings)
-            self.assertEqual(fine.strayed, {5.0})
+            self.assertEqual(fine.pose_mismatches, {5.0})
             labels = self.labels(fine, settings)
-            state = fine.history.get(5.0).state
+            state = fine.frame_cache.get(5.0).state
             found = (state.arrays if system is WrinklePaths else state.reference)["labels"]
-            before = fine.history.get(4.0).state
+            before = fine.frame_cache.get(4.0).state
             alone = system.build(self.base, settings)
             self.solve(alone, 4, settings)
-            alone.history.get(4.0).state = self.stored(alone.model, before)
-            alone.history.get(4.0).final = True
+            alone.frame_cache.get(4.0).state = self.stored(alone.model, before)
+            alone.frame_cache.get(4.0).final = True
             self.solve(alone, 5, settings)
-            live = alone.history.get(5.0).state
+            live = alone.frame_cache.get(5.0).state
             np.testing.assert_array_equal(found, (live.arrays if system is WrinklePaths else live.reference)["labels"])
             self.assertEqual(found.shape, labels[0].shape)
 
@@ -233,8 +234,8 @@ class SeeingAhead(OnATube):
             for f in FRAMES:
                 fine.solve_frame(float(f), self.clip[max(f - 1, 1)], settings, {}, start=1, frame_rate=30.0)
                 self.solve(fine, f, settings)
-                self.assert_same(fine, fine.history.get(float(f)).state, expected[f - 1])
-            self.assertEqual(fine.strayed, set())
+                self.assert_same(fine, fine.frame_cache.get(float(f)).state, expected[f - 1])
+            self.assertEqual(fine.pose_mismatches, set())
 
     def test_a_subframe_goes_by_the_frame_it_leads_to_and_changes_none(self) -> None:
         for system, settings in self.each():
@@ -245,11 +246,11 @@ class SeeingAhead(OnATube):
             for f in FRAMES[:-1]:
                 self.solve(fine, f, settings)
                 self.solve(fine, f + 0.5, settings)
-                state = fine.history.get(f + 0.5).state
+                state = fine.frame_cache.get(f + 0.5).state
                 found = (state.arrays if system is WrinklePaths else state.reference)["labels"]
                 np.testing.assert_array_equal(found, labels[f])
                 self.solve(other, f, settings)
-                self.assert_same(fine, fine.history.get(float(f)).state, other.history.get(float(f)).state)
+                self.assert_same(fine, fine.frame_cache.get(float(f)).state, other.frame_cache.get(float(f)).state)
 
     def test_one_frame_of_look_ahead(self) -> None:
         for system, settings in self.each():
@@ -258,7 +259,7 @@ class SeeingAhead(OnATube):
             for f in FRAMES:
                 following = (f + 1.0, self.clip[f + 1]) if f + 1 in self.clip else None
                 fine.solve_frame(float(f), self.clip[f], settings, {}, start=1, frame_rate=30.0, following=following)
-                self.assert_same(fine, fine.history.get(float(f)).state, expected[f - 1])
+                self.assert_same(fine, fine.frame_cache.get(float(f)).state, expected[f - 1])
             live = self.by_hand(fine, settings, None)
             self.assertTrue(any(not np.array_equal(self.state_arrays(fine, a)["labels"], self.state_arrays(
                 fine, b)["labels"]) for a, b in zip(live, expected)))
@@ -269,5 +270,5 @@ class SeeingAhead(OnATube):
             fine = system.build(self.base, still)
             self.look(fine, still)
             seen = self.solve(fine, 3, still, start=3).positions
-            fine.look_at_clip({}, still)
+            fine.analyze_clip({}, still)
             np.testing.assert_array_equal(self.solve(fine, 3, still, start=3).positions, seen)

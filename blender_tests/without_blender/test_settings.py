@@ -7,11 +7,10 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from rumple import native
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.native import kernels
 from support.meshes import tube
 
-kernels = native.load()
 PAIRS = {MeshSettings: "WrinkleMeshSettings", FieldSettings: "WrinkleFieldSettings",
          PathsSettings: "WrinklePathsSettings"}
 # Settings of the same name with another default, and why.

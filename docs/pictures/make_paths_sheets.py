@@ -30,7 +30,7 @@ from contact_sheet import compose, studio  # noqa: E402
 from rumple.blender.objects import mesh_reader  # noqa: E402
 from rumple.core.engine import BaseMesh  # noqa: E402
 from rumple.core.settings import PathsSettings  # noqa: E402
-from rumple.core.wrinkle_paths import WrinklePaths, fitting_width  # noqa: E402
+from rumple.core.wrinkle_paths import WrinklePaths, suggested_width  # noqa: E402
 
 FRONT, BACK = Vector((-0.5, -1.0, 0.15)).normalized(), Vector((0.5, 1.0, 0.2)).normalized()
 SCENES = {  # file, garments, frames and where they are seen from
@@ -61,7 +61,7 @@ class Garment:
     def folded(self, row: str, wanted: list[int], rate: float) -> dict[int, tuple[BaseMesh, np.ndarray]]:
         """The shown mesh of the wanted frames (counted from 0): its model and its positions."""
         base, poses = self.base, self.poses
-        settings = PathsSettings(width=fitting_width(base, 1.0))
+        settings = PathsSettings(width=suggested_width(base, 1.0))
         options = native.WrinklePathsSettings()
         options.width = settings.width
         if row == "rest pose withheld":

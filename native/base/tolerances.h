@@ -32,6 +32,10 @@ inline constexpr double kLengthSlack = 1e-6;
 // rounded (doubles, about 1e-15), and a tie must reach the lowest triangle.
 inline constexpr double kTieSlack = 1e-12;
 
+// The same in single precision: of a distance of a millimetre, 1e-4 is the rounding of a triangle of
+// centimetres.
+inline constexpr float kPacketTieSlack = 1e-4f;
+
 // Unit: metres. Edges shorter than this, and triangles of less than its square,
 // have no direction: their frames are zero vectors. Far below any cloth, far
 // above the smallest float whose square is still a float.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bodies for tests of contact: triangles, and poses of them.
+// Bodies for tests of contact: triangles, and poses of them; and random vectors.
 #pragma once
 
 #include <array>
@@ -12,6 +12,27 @@
 #include "tests/meshes.h"
 
 namespace rumple::tests {
+
+// Numbers in [-1, 1], one after the other.
+class Random {
+  public:
+    explicit Random(std::uint32_t seed) : seed_(seed) {}
+    float next() { return noise(seed_, count_++); }
+    Vec3 vector() {
+        const float x = next(), y = next(), z = next();
+        return {x, y, z};
+    }
+    Vec3 direction() {
+        for (;;) {
+            const Vec3 v = vector();
+            const float length = glm::length(v);
+            if (length > 0.1f && length < 1.0f) return v / length;
+        }
+    }
+
+  private:
+    std::uint32_t seed_, count_ = 0;
+};
 
 struct Body {
     std::vector<Vec3> positions;

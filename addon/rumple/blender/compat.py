@@ -186,7 +186,7 @@ def generic_attributes(mesh: bpy.types.Mesh) -> list[bpy.types.Attribute]:
 def read_attribute(attribute: bpy.types.Attribute) -> np.ndarray:
     """Values of an attribute, (elements, numbers)."""
     prop, width, dtype = ATTRIBUTE_LAYOUT[attribute.data_type]
-    flat = np.empty(len(attribute.data) * width, dtype)
+    flat: np.ndarray = np.empty(len(attribute.data) * width, dtype)
     attribute.data.foreach_get(prop, flat)
     return flat.reshape(-1, width)
 

@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import scheduler
-from .frame import clip_status, rebuild, solve
+from .frame import clip_status, first_pass, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
 from .objects import bodies, changes, kept_lists, modifier, runtimes
@@ -24,8 +24,17 @@ def _forget_all() -> None:
 
 
 @persistent
+def _before_frame(scene: bpy.types.Scene, *_arguments: object) -> None:
+    kept_lists.forget_all()
+    first_pass.hand_on_coarse(scene)
+
+
+@persistent
 def _on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    _follow(scene, depsgraph)
+    try:
+        _follow(scene, depsgraph)
+    finally:
+        first_pass.show_fine(scene)
 
 
 @persistent
@@ -35,7 +44,7 @@ def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     kept_lists.forget_all()
-    # All updates are read before anything is made anew: the depsgraph goes on listing the copy of a mesh that was
+    # All updates are read before anything is made again: the depsgraph goes on listing the copy of a mesh that was
     # removed since, and what it is the copy of is freed memory then.
     for system in (changes, maps_changes):
         system.note_updates(depsgraph)
@@ -94,7 +103,8 @@ def _tag_all() -> None:
 
 def _pairs() -> tuple:
     handlers = bpy.app.handlers
-    return ((handlers.frame_change_post, _on_frame), (handlers.depsgraph_update_post, _on_update),
+    return ((handlers.frame_change_pre, _before_frame), (handlers.frame_change_post, _on_frame),
+            (handlers.depsgraph_update_post, _on_update),
             (handlers.load_post, _on_load), (handlers.save_pre, _on_save), (handlers.undo_post, _on_undo),
             (handlers.redo_post, _on_undo), (handlers.render_init, _on_render_start),
             (handlers.render_complete, _on_render_end), (handlers.render_cancel, _on_render_end))

@@ -65,6 +65,11 @@ def may_process(depsgraph: bpy.types.Depsgraph) -> bool:
     return not _suspended
 
 
+def may_prepare_frame() -> bool:
+    """Whether something may be written before a frame is evaluated: while a window renders, nobody knows for whom."""
+    return not _suspended and (bpy.app.background or not _render_running)
+
+
 # ---------------------------------------------------------------- structural work
 def request(delay: float = 0.0) -> None:
     """Do the structural work soon. Several requests become one, after the last."""

@@ -34,10 +34,14 @@ class OnWrinkled:
     """Operators for an object that has wrinkles."""
 
     bl_options = {"REGISTER", "UNDO"}
+    method: str | None = None  # that they are for; None: all
+    other_method = ""  # what to say of an object with another one
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         why = refusal(context.object, wrinkled=True)
+        if not why and cls.method is not None and context.object.rumple.method != cls.method:
+            why = cls.other_method
         if why:
             cls.poll_message_set(why)
         return not why

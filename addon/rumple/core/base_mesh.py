@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 
 
-class Refused(ValueError):
+class UserError(ValueError):
     """Bad input, in a sentence for the artist that names the object and the first bad element."""
 
 
@@ -26,13 +25,13 @@ class BaseMesh:
     triangle_corner: np.ndarray  # (t, 3) int32, corner indices
     uv: np.ndarray | None = None  # (c, 2) float32 of the UV map that renders use
 
-    def surface(self, weld: bool) -> Any:
-        """The checked native surface. Raises Refused."""
+    def surface(self, weld: bool) -> kernels.Surface:
+        """The checked native surface. Raises UserError."""
         try:
-            return native.load().build_surface(self.positions, self.polygon_start, self.corner_vertex,
-                                                 self.triangle_corner, weld)
+            return kernels.build_surface(self.positions, self.polygon_start, self.corner_vertex,
+                                         self.triangle_corner, weld)
         except ValueError as error:
-            raise Refused(f"{self.name}: {error}") from error
+            raise UserError(f"{self.name}: {error}") from error
 
     def mean_edge(self) -> float:
         """Mean length of the polygons' sides, object units."""
@@ -46,9 +45,9 @@ class BaseMesh:
         return float(np.linalg.norm(np.ptp(self.positions, axis=0))) if len(self.positions) else 0.0
 
 
-def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[Any, list[str]]:
-    """The native surface of a base and its warnings. unit_scale: metres per object unit. Raises Refused."""
+def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[kernels.Surface, list[str]]:
+    """The native surface of a base and its warnings. unit_scale: metres per object unit. Raises UserError."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
-        raise Refused(f"{base.name}: its scale is zero, so lengths in metres have no meaning")
+        raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning")
     surface = base.surface(weld)
     return surface, [f"{base.name}: {warning}" for warning in surface.warnings]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painting rest-pose wrinkles for whoever has arrays: the way of the hand, and the surface under it. Never imports bpy.
+"""Painting rest-pose wrinkles on plain arrays: the path of the stroke, and the surface under it. Never imports bpy.
 
 A painted value is a tangent vector of the rest pose, across the folds, shorter than 1; v and -v mean the same.
 """
@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from .. import native
-from .base_mesh import Refused
+from ..native import kernels
+from .base_mesh import UserError
 from .wrinkle_field import WrinkleField
 
 SPACING = 0.25  # of the brush's radius, from dab to dab
@@ -49,6 +49,7 @@ class Hand:
     def move(self, x: float, y: float, pressure: float) -> list[Place]:
         """The places between the last one and here."""
         last = self._last
+        assert last is not None, "move() before press()"
         distance = math.hypot(x - last.x, y - last.y)
         count = int(distance / self.spacing)
         if count == 0:
@@ -82,32 +83,32 @@ class Easel:
         return self.field.base.corner_vertex[self.field.base.triangle_corner]
 
     def pose(self, positions: np.ndarray) -> bool:
-        """Take another pose, (n, 3). True when it is another. Raises Refused."""
+        """Take another pose, (n, 3). True when it is another. Raises UserError."""
         positions = np.ascontiguousarray(positions, np.float32)
         if self.positions is not None and np.array_equal(positions, self.positions):
             return False
-        self._canvas = self._checked(native.load().lay_out_canvas, self.field.model, positions)
+        self._canvas = self._checked(kernels.lay_out_canvas, self.field.model, positions)
         self.positions = positions
         return True
 
     def dab(self, painted: np.ndarray, mirror: bool, **how: Any) -> np.ndarray:
-        """The brush set down once: painted anew. how: see rumple_native.apply_dab. Raises Refused."""
+        """The brush set down once: painted anew. how: see rumple_native.apply_dab. Raises UserError."""
         if mirror and self._twins is None:
-            self._twins = native.load().find_twins(self.field.model)
-        return self._checked(native.load().apply_dab, self.field.model, self._canvas, painted,
+            self._twins = kernels.find_twins(self.field.model)
+        return self._checked(kernels.apply_dab, self.field.model, self._canvas, painted,
                              twins=self._twins if mirror else None, **how)
 
     def lines(self, painted: np.ndarray, across: bool) -> tuple[np.ndarray, np.ndarray]:
-        """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises Refused."""
-        return self._checked(native.load().draw_rest_wrinkles, self.field.model, self._canvas, painted, across)
+        """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises UserError."""
+        return self._checked(kernels.draw_rest_wrinkles, self.field.model, self._canvas, painted, across)
 
     def scatter(self, seed: int, density: float, size: float, length: float) -> np.ndarray:
-        """Random wrinkles. size: metres. See rumple_native.scatter_rest_wrinkles. Raises Refused."""
-        return self._checked(native.load().scatter_rest_wrinkles, self.field.model, seed, density,
+        """Random wrinkles. size: metres. See rumple_native.scatter_rest_wrinkles. Raises UserError."""
+        return self._checked(kernels.scatter_rest_wrinkles, self.field.model, seed, density,
                              size / self.field.unit_scale, length)
 
     def _checked(self, function: Any, *arguments: Any, **keywords: Any) -> Any:
         try:
             return function(*arguments, **keywords)
         except ValueError as error:
-            raise Refused(f"{self.name}: {error}") from error
+            raise UserError(f"{self.name}: {error}") from error

@@ -13,11 +13,11 @@ import os
 import struct
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Iterable
+from typing import Any, Iterable
 
 import numpy as np
 
-from .engine import Attribute, Picture
+from .engine import Attribute, FrameResult
 
 FORMAT = 3
 POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
@@ -83,17 +83,17 @@ def point_count(vertices: int, corners: int, attributes: tuple[Attribute, ...]) 
     return vertices + sum(vertices if block.domain == "POINT" else corners for block in blocks(attributes))
 
 
-def points_of(picture: Picture, attributes: tuple[Attribute, ...], before: np.ndarray | None = None) -> np.ndarray:
+def points_of(result: FrameResult, attributes: tuple[Attribute, ...], before: np.ndarray | None = None) -> np.ndarray:
     """The points of a sample, (points, 3) float32. before: those of the sample before it, for angles to go on from."""
-    parts, done = [picture.positions], len(picture.positions)
+    parts, done = [result.positions], len(result.positions)
     for block in blocks(attributes):
-        values = [picture.attributes[a.name] for a in block.attributes]
+        values = [result.attributes[a.name] for a in block.attributes]
         if not block.attributes[0].vector:
             values = [np.stack(values + [np.zeros_like(values[0])] * (3 - len(values)), 1)]
         part = np.array(values[0], np.float32)
         for column, attribute in enumerate(block.attributes):
             if attribute.angle and before is not None:
-                which = slice(None) if attribute.vector else column
+                which: Any = slice(None) if attribute.vector else column
                 part[:, which] = _unwrapped(part[:, which], before[done:done + len(part), which])
         parts.append(part)
         done += len(part)
@@ -167,9 +167,9 @@ class ClipWriter:
         self.file = open(self.temporary, "wb")
         self.file.write(_header(manifest, manifest.points))
 
-    def add(self, picture: Picture, coarse: np.ndarray) -> None:
+    def add(self, result: FrameResult, coarse: np.ndarray) -> None:
         """One sample: what is shown, and the coarse pose it belongs to."""
-        self.before = points_of(picture, self.attributes, self.before)
+        self.before = points_of(result, self.attributes, self.before)
         if len(self.before) != self.manifest.points:
             raise ValueError(f"expected {self.manifest.points} points, got {len(self.before)}")
         self.file.write(np.ascontiguousarray(self.before, "<f4").tobytes())

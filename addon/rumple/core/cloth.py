@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The base cloth for whoever has arrays: the coarse mesh becomes cloth around its animation. Never imports bpy."""
+"""The base cloth on plain arrays: the coarse mesh becomes cloth around its animation. Never imports bpy."""
 from __future__ import annotations
 
 import functools
@@ -8,7 +8,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 from .body import Body
 from .fabrics import GRAVITY
 from .settings import ClothSettings
@@ -36,7 +36,7 @@ class ClothFrame:
     body_hint: np.ndarray  # (n,) int32: a triangle of the body near it, or -1; (0,) without a body
     state: Any
     report: Any
-    moment: "SwingMoment | None" = None  # of cloth that swings
+    frame_input: "SwingInput | None" = None  # of cloth that swings
 
     @property
     def nbytes(self) -> int:
@@ -44,11 +44,11 @@ class ClothFrame:
 
     def activated(self) -> "ClothFrame | None":
         """For a solve with other settings: what hangs starts anew, what swings keeps its motion."""
-        return replace(self, state=self.state.activated()) if self.moment is not None else None
+        return replace(self, state=self.state.activated()) if self.frame_input is not None else None
 
 
 @dataclass
-class SwingMoment:
+class SwingInput:
     """When and where cloth that swings was solved."""
 
     seconds: float
@@ -66,7 +66,7 @@ class BaseCloth:
         is up; None: suggested_follow() of the surface."""
         self.surface, self.unit_scale = surface, unit_scale
         self._suggest = suggest or functools.partial(suggested_follow, surface)
-        self.model = native.load().build_base_cloth(surface)
+        self.model = kernels.build_base_cloth(surface)
         self.size_factor = size_factor(diagonal, unit_scale)
         self._collider: tuple[np.ndarray, Any] | None = None
         self._paint: Any = None
@@ -87,17 +87,18 @@ class BaseCloth:
         frame = (self._paint, positions, self.collider(body), body.positions if body is not None else None,
                  before.state if before is not None else None)
         if settings.base_cloth != "SWING":
-            return ClothFrame(*native.load().solve_base_cloth(self.model, options, *frame))
-        moment = SwingMoment(seconds, world_from_object, np.array(surroundings.location, np.float64))
-        swing = self._swing(settings, object_from_world, moment, surroundings, before.moment if before else None)
-        return ClothFrame(*native.load().swing_base_cloth(self.model, options, swing, *frame), moment)
+            return ClothFrame(*kernels.solve_base_cloth(self.model, options, *frame))
+        frame_input = SwingInput(seconds, world_from_object, np.array(surroundings.location, np.float64))
+        swing = self._swing(settings, object_from_world, frame_input, surroundings, before.frame_input if before
+                            else None)
+        return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame), frame_input)
 
     def collider(self, body: Body | None) -> Any:
         """The native collider of a body, built once for its triangles; None for none."""
         if body is None or not len(body.triangles):
             return None
         if self._collider is None or not np.array_equal(self._collider[0], body.triangles):
-            self._collider = body.triangles, native.load().Collider(body.positions, body.triangles)
+            self._collider = body.triangles, kernels.Collider(body.positions, body.triangles)
         return self._collider[1]
 
     def thickness(self, settings: ClothSettings) -> float:
@@ -110,12 +111,12 @@ class BaseCloth:
 
     def _take_paint(self, paint: dict[str, np.ndarray], up: str) -> None:
         values = paint if "follow" in paint else {**paint, "follow": self._suggest(up)}
-        self._paint, self._painted, self._up = native.load().BaseClothPaint(self.model, values), paint, up
+        self._paint, self._painted, self._up = kernels.BaseClothPaint(self.model, values), paint, up
 
-    def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingMoment,
-               surroundings: Surroundings, before: SwingMoment | None) -> Any:
+    def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,
+               surroundings: Surroundings, before: SwingInput | None) -> Any:
         """As the native solver takes it. The stiffness is per mass: mass counts against the air only."""
-        options = native.load().BaseClothSwing()
+        options = kernels.BaseClothSwing()
         options.longest_step = THIRTIETH / settings.substeps
         options.damping, options.locomotion = settings.swing_damping, settings.locomotion
         to_scale = self.size_factor / self.unit_scale
@@ -133,7 +134,7 @@ class BaseCloth:
     def _settings_to_scale(self) -> Any:
         """The solver's own settings, metres into object units. A doll's cloth, and a giant's, hang as a person's do:
         lengths to scale."""
-        options = native.load().BaseClothSettings()
+        options = kernels.BaseClothSettings()
         to_scale = self.size_factor / self.unit_scale
         for name in ("stretch", "shear", "compression", "folded", "smoothing"):
             setattr(options, name, getattr(options, name) * to_scale**2)
@@ -162,7 +163,7 @@ def suggested_follow(surface: Any, up: str) -> np.ndarray:
     """(n,) float32: how firmly every vertex follows the animation where nothing is painted. up: of settings."""
     direction = np.zeros(3)
     direction["XYZ".index(up[-1])] = -1.0 if up[0] == "-" else 1.0
-    return native.load().suggest_follow(surface, tuple(direction))
+    return kernels.suggest_follow(surface, tuple(direction))
 
 
 def length_over_cotton(bending_length: float) -> float:

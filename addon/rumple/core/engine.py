@@ -9,16 +9,16 @@ import hashlib
 import math
 import time
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 
-from .. import native
-from .base_mesh import BaseMesh, Refused
+from ..native import kernels
+from .base_mesh import BaseMesh, UserError
 from .body import Body
 from .cloth import ClothFrame, suggested_follow
-from .frame_result import COMMON_ATTRIBUTES, Attribute, Picture, Sketch
-from .history import Entry, History
+from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
+from .frame_cache import CachedFrame, FrameCache, digest_of
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
 from .surroundings import Surroundings
 
@@ -26,17 +26,17 @@ MOST_VERTICES = 4_000_000
 
 
 @dataclass(frozen=True)
-class Moment:
+class FrameInput:
     """When and where a frame is solved."""
 
     frame: float
     seconds: float
     world_from_object: np.ndarray | None  # (3, 3) float32, where the system reads it
-    labels: np.ndarray | None = None  # (t,) uint8, cut for the whole clip: see Wrinkles.look_at_clip()
+    animated: np.ndarray  # (n, 3) what the shown mesh is embedded in
+    labels: np.ndarray | None = None  # (t,) uint8, cut for the whole clip: see Wrinkles.analyze_clip()
     next_seconds: float = 0.0  # of the frame to come ...
     next_positions: np.ndarray | None = None  # ... where it is known
     body: Body | None = None  # what cloth stays outside of
-    animated: np.ndarray | None = None  # (n, 3) what the shown mesh is embedded in
     cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
     surroundings: Surroundings = Surroundings()  # where the system reads them
 
@@ -52,7 +52,7 @@ class Wrinkles:
     """
 
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
-    FITTING = "wavelength"  # the setting that suits the mesh when wrinkles are added: see fitting_length()
+    SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
     HAS_CURVES = False  # whether curves() has something to say
     _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
 
@@ -68,17 +68,17 @@ class Wrinkles:
         self.shown = model.shown
         self.warnings = warnings
         self.unit_scale = unit_scale  # metres per object unit
-        self.history = History()
+        self.frame_cache = FrameCache()
         self._painted = self._chosen = b""  # digests of the paint and the settings of the last solve ...
         self._frame = self._frame_rate = math.nan  # ... and its frame, and the rate where that counts
         self._clip: dict[float, tuple[bytes, np.ndarray]] = {}  # by frame: digest of the pose, labels
-        self.strayed: set[float] = set()  # frames that came with another pose than the clip that was looked at
+        self.pose_mismatches: set[float] = set()  # frames that came with another pose than the clip that was looked at
         self._source_vertices, self._source_corners = len(source.positions), len(source.corner_vertex)
         self._paint: Any = None
         self._stage: Stage | None = None
         self._cloth_paint: dict[str, np.ndarray] = {}
 
-    # --- the shown mesh, for whoever makes the carrier
+    # --- the shown mesh, for the output object
     @property
     def vertex_count(self) -> int:
         return self.shown.vertex_count
@@ -129,27 +129,28 @@ class Wrinkles:
     # --- frames
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
                     start: int, world_from_object: np.ndarray | None = None, frame_rate: float = 24.0,
-                    following: tuple[float, np.ndarray] | None = None, sketched: bool = False,
-                    body: Body | None = None, surroundings: Surroundings = Surroundings()) -> Picture | Sketch:
-        """The picture of a frame: replayed when it is stored for the same input, else solved and stored.
+                    following: tuple[float, np.ndarray] | None = None, for_preview: bool = False,
+                    body: Body | None = None,
+                    surroundings: Surroundings = Surroundings()) -> FrameResult | PreviewFrame:
+        """The result of a frame: replayed when it is stored for the same input, else solved and stored.
 
         positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
         start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. following: frame
-        and positions of the next one, where they are known: a rest shape that adapts looks ahead. sketched: a Sketch is
-        enough. body: what cloth stays outside of in this frame. surroundings: what cloth that swings meets. Raises
-        Refused.
+        and positions of the next one, where they are known: a rest shape that adapts looks ahead. for_preview: a
+        PreviewFrame is enough. body: what cloth stays outside of in this frame. surroundings: what cloth that swings
+        meets. Raises UserError.
         """
         try:
             return self._solve_frame(frame, positions, settings, paint, start, world_from_object, frame_rate,
-                                     following if settings.sees_ahead and body is None else None, sketched, body,
+                                     following if settings.sees_ahead and body is None else None, for_preview, body,
                                      surroundings)
         except ValueError as error:
-            raise Refused(f"{self.name}: {error}") from error
+            raise UserError(f"{self.name}: {error}") from error
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None, frame_rate: float,
-                     following: tuple[float, np.ndarray] | None, sketched: bool, body: Body | None,
-                     surroundings: Surroundings) -> Picture | Sketch:
+                     following: tuple[float, np.ndarray] | None, for_preview: bool, body: Body | None,
+                     surroundings: Surroundings) -> FrameResult | PreviewFrame:
         swings = settings.swings
         timed = swings or self._reads_time(settings)
         chosen = self._take_inputs(frame, settings, paint, start, frame_rate if timed else 0.0)
@@ -157,37 +158,40 @@ class Wrinkles:
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
         labels = self._seen(frame, positions) if body is None else None
         coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
-        moment = Moment(frame, frame / frame_rate, matrix, labels, *coming, body, positions,
-                        surroundings=surroundings if swings else Surroundings())
-        digest = _digest(chosen, positions, matrix, labels, moment.next_positions, *(body.arrays() if body else ()),
+        frame_input = FrameInput(frame, frame / frame_rate, matrix, positions, labels, *coming, body,
+                                 surroundings=surroundings if swings else Surroundings())
+        digest = digest_of(chosen, positions, matrix, labels, frame_input.next_positions,
+                         *(body.arrays() if body else ()),
                          *([surroundings.array()] if swings else ()))
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
-        entry = self.history.get(frame)
+        cached = self.frame_cache.get(frame)
         began = time.perf_counter()
-        replayed = entry is not None and entry.inputs == digest and (entry.final or not final)
-        if not replayed:
+        replayed = cached is not None and cached.inputs == digest and (cached.final or not final)
+        pose = None
+        if cached is None or not replayed:
             state = before.state if before is not None else None
             state, report, pose = self._solve_over(settings, self._positions_solved(positions), state,
-                                                   before is not None and before.chosen == chosen, moment)
-            entry = Entry(state, digest, chosen, final, report)
-            self.history.put(frame, entry)
+                                                   before is not None and before.chosen == chosen, frame_input)
+            cached = CachedFrame(state, digest, chosen, final, report)
+            self.frame_cache.put(frame, cached)
         solved = time.perf_counter()
-        moment = replace(moment, cloth=cloth_of(entry.state))
+        frame_input = replace(frame_input, cloth=cloth_of(cached.state))
+        show: Callable[..., Any] = self._preview if for_preview else self._show
         over = self.solved_over(frame, positions)
-        if replayed:
-            pose = self._pose(over, moment)
+        if pose is None:
+            pose = self._pose(over, frame_input)
         self._last_pose = (over.copy(), pose)
-        picture = (self._sketch if sketched else self._show)(settings, over, pose, system_state(entry.state), moment)
-        picture.report, picture.replayed = entry.report, replayed
-        picture.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
-        picture.unplayed = swings and not entry.final
-        return picture
+        result: FrameResult | PreviewFrame = show(settings, over, pose, system_state(cached.state), frame_input)
+        result.report, result.replayed = cached.report, replayed
+        result.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
+        result.unplayed = swings and not cached.final
+        return result
 
     def state_of(self, frame: float) -> Any:
         """The stored state of a frame, or None. With a base cloth: an OnCloth."""
-        entry = self.history.get(frame)
-        return entry.state if entry is not None else None
+        cached = self.frame_cache.get(frame)
+        return cached.state if cached is not None else None
 
     def wrinkles_of(self, frame: float) -> Any:
         """The system's own state of a stored frame, or None."""
@@ -201,21 +205,22 @@ class Wrinkles:
 
     # --- the base cloth
     def _solve_over(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
-                    moment: Moment) -> tuple[Any, Any, Any]:
+                    frame_input: FrameInput) -> tuple[Any, Any, Any]:
         """The base cloth, or the animated mesh out of a body, then the system over it. Everything as _solve() has it;
         and the pose that it was solved in."""
         own = system_state(before)
-        if settings.base_cloth == "OFF" and moment.body is None:
-            pose = self._pose(positions, moment)
-            return *self._solve(settings, pose, own, same_settings, moment), pose
+        if settings.base_cloth == "OFF" and frame_input.body is None:
+            pose = self._pose(positions, frame_input)
+            return *self._solve(settings, pose, own, same_settings, frame_input), pose
         cloth = cloth_of(before)
         if cloth is not None and not same_settings:
             cloth = cloth.activated()
-        cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, moment.world_from_object, moment.body,
-                                         cloth, not self._keeps_off_bodies(), moment.seconds, moment.surroundings)
-        pose = self._pose(cloth.positions, moment)
-        state, report = self._solve(settings, pose, own, same_settings, replace(moment, cloth=cloth))
-        return OnCloth(cloth, state), OnClothReport(cloth.report, report, moment.body is not None,
+        cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, frame_input.world_from_object,
+                                         frame_input.body, cloth, not self._keeps_off_bodies(), frame_input.seconds,
+                                         frame_input.surroundings)
+        pose = self._pose(cloth.positions, frame_input)
+        state, report = self._solve(settings, pose, own, same_settings, replace(frame_input, cloth=cloth))
+        return OnCloth(cloth, state), OnClothReport(cloth.report, report, frame_input.body is not None,
                                                     settings.base_cloth != "OFF"), pose
 
     def _pose_of(self, frame: float, positions: np.ndarray) -> Any:
@@ -234,15 +239,15 @@ class Wrinkles:
         from."""
         return suggested_follow(self.surface, settings.up)
 
-    def _picture(self, shown: Any, moment: Moment, **own: np.ndarray) -> Picture:
+    def _result(self, shown: Any, frame_input: FrameInput, **own: np.ndarray) -> FrameResult:
         """From a native picture of a frame: what was solved over the base cloth is embedded in the animated mesh."""
-        if moment.cloth is not None:
-            native.load().embed_frame(self.surface, self.shown, moment.animated, shown)
-        return Picture.of(shown, **own)
+        if frame_input.cloth is not None:
+            kernels.embed_frame(self.surface, self.shown, frame_input.animated, shown)
+        return FrameResult.of(shown, **own)
 
-    def _frame_before(self, frame: float) -> Entry | None:
+    def _frame_before(self, frame: float) -> CachedFrame | None:
         """The stored whole frame that a frame goes on from: the one before it, or the one a subframe is in."""
-        return self.history.get(float(math.ceil(frame) - 1))
+        return self.frame_cache.get(float(math.ceil(frame) - 1))
 
     def _take_inputs(self, frame: float, settings: Any, paint: dict[str, np.ndarray], start: int,
                      frame_rate: float) -> bytes:
@@ -253,7 +258,7 @@ class Wrinkles:
         painted = hashlib.blake2b(digest_size=16)
         for key in sorted(paint):
             painted.update(key.encode())
-            painted.update(np.ascontiguousarray(paint[key], np.float32))
+            painted.update(np.ascontiguousarray(paint[key], np.float32).data)
         chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
         repainted = self._paint is None or painted.digest() != self._painted
         if repainted:
@@ -262,61 +267,61 @@ class Wrinkles:
             self._paint = self._take_paint(solved)
         # Another rate tells stored frames to be of other times.
         if repainted or (chosen != self._chosen and frame == self._frame) or frame_rate != self._frame_rate:
-            self.history.clear()
+            self.frame_cache.clear()
         self._painted, self._chosen, self._frame, self._frame_rate = painted.digest(), chosen, frame, frame_rate
         return chosen
 
     # --- seeing ahead
-    def look_at_clip(self, clip: dict[float, np.ndarray], settings: Any, *, frame_rate: float = 24.0) -> None:
-        """See a whole clip before its frames are solved: what a rest shape that adapts goes by is then decided for
+    def analyze_clip(self, clip: dict[float, np.ndarray], settings: Any, *, frame_rate: float = 24.0) -> None:
+        """Label a whole clip before its frames are solved, for rest shapes that adapt: changes are then chosen for
         all of it at once, not frame by frame. An empty clip: forget it. Stored frames are forgotten.
 
         clip: (n, 3) float32 positions by whole frame, ascending. A frame that is solved with other positions is solved
-        as live, and noted in `strayed`; a subframe goes by the whole frame that it leads to. Over a base cloth or a
-        body nothing is seen ahead: what it will be is not known. Raises Refused. Cost: per frame and 1,000 triangles
-        about 1 ms; half a megabyte while it is cut, at most 250; a kilobyte afterwards.
+        as live, and noted in `pose_mismatches`; a subframe has the labels of the whole frame that it leads to. Over a
+        base cloth or a body no clip is labelled: what it will be is not known. Raises UserError. Cost: per frame and
+        1,000 triangles about 1 ms; half a megabyte while it is cut, at most 250; a kilobyte afterwards.
         """
-        self.history.clear()
-        self._clip, self.strayed = {}, set()
+        self.frame_cache.clear()
+        self._clip, self.pose_mismatches = {}, set()
         if not clip or not settings.sees_ahead:
             return
         times = np.array([frame / frame_rate for frame in clip], np.float64)
         try:
-            labels = native.load().label_clip(self.model, self._native_settings(settings), times,
-                                              np.concatenate(list(clip.values())))
+            labels = kernels.label_clip(self.model, self._native_settings(settings), times,
+                                        np.concatenate(list(clip.values())))
         except ValueError as error:
-            raise Refused(f"{self.name}: {error}") from error
-        self._clip = {frame: (_digest(b"", positions), row) for (frame, positions), row in zip(clip.items(), labels)}
+            raise UserError(f"{self.name}: {error}") from error
+        self._clip = {frame: (digest_of(b"", positions), row) for (frame, positions), row in zip(clip.items(), labels)}
 
     def _seen(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
         """The labels of a frame from the clip that was looked at."""
         digest, labels = self._clip.get(float(math.ceil(frame)), (b"", None))
         if labels is None or frame != math.ceil(frame):
             return labels
-        if digest != _digest(b"", positions):
-            self.strayed.add(frame)
+        if digest != digest_of(b"", positions):
+            self.pose_mismatches.add(frame)
             return None
-        self.strayed.discard(frame)  # an object that follows another comes as it was looked at in a second pass
+        self.pose_mismatches.discard(frame)  # an object that follows another comes as it was looked at in a second pass
         return labels
 
     # --- what a system says
     @staticmethod
-    def fitting_length(base: BaseMesh, unit_scale: float) -> float:
-        """Value of the setting FITTING, in metres, that suits a mesh as it is; unit_scale: metres per object unit."""
+    def suggested_length(base: BaseMesh, unit_scale: float) -> float:
+        """Value of the setting SUGGESTED, in metres, that suits a mesh as it is; unit_scale: metres per object unit."""
         raise NotImplementedError
 
     @classmethod
     def build(cls, base: BaseMesh, settings: Any, *, unit_scale: float = 1.0) -> "Wrinkles":
-        """Make the shown mesh and bind it. unit_scale: metres per object unit. Raises Refused."""
+        """Make the shown mesh and bind it. unit_scale: metres per object unit. Raises UserError."""
         raise NotImplementedError
 
     def measure_frame(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
         """What a system can say of a stored frame in numbers; None where there is nothing."""
         return None
 
-    def status(self, picture: Picture) -> list[str]:
+    def status(self, result: FrameResult | PreviewFrame) -> list[str]:
         """How the solve of a picture went, in lines for the artist."""
-        report = picture.report
+        report = result.report
         if not isinstance(report, OnClothReport):
             return self._status(report)
         return [*self._status(report.wrinkles), *report.lines(self.name, self.unit_scale)]
@@ -373,28 +378,21 @@ class Wrinkles:
         """The native paint."""
         raise NotImplementedError
 
-    def _pose(self, positions: np.ndarray, moment: Moment) -> Any:
+    def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
         """What the system makes of the positions that the wrinkles lie on: made once a frame, for all that follows."""
         raise NotImplementedError
 
-    def _solve(self, settings: Any, pose: Any, before: Any, same_settings: bool, moment: Moment) -> tuple[Any, Any]:
+    def _solve(self, settings: Any, pose: Any, before: Any, same_settings: bool,
+               frame_input: FrameInput) -> tuple[Any, Any]:
         """(state, report) from the state of the frame before; same_settings: it was solved with these."""
         raise NotImplementedError
 
-    def _show(self, settings: Any, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Picture:
+    def _show(self, settings: Any, positions: np.ndarray, pose: Any, state: Any,
+              frame_input: FrameInput) -> FrameResult:
         """positions: what the pose was made of."""
         raise NotImplementedError
 
-    def _sketch(self, settings: Any, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Sketch:
+    def _preview(self, settings: Any, positions: np.ndarray, pose: Any, state: Any,
+                 frame_input: FrameInput) -> PreviewFrame:
         """Where the viewport can draw frames by itself."""
         raise NotImplementedError
-
-
-def _digest(chosen: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:
-    digest = hashlib.blake2b(chosen, digest_size=16)
-    digest.update(positions)
-    for number, values in enumerate(more):
-        if values is not None:
-            digest.update(bytes([number]))
-            digest.update(np.ascontiguousarray(values))
-    return digest.digest()

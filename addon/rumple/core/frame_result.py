@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a solved frame hands to whoever shows it. Never imports bpy."""
+"""The result of a solved frame. Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -31,7 +31,7 @@ COMMON_ATTRIBUTES = (
 
 
 @dataclass
-class Picture:
+class FrameResult:
     """The shown mesh of one frame. d vertices; object space, object units."""
 
     local_offset: np.ndarray  # (d, 3) from the linear embedding, in the frame of the deformed base triangle
@@ -43,14 +43,14 @@ class Picture:
     unplayed: bool = False  # it was reached by a jump, and its cloth would swing
 
     @classmethod
-    def of(cls, shown: Any, **own: np.ndarray) -> "Picture":
+    def of(cls, shown: Any, **own: np.ndarray) -> "FrameResult":
         """From a native picture. own: what its system has beside the common attributes."""
         return cls(shown.local_offset, shown.positions, dict(
             rumple_stretch_min=shown.stretch_min, rumple_stretch_max=shown.stretch_max,
             rumple_stretch_direction=shown.stretch_direction, rumple_offset=shown.offset, **own))
 
     @classmethod
-    def at_rest(cls, positions: np.ndarray, corners: int, attributes: tuple[Attribute, ...]) -> "Picture":
+    def at_rest(cls, positions: np.ndarray, corners: int, attributes: tuple[Attribute, ...]) -> "FrameResult":
         """What is shown before the first frame."""
         return cls(np.zeros_like(positions), positions,
                    {a.name: np.full((len(positions) if a.domain == "POINT" else corners, *([3] if a.vector else [])),
@@ -61,15 +61,15 @@ class Picture:
         """(d, 3) from the unwrinkled surface."""
         return self.attributes["rumple_offset"]
 
-    def shows_the_same(self, other: "Picture | Sketch") -> bool:
+    def shows_the_same(self, other: "FrameResult | PreviewFrame") -> bool:
         """Whether an output object would hold the same bits."""
-        return (isinstance(other, Picture) and np.array_equal(self.local_offset, other.local_offset)
+        return (isinstance(other, FrameResult) and np.array_equal(self.local_offset, other.local_offset)
                 and self.attributes.keys() == other.attributes.keys()
                 and all(np.array_equal(values, other.attributes[name]) for name, values in self.attributes.items()))
 
 
 @dataclass
-class Sketch:
+class PreviewFrame:
     """A frame for a viewport that draws the wrinkles itself: the shown mesh is not made."""
 
     drawing: Any  # native: what is drawn
@@ -77,8 +77,8 @@ class Sketch:
     report: Any = None
     milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
     replayed: bool = False
-    unplayed: bool = False  # as a Picture's
+    unplayed: bool = False  # as a FrameResult's
 
-    def shows_the_same(self, other: "Picture | Sketch") -> bool:
+    def shows_the_same(self, other: "FrameResult | PreviewFrame") -> bool:
         """Whether an output object would hold the same bits."""
-        return isinstance(other, Sketch) and np.array_equal(self.proxy_offset, other.proxy_offset)
+        return isinstance(other, PreviewFrame) and np.array_equal(self.proxy_offset, other.proxy_offset)

@@ -8,7 +8,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from .. import native
+from ..native import kernels
 from .body import Body
 from .cloth import BaseCloth, ClothFrame
 from .settings import ClothSettings
@@ -82,17 +82,15 @@ class Stage:
         as well, for what lies on it knows none. Raises ValueError."""
         frame = self.cloth.solve(positions, settings, paint, world_from_object, body, before, seconds, surroundings)
         collider = self.cloth.collider(body)
-        if covers and collider is not None:
+        if covers and body is not None and collider is not None:
             self._lift(frame, settings, collider, body)
         return frame
 
     def _lift(self, frame: ClothFrame, settings: ClothSettings, collider: Any, body: Body) -> None:
         """Out of the body, where the smooth surface cuts through it between the vertices."""
-        native_ = native.load()
         if self._cover is None:
-            self._cover = native_.build_cloth_cover(self.cloth.surface)
-        lifts = native_.cover_bodies(self.cloth.surface, self._cover, collider, body.positions, frame.positions,
+            self._cover = kernels.build_cloth_cover(self.cloth.surface)
+        lifts = kernels.cover_bodies(self.cloth.surface, self._cover, collider, body.positions, frame.positions,
                                      frame.body_hint, self.cloth.thickness(settings), self.cloth.hidden_depth())
         frame.positions = frame.positions + lifts
         frame.gap = frame.gap + np.linalg.norm(lifts, axis=1)
-

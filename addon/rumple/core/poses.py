@@ -11,8 +11,8 @@ from typing import Any, Sequence
 
 import numpy as np
 
-from .. import native
-from .base_mesh import Refused
+from ..native import kernels
+from .base_mesh import UserError
 
 FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
 TRACKED = ("HEAD", "TAIL", "BOTH")
@@ -69,17 +69,17 @@ class PoseRig:
     gain: float = 1.0  # above 1, wrinkles fade less with the distance from their bones
 
     def check(self) -> None:
-        """Raises Refused naming the first thing that is wrong. The native module checks the points of the bones."""
+        """Raises UserError naming the first thing that is wrong. The native module checks the points of the bones."""
         _refuse_repeated(self.name, "bone", [bone.name for bone in self.bones])
         _refuse_repeated(self.name, "pose", [pose.name for pose in self.poses])
         if len(self.poses) > MOST_POSES:
-            raise Refused(f"{self.name}: {len(self.poses)} reference poses; there may be {MOST_POSES}")
+            raise UserError(f"{self.name}: {len(self.poses)} reference poses; there may be {MOST_POSES}")
         for bone in self.bones:
             _refuse_unknown(self.name, f"bone {bone.name}: tracked", bone.tracked, TRACKED)
         _refuse_unknown(self.name, "maps", self.maps, MAPS)
         for pose in self.poses:
             if len(pose.name.encode()) > LONGEST_NAME:
-                raise Refused(f"{self.name}: the name of pose {pose.name} is longer than {LONGEST_NAME} bytes")
+                raise UserError(f"{self.name}: the name of pose {pose.name} is longer than {LONGEST_NAME} bytes")
             _refuse_outside(self.name, f"strength of pose {pose.name}", pose.strength, 0.0, 1.0)
         _refuse_outside(self.name, "gain", self.gain, *GAINS)
 
@@ -90,11 +90,11 @@ class PoseRig:
                         np.int32)
 
     def moves(self) -> np.ndarray:
-        """(b, o) bool: which bones are compared in which pose. Raises Refused, as PoseComparison.build() does."""
+        """(b, o) bool: which bones are compared in which pose. Raises UserError, as PoseComparison.build() does."""
         return PoseComparison.build(self, SkinWeights.none()).moves
 
     def to_json(self) -> str:
-        """The rig as documented. Numbers are written so that reading gives back the same bits. Raises Refused."""
+        """The rig as documented. Numbers are written so that reading gives back the same bits. Raises UserError."""
         moves = self.moves()
         return json.dumps(dict(
             format=FORMAT, version=FORMAT_VERSION, name=self.name, root=self.root, maps=self.maps.lower(),
@@ -107,15 +107,15 @@ class PoseRig:
 
 
 def from_json(text: str) -> PoseRig:
-    """What to_json() wrote; muting has become a strength of 0. Raises Refused naming what is wrong."""
+    """What to_json() wrote; muting has become a strength of 0. Raises UserError naming what is wrong."""
     try:
         data = json.loads(text)
     except json.JSONDecodeError as error:
-        raise Refused(f"the reference poses cannot be read: {error}") from error
+        raise UserError(f"the reference poses cannot be read: {error}") from error
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise Refused("this is not a file of reference poses")
+        raise UserError("this is not a file of reference poses")
     if data.get("version") != FORMAT_VERSION:
-        raise Refused(f"reference poses of version {data.get('version')}; this Rumple reads {FORMAT_VERSION}")
+        raise UserError(f"reference poses of version {data.get('version')}; this Rumple reads {FORMAT_VERSION}")
     try:
         rig = PoseRig(
             name=data["name"], root=data["root"], maps=data["maps"].upper(), neutral_map=data["neutral_map"],
@@ -124,12 +124,12 @@ def from_json(text: str) -> PoseRig:
             poses=[ReferencePose(pose["name"], _places(pose["bones"]), pose["map"], pose["strength"])
                    for pose in data["poses"]])
     except KeyError as error:
-        raise Refused(f"the reference poses lack {error}") from error
+        raise UserError(f"the reference poses lack {error}") from error
     except (TypeError, ValueError, AttributeError) as error:
-        raise Refused(f"the reference poses cannot be read: {error}") from error
+        raise UserError(f"the reference poses cannot be read: {error}") from error
     for pose in rig.poses:
         if len(pose.bones) != len(rig.bones):
-            raise Refused(f"{rig.name}: pose {pose.name}: expected {len(rig.bones)} bones, got {len(pose.bones)}")
+            raise UserError(f"{rig.name}: pose {pose.name}: expected {len(rig.bones)} bones, got {len(pose.bones)}")
     rig.check()
     return rig
 
@@ -145,19 +145,19 @@ def _places(bones: list[dict[str, Any]]) -> np.ndarray:
 def _refuse_repeated(owner: str, what: str, names: list[str]) -> None:
     for number, name in enumerate(names):
         if not name:
-            raise Refused(f"{owner}: {what} {number + 1} has no name")
+            raise UserError(f"{owner}: {what} {number + 1} has no name")
         if name in names[:number]:
-            raise Refused(f"{owner}: two {what}s are called {name}")
+            raise UserError(f"{owner}: two {what}s are called {name}")
 
 
 def _refuse_unknown(owner: str, what: str, value: str, known: tuple[str, ...]) -> None:
     if value not in known:
-        raise Refused(f"{owner}: {what}: expected one of {', '.join(known)}, got {value}")
+        raise UserError(f"{owner}: {what}: expected one of {', '.join(known)}, got {value}")
 
 
 def _refuse_outside(owner: str, what: str, value: float, low: float, high: float) -> None:
     if not low <= value <= high:
-        raise Refused(f"{owner}: {what}: expected {low:g} to {high:g}, got {value:g}")
+        raise UserError(f"{owner}: {what}: expected {low:g} to {high:g}, got {value:g}")
 
 
 # ---------------------------------------------------------------- a frame
@@ -221,15 +221,15 @@ class PoseComparison:
 
     @classmethod
     def build(cls, rig: PoseRig, weights: SkinWeights) -> "PoseComparison":
-        """Raises Refused: what check() refuses, bad points, a pose equal to another or to the neutral one."""
+        """Raises UserError: what check() refuses, bad points, a pose equal to another or to the neutral one."""
         rig.check()
         try:
-            model = native.load().build_wrinkle_maps(
+            model = kernels.build_wrinkle_maps(
                 [bone.name for bone in rig.bones], [bone.tracked for bone in rig.bones], rig.group_numbers(),
                 _flat(rig.neutral), [(pose.name, _flat(pose.bones)) for pose in rig.poses], weights.start,
                 weights.bone, weights.weight)
         except ValueError as error:
-            raise Refused(f"{rig.name}: {error}") from error
+            raise UserError(f"{rig.name}: {error}") from error
         return cls(rig, model)
 
     @property
@@ -277,24 +277,23 @@ class PoseComparison:
 
     # --- here
     def frame(self, bones: np.ndarray, gain: float | None = None, strength: list[float] | None = None) -> Masks:
-        """bones: (b, 6) float32, root space. gain, strength for each pose: the rig's unless given. Raises Refused."""
-        kernels = native.load()
+        """bones: (b, 6) float32, root space. gain, strength for each pose: the rig's unless given. Raises UserError."""
         gain = self.rig.gain if gain is None else gain
         strength = strengths(self.rig.poses) if strength is None else strength
         try:
             at = kernels.evaluate_wrinkle_maps(self.model, _flat(bones))
             masks = kernels.masks_of_wrinkle_maps(self.model, at, gain, strength)
         except ValueError as error:
-            raise Refused(f"{self.rig.name}: {error}") from error
+            raise UserError(f"{self.rig.name}: {error}") from error
         return Masks(masks, at.pose, at.rest, kernels.presence_of_wrinkle_maps(self.model, at))
 
 
 def bones_in_root_space(name: str, root: np.ndarray, bones: np.ndarray) -> np.ndarray:
-    """(b, 6) float32 heads and tails into the space of the root bone, (4, 4) in theirs. Raises Refused."""
+    """(b, 6) float32 heads and tails into the space of the root bone, (4, 4) in theirs. Raises UserError."""
     try:
-        return native.load().bones_in_root_space(_flat(root), _flat(bones))
+        return kernels.bones_in_root_space(_flat(root), _flat(bones))
     except ValueError as error:
-        raise Refused(f"{name}: {error}") from error
+        raise UserError(f"{name}: {error}") from error
 
 
 def _flat(values: np.ndarray) -> np.ndarray:

@@ -61,14 +61,14 @@ MESH_PRESETS = {
                                   damping=0.0, collision="PLANE")),
 }
 
-# Section 9.1 of the thesis: the compression sensitivity is how easily a cloth bends, the width how tightly it can be
+# Section 9.1 of the thesis: the compression threshold is how easily a cloth bends, the width how tightly it can be
 # squeezed.
 PATHS_PRESETS = {
     "COTTON": of_fabric(0, "Cotton", "Everyday folds, the measure of the others.\n"
                         "They start at a fifth of compression, and are as wide as you set", "COTTON", {}),
     "SILK": of_fabric(
         1, "Silk", "Many long, thin folds.\n"
-        "Sensitivity nearer to 1, a longer reach: it has next to no stiffness, so little compression buckles it, and "
+        "Threshold nearer to 1, a longer reach: it has next to no stiffness, so little compression buckles it, and "
         "folds run on far.\n"
         "Width x 0.85, less spacing: thin cloth bends tightly, fold beside fold.\n"
         "More turning, less fade: it is smooth and light, so folds slide and spring",
@@ -81,7 +81,7 @@ PATHS_PRESETS = {
         "WOOL", dict(threshold=1.25, spacing=1.2, height=0.85, alignment=0.25, fade=0.25), fold_width=1.5),
     "LEATHER": of_fabric(
         3, "Leather", "Few thick rolls where it must.\n"
-        "Sensitivity away from 1, a shorter reach: it is stiff, so only strong compression buckles it, and the roll "
+        "Threshold farther from 1, a shorter reach: it is stiff, so only strong compression buckles it, and the roll "
         "ends with it.\n"
         "Width x 1.8, circular arcs: it bends as a thick plate, in round rolls with creases between.\n"
         "Turning near 0: a crease that has formed stays in its place",

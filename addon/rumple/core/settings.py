@@ -14,7 +14,7 @@ def setting(default: Any, name: str, tip: str, *, low: float | None = None, high
             soft: float | None = None, unit: str = "NONE", choices: tuple = (), affects: str = "SOLVE") -> Any:
     """A dataclass field that knows its name, tooltip, range and unit: LENGTH (metres), SECONDS, FACTOR or NONE.
 
-    affects: what must be made anew when it changes. MESH: the shown mesh; SOLVE: the stored frames;
+    affects: what is made again when it changes. MESH: the shown mesh; SOLVE: the stored frames;
     PAINT: what is read from the coarse mesh.
     """
     return field(default=default, metadata=dict(name=name, tip=tip, low=low, high=high, soft=soft, unit=unit,
@@ -25,7 +25,7 @@ SOURCES = (
     ("SUBDIVISION", "Subdivision", "Refine the mesh smoothly: Catmull-Clark for quads, Loop for triangles"),
     ("REGULAR", "Regular Split", "Split every triangle into a regular grid of triangles"),
     ("EDGE_LENGTH", "Edge Length", "Split the longest edges until all are short enough"),
-    ("OBJECT", "Own Mesh", "Your own fine mesh, of any topology, bound to the closest points at rest"),
+    ("OBJECT", "Custom Mesh", "A fine mesh of your own, of any topology, bound to the closest points at rest"),
 )
 DENSITIES = (
     ("WAVELENGTH", "Wavelength", "The fold width you want chooses the density"),
@@ -42,14 +42,14 @@ REST_SHAPES = (
     ("SHAPE_KEY", "Shape Key", "A shape key is the unwrinkled cloth"),
 )
 ADAPTING_REST_SHAPES = REST_SHAPES + (
-    ("ADAPTIVE", "Adaptive", "What lasts becomes the unwrinkled cloth: for animation without a good rest pose"),
+    ("ADAPTIVE", "Adaptive", "A shape that lasts becomes the unwrinkled cloth: for animation without a good rest pose"),
 )
 STARTS_FROM = (
     ("REST", "Rest Pose", "The mesh without its modifiers"),
     ("FIRST_FRAME", "First Frame", "The clip's first frame: no rest pose is needed"),
 )
 OFFSET_SPACES = (
-    ("TRIANGLE", "Surface", "Folds turn with the surface: a spinning dancer keeps hers"),
+    ("TRIANGLE", "Surface", "Folds turn with the surface: a spinning dancer keeps the same folds"),
     ("WORLD", "World", "Folds keep their direction in the world, as the paper has it"),
 )
 COLLISIONS = (
@@ -67,17 +67,18 @@ class AdaptiveRest:
                              choices=STARTS_FROM)
     window: float = setting(0.1, "Window", "Time back to the pose that tells compressing from stretching", low=0.0,
                             high=2.0, unit="SECONDS")
-    relaxation: float = setting(0.01, "Giving In", "Share by which the reference takes over a compressed shape in a "
+    relaxation: float = setting(0.01, "Relaxation", "Share of a compressed shape that the reference takes over in a "
                                 "thirtieth of a second", low=0.0, high=1.0)
     growth: float = setting(1.05, "Growth", "Most length of the reference over the rest shape", low=1.0, high=10.0)
 
+    # self: of a system: rest_shape, stateless and base_cloth are its own.
     @property
-    def adapts(self) -> bool:
+    def adapts(self: Any) -> bool:
         """Whether what is measured against changes with time. Frames on their own have no time: rest pose."""
         return self.rest_shape == "ADAPTIVE" and not self.stateless
 
     @property
-    def sees_ahead(self) -> bool:
+    def sees_ahead(self: Any) -> bool:
         """Whether a bake may look at the whole clip first. What a base cloth will be is not known before it is
         solved."""
         return self.adapts and self.base_cloth == "OFF"
@@ -129,7 +130,7 @@ class ClothSettings:
                                unit="LENGTH")
     # Of Swing
     mass: float = setting(0.2, "Mass", "Kilograms of a square metre: silk 0.07, cotton 0.2, denim 0.32, leather 0.6. "
-                          "Heavier cloth gives less to wind and air", low=0.01, high=10.0, soft=1.0)
+                          "Heavier cloth moves less in wind and air", low=0.01, high=10.0, soft=1.0)
     swing_damping: float = setting(10.0, "Swing Damping", "How fast swaying dies away, per second. 0: only what "
                                    "the solver loses", low=0.0, high=1000.0, soft=50.0)
     substeps: int = setting(2, "Substeps", "Time steps of the solver in a thirtieth of a second, whatever the frame "
@@ -141,7 +142,7 @@ class ClothSettings:
                           low=0.0, high=10.0, soft=3.0)
 
     @property
-    def swings(self) -> bool:
+    def swings(self: Any) -> bool:  # stateless is the system's
         """Whether the base cloth depends on time. Frames on their own have no time: they hang."""
         return self.base_cloth == "SWING" and not self.stateless
 
@@ -188,33 +189,34 @@ class MeshSettings(AdaptiveRest, ClothSettings):
     bending: float = setting(0.7, "Bend Stiffness", "0 crumples like paper tissue, 1 makes broad round folds",
                              low=0.0, high=1.0)
     collision: str = setting("PLANE", "Collision", "What keeps folds out of the body", choices=COLLISIONS)
-    inside: float = setting(0.4, "Inward Room", "How far folds may go inward, as a share of the attachment radius. "
-                            "0 looks like rubber; 1 may show skin", low=0.0, high=1.0, unit="FACTOR")
-    stretch_relief: float = setting(0.3, "Stretch Relief", "Share of the stretch of the mesh that the cloth gives in "
-                                    "to. 0 pulls diagonal folds strongest, 1 never pulls", low=0.0, high=1.0,
+    inside: float = setting(0.4, "Inner Depth", "How far folds may go inward, as a share of the attachment radius. "
+                            "0 looks like rubber; at 1 the skin may show through", low=0.0, high=1.0, unit="FACTOR")
+    stretch_relief: float = setting(0.3, "Stretch Relief", "Share of the stretch of the mesh that the cloth takes "
+                                    "over. 0 pulls diagonal folds strongest, 1 never pulls", low=0.0, high=1.0,
                                     unit="FACTOR")
     buckling_threshold: float = setting(0.0, "Buckling Threshold", "Share of its length by which the mesh may be "
                                         "compressed before folds form. A simulated garment is a little compressed "
                                         "everywhere", low=0.0, high=1.0,
                                         soft=0.1, unit="FACTOR")
-    compression_limit: float = setting(1.3, "Fullness Limit", "The most cloth that folds are made from, per length "
-                                       "of the compressed mesh. Tames collapsed knees and elbows", low=1.0, high=10.0)
+    compression_limit: float = setting(1.3, "Max Gather Ratio", "Most length of cloth that is gathered into folds, "
+                                       "over the length of the compressed mesh. Keeps folds of collapsed knees and "
+                                       "elbows low", low=1.0, high=10.0)
     hem_rings: int = setting(3, "Hem Fade", "Rings of fine vertices at open borders over which folds fade out",
                              low=0, high=20)
     # The solver
-    iterations: int = setting(10, "Iterations", "Passes of the solver a frame. More are crisper, slower, and jump more",
+    iterations: int = setting(10, "Iterations", "Solver passes per frame. More: sharper folds, more time, less calm",
                               low=0, high=200)
-    start_iterations: int = setting(20, "Iterations From Start", "Passes where there is no frame before to go on from",
+    start_iterations: int = setting(20, "Iterations From Start", "Solver passes of a frame that starts from no other",
                                     low=0, high=500)
     damping: float = setting(0.3, "Damping", "Share of the last frame's folds that is kept. Calms fast motion",
                              low=0.0, high=0.95, unit="FACTOR")
-    stateless: bool = setting(False, "Independent Frames", "Every frame is solved on its own: repeats exactly on any "
+    stateless: bool = setting(False, "Independent Frames", "Every frame is solved on its own: the same on any "
                               "machine and in any order, but folds jump more")
     offset_space: str = setting("TRIANGLE", "Folds Turn With", "What folds keep their direction to",
                                 choices=OFFSET_SPACES)
-    nudge: float = setting(0.02, "Nudge", "Random push, in fine edges, that lets a flat compressed sheet choose a side",
-                           low=0.0, high=1.0)
-    seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
+    nudge: float = setting(0.02, "Perturbation", "Random offset, in fine edges, from which a flat compressed sheet "
+                           "buckles", low=0.0, high=1.0)
+    seed: int = setting(0, "Seed", "Of the random numbers: another seed gives other folds", low=0, high=2**31 - 1)
 
     @property
     def layered(self) -> bool:
@@ -261,16 +263,16 @@ class FieldSettings(AdaptiveRest, ClothSettings):
                            affects="MESH")
     irregularity: float = setting(0.0, "Irregularity", "0 is tidy cloth, 1 is disturbed like skin: direction and width "
                                   "of the folds wander", low=0.0, high=1.0, unit="FACTOR")
-    rate: float = setting(0.5, "Relaxation Rate", "How far a round brings the waves together. Less floats more "
-                          "smoothly", low=0.0, high=0.99, unit="FACTOR")
-    rounds: int = setting(1, "Rounds", "Of relaxation for each frame. More agree sooner, and crawl more", low=0,
+    rate: float = setting(0.5, "Relaxation Rate", "How far a round aligns neighbouring waves. Less: smoother "
+                          "motion", low=0.0, high=0.99, unit="FACTOR")
+    rounds: int = setting(1, "Rounds", "Relaxation passes per frame. More: waves align sooner, and move more", low=0,
                           high=100)
     start: str = setting("ALIGNED", "Start", "The waves of the first frame, and after a jump", choices=STARTS)
-    start_rounds: int = setting(200, "Rounds At Start", "Of relaxation where there is no frame before to go on from",
+    start_rounds: int = setting(200, "Rounds At Start", "Relaxation passes of a frame that starts from no other",
                                 low=0, high=2000)
-    seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
-    stateless: bool = setting(False, "Independent Frames", "Every frame starts anew: repeats exactly on any machine "
-                              "and in any order, but folds jump")
+    seed: int = setting(0, "Seed", "Of the random numbers: another seed gives other folds", low=0, high=2**31 - 1)
+    stateless: bool = setting(False, "Independent Frames", "Every frame is solved on its own: the same on any "
+                              "machine and in any order, but folds jump")
     # What is painted
     mask: str = setting("Rumple Mask", "Mask", "Vertex group or float attribute: how high folds may be, from 0 to 1",
                         affects="PAINT")
@@ -297,7 +299,7 @@ class FieldSettings(AdaptiveRest, ClothSettings):
 
 
 REFERENCES = (
-    ("REST", "Adaptive, From Rest", "Starts from the rest shape and gives in slowly to what lasts"),
+    ("REST", "Adaptive, From Rest", "Starts from the rest shape and slowly takes over shapes that last"),
     ("FIRST_FRAME", "Adaptive, From First Frame", "Starts from the first frame: for animation without a rest pose"),
     ("STATIC_REST", "Rest", "Always the rest shape: every frame measures alike"),
 )
@@ -319,31 +321,31 @@ class PathsSettings(AdaptiveRest, ClothSettings):
     """Settings of the Wrinkle Paths. Lengths are metres in world scale unless the unit says otherwise."""
 
     # Where folds are (chapters 4 and 5 of the thesis)
-    width: float = setting(0.02, "Width", "Of the tightest folds. Weaker compression makes them wider", low=0.0001,
-                           high=10.0, unit="LENGTH", affects="MESH")
-    threshold: float = setting(1.25, "Compression Sensitivity", "Rest length over length from which folds start. "
+    width: float = setting(0.02, "Width", "Width of the tightest folds. Weaker compression makes them wider",
+                           low=0.0001, high=10.0, unit="LENGTH", affects="MESH")
+    threshold: float = setting(1.25, "Compression Threshold", "Rest length over length from which folds start. "
                                "Nearer to 1: more folds", low=1.01, high=5.0, soft=2.0)
     reach: float = setting(0.25, "Reach", "Folds sink below the compression that they start from, and end at this "
                            "share of it",
                            low=0.0, high=1.0, unit="FACTOR")
-    spacing: float = setting(1.12, "Spacing", "Of new folds from others, in widths", low=0.5, high=10.0)
-    alignment: float = setting(0.4, "Turning", "Low: folds stay where they were born on the cloth. High: they turn "
+    spacing: float = setting(1.12, "Spacing", "Least distance of a new fold from others, in widths", low=0.5, high=10.0)
+    alignment: float = setting(0.4, "Turning", "Low: folds stay where they started on the cloth. High: they turn "
                                "across the compression", low=0.0, high=10.0, soft=2.0)
     growth_limit: float = setting(0.15, "Growth Limit", "Most change of a fold's length in a thirtieth of a second",
                                   low=0.0, high=1.0, unit="FACTOR")
     fade: float = setting(0.15, "Fade", "Time in which a fold rises and sinks", low=0.0, high=5.0, unit="SECONDS")
     hem_rings: int = setting(2, "Hem Fade", "Rings of the mesh at open borders over which folds fade out", low=0,
                              high=20)
-    seed: int = setting(0, "Seed", "Another seed, other folds", low=0, high=2**31 - 1)
-    stateless: bool = setting(False, "Independent Frames", "Every frame is traced anew: repeats exactly on any machine "
-                              "and in any order, but folds jump")
+    seed: int = setting(0, "Seed", "Of the random numbers: another seed gives other folds", low=0, high=2**31 - 1)
+    stateless: bool = setting(False, "Independent Frames", "Every frame is traced on its own: the same on any "
+                              "machine and in any order, but folds jump")
     # What compression is measured against (section 4.2)
     reference: str = setting("REST", "Measured Against", "What counts as uncompressed", choices=REFERENCES)
-    smoothing: float = setting(0.1, "Smoothing", "Time over which compression is smoothed: noise bears no folds",
+    smoothing: float = setting(0.1, "Smoothing", "Time over which compression is smoothed: noise makes no folds",
                                low=0.0, high=2.0, unit="SECONDS")
     # What they look like (chapter 6)
-    height: float = setting(1.0, "Height", "Over the height that keeps the length of the cloth", low=0.0, high=10.0,
-                            soft=2.0)
+    height: float = setting(1.0, "Height", "Height of the folds over the height that keeps the length of the cloth",
+                            low=0.0, high=10.0, soft=2.0)
     direction: str = setting("OUTWARD", "Direction", "The side that folds stand out to", choices=DIRECTIONS)
     profile: str = setting("SPLINE", "Profile", "The shape of a fold", choices=PATH_PROFILES)
     mask: str = setting("Rumple Mask", "Mask", "Vertex group or float attribute: where folds may start, from 0 to 1",
@@ -352,8 +354,8 @@ class PathsSettings(AdaptiveRest, ClothSettings):
     source: str = setting("SUBDIVISION", "Fine Mesh", "How the fine mesh is made", choices=FIELD_SOURCES,
                           affects="MESH")
     detail: int = setting(5, "Edges per Fold", "Edges of the fine mesh across the tightest folds, at least. With "
-                        "fewer, crests look sawn; twice as many cost four times the vertices", low=2, high=32,
-                        affects="MESH")
+                          "fewer, crests look sawn; twice as many cost four times the vertices", low=2, high=32,
+                          affects="MESH")
     attachment: str = setting("LIMIT", "Attach To", "The surface that folds ride on", choices=ATTACHMENTS,
                               affects="MESH")
     weld: bool = setting(True, "Weld Seams", "Join vertices that stand at one place on open edges, so that folds run "
@@ -361,8 +363,9 @@ class PathsSettings(AdaptiveRest, ClothSettings):
     rest_shape: str = setting("REST_POSE", "Rest Shape", "What counts as unwrinkled", choices=REST_SHAPES,
                               affects="MESH")
 
+    # self: of a system: rest_shape, stateless and base_cloth are its own.
     @property
-    def adapts(self) -> bool:
+    def adapts(self: Any) -> bool:
         return self.reference != "STATIC_REST" and not self.stateless
 
     def structural(self) -> dict[str, Any]:

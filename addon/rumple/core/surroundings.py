@@ -56,4 +56,5 @@ class Wind:
 
 def air_velocity(at: Vector, winds: Iterable[Wind]) -> Vector:
     """Of all winds together at a place in the world, m/s."""
-    return tuple(sum((wind.velocity(at) for wind in winds), np.zeros(3)).tolist())
+    x, y, z = sum((wind.velocity(at) for wind in winds), np.zeros(3)).tolist()
+    return x, y, z

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Field for whoever has arrays: prepare and evaluate. Never imports bpy."""
+"""The Wrinkle Field on plain arrays: prepare and evaluate. Never imports bpy."""
 from __future__ import annotations
 
 import math
@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from .. import native
-from .base_mesh import BaseMesh, Refused, checked_surface
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Wrinkles
+from ..native import kernels
+from .base_mesh import BaseMesh, UserError, checked_surface
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, Wrinkles
 from .settings import FieldSettings
 
 # What the shader node group reads (../blender/nodes/field_shader.py).
@@ -20,7 +20,7 @@ U_GRADIENT, V_GRADIENT = "rumple_u_gradient", "rumple_v_gradient"
 MOST_LEVEL = 5
 
 
-def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
+def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     """Distance from fold to fold, in metres, that suits a mesh as it is; two significant digits.
 
     Two edges of the mesh: the direction of the waves is known at its vertices only, and finer waves would show
@@ -32,7 +32,7 @@ def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
 
 def native_profile(kind: str, drawn: np.ndarray | None) -> Any:
     """The native table of f and df/dphi. drawn: PROFILE_INTERVALS + 1 heights in -1..1 for kind CURVE."""
-    return native.load().WrinkleFieldProfile(kind, drawn if kind == "CURVE" else None)
+    return kernels.WrinkleFieldProfile(kind, drawn if kind == "CURVE" else None)
 
 
 class WrinkleField(Wrinkles):
@@ -45,21 +45,21 @@ class WrinkleField(Wrinkles):
         *(Attribute(name, True, "CORNER") for name in VECTORS),
         Attribute(U_GRADIENT, True, "CORNER"), Attribute(V_GRADIENT, True, "CORNER"))
 
-    fitting_length = staticmethod(fitting_wavelength)
+    suggested_length = staticmethod(suggested_wavelength)
 
     @classmethod
     def build(cls, base: BaseMesh, settings: FieldSettings, *, unit_scale: float = 1.0) -> "WrinkleField":
-        """Bind the waves to the base. unit_scale: metres per object unit. Raises Refused."""
+        """Bind the waves to the base. unit_scale: metres per object unit. Raises UserError."""
         surface, warnings = checked_surface(base, settings.weld, unit_scale)
         longest = settings.wavelength / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         try:
-            model = native.load().build_wrinkle_field(
+            model = kernels.build_wrinkle_field(
                 surface, output=settings.output, uv=base.uv if settings.output == "SHADING" else None,
                 source=settings.source, level=min(math.ceil(finer), MOST_LEVEL), longest_edge=longest / unit_scale,
                 most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
-            raise Refused(f"{base.name}: {error}") from error
+            raise UserError(f"{base.name}: {error}") from error
         return cls(base, base, surface, model, warnings, unit_scale)
 
     def _status(self, report: Any) -> list[str]:
@@ -73,35 +73,35 @@ class WrinkleField(Wrinkles):
     def wave_parameters(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
         """(settings, wishes, profile), native, with the paint of the last solve."""
         options = self._native_settings(settings)
-        wave_parameters = native.load().wave_parameters_wrinkle_field(self.model, options, self._paint)
+        wave_parameters = kernels.wave_parameters_wrinkle_field(self.model, options, self._paint)
         return options, wave_parameters, native_profile(settings.profile, self._drawn)
 
     def reference_stretches(self, state: Any, positions: np.ndarray) -> np.ndarray:
         """(w, 3) of every welded vertex in the pose of a WrinkleFieldState; empty unless the rest shape adapts."""
-        return native.load().reference_stretches(self.model, state, positions)
+        return kernels.reference_stretches(self.model, state, positions)
 
     def _reads_time(self, settings: FieldSettings) -> bool:
         return settings.adapts
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         self._drawn = paint.get("profile")
-        return native.load().WrinkleFieldPaint(
+        return kernels.WrinkleFieldPaint(
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != "profile"})
 
-    def _pose(self, positions: np.ndarray, moment: Moment) -> Any:
-        return native.load().WrinkleFieldPose.of(self.model, positions, *moment.in_time())
+    def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
+        return kernels.WrinkleFieldPose.of(self.model, positions, *frame_input.in_time())
 
     def _solve(self, settings: FieldSettings, pose: Any, before: Any, same_settings: bool,
-               moment: Moment) -> tuple[Any, Any]:
+               frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.activated()  # under other settings nothing of it may be held
-        return native.load().solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, pose,
-                                                 before)
+        return kernels.solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, pose, before)
 
-    def _show(self, settings: FieldSettings, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Picture:
-        shown = native.load().show_wrinkle_field(self.model, self._native_settings(settings),
-                                                 native_profile(settings.profile, self._drawn), self._paint, pose,
-                                                 state, None if moment.cloth is None else moment.cloth.gap)
+    def _show(self, settings: FieldSettings, positions: np.ndarray, pose: Any, state: Any,
+              frame_input: FrameInput) -> FrameResult:
+        shown = kernels.show_wrinkle_field(self.model, self._native_settings(settings),
+                                           native_profile(settings.profile, self._drawn), self._paint, pose,
+                                           state, None if frame_input.cloth is None else frame_input.cloth.gap)
         own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
         nothing = np.zeros((len(self.corner_vertex), 3), np.float32)
         corners = {PHASE: shown.corner_phase, WEIGHT: shown.corner_weight,
@@ -109,10 +109,10 @@ class WrinkleField(Wrinkles):
                    U_GRADIENT: shown.corner_u_gradient, V_GRADIENT: shown.corner_v_gradient}
         # Displaced in shape, or without a UV map: nothing left for the shader to do.
         own.update({name: values if len(values) else nothing for name, values in corners.items()})
-        return self._picture(shown, moment, **own)
+        return self._result(shown, frame_input, **own)
 
     def _native_settings(self, settings: FieldSettings) -> Any:
-        options = native.load().WrinkleFieldSettings()
+        options = kernels.WrinkleFieldSettings()
         for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed", "keep_length", "dissolve"):
             setattr(options, name, getattr(settings, name))
         options.aligned_start = settings.start == "ALIGNED"

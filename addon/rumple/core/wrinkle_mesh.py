@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Mesh for whoever has arrays: prepare and evaluate. Never imports bpy."""
+"""The Wrinkle Mesh on plain arrays: prepare and evaluate. Never imports bpy."""
 from __future__ import annotations
 
 import functools
@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import native
-from .base_mesh import BaseMesh, Refused, checked_surface
+from ..native import kernels
+from .base_mesh import BaseMesh, UserError, checked_surface
 from .body import Body
 from .cloth import length_over_cotton, size_factor
-from .engine import MOST_VERTICES, Moment, Picture, Wrinkles
+from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
 from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
 
@@ -53,7 +53,7 @@ def wavelength_of(base: BaseMesh, level: int, unit_scale: float) -> float:
     return base.mean_edge() * unit_scale * EDGES_PER_WAVELENGTH / 2**level
 
 
-def fitting_wavelength(base: BaseMesh, unit_scale: float) -> float:
+def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     """Fold width, in metres, that suits a mesh as it is: level 2, or less where that would be too heavy to play.
 
     Two significant digits, so that the slider shows a round number. The default of a doll, a giant or a dense mesh.
@@ -74,7 +74,7 @@ LEAST_OPENINGS = 2  # of a garment: a head has one
 def suits_cloth(base: BaseMesh) -> bool:
     """Whether a mesh looks like a garment by its shape: it has openings to put it on through."""
     try:
-        return native.load().count_openings(base.surface(True)) >= LEAST_OPENINGS
+        return kernels.count_openings(base.surface(True)) >= LEAST_OPENINGS
     except ValueError:
         return False  # what is wrong with it is said where it is built
 
@@ -83,7 +83,7 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     """Settings of a garment that becomes cloth: folds as wide as the fabric and the wearer's size make them, lengths
     in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest."""
     scale = size_factor(base.diagonal(), unit_scale)
-    # The base cloth holds collars and cuffs; a hem that bears no folds is a ring, with folds gathered above it.
+    # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
     return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
                 wavelength=float(f"{CLOTH_WAVELENGTH * scale:.2g}"),
                 room=float(f"{ClothSettings.room * scale:.2g}"),
@@ -101,7 +101,7 @@ def coarse_mesh(base: BaseMesh, settings: MeshSettings, surface: Any, unit_scale
     if not dense or settings.density != "WAVELENGTH" or settings.base_cloth == "OFF":
         return None
     try:
-        return native.load().build_coarse(surface, spacing / unit_scale)
+        return kernels.build_coarse(surface, spacing / unit_scale)
     except ValueError:
         return None
 
@@ -116,8 +116,11 @@ def upward_axis(world_from_object: np.ndarray) -> str:
 class WrinkleMesh(Wrinkles):
     """A fine mesh that is solved over the base: one, or several layers, over a base cloth or the animated mesh."""
 
-    fitting_length = staticmethod(fitting_wavelength)
+    suggested_length = staticmethod(suggested_wavelength)
 
+    edge_mean: float  # of the fine mesh, metres
+    level: int  # its subdivisions
+    finest_share: float  # of the strength of the last layer
     layer_count = 0  # 0: one mesh, as in the paper
     coarse: Any = None  # native: stands for a dense base
     transfer: Any = None  # native: what shows the layers on it then
@@ -129,29 +132,30 @@ class WrinkleMesh(Wrinkles):
         """Make the fine mesh and bind it.
 
         unit_scale: metres per object unit. own: the artist's mesh at rest, in the base's object space.
-        attached: (n,) bool per vertex of own. Raises Refused.
+        attached: (n,) bool per vertex of own. Raises UserError.
         """
         if settings.source == "OBJECT" and own is None:
-            raise Refused(f"{base.name}: choose your own fine mesh first")
+            raise UserError(f"{base.name}: choose your own fine mesh first")
         surface, warnings = checked_surface(base, settings.weld, unit_scale)
         own_surface = own.surface(False) if own is not None and settings.source == "OBJECT" else None
         if settings.layered:
             return cls._build_layers(base, settings, surface, warnings, unit_scale)
         level = settings.level if settings.density == "LEVEL" else level_for(base, settings.wavelength, unit_scale)
         try:
-            model = native.load().build_wrinkle_mesh(
+            model = kernels.build_wrinkle_mesh(
                 surface, source=settings.source, level=level, segments=settings.segments,
                 longest_edge=settings.edge_length / unit_scale, most_vertices=MOST_VERTICES, own=own_surface,
                 attached=None if attached is None else np.ascontiguousarray(attached, np.uint8),
                 farthest=FARTHEST_OWN * base.diagonal(), attachment=settings.attachment,
                 display_steps=settings.display_steps, adaptive=settings.rest_shape == "ADAPTIVE")
         except ValueError as error:
-            raise Refused(f"{base.name}: {error}") from error
-        if own_surface is not None:
+            raise UserError(f"{base.name}: {error}") from error
+        if own is not None and own_surface is not None:
             warnings += [f"{own.name}: {w}" for w in own_surface.warnings]
             if attached is not None and not attached.all():
                 warnings.append(f"{own.name}: {int((~attached.astype(bool)).sum())} vertices are not attached")
-        mesh = cls(base, own if own_surface is not None else base, surface, model, warnings, unit_scale)
+        source = own if own is not None and own_surface is not None else base
+        mesh = cls(base, source, surface, model, warnings, unit_scale)
         mesh.edge_mean, mesh.level = float(model.local_edge.mean()) * unit_scale, level
         return mesh
 
@@ -165,13 +169,13 @@ class WrinkleMesh(Wrinkles):
         if settings.density == "WAVELENGTH":
             level, share = layers_for(edge, settings.wavelength)
         try:
-            model = native.load().build_wrinkle_layers(surface if coarse is None else coarse.surface, level,
-                                                       settings.display_steps if coarse is None else 0, MOST_VERTICES)
+            model = kernels.build_wrinkle_layers(surface if coarse is None else coarse.surface, level,
+                                                 settings.display_steps if coarse is None else 0, MOST_VERTICES)
             mesh = cls(base, base, surface, model, warnings, unit_scale)
             if coarse is not None:
                 mesh._show_on_dense(coarse, settings)
         except ValueError as error:
-            raise Refused(f"{base.name}: {error}") from error
+            raise UserError(f"{base.name}: {error}") from error
         mesh.layer_count, mesh.level, mesh.finest_share = level + 1, level, share
         mesh.edge_mean = float(model.local_edge(level).mean()) * unit_scale
         return mesh
@@ -181,7 +185,7 @@ class WrinkleMesh(Wrinkles):
         steps = round(halvings(self.base.mean_edge() * self.unit_scale, settings.wavelength)) + settings.display_steps
         level = max(steps - settings.display_steps, 0)
         self.coarse, self.solved_surface = coarse, coarse.surface
-        build = functools.partial(native.load().build_wrinkle_transfer, self.surface, coarse, self.model, level,
+        build = functools.partial(kernels.build_wrinkle_transfer, self.surface, coarse, self.model, level,
                                   most_vertices=MOST_VERTICES)
         self.transfer = build(max(steps - level, 0))
         if self.transfer.shown.vertex_count < len(self.base.positions):
@@ -215,11 +219,11 @@ class WrinkleMesh(Wrinkles):
     def measure_frame(self, frame: float, positions: np.ndarray, settings: MeshSettings) -> Any:
         """Edge errors, areas and violations of a stored frame; None when it is not stored, or has a base cloth or
         layers."""
-        entry = self.history.get(frame)
-        if entry is None or self._paint is None or isinstance(entry.state, OnCloth) or self.layer_count:
+        cached = self.frame_cache.get(frame)
+        if cached is None or self._paint is None or isinstance(cached.state, OnCloth) or self.layer_count:
             return None
-        return native.load().measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                                  entry.state)
+        return kernels.measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
+                                            cached.state)
 
     def worn_surface(self, frame: float) -> Body | None:
         state = self.wrinkles_of(frame)
@@ -243,53 +247,54 @@ class WrinkleMesh(Wrinkles):
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         words = layer_words(self.layer_count) if self.layer_count else []
-        ours = {name: values for name, values in paint.items()
-                if name in ("radius", "prestretch", "bending", "inside", *words)}
+        factors = {name: values for name, values in paint.items()
+                   if name in ("radius", "prestretch", "bending", "inside", *words)}
         if self.layer_count:
-            return native.load().WrinkleLayersPaint(self.model, ours, words)
-        return native.load().WrinkleMeshPaint(self.model, ours)
+            return kernels.WrinkleLayersPaint(self.model, factors, words)
+        return kernels.WrinkleMeshPaint(self.model, factors)
 
-    def _pose(self, positions: np.ndarray, moment: Moment) -> Any:
+    def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
         if self.layer_count:
             return positions  # every layer makes its own, of the layer before
-        return native.load().WrinkleMeshPose.of(self.model, positions, *moment.in_time(), moment.world_from_object)
+        return kernels.WrinkleMeshPose.of(self.model, positions, *frame_input.in_time(), frame_input.world_from_object)
 
     def _solve(self, settings: MeshSettings, pose: Any, before: Any, same_settings: bool,
-               moment: Moment) -> tuple[Any, Any]:
+               frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.activated()  # under other settings nothing of it may be held
         if not self.layer_count:
-            return native.load().solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, pose,
-                                                    before)
+            return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, pose, before)
         layers = layer_settings(settings, self.layer_count, self.finest_share)
-        return native.load().solve_wrinkle_layers(self.model, layers, self._paint, pose, state=before,
-                                                  **self._contact(settings, moment))
+        return kernels.solve_wrinkle_layers(self.model, layers, self._paint, pose, state=before,
+                                            **self._contact(settings, frame_input))
 
-    def _contact(self, settings: MeshSettings, moment: Moment) -> dict[str, Any]:
+    def _contact(self, settings: MeshSettings, frame_input: FrameInput) -> dict[str, Any]:
         """What keeps layers off what is worn under the base cloth."""
-        cloth = moment.cloth
+        cloth = frame_input.cloth
         if cloth is None:
             return {}
         base_cloth = self._base_cloth().cloth
-        collider = base_cloth.collider(moment.body)
-        if collider is None:
+        collider = base_cloth.collider(frame_input.body)
+        if collider is None or frame_input.body is None:
             return dict(gap=cloth.gap)
-        return dict(gap=cloth.gap, collider=collider, body_positions=moment.body.positions, body_hint=cloth.body_hint,
+        return dict(gap=cloth.gap, collider=collider, body_positions=frame_input.body.positions,
+                    body_hint=cloth.body_hint,
                     thickness=base_cloth.thickness(settings))
 
-    def _show(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Picture:
+    def _show(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any,
+              frame_input: FrameInput) -> FrameResult:
         if self.coarse is not None:
-            return Picture.of(native.load().show_wrinkle_transfer(self.transfer, self.coarse, self.model,
-                                                                  moment.animated, state))
+            return FrameResult.of(kernels.show_wrinkle_transfer(self.transfer, self.coarse, self.model,
+                                                                frame_input.animated, state))
         if self.layer_count:
-            return Picture.of(native.load().show_wrinkle_layers(self.model, moment.animated, positions, state))
-        shown = native.load().show_wrinkle_mesh(self.model, native_settings(settings), pose, state)
-        return self._picture(shown, moment)
+            return FrameResult.of(kernels.show_wrinkle_layers(self.model, frame_input.animated, positions, state))
+        shown = kernels.show_wrinkle_mesh(self.model, native_settings(settings), pose, state)
+        return self._result(shown, frame_input)
 
 
 def native_settings(settings: MeshSettings) -> Any:
     """The native solver's settings: the fields of the same name."""
-    options = native.load().WrinkleMeshSettings()
+    options = kernels.WrinkleMeshSettings()
     for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "buckling_threshold",
                  "compression_limit", "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge",
                  "seed"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Wrinkle Paths for whoever has arrays: prepare and evaluate. Never imports bpy."""
+"""The Wrinkle Paths on plain arrays: prepare and evaluate. Never imports bpy."""
 from __future__ import annotations
 
 import math
@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from .. import native
-from .base_mesh import BaseMesh, Refused, checked_surface
+from ..native import kernels
+from .base_mesh import BaseMesh, UserError, checked_surface
 from .cloth import size_factor
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, Moment, Picture, Sketch, Wrinkles
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
 from .on_cloth import cloth_of
 from .settings import PathsSettings
 
@@ -25,7 +25,7 @@ def width_of_height(height: float, percent: float) -> float:
     return float(f"{0.01 * percent * height:.3g}")
 
 
-def fitting_width(base: BaseMesh, unit_scale: float) -> float:
+def suggested_width(base: BaseMesh, unit_scale: float) -> float:
     """Width of the tightest folds, in metres, that suits a mesh as it is; two significant digits."""
     edge = base.mean_edge() * unit_scale
     return float(f"{0.7 * edge:.2g}") if edge > 0.0 else PathsSettings.width
@@ -37,7 +37,7 @@ CLOTH_THRESHOLD = 1.1  # a base cloth spreads what skinning crushes in one place
 
 def cloth_defaults(base: BaseMesh, unit_scale: float) -> dict[str, Any]:
     """Settings of a garment that becomes cloth, beside those of the base cloth. Two significant digits."""
-    width = max(fitting_width(base, unit_scale), CLOTH_WIDTH * size_factor(base.diagonal(), unit_scale))
+    width = max(suggested_width(base, unit_scale), CLOTH_WIDTH * size_factor(base.diagonal(), unit_scale))
     return dict(threshold=CLOTH_THRESHOLD, width=float(f"{width:.2g}"))
 
 
@@ -45,23 +45,23 @@ class WrinklePaths(Wrinkles):
     """Folds traced over the base, on a fine mesh."""
 
     ATTRIBUTES = (*COMMON_ATTRIBUTES, Attribute("rumple_height"))
-    FITTING = "width"
+    SUGGESTED = "width"
     HAS_CURVES = True
 
-    fitting_length = staticmethod(fitting_width)
+    suggested_length = staticmethod(suggested_width)
 
     @classmethod
     def build(cls, base: BaseMesh, settings: PathsSettings, *, unit_scale: float = 1.0) -> "WrinklePaths":
-        """Make the fine mesh and bind it. unit_scale: metres per object unit. Raises Refused."""
+        """Make the fine mesh and bind it. unit_scale: metres per object unit. Raises UserError."""
         surface, warnings = checked_surface(base, settings.weld, unit_scale)
         longest = settings.width / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         try:
-            model = native.load().build_wrinkle_paths(
+            model = kernels.build_wrinkle_paths(
                 surface, source=settings.source, level=min(math.ceil(finer), MOST_LEVEL),
                 longest_edge=longest / unit_scale, most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
-            raise Refused(f"{base.name}: {error}") from error
+            raise UserError(f"{base.name}: {error}") from error
         return cls(base, base, surface, model, warnings, unit_scale)
 
     def _status(self, report: Any) -> list[str]:
@@ -74,15 +74,15 @@ class WrinklePaths(Wrinkles):
 
     def curves(self, frame: float, positions: np.ndarray, settings: PathsSettings) -> Any:
         animated = None if cloth_of(self.state_of(frame)) is None else positions
-        return native.load().ride_wrinkle_paths(self.model, self._native_settings(settings),
-                                                self._pose_of(frame, positions), self.wrinkles_of(frame), animated)
+        return kernels.ride_wrinkle_paths(self.model, self._native_settings(settings),
+                                          self._pose_of(frame, positions), self.wrinkles_of(frame), animated)
 
     def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
         1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
         state, pose = self.wrinkles_of(frame), self._pose_of(frame, positions)
         corners = self.solved_over(frame, positions)[self.base.corner_vertex[self.base.triangle_corner]]
-        return corners, state.labels, native.load().wrinkle_path_ellipses(self.model, pose, state)
+        return corners, state.labels, kernels.wrinkle_path_ellipses(self.model, pose, state)
 
     def curve_points(self, settings: PathsSettings) -> float:
         """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
@@ -97,27 +97,29 @@ class WrinklePaths(Wrinkles):
         return True
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        return native.load().WrinklePathsPaint(self.model, paint)
+        return kernels.WrinklePathsPaint(self.model, paint)
 
-    def _pose(self, positions: np.ndarray, moment: Moment) -> Any:
-        return native.load().WrinklePathsPose.of(self.model, positions, *moment.in_time())
+    def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
+        return kernels.WrinklePathsPose.of(self.model, positions, *frame_input.in_time())
 
     def _solve(self, settings: PathsSettings, pose: Any, before: Any, same_settings: bool,
-               moment: Moment) -> tuple[Any, Any]:
-        return native.load().solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, pose,
-                                                 moment.seconds, state=before)
+               frame_input: FrameInput) -> tuple[Any, Any]:
+        return kernels.solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, pose,
+                                           frame_input.seconds, state=before)
 
-    def _show(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Picture:
-        shown = native.load().show_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
-        return self._picture(shown, moment, rumple_height=shown.height)
+    def _show(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any,
+              frame_input: FrameInput) -> FrameResult:
+        shown = kernels.show_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
+        return self._result(shown, frame_input, rumple_height=shown.height)
 
-    def _sketch(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any, moment: Moment) -> Sketch:
-        drawing = native.load().draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
-        off = positions - moment.animated if moment.cloth is not None else np.float32(0.0)
-        return Sketch(drawing, drawing.proxy_offset + off)
+    def _preview(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any,
+                 frame_input: FrameInput) -> PreviewFrame:
+        drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
+        off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
+        return PreviewFrame(drawing, drawing.proxy_offset + off)
 
     def _native_settings(self, settings: PathsSettings) -> Any:
-        options = native.load().WrinklePathsSettings()
+        options = kernels.WrinklePathsSettings()
         for name in ("smoothing", "threshold", "reach", "spacing", "alignment", "hem_rings", "growth_limit", "fade",
                      "seed", "height", "direction", "profile"):
             setattr(options, name, getattr(settings, name))

@@ -57,7 +57,7 @@ def new(dtype: np.dtype, *shape: int) -> np.ndarray:
 
 # Memory of the library that holds what owns it, by the power of two of bytes that it is taken to have: NumPy asks for
 # at least as much as an array has, and reads no more. A type for each size would cost more than the array.
-_MEMORY = [type("Memory", (ctypes.c_char * (1 << bits),), {"__slots__": ("owner",)}) for bits in range(48)]
+_MEMORY: list[Any] = [type("Memory", (ctypes.c_char * (1 << bits),), {"__slots__": ("owner",)}) for bits in range(48)]
 
 
 def lent(owner: Any, place: int | None, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:

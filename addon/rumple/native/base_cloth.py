@@ -48,6 +48,7 @@ class BaseClothModel(Handle):
     """Springs and contacts of a coarse mesh. Made by build_base_cloth."""
 
     __slots__ = ("base",)
+    base: Surface
     POINTER, FREE = c.BaseClothPointer, "rumple_base_cloth_free"
 
 
@@ -62,7 +63,7 @@ class BaseClothSettings(c.BaseClothSettings):
     """Settings of the base cloth. Stiffness is per mass: object units^2 / s^2. Lengths are object units."""
 
     __slots__ = ()
-    gravity = Vector("three floats, object space, object units / s^2")
+    gravity: Any = Vector("three floats, object space, object units / s^2")
 
     def __new__(cls) -> "BaseClothSettings":
         return cls.from_buffer_copy(lib.rumple_base_cloth_settings_default())
@@ -72,7 +73,7 @@ class BaseClothSwing(c.BaseClothSwing):
     """What swing_base_cloth needs beside BaseClothSettings."""
 
     __slots__ = ()
-    wind = Vector("three floats, object space, object units / s")
+    wind: Any = Vector("three floats, object space, object units / s")
 
     def __new__(cls) -> "BaseClothSwing":
         return cls.from_buffer_copy(lib.rumple_base_cloth_swing_default())
@@ -161,6 +162,7 @@ class ClothCover(Handle):
     """The points of a smooth surface that stay off bodies. Made by build_cloth_cover."""
 
     __slots__ = ("base",)
+    base: Surface
     POINTER, FREE = c.ClothCoverPointer, "rumple_cloth_cover_free"
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from .arrays import lent
 from .library import lib
+
+T = TypeVar("T", bound="Handle")
 
 
 class Handle:
@@ -20,14 +22,17 @@ class Handle:
     FREE = ""
     VIEW: Any = None
     LOOK = ""
+    _as_parameter_: Any  # a pointer to an opaque struct, of a type of its own for each kind of handle
+    _free: Any
+    _seen: Any
 
     @classmethod
-    def made(cls, function: Any, *arguments: Any) -> Any:
+    def made(cls: type[T], function: Any, *arguments: Any) -> T:
         """Of a function whose last argument is where the handle goes."""
         return cls._filled(cls.__new__(cls), function, *arguments)
 
     @classmethod
-    def _filled(cls, self: "Handle", function: Any, *arguments: Any) -> Any:
+    def _filled(cls, self: T, function: Any, *arguments: Any) -> T:
         pointer = cls.POINTER()
         function(*arguments, ctypes.byref(pointer))
         self._as_parameter_, self._free, self._seen = pointer, getattr(lib, cls.FREE), None
@@ -70,7 +75,7 @@ class Array:
             return self
         view, columns = getattr(handle, self.of), self.columns
         rows = getattr(view, self.rows) + self.more
-        if columns.__class__ is str:
+        if isinstance(columns, str):
             columns = getattr(view, columns)
         return lent(handle, getattr(view, self.source), self.dtype, (rows, columns) if columns else (rows,))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, Sequence
+from typing import Any, Sequence, TypeVar
 
 import numpy as np
 
@@ -100,6 +100,7 @@ class ShownMesh(Handle):
     """The mesh that is shown in place of the base: d vertices, q polygons, k corners. Part of a model."""
 
     __slots__ = ("_model",)
+    _model: Handle
     VIEW, LOOK = c.ShownMeshView, "rumple_shown_mesh_get_view"
 
     vertex_count = Number("d")
@@ -150,10 +151,14 @@ class Model(Handle):
         return ShownMesh(self, getattr(lib, self.SHOWN)(self))
 
 
+F = TypeVar("F", bound="ShownFrame")
+
+
 class ShownFrame(Handle):
     """What every system shows of a frame; d vertices of the shown mesh."""
 
     __slots__ = ("_model",)
+    _model: Handle
     POINTER, FREE = c.FramePointer, "rumple_frame_free"
     VIEW, LOOK = c.FrameView, "rumple_frame_get_view"
 
@@ -166,7 +171,7 @@ class ShownFrame(Handle):
     stretch_direction = Array("(d, 3) float32, of strongest compression, unit, object space", FLOAT, "vertex_count", 3)
 
     @classmethod
-    def of(cls, model: Handle, function: Any, *arguments: Any) -> Any:
+    def of(cls: type[F], model: Handle, function: Any, *arguments: Any) -> F:
         """A frame of a model."""
         frame = cls.made(function, *arguments)
         frame._model = model
@@ -242,8 +247,8 @@ class ReferenceSettings:
     reference = Choice(c.REFERENCE, "what compression is measured against", outer="rest")
 
 
-REFERENCE_ARRAYS = {"labels": (BYTE, 0), "reference": (FLOAT, 3), "past_times": (DOUBLE, 0),
-                    "past_positions": (FLOAT, 3)}
+REFERENCE_ARRAYS: dict[str, tuple[np.dtype, int]] = {
+    "labels": (BYTE, 0), "reference": (FLOAT, 3), "past_times": (DOUBLE, 0), "past_positions": (FLOAT, 3)}
 
 
 def stored_array(arrays: dict[str, Any], name: str) -> Any:

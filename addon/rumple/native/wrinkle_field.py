@@ -21,6 +21,7 @@ class WrinkleFieldModel(Model):
     """Neighbourhoods of a base at rest, and the mesh to show. Made by build_wrinkle_field. w welded vertices."""
 
     __slots__ = ("base",)
+    base: Surface
     POINTER, FREE = c.WrinkleFieldPointer, "rumple_wrinkle_field_free"
     VIEW, LOOK = c.WrinkleFieldView, "rumple_wrinkle_field_get_view"
     SHOWN, LABEL = "rumple_wrinkle_field_shown", "rumple_wrinkle_field_label_clip"
@@ -80,6 +81,7 @@ class _Paint(Handle):
     """Painted values as one model has them."""
 
     __slots__ = ("model",)
+    model: WrinkleFieldModel
     POINTER, FREE = c.WrinkleFieldPaintPointer, "rumple_wrinkle_field_paint_free"
 
 
@@ -107,6 +109,11 @@ class WrinkleFieldPaint:
         return self._made
 
 
+# ctypes' own fields, under the arrays of the same names.
+_HEIGHT: Any = c.WrinkleFieldProfile.height
+_SLOPE: Any = c.WrinkleFieldProfile.slope
+
+
 class WrinkleFieldProfile(c.WrinkleFieldProfile):
     """f and df/dphi of the wave, section 6.3."""
 
@@ -121,14 +128,14 @@ class WrinkleFieldProfile(c.WrinkleFieldProfile):
                                                *optional(height, "height", FLOAT), self)
 
     @property
-    def height(self) -> np.ndarray:
+    def height(self) -> np.ndarray:  # type: ignore[override]
         """(PROFILE_INTERVALS + 1,) float32"""
-        return np.array(c.WrinkleFieldProfile.height.__get__(self), FLOAT)
+        return np.array(_HEIGHT.__get__(self), FLOAT)
 
     @property
-    def slope(self) -> np.ndarray:
+    def slope(self) -> np.ndarray:  # type: ignore[override]
         """(PROFILE_INTERVALS + 1,) float32"""
-        return np.array(c.WrinkleFieldProfile.slope.__get__(self), FLOAT)
+        return np.array(_SLOPE.__get__(self), FLOAT)
 
 
 class WrinkleFieldPose(FramePose):

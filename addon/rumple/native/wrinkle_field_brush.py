@@ -21,6 +21,7 @@ class WrinkleFieldCanvas(Handle):
     """A pose under the brush. Made by lay_out_canvas."""
 
     __slots__ = ("model",)
+    model: WrinkleFieldModel
     POINTER, FREE = c.CanvasPointer, "rumple_canvas_free"
 
 

@@ -20,6 +20,7 @@ class WrinkleMeshLayers(Model):
     """Wrinkle Meshes, one on the other. Made by build_wrinkle_layers."""
 
     __slots__ = ("base",)
+    base: Surface
     POINTER, FREE = c.WrinkleLayersPointer, "rumple_wrinkle_layers_free"
     VIEW, LOOK = c.WrinkleLayersView, "rumple_wrinkle_layers_get_view"
     SHOWN = "rumple_wrinkle_layers_shown"
@@ -129,6 +130,8 @@ class WrinkleTransfer(Model):
     """What shows layers over a coarse mesh on the dense one. Made by build_wrinkle_transfer."""
 
     __slots__ = ("coarse", "layers")
+    coarse: CoarseMesh
+    layers: WrinkleMeshLayers
     POINTER, FREE = c.WrinkleTransferPointer, "rumple_wrinkle_transfer_free"
     SHOWN = "rumple_wrinkle_transfer_shown"
 

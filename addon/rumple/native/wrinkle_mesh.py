@@ -21,6 +21,7 @@ class WrinkleMeshModel(Model):
     """A fine mesh attached to a base at rest. Made by build_wrinkle_mesh. v solved vertices."""
 
     __slots__ = ("base",)
+    base: Surface
     POINTER, FREE = c.WrinkleMeshPointer, "rumple_wrinkle_mesh_free"
     VIEW, LOOK = c.WrinkleMeshView, "rumple_wrinkle_mesh_get_view"
     SHOWN, LABEL = "rumple_wrinkle_mesh_shown", "rumple_wrinkle_mesh_label_clip"
@@ -60,8 +61,8 @@ class WrinkleMeshSettings(c.WrinkleMeshSettings, ReferenceSettings):
     """Settings of a solve; see docs/wrinkle_mesh.md. Lengths are relative to the fine edges."""
 
     __slots__ = ()
-    collision = Choice(c.COLLISION)
-    offset_space = Choice(c.OFFSET_SPACE)
+    collision: Any = Choice(c.COLLISION)
+    offset_space: Any = Choice(c.OFFSET_SPACE)
 
     def __new__(cls) -> "WrinkleMeshSettings":
         return cls.from_buffer_copy(lib.rumple_wrinkle_mesh_settings_default())

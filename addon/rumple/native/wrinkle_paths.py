@@ -20,6 +20,7 @@ class WrinklePathsModel(Model):
     """A base and the fine mesh shown on it. Made by build_wrinkle_paths."""
 
     __slots__ = ("base",)
+    base: Surface
     POINTER, FREE = c.WrinklePathsPointer, "rumple_wrinkle_paths_free"
     VIEW, LOOK = c.WrinklePathsView, "rumple_wrinkle_paths_get_view"
     SHOWN, LABEL = "rumple_wrinkle_paths_shown", "rumple_wrinkle_paths_label_clip"
@@ -47,8 +48,8 @@ class WrinklePathsSettings(c.WrinklePathsSettings, ReferenceSettings):
     """Settings of a solve; see docs/wrinkle_paths.md. Lengths in object units."""
 
     __slots__ = ()
-    direction = Choice(c.FOLD_DIRECTION)
-    profile = Choice(c.FOLD_PROFILE)
+    direction: Any = Choice(c.FOLD_DIRECTION)
+    profile: Any = Choice(c.FOLD_PROFILE)
 
     def __new__(cls) -> "WrinklePathsSettings":
         return cls.from_buffer_copy(lib.rumple_wrinkle_paths_settings_default())

@@ -8,7 +8,6 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
-#include "surface/query/closest_point.h"
 
 namespace rumple {
 namespace {
@@ -42,7 +41,7 @@ Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<I
                                std::to_string(v) + " of " + std::to_string(vertex_count_));
         }
     }
-    hierarchy_ = build_hierarchy(centres_of(positions, triangles_));
+    hierarchy_ = build_packets(centres_of(positions, triangles_));
     mark_borders();
 }
 
@@ -76,14 +75,7 @@ PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> pos
     : collider_(collider),
       positions_(checked(collider, positions)),
       normals_(positions_, collider.triangles_),
-      boxes_(volumes_of<Box>(collider.hierarchy_,
-                             [&](Box& box, Index place) {
-                                 for (const Index v : collider.triangles_[collider.hierarchy_.order[place]])
-                                     box.add(positions_[v]);
-                             })),
-      facings_(volumes_of<Box>(collider.hierarchy_, [&](Box& box, Index place) {
-          box.add(normals_.of_face[collider.hierarchy_.order[place]]);
-      })) {}
+      packets_(collider.hierarchy_, positions_, collider.triangles_, normals_.of_face) {}
 
 bool PosedCollider::on_border(Index triangle, const Vec3& weights) const {
     const std::uint8_t edges = collider_.border_edges_[triangle];
@@ -108,35 +100,33 @@ Vec3 PosedCollider::normal_of(const Best& best) const {
     return unit_or_zero(w.x * normal[t[0]] + w.y * normal[t[1]] + w.z * normal[t[2]]);
 }
 
-void PosedCollider::look_at(Index triangle, const Vec3& p, Best& best) const {
-    const auto& t = collider_.triangles_[triangle];
-    Best found{0.0f, triangle, closest_weights(p, positions_[t[0]], positions_[t[1]], positions_[t[2]])};
-    const Vec3 to = p - point_of(found);
-    found.squared = glm::dot(to, to);
-    if (found.squared > best.squared || (found.squared == best.squared && triangle >= best.triangle)) return;
-    best = found;
-}
-
-// The nearest triangle that counts. skip(node): whether none of its triangles does.
-template <typename Skip, typename Counts>
-void PosedCollider::search(const Vec3& p, const Skip& skip, const Counts& counts, Best& best) const {
-    visit_nearest_first(
-        collider_.hierarchy_, [&](Index node) { return boxes_[node].squared_distance(p); },
-        [&](Index node) { return boxes_[node].squared_distance(p) > best.squared || skip(node); },
-        [&](Index place) {
-            const Index triangle = collider_.hierarchy_.order[place];
-            if (counts(triangle)) look_at(triangle, p, best);
-        });
+// Takes what is nearer than the best, among equals the lowest triangle: so the order of looking does not
+// count. counts(packet): which of its triangles do.
+template <typename Counts>
+void PosedCollider::look_at(const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles,
+                            const Vec3& p, const Counts& counts, Best& best) const {
+    const LaneMask counting = counts(packet);
+    const ClosestOfFour found = closest_of(packet, Vec3Lanes(p));
+    const LaneMask nearer = counting & (found.squared <= all_lanes(best.squared));
+    for (int k = 0; k < kLanes; ++k) {
+        if (!nearer[k] || found.squared[k] > best.squared) continue;
+        if (found.squared[k] == best.squared && triangles[k] >= best.triangle) continue;
+        const float v = found.at.v[k], w = found.at.w[k];
+        best = {found.squared[k], triangles[k], {1.0f - v - w, v, w}};
+    }
 }
 
 BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const {
-    const auto counts = [&](Index triangle) {
-        return glm::dot(normals_.of_face[triangle], normal) >= kFacing;
+    const Vec3Lanes facing(normal);
+    const auto counts = [&](const PosedPackets::Packet& packet) {
+        return LaneMask(dot(packet.normal, facing) >= all_lanes(kFacing));
     };
     Best best{reach * reach};
-    if (hint >= 0 && hint < collider_.triangle_count() && counts(hint)) look_at(hint, p, best);
-    search(
-        p, [](Index) { return false; }, counts, best);
+    const auto look = [&](const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles) {
+        look_at(packet, triangles, p, counts, best);
+    };
+    if (hint >= 0 && hint < collider_.triangle_count()) packets_.look_around(hint, look);
+    packets_.search(p, best.squared, nullptr, look);
     BodyContact contact;
     if (best.triangle == kNone) return contact;
     contact.triangle = best.triangle;
@@ -154,14 +144,16 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
 
 BodyAhead PosedCollider::ahead(const Vec3& p, const Vec3& normal, float reach, float behind) const {
     Best best{reach * reach};
-    search(
-        p, [&](Index node) { return facings_[node].least_along(normal) > kFacingNormals; },
-        [&](Index triangle) {
-            const Vec3& corner = positions_[collider_.triangles_[triangle][0]];
-            const Vec3& facing = normals_.of_face[triangle];
-            return glm::dot(facing, normal) <= kFacingNormals && glm::dot(p - corner, facing) >= -behind;
-        },
-        best);
+    const Vec3Lanes at(p), facing(normal);
+    const auto counts = [&](const PosedPackets::Packet& packet) {
+        return LaneMask((dot(packet.normal, facing) <= all_lanes(kFacingNormals)) &
+                        (dot(at - packet.a, packet.normal) >= all_lanes(-behind)));
+    };
+    const PosedPackets::NoneFaces none_faces{normal, kFacingNormals};
+    packets_.search(p, best.squared, &none_faces,
+                    [&](const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles) {
+                        look_at(packet, triangles, p, counts, best);
+                    });
     if (best.triangle == kNone || on_border(best.triangle, best.weights)) return {};
     return {best.triangle, point_of(best), normal_of(best)};
 }

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "base/array.h"
-#include "surface/contact/posed_triangles.h"
-#include "surface/query/hierarchy.h"
+#include "surface/contact/triangle_packets.h"
 
 namespace rumple {
 
@@ -32,7 +31,7 @@ class Collider {
     std::vector<std::array<Index, 3>> triangles_;
     std::vector<std::uint8_t> border_edges_;  // per triangle: bit k, the edge from corner k is a border
     std::vector<std::uint8_t> border_vertex_;
-    Hierarchy hierarchy_;  // of the triangles
+    PacketHierarchy hierarchy_;  // of the triangles
 };
 
 // The nearest place of a body.
@@ -77,9 +76,9 @@ class PosedCollider {
         Vec3 weights{0.0f};
     };
 
-    void look_at(Index triangle, const Vec3& p, Best& best) const;
-    template <typename Skip, typename Counts>
-    void search(const Vec3& p, const Skip& skip, const Counts& counts, Best& best) const;
+    template <typename Counts>
+    void look_at(const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles,
+                 const Vec3& p, const Counts& counts, Best& best) const;
     Vec3 point_of(const Best& best) const;
     Vec3 normal_of(const Best& best) const;
     bool on_border(Index triangle, const Vec3& weights) const;
@@ -87,8 +86,7 @@ class PosedCollider {
     const Collider& collider_;
     std::vector<Vec3> positions_;
     TriangleNormals normals_;
-    std::vector<Box> boxes_;    // per node: of its corners
-    std::vector<Box> facings_;  // per node: of its triangles' normals
+    PosedPackets packets_;
 };
 
 }  // namespace rumple

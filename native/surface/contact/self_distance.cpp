@@ -5,49 +5,43 @@
 #include <cmath>
 
 #include "base/tolerances.h"
-#include "surface/query/closest_point.h"
 
 namespace rumple {
 
 OwnSurface::OwnSurface(std::span<const Vec3> positions, const std::vector<std::array<Index, 3>>& triangles)
-    : hierarchy_(build_hierarchy(centres_of(positions, triangles))) {
-    for (const Index t : hierarchy_.order) triangles_.push_back(triangles[t]);
-}
+    : triangles_(triangles), hierarchy_(build_packets(centres_of(positions, triangles))) {}
 
 PosedOwnSurface::PosedOwnSurface(const OwnSurface& surface, std::span<const Vec3> positions)
     : surface_(surface),
       positions_(positions),
       normals_(positions, surface.triangles_),
-      boxes_(volumes_of<Box>(surface.hierarchy_,
-                             [&](Box& box, Index t) {
-                                 for (const Index v : surface.triangles_[t]) box.add(positions[v]);
-                             })),
-      facings_(
-          volumes_of<Box>(surface.hierarchy_, [&](Box& box, Index t) { box.add(normals_.of_face[t]); })) {}
+      packets_(surface.hierarchy_, positions, surface.triangles_, normals_.of_face) {}
 
 OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const {
     const Vec3 p = positions_[vertex], normal = normals_.of_vertex[vertex];
+    const Vec3Lanes at(p), facing(normal);
     float best = reach * reach;
     found = kNone;
     Vec3 displacement(0.0f);
-    const auto look_at = [&](Index t) {
-        if (glm::dot(normals_.of_face[t], normal) > kFacingNormals) return;
-        const auto& corner = surface_.triangles_[t];
-        if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex) return;
-        const Vec3 &a = positions_[corner[0]], &b = positions_[corner[1]], &c = positions_[corner[2]];
-        const Vec3 w = closest_weights(p, a, b, c);
-        const Vec3 to = w.x * a + w.y * b + w.z * c - p;
-        const float squared = glm::dot(to, to);
-        if (squared > best || (squared == best && (found == kNone || t >= found))) return;
-        best = squared;
-        found = t;
-        displacement = to;
+    const auto look_at = [&](const PosedPackets::Packet& packet,
+                             const PacketHierarchy::Triangles& triangles) {
+        const ClosestOfFour closest = closest_of(packet, at);
+        const LaneMask nearer =
+            (dot(packet.normal, facing) <= all_lanes(kFacingNormals)) & (closest.squared <= all_lanes(best));
+        for (int k = 0; k < kLanes; ++k) {
+            if (!nearer[k] || closest.squared[k] > best) continue;
+            const Index t = triangles[k];
+            const auto& corner = surface_.triangles_[t];
+            if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex) continue;
+            if (closest.squared[k] == best && (found == kNone || t >= found)) continue;
+            best = closest.squared[k];
+            found = t;
+            displacement = closest.way.at(k);
+        }
     };
-    // No triangle of the node faces the vertex: so it is with all that lies flat around it.
-    const auto faces_away = [&](Index node) { return facings_[node].least_along(normal) > kFacingNormals; };
-    visit_nearest_first(
-        surface_.hierarchy_, [&](Index node) { return boxes_[node].squared_distance(p); },
-        [&](Index node) { return boxes_[node].squared_distance(p) > best || faces_away(node); }, look_at);
+    // No triangle of a node faces the vertex: so it is with all that lies flat around it.
+    const PosedPackets::NoneFaces none_faces{normal, kFacingNormals};
+    packets_.search(p, best, &none_faces, look_at);
     if (found == kNone) return {};
     const float distance = std::sqrt(best);
     const Vec3 towards = distance > kSamePlace * reach ? displacement / distance : -normals_.of_face[found];

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "base/array.h"
-#include "surface/contact/posed_triangles.h"
-#include "surface/query/hierarchy.h"
+#include "surface/contact/triangle_packets.h"
 
 namespace rumple {
 
@@ -25,8 +24,8 @@ class OwnSurface {
   private:
     friend class PosedOwnSurface;
 
-    std::vector<std::array<Index, 3>> triangles_;  // leaf by leaf
-    Hierarchy hierarchy_;
+    std::vector<std::array<Index, 3>> triangles_;
+    PacketHierarchy hierarchy_;
 };
 
 // The nearest point of the cloth that faces a vertex: on a triangle that it is no corner of, and whose normal
@@ -61,8 +60,7 @@ class PosedOwnSurface {
     const OwnSurface& surface_;
     std::span<const Vec3> positions_;
     TriangleNormals normals_;
-    std::vector<Box> boxes_;    // per node: of its corners
-    std::vector<Box> facings_;  // per node: of its triangles' normals
+    PosedPackets packets_;
 };
 
 }  // namespace rumple

@@ -19,6 +19,7 @@ using Pair = std::array<Index, 2>;
 void collect_edge_sources(ShownMesh& shown, const PolygonMesh& source) {
     const std::vector<Edge> source_edges = collect_edges(source);
     std::vector<Pair> known;
+    known.reserve(source_edges.size());
     for (const Edge& e : source_edges) known.push_back({e.a, e.b});
     const SparseRows& from = shown.vertex_from_source;
     const auto support = [&](Index v, std::vector<Index>& out) {

@@ -1,39 +1,48 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The closest point of a triangle. One formula for one point and for four at a time.
 #pragma once
 
 #include "base/array.h"
 
 namespace rumple {
 
-// The closest point of a triangle, as weights of its three corners (they sum to 1).
-// Source: Ericson 2005, Real-Time Collision Detection, 5.1.5: by the Voronoi regions of the triangle.
+// Weights of the second and the third corner; that of the first is what is left of 1.
+template <typename Real>
+struct ClosestPoint {
+    Real v, w;
+};
+
+// By the Voronoi regions of the triangle. Source: Ericson 2005, Real-Time Collision Detection, 5.1.5. Real:
+// float, or Lanes. d1 .. d6: dot products of its sides ab and ac with the ways from a, b and c to the point.
+// On a triangle without area any of its points.
+template <typename Real>
+ClosestPoint<Real> closest_point(const Real& d1, const Real& d2, const Real& d3, const Real& d4,
+                                 const Real& d5, const Real& d6) {
+    const Real zero = d1 - d1, one = zero + 1.0f;
+    const Real va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+    Real v = vb, w = vc, of = va + vb + vc;  // inside
+    // The regions of the book in the opposite order: the first that holds there is the last to be taken here.
+    const auto take = [&](const auto& region, const Real& new_v, const Real& new_w, const Real& new_of) {
+        v = region ? new_v : v;
+        w = region ? new_w : w;
+        of = region ? new_of : of;
+    };
+    const Real d43 = d4 - d3, d56 = d5 - d6;
+    take((va <= zero) & (d43 >= zero) & (d56 >= zero), d56, d43, d43 + d56);          // side bc
+    take((vb <= zero) & (d2 >= zero) & (d6 <= zero), zero, d2, d2 - d6);              // side ac
+    take((d6 >= zero) & (d5 <= d6), zero, one, one);                                  // corner c
+    take((vc <= zero) & (d1 >= zero) & (d3 <= zero) & (d1 > d3), d1, zero, d1 - d3);  // side ab
+    take((d3 >= zero) & (d4 <= d3), one, zero, one);                                  // corner b
+    take((d1 <= zero) & (d2 <= zero), zero, zero, one);                               // corner a
+    of = of == zero ? one : of;
+    return {v / of, w / of};
+}
+
+// The same as weights of the three corners (they sum to 1).
 inline Vec3 closest_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3 ab = b - a, ac = c - a, ap = p - a;
-    const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-    if (d1 <= 0.0f && d2 <= 0.0f) return {1.0f, 0.0f, 0.0f};
-    const Vec3 bp = p - b;
-    const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-    if (d3 >= 0.0f && d4 <= d3) return {0.0f, 1.0f, 0.0f};
-    const float vc = d1 * d4 - d3 * d2;
-    if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) {
-        const float v = d1 / (d1 - d3);
-        return {1.0f - v, v, 0.0f};
-    }
-    const Vec3 cp = p - c;
-    const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-    if (d6 >= 0.0f && d5 <= d6) return {0.0f, 0.0f, 1.0f};
-    const float vb = d5 * d2 - d1 * d6;
-    if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) {
-        const float w = d2 / (d2 - d6);
-        return {1.0f - w, 0.0f, w};
-    }
-    const float va = d3 * d6 - d5 * d4;
-    if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) {
-        const float w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return {0.0f, 1.0f - w, w};
-    }
-    const float scale = 1.0f / (va + vb + vc);
-    const float v = vb * scale, w = vc * scale;
+    const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+    const auto [v, w] = closest_point(glm::dot(ab, ap), glm::dot(ac, ap), glm::dot(ab, bp), glm::dot(ac, bp),
+                                      glm::dot(ab, cp), glm::dot(ac, cp));
     return {1.0f - v - w, v, w};
 }
 

@@ -111,7 +111,7 @@ class RegularSplit {
 FineMesh refine_regular(const Surface& surface, Index segments) {
     if (segments < 1) throw InvalidInput("segments: expected at least 1, got " + std::to_string(segments));
     const double corners = 3.0 * segments * segments * static_cast<double>(surface.triangles.size());
-    if (corners > std::numeric_limits<Index>::max() / 4) {
+    if (4.0 * corners > std::numeric_limits<Index>::max()) {
         throw InvalidInput("segments: " + std::to_string(segments) +
                            " make more corners than can be counted");
     }

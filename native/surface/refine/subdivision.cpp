@@ -17,7 +17,7 @@ void check_levels(const PolygonMesh& parent, Index levels) {
                            std::to_string(levels));
     }
     const double corners = std::ldexp(static_cast<double>(parent.corners()), 2 * levels);
-    if (corners > std::numeric_limits<Index>::max() / 4) {
+    if (4.0 * corners > std::numeric_limits<Index>::max()) {
         throw InvalidInput("levels: " + std::to_string(levels) +
                            " levels make more corners than can be counted");
     }

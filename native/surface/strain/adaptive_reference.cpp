@@ -74,6 +74,7 @@ Labels label_frame(const Surface& surface, const ReferenceModel& model, const Re
                    const ReferenceState* state) {
     if (!frame_time.labels.empty()) return {frame_time.labels.begin(), frame_time.labels.end()};
     std::vector<LabelCosts> costs;
+    costs.reserve(changes.size());
     for (const Stretch& change : changes) costs.push_back(label_costs(change));
     if (!frame_time.next_positions.empty()) {
         std::vector<Vec3> next(pose.positions.size());

@@ -5,7 +5,9 @@
 // The library moves pointers into a block that realloc() has moved, by their distance from it. g++ 14 at -O3
 // sees the old address used, in code that it has inlined here, and warns although these are system headers.
 #pragma GCC diagnostic push
+#ifndef __clang__  // which does not know this warning
 #pragma GCC diagnostic ignored "-Wuse-after-free"
+#endif
 #include <maxflow.h>
 #pragma GCC diagnostic pop
 

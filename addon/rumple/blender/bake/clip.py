@@ -40,18 +40,18 @@ def stored_path(path: Path) -> str:
 
 def attach(obj: bpy.types.Object, manifest: clip_file.Manifest, clip: Path) -> None:
     """Show the clip, through a new cache object: a former one may belong to a duplicate too."""
-    ours = modifier.find(obj)
-    cache_object = make_cache_object(obj, modifier.output_object(ours).data)
+    nodes_mod = modifier.find(obj)
+    cache_object = make_cache_object(obj, modifier.output_object(nodes_mod).data)
     modifier.add_mesh_cache(cache_object, manifest, stored_path(clip))
-    modifier.set_cache_object(ours, cache_object)
-    modifier.set_baked(ours, True)
+    modifier.set_cache_object(nodes_mod, cache_object)
+    modifier.set_baked(nodes_mod, True)
     runtimes.of(obj).stale = True
 
 
 def make_cache_object(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types.Object:
     """A hidden object with the points of a clip, at rest: that is what shows where the clip cannot be read."""
     attributes = modifier.system(modifier.find(obj)).wrinkles.ATTRIBUTES
-    rest = engine.Picture.at_rest(compat.positions(shown), len(shown.loops), attributes)
+    rest = engine.FrameResult.at_rest(compat.positions(shown), len(shown.loops), attributes)
     points = clip_file.points_of(rest, attributes)
     mesh = bpy.data.meshes.new(obj.name + SUFFIX)
     mesh.vertices.add(len(points))
@@ -64,19 +64,19 @@ def make_cache_object(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types
 
 def free(obj: bpy.types.Object, delete_file: bool) -> None:
     """Make the wrinkles live again."""
-    ours = modifier.find(obj)
+    nodes_mod = modifier.find(obj)
     clip = clip_status.clip_path(obj)
-    modifier.set_cache_object(ours, None)
-    modifier.set_baked(ours, False)
+    modifier.set_cache_object(nodes_mod, None)
+    modifier.set_baked(nodes_mod, False)
     for child in path_curves.of(obj):
         path_curves.free(child)
     if delete_file and clip is not None:
         clip_file.delete(clip)
         path_curves.clip_path(clip).unlink(missing_ok=True)
-    entry = runtimes.of(obj)
-    entry.stale = True
-    entry.invalidate_output()
-    messages.set_frame_error(entry, "")
+    runtime = runtimes.of(obj)
+    runtime.stale = True
+    runtime.invalidate_output()
+    messages.set_frame_error(runtime, "")
     scheduler.sync_all()
 
 
@@ -105,11 +105,11 @@ class ClipBake:
     def step(self) -> bool:
         """Solve and write one sample. False after the last."""
         try:
-            wanted, picture, coarse = next(self.samples)
+            wanted, result, coarse = next(self.samples)
         except StopIteration:
             return False
         if wanted:
-            self.writer.add(picture, coarse)
+            self.writer.add(result, coarse)
             self.curves.add()
         self.done += 1
         return True

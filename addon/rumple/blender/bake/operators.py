@@ -134,7 +134,7 @@ class OBJECT_OT_rumple_bake_shape_keys(ui_base.OnWrinkled, bpy.types.Operator):
         playback = None
         try:
             playback = Playback(context, obj, start, end, 1)
-            shapes = [picture.positions.copy() for wanted, picture, _ in playback.samples_in_order() if wanted]
+            shapes = [result.positions.copy() for wanted, result, _ in playback.samples_in_order() if wanted]
         except BakeError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -15,7 +15,7 @@ from ..viewport import preview
 
 
 class BakeError(RuntimeError):
-    """Why a bake cannot be made or go on, in words."""
+    """Why a bake cannot be made or continued: a message for the artist."""
 
 
 class Playback:
@@ -32,15 +32,15 @@ class Playback:
         self.count = len(self.pre_roll) + (end - start) * samples + 1
         if self.analyzes:
             self.count += len(self.pre_roll) + end - start + 1
-        ours = modifier.find(obj)
+        nodes_mod = modifier.find(obj)
         self.passes = 2 if modifier.depends_on_wrinkled(obj) else 1  # the other one is solved in the first pass
-        self.was_baked = modifier.is_baked(ours)
+        self.was_baked = modifier.is_baked(nodes_mod)
         if self.was_baked:
-            modifier.set_baked(ours, False)
+            modifier.set_baked(nodes_mod, False)
             runtimes.of(obj).stale = True
         scheduler.sync_all()
 
-    def samples_in_order(self) -> Iterator[tuple[bool, engine.Picture | None, np.ndarray | None]]:
+    def samples_in_order(self) -> Iterator[tuple[bool, engine.FrameResult | None, np.ndarray | None]]:
         """(wanted, picture, coarse positions) of every sample. Not wanted: those of the pre-roll, and without a picture
         the frames of a first pass that only looks at the clip."""
         if self.analyzes:
@@ -54,49 +54,50 @@ class Playback:
 
     def _analyze(self) -> Iterator[None]:
         """Read the pose of every whole frame; the solver then knows the clip. Memory: 12 bytes a vertex and frame."""
-        entry, clip = runtimes.of(self.obj), {}
-        entry.analyzing = True
+        runtime, clip = runtimes.of(self.obj), {}
+        runtime.analyzing = True
         for frame in (*self.pre_roll, *range(self.start, self.end + 1)):
             self._visit(frame, 0.0)
-            if entry.analyzed is None or entry.analyzed.frame != frame:
+            if runtime.analyzed is None or runtime.analyzed.frame != frame:
                 raise BakeError(f"{self.obj.name}: nothing is seen at frame {frame}: is the modifier off?")
-            clip[float(frame)] = entry.analyzed.positions
+            clip[float(frame)] = runtime.analyzed.positions
             yield
-        entry.analyzing = False
+        runtime.analyzing = False
         try:
-            entry.evaluator.look_at_clip(clip, entry.analyzed.settings, frame_rate=entry.analyzed.frame_rate)
-        except engine.Refused as error:
+            runtime.evaluator.analyze_clip(clip, runtime.analyzed.settings, frame_rate=runtime.analyzed.frame_rate)
+        except engine.UserError as error:
             raise BakeError(str(error)) from error
-        entry.invalidate_output()  # what is shown was solved as live
+        runtime.invalidate_output()  # what is shown was solved as live
 
     def _visit(self, frame: int, subframe: float) -> runtimes.Runtime:
         with preview.paused():
             for _ in range(self.passes):
                 self.scene.frame_set(frame, subframe=subframe)
-        entry = runtimes.of(self.obj)
-        if entry.refusal or entry.message:
-            raise BakeError(f"frame {frame + subframe:g}: {entry.refusal or entry.message}")
-        return entry
+        runtime = runtimes.of(self.obj)
+        if runtime.refusal or runtime.message:
+            raise BakeError(f"frame {frame + subframe:g}: {runtime.refusal or runtime.message}")
+        return runtime
 
-    def _solve(self, frame: int, subframe: float) -> tuple[engine.Picture, np.ndarray]:
-        entry = self._visit(frame, subframe)
-        if entry.picture is None or entry.inputs is None or abs(entry.inputs.frame - frame - subframe) > 1e-3:
+    def _solve(self, frame: int, subframe: float) -> tuple[engine.FrameResult, np.ndarray]:
+        runtime = self._visit(frame, subframe)
+        if (not isinstance(runtime.result, engine.FrameResult) or runtime.inputs is None
+                or abs(runtime.inputs.frame - frame - subframe) > 1e-3):
             raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: is the modifier off?")
-        return entry.picture, entry.inputs.positions
+        return runtime.result, runtime.inputs.positions
 
     def note(self) -> str:
         """What is odd about what was solved, for the report; empty when nothing is."""
         fine = runtimes.of(self.obj).evaluator
-        strayed = sorted(fine.strayed) if fine is not None else []
-        return (f". {len(strayed)} frames were not as they had been looked at (first: {strayed[0]:g}): they were "
-                "solved as in playback") if strayed else ""
+        others = sorted(fine.pose_mismatches) if fine is not None else []
+        return (f". {len(others)} frames have another pose than the analysis of the clip saw (first: {others[0]:g}): "
+                "they were solved as in playback") if others else ""
 
     def end_playback(self, restore_bake: bool) -> None:
-        entry = runtimes.of(self.obj)
-        if self.analyzes and entry.evaluator is not None:
-            entry.analyzing, entry.analyzed = False, None
-            entry.evaluator.look_at_clip({}, None)
-            entry.invalidate_output()
+        runtime = runtimes.of(self.obj)
+        if self.analyzes and runtime.evaluator is not None:
+            runtime.analyzing, runtime.analyzed = False, None
+            runtime.evaluator.analyze_clip({}, None)
+            runtime.invalidate_output()
         if restore_bake and self.was_baked:
             modifier.set_baked(modifier.find(self.obj), True)
         self.scene.frame_set(self.now[0], subframe=self.now[1])

@@ -8,7 +8,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from ...core.brush import Easel
-from ...core.engine import Refused
+from ...core.engine import UserError
 from ...core.wrinkle_field import WrinkleField
 from .. import compat
 from ..objects import mesh_reader, modifier, runtimes
@@ -22,17 +22,17 @@ class Canvas:
         self._tree: BVHTree | None = None
 
     def pose(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
-        """As it stands in this depsgraph. Raises Refused."""
+        """As it stands in this depsgraph. Raises UserError."""
         evaluated = obj.evaluated_get(depsgraph)
         count = len(obj.data.vertices)
         try:
             positions = mesh_reader.posed_positions(evaluated, count)
         except mesh_reader.Reordered as error:
-            raise Refused(f"{obj.name}: {error}") from error
+            raise UserError(f"{obj.name}: {error}") from error
         if positions is None:
             positions = mesh_reader.plain_positions(evaluated, count)
         if positions is None:
-            raise Refused(f"{obj.name}: its wrinkles do not show: switch the modifier on in the viewport first")
+            raise UserError(f"{obj.name}: its wrinkles do not show: switch the modifier on in the viewport first")
         positions = self.easel.field.solved_over(float(depsgraph.scene.frame_current_final), positions)
         matrix = np.array(evaluated.matrix_world, np.float32)
         if self.easel.pose(positions @ matrix[:3, :3].T + matrix[:3, 3]):
@@ -51,20 +51,20 @@ _last: Canvas | None = None
 
 
 def canvas_of(obj: bpy.types.Object) -> Canvas:
-    """The canvas of an object with a Wrinkle Field. Raises Refused."""
+    """The canvas of an object with a Wrinkle Field. Raises UserError."""
     global _last
-    ours = modifier.find(obj)
-    if ours is None or modifier.system(ours).method != "FIELD":
-        raise Refused(f"{obj.name}: it has no Wrinkle Field to paint on: add one first")
-    if modifier.is_baked(ours):
-        raise Refused(f"{obj.name}: its wrinkles are baked: free the bake first")
-    entry = runtimes.known(obj)
-    if entry is None or not isinstance(entry.evaluator, WrinkleField):
-        raise Refused(runtimes.message(obj) or f"{obj.name}: nothing is solved yet")
-    if len(entry.evaluator.base.positions) != len(obj.data.vertices):
-        raise Refused(f"{obj.name}: its mesh was edited: one moment")
-    if _last is None or _last.easel.field is not entry.evaluator:
-        _last = Canvas(entry.evaluator)
+    nodes_mod = modifier.find(obj)
+    if nodes_mod is None or modifier.system(nodes_mod).method != "FIELD":
+        raise UserError(f"{obj.name}: it has no Wrinkle Field to paint on: add one first")
+    if modifier.is_baked(nodes_mod):
+        raise UserError(f"{obj.name}: its wrinkles are baked: free the bake first")
+    runtime = runtimes.known(obj)
+    if runtime is None or not isinstance(runtime.evaluator, WrinkleField):
+        raise UserError(runtimes.message(obj) or f"{obj.name}: nothing is solved yet")
+    if len(runtime.evaluator.base.positions) != len(obj.data.vertices):
+        raise UserError(f"{obj.name}: its mesh was edited: one moment")
+    if _last is None or _last.easel.field is not runtime.evaluator:
+        _last = Canvas(runtime.evaluator)
     return _last
 
 
@@ -76,13 +76,13 @@ def forget() -> None:
 
 # ---------------------------------------------------------------- the painted attribute
 def read(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """What is painted on a coarse mesh, (n, 3) float32; None where nothing ever was. Raises Refused."""
+    """What is painted on a coarse mesh, (n, 3) float32; None where nothing ever was. Raises UserError."""
     found = mesh.attributes.get(mesh_reader.REST_WRINKLE)
     if found is None:
         return None
     if (found.domain, found.data_type) != ("POINT", "FLOAT_VECTOR"):
-        raise Refused(f"{mesh.name}: its attribute \"{mesh_reader.REST_WRINKLE}\" is not a vector for each point: "
-                      "rename it or remove it")
+        raise UserError(f"{mesh.name}: its attribute \"{mesh_reader.REST_WRINKLE}\" is not a vector for each point: "
+                        "rename it or remove it")
     return compat.read_attribute(found)
 
 

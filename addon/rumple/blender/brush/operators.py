@@ -14,7 +14,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from ...core.brush import DEFAULT_LENGTH, LONGEST
-from ...core.engine import Refused
+from ...core.engine import UserError
 from .. import compat, scheduler
 from ..objects import messages, modifier
 from . import canvas as brush_canvas, overlay as brush_overlay
@@ -75,8 +75,8 @@ def refusal(obj: bpy.types.Object | None) -> str:
         return "This mesh is linked from another file: append it, or make it local"
     if obj.mode != "OBJECT":
         return "Go to Object Mode first"
-    ours = modifier.find(obj)
-    if ours is None or modifier.system(ours).method != "FIELD":
+    nodes_mod = modifier.find(obj)
+    if nodes_mod is None or modifier.system(nodes_mod).method != "FIELD":
         return "This object has no Wrinkle Field: add one first"
     return ""
 
@@ -167,7 +167,7 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
         """What is wrong is said in words, and the stroke is as if it had not been."""
         try:
             return step()
-        except Refused as error:
+        except UserError as error:
             self.report({"ERROR"}, str(error))
             return self._take_back()
         except Exception as error:  # a message, never a traceback; the mesh may be gone
@@ -181,7 +181,7 @@ class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
     bl_idname = "object.rumple_scatter"
     bl_label = "Scatter Rest Wrinkles"
 
-    seed: bpy.props.IntProperty(name="Seed", default=0, min=0, description="Another seed, other wrinkles")
+    seed: bpy.props.IntProperty(name="Seed", default=0, min=0, description="Another seed gives other wrinkles")
     density: bpy.props.FloatProperty(name="Density", default=0.4, min=0.0, max=1.0, subtype="FACTOR",
                                      description="Share of the mesh's points that wrinkle")
     size: bpy.props.FloatProperty(name="Size", default=0.1, min=0.0001, soft_max=1.0, max=100.0, subtype="DISTANCE",
@@ -195,7 +195,7 @@ class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
             brush_canvas.read(obj.data)
             metres = self.size * context.scene.unit_settings.scale_length
             scattered = brush_canvas.canvas_of(obj).easel.scatter(self.seed, self.density, metres, self.length)
-        except Refused as error:
+        except UserError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         brush_canvas.write(obj.data, scattered)

@@ -9,8 +9,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...core.engine import Refused
+from ...core.engine import UserError
 from .. import compat
+from ..viewport.draw_handler import DrawHandler
 from . import canvas as brush_canvas
 
 WEAK, STRONG = np.array((0.3, 0.75, 1.0, 1.0), np.float32), np.array((1.0, 0.85, 0.1, 1.0), np.float32)
@@ -31,7 +32,6 @@ class _Drawn:
     batches: list  # (batch, width in pixels), in the order of drawing
 
 
-_handle: Any = None
 _tool = ""
 _last: _Drawn | None = None
 _complaint = ""
@@ -39,18 +39,13 @@ _complaint = ""
 
 def register(tool: str) -> None:
     """tool: what must be in hand."""
-    global _handle, _tool
+    global _tool
     _tool = tool
-    if _handle is None and not bpy.app.background:
-        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw_guarded, (), "WINDOW", "POST_VIEW")
+    handler.add()
 
 
 def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-        _handle = None
-    forget()
+    handler.remove()
 
 
 def forget() -> None:
@@ -65,7 +60,7 @@ def _draw_guarded() -> None:
         _draw(bpy.context)
         _complaint = ""
     except Exception as error:
-        text = "" if isinstance(error, Refused) else f"Rumple: the overlay cannot be drawn: {error!r}"
+        text = "" if isinstance(error, UserError) else f"Rumple: the overlay cannot be drawn: {error!r}"
         if text and text != _complaint:
             print(text)
         _complaint = text
@@ -138,3 +133,6 @@ def draw_cursor(brush: bpy.types.PropertyGroup, place: tuple[float, float]) -> N
     """The rim of the brush around the mouse."""
     from gpu_extras.presets import draw_circle_2d
     draw_circle_2d(place, CURSOR, brush.radius, segments=48)
+
+
+handler = DrawHandler(_draw_guarded, forget)

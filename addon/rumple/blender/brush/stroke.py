@@ -16,7 +16,7 @@ _FIXED = {"HORIZONTAL": 0.0, "VERTICAL": 0.5 * math.pi}  # directions on the scr
 
 
 class Stroke:
-    """Paints on an object while the hand moves. Everything may raise Refused."""
+    """Paints on an object while the hand moves. Everything may raise UserError."""
 
     def __init__(self, obj: bpy.types.Object, brush: bpy.types.PropertyGroup, touch: str, region: bpy.types.Region,
                  view: bpy.types.RegionView3D, depsgraph: bpy.types.Depsgraph) -> None:

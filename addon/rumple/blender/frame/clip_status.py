@@ -70,12 +70,12 @@ def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
     return ""
 
 
-def compare_pose(obj: bpy.types.Object, entry: Runtime, evaluated: bpy.types.Object, frame: float) -> str:
+def compare_pose(obj: bpy.types.Object, runtime: Runtime, evaluated: bpy.types.Object, frame: float) -> str:
     """The note on this frame of a baked object: its animation may have changed, or the clip may not have it."""
     clip = clip_path(obj)
     about = manifest(clip) if clip is not None else None
-    if about is None or entry.bake_note:
-        return entry.bake_note
+    if about is None or runtime.bake_note:
+        return runtime.bake_note
     sample = about.sample_of(frame)
     if sample is None:
         outside = not about.start <= frame <= about.end
@@ -100,9 +100,9 @@ def late_in_renders(obj: bpy.types.Object) -> str:
 
 def check_before_render() -> None:
     """Say on the console what is missing, stale or late, before hours are spent on it."""
-    for obj, ours in modifier.wrinkled_objects():
-        held = modifier.output_object(ours)
-        if held is not None:
-            text = check(obj, held) if modifier.is_baked(ours) else late_in_renders(obj)
+    for obj, nodes_mod in modifier.wrinkled_objects():
+        output_obj = modifier.output_object(nodes_mod)
+        if output_obj is not None:
+            text = check(obj, output_obj) if modifier.is_baked(nodes_mod) else late_in_renders(obj)
             if text:
                 print(f"Rumple: before rendering: {text}")

@@ -38,18 +38,18 @@ def all_curves() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
     return iter(_CURVES)
 
 
-def garment_of(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    found = compat.modifier_input(ours, _input(ours, path_curves_tree.GARMENT))
+def garment_of(nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    found = compat.modifier_input(nodes_mod, _input(nodes_mod, path_curves_tree.GARMENT))
     return found if isinstance(found, bpy.types.Object) else None
 
 
 def of(garment: bpy.types.Object) -> list[bpy.types.Object]:
     """The curves of a garment."""
-    return [obj for obj, ours in all_curves() if garment_of(ours) == garment]
+    return [obj for obj, nodes_mod in all_curves() if garment_of(nodes_mod) == garment]
 
 
-def _input(ours: bpy.types.NodesModifier, name: str) -> str:
-    return compat.group_sockets(ours.node_group, "INPUT")[name]
+def _input(nodes_mod: bpy.types.NodesModifier, name: str) -> str:
+    return compat.group_sockets(nodes_mod.node_group, "INPUT")[name]
 
 
 # ---------------------------------------------------------------- adding and removing
@@ -61,11 +61,11 @@ def add(garment: bpy.types.Object) -> bpy.types.Object:
     child.parent = garment
     for collection in garment.users_collection:
         collection.objects.link(child)
-    ours = child.modifiers.new("Path Curves", "NODES")
-    ours.node_group = path_curves_tree.ensure()
+    nodes_mod = child.modifiers.new("Path Curves", "NODES")
+    nodes_mod.node_group = path_curves_tree.ensure()
     _CURVES.forget()
-    compat.set_modifier_input(ours, _input(ours, path_curves_tree.GARMENT), garment)
-    ours.node_group = ours.node_group  # as in modifier.set_output_object()
+    compat.set_modifier_input(nodes_mod, _input(nodes_mod, path_curves_tree.GARMENT), garment)
+    nodes_mod.node_group = nodes_mod.node_group  # as in modifier.set_output_object()
     _write_again(garment)
     return child
 
@@ -103,25 +103,25 @@ def _set_capacity(mesh: bpy.types.Mesh, points: int) -> None:
 
 
 def _wanted_capacity(garment: bpy.types.Object) -> int:
-    entry = runtimes.known(garment)
-    if entry is None or entry.evaluator is None:
+    runtime = runtimes.known(garment)
+    if runtime is None or runtime.evaluator is None:
         return capacity_for(0)
     settings = properties.settings_of(garment, units.scene_of(garment))
-    return capacity_for(max(entry.evaluator.curve_points(settings), 1.5 * entry.curve_points))
+    return capacity_for(max(runtime.evaluator.curve_points(settings), 1.5 * runtime.curve_points))
 
 
 # ---------------------------------------------------------------- every frame
-def write(garment: bpy.types.Object, entry: Runtime) -> None:
+def write(garment: bpy.types.Object, runtime: Runtime) -> None:
     """The curves of the frame that was solved last. In handlers."""
     children = [child for child in of(garment) if _is_writable(child)]
     if not children:
         return
-    inputs = entry.inputs
-    curves = entry.evaluator.curves(inputs.frame, inputs.positions, inputs.settings)
+    inputs = runtime.inputs
+    curves = runtime.evaluator.curves(inputs.frame, inputs.positions, inputs.settings)
     points = len(curves.width)
     for child in children:
         if capacity(child.data) < points:
-            entry.curve_points = points
+            runtime.curve_points = points
             if scheduler.allowed_now():
                 _set_capacity(child.data, _wanted_capacity(garment))
             else:
@@ -130,7 +130,7 @@ def write(garment: bpy.types.Object, entry: Runtime) -> None:
         if left_out:
             text = (f"{garment.name}: {child.name} has no room for {left_out} of {len(curves.id)} paths in this frame: "
                     "play the clip through before you render it")
-            messages.set_frame_error(entry, text)
+            messages.set_frame_error(runtime, text)
         if not np.array_equal(compat.positions(child.data), rows):
             compat.set_positions(child.data, rows)
             child.data.update()
@@ -146,10 +146,10 @@ def _is_writable(child: bpy.types.Object) -> bool:
 def sync(wrinkled: list[bpy.types.Object]) -> None:
     """After other structural work: gives every child a mesh of its own that is large enough, and removes leftovers."""
     seen: set[int] = set()
-    for child, ours in list(all_curves()):
+    for child, nodes_mod in list(all_curves()):
         if not compat.is_editable(child):
             continue
-        garment = garment_of(ours)
+        garment = garment_of(nodes_mod)
         if _is_left_over(child, garment, wrinkled):
             remove(child)
             continue
@@ -184,9 +184,9 @@ class Recorder:
     def add(self) -> None:
         """The sample that was solved last."""
         if self.wanted:
-            entry = runtimes.of(self.garment)
-            inputs = entry.inputs
-            self.curves.append(entry.evaluator.curves(inputs.frame, inputs.positions, inputs.settings))
+            runtime = runtimes.of(self.garment)
+            inputs = runtime.inputs
+            self.curves.append(runtime.evaluator.curves(inputs.frame, inputs.positions, inputs.settings))
 
     def finish(self, manifest: clip_file.Manifest, clip: Path, stored_path: Any) -> None:
         """Write the clip beside that of the garment. stored_path: how a blend file names it. Raises OSError."""

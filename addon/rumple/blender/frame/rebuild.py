@@ -26,92 +26,92 @@ def sync_all() -> None:
     runtimes.forget_all_but(obj for obj, _ in objects)
     _split_shared_outputs(objects)
     bodies.connect_all()
-    for obj, ours in objects:
+    for obj, nodes_mod in objects:
         if runtimes.of(obj).stale:
-            prepare(obj, ours)
+            prepare(obj, nodes_mod)
     _tidy_removed({obj.name_full for obj, _ in objects})
     path_curves.sync([obj for obj, _ in modifier.wrinkled_objects()])
 
 
-def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Make the fine mesh and the output object what they should be. True when something was rebuilt.
 
     Never raises: what is wrong becomes the object's message and the last good mesh stays.
     """
     if obj.mode in mesh_reader.BUSY_MODES or obj.data.is_editmode:  # by another object that shares it
         return False
-    entry = runtimes.of(obj)
-    entry.stale = False
-    entry.groups = [group.name for group in obj.vertex_groups]
-    with messages.build_errors(obj, entry):
-        changed = _prepare(obj, ours, entry)
-        messages.set_build_error(entry, entry.bake_note)
+    runtime = runtimes.of(obj)
+    runtime.stale = False
+    runtime.groups = [group.name for group in obj.vertex_groups]
+    with messages.build_errors(obj, runtime):
+        changed = _prepare(obj, nodes_mod, runtime)
+        messages.set_build_error(runtime, runtime.bake_note)
         return changed
     return False
 
 
-def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> bool:
-    method = modifier.system(ours).method
+def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime) -> bool:
+    method = modifier.system(nodes_mod).method
     if compat.is_editable(obj) and obj.rumple.method != method:
         obj.rumple.method = method  # the modifier came by Copy Modifiers or an older file
-    if modifier.is_baked(ours) and modifier.output_object(ours) is not None:
-        entry.bake_note = clip_status.check(obj, modifier.output_object(ours))
+    if modifier.is_baked(nodes_mod) and modifier.output_object(nodes_mod) is not None:
+        runtime.bake_note = clip_status.check(obj, modifier.output_object(nodes_mod))
         return False  # the clip counts on the output object as it is
-    entry.bake_note = ""
+    runtime.bake_note = ""
     if method == "FIELD":
-        _settle_profile(obj, entry)
-    former = entry.evaluator
-    evaluator.ensure(obj, entry)
-    if entry.evaluator is not former:
+        _settle_profile(obj, runtime)
+    former = runtime.evaluator
+    evaluator.ensure(obj, runtime)
+    if runtime.evaluator is not former:
         obj.update_tag()  # the output object may fit as it is, but nothing is solved by this one
     source = evaluator.source_of(obj)
-    held = modifier.output_object(ours)
+    output_obj = modifier.output_object(nodes_mod)
     count = len(obj.data.vertices)
-    if held is None or held.type != "MESH" or not _is_local(held):
-        held = output_mesh.make(obj, entry.evaluator, source)
-        held[output_mesh.KEY] = True
-    elif not output_mesh.is_embedding_of(held.data, entry.evaluator):
-        output_mesh.fill(held, obj, entry.evaluator, source)
-    elif not output_mesh.carry_changes(held, obj, entry.evaluator, source):
-        if modifier.coarse_vertices(ours) == count:
+    if output_obj is None or output_obj.type != "MESH" or not _is_local(output_obj):
+        output_obj = output_mesh.make(obj, runtime.evaluator, source)
+        output_obj[output_mesh.KEY] = True
+    elif not output_mesh.is_embedding_of(output_obj.data, runtime.evaluator):
+        output_mesh.fill(output_obj, obj, runtime.evaluator, source)
+    elif not output_mesh.carry_changes(output_obj, obj, runtime.evaluator, source):
+        if modifier.coarse_vertices(nodes_mod) == count:
             return False
-    modifier.set_output_object(ours, held, count)
-    entry.invalidate_output()
+    modifier.set_output_object(nodes_mod, output_obj, count)
+    runtime.invalidate_output()
     return True
 
 
-def _settle_profile(obj: bpy.types.Object, entry: Runtime) -> None:
+def _settle_profile(obj: bpy.types.Object, runtime: Runtime) -> None:
     """The materials, and the fine mesh, have the profile that is set, or drawn."""
     if obj.rumple.field.profile == "CURVE":
         field_profile.ensure(obj)
-        entry.paint = None
+        runtime.paint = None
         obj.update_tag()
     for material in field_shader.materials_of(obj):
         field_shader.set_profile(material, obj)
     field_shader.drop_orphans()
 
 
-def _is_local(held: bpy.types.Object) -> bool:
-    return compat.is_editable(held) and compat.is_editable(held.data)
+def _is_local(output_obj: bpy.types.Object) -> bool:
+    return compat.is_editable(output_obj) and compat.is_editable(output_obj.data)
 
 
 # ---------------------------------------------------------------- duplicates and leftovers
 def _split_shared_outputs(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> None:
     """Every object needs a local output object of its own: duplicates share one, linked ones cannot be written."""
     seen: set[int] = set()
-    for obj, ours in objects:
-        held = modifier.output_object(ours)
-        if held is None or held.type != "MESH":
+    for obj, nodes_mod in objects:
+        output_obj = modifier.output_object(nodes_mod)
+        if output_obj is None or output_obj.type != "MESH":
             runtimes.of(obj).stale = True
             continue
-        key = compat.session_key(held)
-        if key in seen or not _is_local(held):
-            held = output_mesh.copy_for(obj, held)
-            held[output_mesh.KEY] = True
-            modifier.set_output_object(ours, held, modifier.coarse_vertices(ours))
+        key = compat.session_key(output_obj)
+        if key in seen or not _is_local(output_obj):
+            output_obj = output_mesh.copy_for(obj, output_obj)
+            output_obj[output_mesh.KEY] = True
+            modifier.set_output_object(nodes_mod, output_obj, modifier.coarse_vertices(nodes_mod))
             runtimes.of(obj).stale = True
             runtimes.of(obj).invalidate_output()
-        seen.add(compat.session_key(held))
+        seen.add(compat.session_key(output_obj))
 
 
 def _tidy_removed(wrinkled: set[str]) -> None:
@@ -128,8 +128,8 @@ def _tidy_removed(wrinkled: set[str]) -> None:
 def drop_orphan_outputs() -> None:
     """Output and cache objects without an object. Asked of the user map: 5.2's count keeps applied modifiers."""
     hidden = (modifier.output_object, modifier.cache_object)
-    held = {of(ours) for _, ours in modifier.wrinkled_objects() for of in hidden}
-    candidates = {o for o in bpy.data.objects if output_mesh.KEY in o} - held
+    output_obj = {of(nodes_mod) for _, nodes_mod in modifier.wrinkled_objects() for of in hidden}
+    candidates = {o for o in bpy.data.objects if output_mesh.KEY in o} - output_obj
     if not candidates:
         return  # the user map looks at the whole file
     for candidate, users in bpy.data.user_map(subset=candidates).items():

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The live solve: called between Blender's two evaluation passes, for every depsgraph and every subframe.
 
-The picture is a function of the pose and of stored state (core/history.py), so it does not matter how often,
+The picture is a function of the pose and of stored state (core/frame_cache.py), so it does not matter how often,
 for which depsgraph and in which order this is called. Rules that keep Blender alive:
 never update a depsgraph here; while a render runs leave viewport depsgraphs alone; write nothing but attributes of
 the output mesh, and nothing at all when nothing changed; leave baked objects alone.
@@ -19,6 +19,7 @@ from ..scheduler import LOCK
 from ..viewport import preview
 from . import clip_status, path_curves
 
+
 def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Solve what this depsgraph shows. Never raises."""
     if not scheduler.may_process(depsgraph):
@@ -28,11 +29,11 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         late = _not_connected(objects)
         for obj, _ours in objects:
             _note_groups(obj)
-        if scheduler.allowed_now() and any(_needs_structure(obj, ours) for obj, ours in objects):
+        if scheduler.allowed_now() and any(_needs_structure(obj, nodes_mod) for obj, nodes_mod in objects):
             _rebuild_here(objects, depsgraph)
         outputs_seen: set[int] = set()
-        written = [obj for obj, ours in objects
-                   if obj not in late and _process_guarded(obj, ours, scene, depsgraph, outputs_seen)]
+        written = [obj for obj, nodes_mod in objects
+                   if obj not in late and _process_guarded(obj, nodes_mod, scene, depsgraph, outputs_seen)]
         for obj, _ours in objects:
             runtimes.of(obj).pose = None  # it belongs to this call only
         if written and len(objects) > 1:
@@ -51,7 +52,7 @@ def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Ob
 
 def _not_connected(objects: list) -> set[bpy.types.Object]:
     """Those whose bodies this depsgraph may not have evaluated: their modifiers do not name them yet."""
-    late = {obj for obj, ours in objects if not bodies.is_connected(obj, ours)}
+    late = {obj for obj, nodes_mod in objects if not bodies.is_connected(obj, nodes_mod)}
     for obj in late:
         runtimes.of(obj).stale = True
         scheduler.request()
@@ -60,15 +61,16 @@ def _not_connected(objects: list) -> set[bpy.types.Object]:
 
 def _note_groups(obj: bpy.types.Object) -> None:
     """Adding and removing vertex groups from scripts tags nothing."""
-    entry = runtimes.known(obj)
-    if entry is not None and entry.groups is not None and entry.groups != [group.name for group in obj.vertex_groups]:
-        entry.groups, entry.paint, entry.stale = None, None, True
+    runtime = runtimes.known(obj)
+    if runtime is not None and runtime.groups is not None and runtime.groups != [group.name
+                                                                                 for group in obj.vertex_groups]:
+        runtime.groups, runtime.paint, runtime.stale = None, None, True
         scheduler.request(scheduler.DELAY)
 
 
-def _needs_structure(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
-    entry = runtimes.known(obj)
-    return entry is None or entry.stale or modifier.output_object(ours) is None
+def _needs_structure(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    runtime = runtimes.known(obj)
+    return runtime is None or runtime.stale or modifier.output_object(nodes_mod) is None
 
 
 def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
@@ -89,143 +91,149 @@ def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray 
     return mesh_reader.plain_positions(evaluated, count) if found is None else found
 
 
-def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene: bpy.types.Scene,
+def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, scene: bpy.types.Scene,
                      depsgraph: bpy.types.Depsgraph, outputs_seen: set[int]) -> bool:
     """True when the output object was written."""
-    entry = runtimes.of(obj)
-    with messages.frame_errors(obj, entry):
-        held = modifier.output_object(ours)
-        if held is None or held.type != "MESH":
+    runtime = runtimes.of(obj)
+    with messages.frame_errors(obj, runtime):
+        output_obj = modifier.output_object(nodes_mod)
+        if output_obj is None or output_obj.type != "MESH":
             scheduler.request()
             return False
-        key = compat.session_key(held)
-        if key in outputs_seen or held.library is not None or held.data.library is not None:
+        key = compat.session_key(output_obj)
+        if key in outputs_seen or output_obj.library is not None or output_obj.data.library is not None:
             scheduler.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
             return False
         outputs_seen.add(key)
         try:
-            return _process(obj, ours, held, entry, scene, depsgraph)
+            return _process(obj, nodes_mod, output_obj, runtime, scene, depsgraph)
         except mesh_reader.Reordered as error:
-            raise engine.Refused(f"{obj.name}: {error}") from error
+            raise engine.UserError(f"{obj.name}: {error}") from error
     return False
 
 
-def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, held: bpy.types.Object, entry: Runtime,
+def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj: bpy.types.Object, runtime: Runtime,
              scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
     evaluated = obj.evaluated_get(depsgraph)
     if not evaluated.is_evaluated or obj.mode in mesh_reader.BUSY_MODES:
         return False
-    if modifier.is_baked(ours):
+    if modifier.is_baked(nodes_mod):
         frame = float(scene.frame_current_final)
-        messages.set_frame_error(entry, clip_status.compare_pose(obj, entry, evaluated, frame))
+        messages.set_frame_error(runtime, clip_status.compare_pose(obj, runtime, evaluated, frame))
         return False
-    if entry.evaluator is None:
-        evaluator.ensure(obj, entry)
-    if not _fits(held, entry):
-        entry.stale = True
+    if runtime.evaluator is None:
+        evaluator.ensure(obj, runtime)
+    if not _fits(output_obj, runtime):
+        runtime.stale = True
         scheduler.request()
         return False
-    inputs = _inputs(obj, ours, entry, evaluated, scene, depsgraph)
+    inputs = _inputs(obj, nodes_mod, runtime, evaluated, scene, depsgraph)
     if inputs is None:
         return False
-    if entry.analyzing:
-        entry.analyzed = inputs
-        messages.set_frame_error(entry, "")
+    if runtime.analyzing:
+        runtime.analyzed = inputs
+        messages.set_frame_error(runtime, "")
         return False
-    if inputs.same_as(entry.inputs) and entry.output_key == compat.session_key(held.data):
-        messages.set_frame_error(entry, "")  # what was wrong in between is as it was before
-        messages.note_unplayed(entry, entry.unplayed, depsgraph.mode == "RENDER")
+    if inputs.same_as(runtime.inputs) and runtime.output_key == compat.session_key(output_obj.data):
+        messages.set_frame_error(runtime, "")  # what was wrong in between is as it was before
+        messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
         return False
-    picture = _solve(entry, inputs, scene, inputs.uses_proxy)
-    entry.inputs = inputs
-    messages.set_frame_error(entry, "")
-    unplayed = entry.evaluator.unplayed_message(inputs.frame, scene.frame_start) if picture.unplayed else ""
-    messages.note_unplayed(entry, unplayed, depsgraph.mode == "RENDER")
-    if entry.evaluator.HAS_CURVES:
-        path_curves.write(obj, entry)
-    return _show(held, entry, picture, depsgraph.mode == "VIEWPORT")
+    result = _solve(runtime, inputs, scene, inputs.uses_proxy)
+    runtime.inputs = inputs
+    messages.set_frame_error(runtime, "")
+    unplayed = runtime.evaluator.unplayed_message(inputs.frame, scene.frame_start) if result.unplayed else ""
+    messages.note_unplayed(runtime, unplayed, depsgraph.mode == "RENDER")
+    if runtime.evaluator.HAS_CURVES:
+        path_curves.write(obj, runtime)
+    written = _show(output_obj, runtime, result, depsgraph.mode == "VIEWPORT")
+    if written:
+        runtime.written_at = inputs.frame
+    return written
 
 
-def _solve(entry: Runtime, inputs: Inputs, scene: bpy.types.Scene, sketched: bool) -> engine.Picture | engine.Sketch:
-    return entry.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
-                                  start=scene.frame_start, world_from_object=inputs.world_from_object,
-                                  frame_rate=inputs.frame_rate, sketched=sketched, body=inputs.body,
-                                  surroundings=inputs.surroundings)
+def _solve(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene,
+           for_preview: bool) -> engine.FrameResult | engine.PreviewFrame:
+    return runtime.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
+                                         start=scene.frame_start, world_from_object=inputs.world_from_object,
+                                         frame_rate=inputs.frame_rate, for_preview=for_preview, body=inputs.body,
+                                         surroundings=inputs.surroundings)
 
 
 def show_fine_meshes() -> None:
     """Before a file is saved: without the add-on it shows what its output objects hold. Viewports get theirs back."""
     with LOCK:
-        for obj, ours in modifier.wrinkled_objects():
-            entry, held = runtimes.known(obj), modifier.output_object(ours)
-            if held is None or entry is None or entry.inputs is None or not entry.inputs.uses_proxy:
+        for obj, nodes_mod in modifier.wrinkled_objects():
+            runtime, output_obj = runtimes.known(obj), modifier.output_object(nodes_mod)
+            if output_obj is None or runtime is None or runtime.inputs is None or not runtime.inputs.uses_proxy:
                 continue
             try:
-                _show(held, entry, _solve(entry, entry.inputs, units.scene_of(obj), sketched=False), True)
+                _show(output_obj, runtime, _solve(runtime, runtime.inputs, units.scene_of(obj), for_preview=False),
+                      True)
             except Exception as error:  # the file is saved all the same
                 print(f"Rumple: {messages.unexpected(obj, error)}")
-            entry.invalidate_output()
+            runtime.invalidate_output()
             scheduler.tag_soon({obj.name})
 
 
-def _inputs(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, evaluated: bpy.types.Object,
+def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, evaluated: bpy.types.Object,
             scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Inputs | None:
     """Everything the picture depends on; None where there is nothing to solve."""
-    positions = _incoming(obj, ours, entry, evaluated, depsgraph)
+    positions = _incoming(obj, nodes_mod, runtime, evaluated, depsgraph)
     if positions is None or bodies.are_busy(obj):
         return None
     body = bodies.read(obj, evaluated, depsgraph)
-    if entry.paint is None:
-        entry.paint = mesh_reader.paint(obj, properties.settings_of(obj, scene))
+    if runtime.paint is None:
+        runtime.paint = mesh_reader.paint(obj, properties.settings_of(obj, scene))
     # The evaluated copy: animated settings are right there, in renders too.
     settings = properties.settings_of(evaluated, scene)
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
-    uses_proxy = depsgraph.mode == "VIEWPORT" and preview.uses_proxy(obj, ours)
-    return Inputs(float(scene.frame_current_final), settings, positions, world, entry.paint,
+    uses_proxy = depsgraph.mode == "VIEWPORT" and preview.uses_proxy(obj, nodes_mod)
+    return Inputs(float(scene.frame_current_final), settings, positions, world, runtime.paint,
                   scene.render.fps / scene.render.fps_base, uses_proxy, body,
                   wind.surroundings(evaluated, depsgraph, settings))
 
 
-def _fits(held: bpy.types.Object, entry: Runtime) -> bool:
+def _fits(output_obj: bpy.types.Object, runtime: Runtime) -> bool:
     """Whether the output object is the fine mesh that is solved. The costly comparison is made once for each."""
-    if entry.output_key == compat.session_key(held.data):
-        return len(held.data.vertices) == entry.evaluator.vertex_count
-    return output_mesh.is_embedding_of(held.data, entry.evaluator)
+    if runtime.output_key == compat.session_key(output_obj.data):
+        return len(output_obj.data.vertices) == runtime.evaluator.vertex_count
+    return output_mesh.is_embedding_of(output_obj.data, runtime.evaluator)
 
 
-def _incoming(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, evaluated: bpy.types.Object,
+def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, evaluated: bpy.types.Object,
               depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
     """Coarse positions of this frame; None where the modifier is off or passed the coarse mesh through."""
-    if entry.pose is not None:
-        return entry.pose
-    count = len(entry.evaluator.base.positions)
+    if runtime.pose is not None:
+        return runtime.pose
+    count = len(runtime.evaluator.base.positions)
     positions = mesh_reader.posed_positions(evaluated, count)
-    shown = ours.show_render if depsgraph.mode == "RENDER" else ours.show_viewport
+    shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
     if positions is not None or not shown:
         return positions
-    if len(obj.data.vertices) != count or modifier.coarse_vertices(ours) != count:
-        entry.stale = True
+    if len(obj.data.vertices) != count or modifier.coarse_vertices(nodes_mod) != count:
+        runtime.stale = True
         scheduler.request()  # the topology was edited
         return None
     changer = modifier.topology_changer_before(obj)
     if changer is not None:
-        raise engine.Refused(f"{obj.name}: the modifier \"{changer.name}\" in front of {ours.name} changes the number "
-                             "of vertices: apply it, or move it behind")
+        raise engine.UserError(f"{obj.name}: the modifier \"{changer.name}\" in front of {nodes_mod.name} changes the "
+                               "number of vertices: apply it, or move it behind")
     return None
 
 
-def _show(held: bpy.types.Object, entry: Runtime, picture: engine.Picture | engine.Sketch, in_viewport: bool) -> bool:
+def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameResult | engine.PreviewFrame,
+          in_viewport: bool) -> bool:
     """Write the picture, unless it is there already: a write tags the mesh and costs another evaluation."""
-    key = compat.session_key(held.data)
-    last = entry.picture
-    entry.picture = picture
-    if last is not None and entry.output_key == key and last.shows_the_same(picture):
+    key = compat.session_key(output_obj.data)
+    last = runtime.result
+    runtime.result = result
+    if last is not None and runtime.output_key == key and last.shows_the_same(result):
         return False
-    if isinstance(picture, engine.Sketch):
-        output_mesh.write_proxy(held.data, picture.proxy_offset)
+    if isinstance(result, engine.PreviewFrame):
+        output_mesh.write_proxy(output_obj.data, result.proxy_offset)
     else:
-        output_mesh.write_picture(held.data, picture, entry.evaluator.ATTRIBUTES)
+        output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
         if in_viewport:
-            output_mesh.write_proxy(held.data, None)
-    entry.output_key = key
+            output_mesh.write_proxy(output_obj.data, None)
+    runtime.output_key = key
     return True

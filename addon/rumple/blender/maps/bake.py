@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Iterator
+from typing import Generator, Iterator
 
 import bpy
 import numpy as np
 
-from ...core.engine import Refused
+from ...core.engine import UserError
 from .. import compat, scheduler
 from ..frame import rebuild
 from ..nodes import maps_shader
@@ -35,23 +35,23 @@ class MapBake:
     """Bakes poses one after the other. steps() does the work; close() leaves everything as it was before."""
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, poses: list[int]) -> None:
-        """Raises Refused where nothing can be baked."""
+        """Raises UserError where nothing can be baked."""
         self.context, self.obj, self.poses = context, obj, poses
         self.armature = maps_rig.armature_of(obj)
         self.done = 0
         self.names: list[str] = []
         if not obj.data.uv_layers:
-            raise Refused(f"{obj.name}: it has no UV map to bake to")
+            raise UserError(f"{obj.name}: it has no UV map to bake to")
         if "CYCLES" not in _engines():
-            raise Refused("Cycles bakes the maps: switch on its add-on in the preferences")
+            raise UserError("Cycles bakes the maps: switch on its add-on in the preferences")
         self._former = [(bone.name, bone.matrix_basis.copy()) for bone in self.armature.pose.bones]
 
     @property
     def count(self) -> int:
         return 3 * len(self.poses)
 
-    def steps(self) -> Iterator[str]:
-        """Yields before each step what it does. Raises Refused."""
+    def steps(self) -> Generator[str, None, None]:
+        """Yields before each step what it does. Raises UserError."""
         for number in self.poses:
             pose = self.obj.rumple_maps.poses[number]
             yield f"{pose.name}: settling the wrinkles"
@@ -85,7 +85,7 @@ class MapBake:
             low, high = (self._frozen(copy) for copy in (coarse, wrinkled))
             high.data.polygons.foreach_set("use_smooth", np.ones(len(high.data.polygons), bool))  # no facets of its own
             if "rumple_offset" not in high.data.attributes:
-                raise Refused(runtimes.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this pose")
+                raise UserError(runtimes.message(wrinkled) or f"{self.obj.name}: its wrinkles do not show in this pose")
             offsets = compat.read_attribute(high.data.attributes["rumple_offset"])
             yield low, high, float(np.percentile(np.sqrt((offsets * offsets).sum(1)), HIGH_FOLDS))
         finally:
@@ -100,9 +100,9 @@ class MapBake:
         copy = self.obj.copy()
         copy.data = self.obj.data.copy()
         copy.name = f"{self.obj.name} bake {suffix}"
-        ours, wrinkles = maps_modifier.find(copy), modifier.find(copy)
+        nodes_mod, wrinkles = maps_modifier.find(copy), modifier.find(copy)
         behind = {m.name for m in list(copy.modifiers)[modifier.place_behind_deforming(copy):]}
-        for name in [m.name for m in copy.modifiers if m in (ours, wrinkles) or m.name in behind]:
+        for name in [m.name for m in copy.modifiers if m in (nodes_mod, wrinkles) or m.name in behind]:
             copy.modifiers.remove(copy.modifiers[name])
         copy.rumple.method = "NONE"
         self.context.scene.collection.objects.link(copy)
@@ -115,7 +115,7 @@ class MapBake:
         with self.context.temp_override(object=copy, active_object=copy, selected_objects=[copy]):
             result = bpy.ops.object.rumple_add(method=method, shade=False)
         if result != {"FINISHED"}:
-            raise Refused(runtimes.message(copy) or f"{self.obj.name}: the wrinkles cannot be made")
+            raise UserError(runtimes.message(copy) or f"{self.obj.name}: the wrinkles cannot be made")
         settings = properties.group_of(copy)
         settings.stateless = True  # one pose, without a past
         if method == "FIELD":
@@ -130,7 +130,7 @@ class MapBake:
     def _frozen(self, copy: bpy.types.Object) -> bpy.types.Object:
         depsgraph = self.context.evaluated_depsgraph_get()
         mesh = bpy.data.meshes.new_from_object(copy.evaluated_get(depsgraph), preserve_all_data_layers=True,
-                                              depsgraph=depsgraph)
+                                               depsgraph=depsgraph)
         frozen = bpy.data.objects.new(copy.name, mesh)
         frozen.matrix_world = copy.matrix_world
         return frozen
@@ -163,7 +163,7 @@ class MapBake:
                                     target="IMAGE_TEXTURES", save_mode="INTERNAL")
         except RuntimeError as error:
             bpy.data.images.remove(image)
-            raise Refused(f"{self.obj.name}: pose {pose.name} cannot be baked: {error}") from error
+            raise UserError(f"{self.obj.name}: pose {pose.name} cannot be baked: {error}") from error
         finally:
             bpy.data.scenes.remove(scene)
             bpy.data.materials.remove(material)
@@ -180,7 +180,7 @@ class MapBake:
             maps_export.save_image(image, Path(bpy.path.abspath(settings.bake_folder)), settings.bake_deep)
         except (OSError, RuntimeError) as error:
             image.pack()
-            raise Refused(f"{self.obj.name}: the map {image.name} cannot be saved and is packed: {error}") from error
+            raise UserError(f"{self.obj.name}: the map {image.name} cannot be saved and is packed: {error}") from error
 
 
 def _engines() -> set[str]:
@@ -234,7 +234,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
             bake = self._begin(context)
             for _ in bake.steps():
                 pass
-        except Refused as error:
+        except UserError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         finally:
@@ -247,7 +247,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
             return self.execute(context)
         try:
             self._running = self._begin(context)
-        except Refused as error:
+        except UserError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._steps = self._running.steps()
@@ -269,7 +269,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         except StopIteration:
             self._end_modal(context)
             return self._finished(self._running)
-        except Refused as error:
+        except UserError as error:
             self._end_modal(context)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

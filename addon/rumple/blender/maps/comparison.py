@@ -7,7 +7,7 @@ import hashlib
 import bpy
 import numpy as np
 
-from ...core.engine import Refused
+from ...core.engine import UserError
 from ...core.poses import PoseComparison, PoseRig, SkinWeights
 from ...native import NativeMissing
 from ..objects import modifier
@@ -15,18 +15,18 @@ from . import modifier as maps_modifier, rig as maps_rig, runtimes as maps_runti
 from .runtimes import Runtime
 
 
-def ensure(obj: bpy.types.Object, entry: Runtime) -> None:
-    """Make entry.comparison for the object as it is. Reads only: allowed in any handler. Raises Refused."""
+def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
+    """Make entry.comparison for the object as it is. Reads only: allowed in any handler. Raises UserError."""
     if not obj.rumple_maps.poses:
-        entry.comparison, entry.shape = None, ""
-        entry.notes = [f"{obj.name}: pose its armature and add a reference pose"]
+        runtime.comparison, runtime.shape = None, ""
+        runtime.notes = [f"{obj.name}: pose its armature and add a reference pose"]
         return
     rig, notes = maps_rig.rig_of(obj)
     weights = maps_rig.weights_of(obj, rig)
     shape = _fingerprint(rig, weights, maps_rig.bone_lengths(obj, rig))
-    if entry.comparison is None or entry.shape != shape:
-        entry.comparison, entry.shape, entry.seen = PoseComparison.build(rig, weights), shape, None
-    entry.notes = notes + entry.comparison.warnings + maps_rig.image_notes(obj) + _order_notes(obj)
+    if runtime.comparison is None or runtime.shape != shape:
+        runtime.comparison, runtime.shape, runtime.seen = PoseComparison.build(rig, weights), shape, None
+    runtime.notes = notes + runtime.comparison.warnings + maps_rig.image_notes(obj) + _order_notes(obj)
 
 
 def _fingerprint(rig: PoseRig, weights: SkinWeights, lengths: np.ndarray) -> str:
@@ -39,31 +39,31 @@ def _fingerprint(rig: PoseRig, weights: SkinWeights, lengths: np.ndarray) -> str
 
 def _order_notes(obj: bpy.types.Object) -> list[str]:
     """Where the mesh that the masks are for is not the one that comes in, or does not come out."""
-    ours, stack = maps_modifier.find(obj), list(obj.modifiers)
+    nodes_mod, stack = maps_modifier.find(obj), list(obj.modifiers)
     wrinkles = modifier.find(obj)
-    if wrinkles is not None and stack.index(ours) < stack.index(wrinkles):
-        return [f"{obj.name}: {wrinkles.name} stands behind {ours.name} and drops the masks: move it in front"]
-    changer = next((m for m in stack[:stack.index(ours)] if m != wrinkles and modifier.changes_topology(m)), None)
+    if wrinkles is not None and stack.index(nodes_mod) < stack.index(wrinkles):
+        return [f"{obj.name}: {wrinkles.name} stands behind {nodes_mod.name} and drops the masks: move it in front"]
+    changer = next((m for m in stack[:stack.index(nodes_mod)] if m != wrinkles and modifier.changes_topology(m)), None)
     if changer is not None:
-        return [f"{obj.name}: the modifier \"{changer.name}\" in front of {ours.name} changes the number of vertices: "
-                "no map shows. Move it behind"]
+        return [f"{obj.name}: the modifier \"{changer.name}\" in front of {nodes_mod.name} changes the number of "
+                "vertices: no map shows. Move it behind"]
     return []
 
 
 def presence(obj: bpy.types.Object, pose: str) -> float:
     """How far the present pose has come to a reference pose, 0..1. Computed when a bar is drawn, not in frames."""
     obj = obj.original
-    entry = maps_runtimes.of(obj)
+    runtime = maps_runtimes.of(obj)
     try:
-        if entry.comparison is None:
-            ensure(obj, entry)  # linked objects are not prepared
-        if entry.comparison is None:
+        if runtime.comparison is None:
+            ensure(obj, runtime)  # linked objects are not prepared
+        if runtime.comparison is None:
             return 0.0
-        rig, armature = entry.comparison.rig, maps_rig.armature_of(obj)
+        rig, armature = runtime.comparison.rig, maps_rig.armature_of(obj)
         bones = maps_rig.present_bones(obj, armature, rig)
-        if entry.seen is None or entry.seen[0] != bones.tobytes():
-            entry.seen = bones.tobytes(), entry.comparison.frame(bones).presence
-    except (Refused, NativeMissing):  # the panel has the message
+        if runtime.seen is None or runtime.seen[0] != bones.tobytes():
+            runtime.seen = bones.tobytes(), runtime.comparison.frame(bones).presence
+    except (UserError, NativeMissing):  # the panel has the message
         return 0.0
     names = [other.name for other in rig.poses]
-    return float(entry.seen[1][names.index(pose)]) if pose in names else 0.0
+    return float(runtime.seen[1][names.index(pose)]) if pose in names else 0.0

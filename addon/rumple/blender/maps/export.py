@@ -12,7 +12,7 @@ from typing import Any
 
 import bpy
 
-from ...core.engine import Refused
+from ...core.engine import UserError
 from ...core.poses import PoseComparison, PoseRig, SkinWeights, from_json
 from ..nodes import maps_mask_tree, maps_shader
 from . import modifier as maps_modifier, operators as maps_operators, rig as maps_rig
@@ -44,7 +44,7 @@ def _write_png(image: bpy.types.Image, path: Path, deep: bool) -> None:
 
 
 def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
-    """Write the rig and, beside it, every map under the name that the rig gives. Raises Refused, OSError.
+    """Write the rig and, beside it, every map under the name that the rig gives. Raises UserError, OSError.
 
     The neutral map is the image that the object's first material with the node group has behind it.
     """
@@ -62,7 +62,7 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
         pose.map = f"{path.stem}_{bpy.path.clean_name(pose.name)}.png" if stored.image is not None else ""
         if images and stored.image is not None:
             if not tuple(stored.image.size)[0]:
-                raise Refused(f"{obj.name}: the wrinkle map {stored.image.name} of pose {pose.name} cannot be found")
+                raise UserError(f"{obj.name}: the wrinkle map {stored.image.name} of pose {pose.name} cannot be found")
             written.append(path.with_name(pose.map))
             _write_png(stored.image, written[-1], stored.image.is_float)
     text = rig.to_json()
@@ -117,7 +117,7 @@ class RUMPLE_OT_maps_weights(maps_operators.OnPose, bpy.types.Operator):
         obj, scene = maps_operators.target(context), context.scene
         try:
             clip = sampled(context, obj, maps_rig.rig_of(obj)[0], scene.frame_start, scene.frame_end)
-        except Refused as error:
+        except UserError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         copy = weighted_copy(obj, clip)
@@ -152,7 +152,7 @@ class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
                                context.scene.frame_end)
                 written.append(path.with_suffix(".frames.json"))
                 written[-1].write_text(json.dumps(clip) + "\n", encoding="utf-8")
-        except (Refused, OSError) as error:
+        except (UserError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self.report({"INFO"}, f"Wrote {', '.join(file.name for file in written)}")

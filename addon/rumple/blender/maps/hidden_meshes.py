@@ -24,15 +24,16 @@ SKIN, SKELETON = ".maps", ".bones"
 
 
 def _hidden(name: str, mesh: bpy.types.Mesh, shape: str) -> bpy.types.Object:
-    held = bpy.data.objects.new(name, mesh)
-    held[KEY], held[SHAPE] = True, shape
-    return held
+    hidden_obj = bpy.data.objects.new(name, mesh)
+    hidden_obj[KEY], hidden_obj[SHAPE] = True, shape
+    return hidden_obj
 
 
-def made_from(held: bpy.types.Object | None, shape: str) -> bool:
+def made_from(hidden_obj: bpy.types.Object | None, shape: str) -> bool:
     """True where it can be written and is what new_skin() or new_skeleton() would make."""
     # An override of a hidden object has the linked mesh, where writing is silently ignored.
-    return held is not None and all(map(compat.is_editable, (held, held.data))) and held.get(SHAPE) == shape
+    return hidden_obj is not None and all(map(compat.is_editable,
+                                              (hidden_obj, hidden_obj.data))) and hidden_obj.get(SHAPE) == shape
 
 
 def new_skin(name: str, comparison: PoseComparison, shape: str) -> bpy.types.Object:
@@ -49,14 +50,16 @@ def new_skin(name: str, comparison: PoseComparison, shape: str) -> bpy.types.Obj
     return _hidden(name + SKIN, mesh, shape)
 
 
-def write_weights(held: bpy.types.Object, comparison: PoseComparison, gain: float, strength: Sequence[float]) -> None:
+def write_weights(hidden_obj: bpy.types.Object, comparison: PoseComparison, gain: float,
+                  strength: Sequence[float]) -> None:
     """With gain and strengths. The only thing that handlers write, and only where these are animated."""
     table = comparison.table()
     for number, lifts in enumerate(packed(comparison.lifts(gain, strength))):
         for column in range(ROW):
-            compat.write_attribute(held.data, maps_mask_tree.WEIGHTS.format(number, column), "FLOAT_VECTOR", "POINT",
-                                     table.weight[:, column, None] * lifts[table.vertex])
-    held.data.update()
+            compat.write_attribute(hidden_obj.data, maps_mask_tree.WEIGHTS.format(number, column), "FLOAT_VECTOR",
+                                   "POINT",
+                                   table.weight[:, column, None] * lifts[table.vertex])
+    hidden_obj.data.update()
 
 
 def new_skeleton(name: str, comparison: PoseComparison, armature: bpy.types.Object, shape: str) -> bpy.types.Object:
@@ -69,12 +72,12 @@ def new_skeleton(name: str, comparison: PoseComparison, armature: bpy.types.Obje
     compat.set_positions(mesh, tails)
     _write_rig(mesh, comparison)
     mesh.update()
-    held = _hidden(name + SKELETON, mesh, shape)
+    hidden_obj = _hidden(name + SKELETON, mesh, shape)
     for number, bone in enumerate(rig.bones):
-        _hook(held, armature, bone.name, [number, count + number])
-    at_root = held.constraints.new("COPY_TRANSFORMS")
+        _hook(hidden_obj, armature, bone.name, [number, count + number])
+    at_root = hidden_obj.constraints.new("COPY_TRANSFORMS")
     at_root.target, at_root.subtarget = armature, rig.root
-    return held
+    return hidden_obj
 
 
 def armature_of(skeleton: bpy.types.Object) -> bpy.types.Object | None:
@@ -103,9 +106,9 @@ def _write_rig(mesh: bpy.types.Mesh, comparison: PoseComparison) -> None:
         write(maps_mask_tree.SHARE.format(number), "FLOAT_VECTOR", np.concatenate([shares, np.zeros_like(shares)]))
 
 
-def _hook(held: bpy.types.Object, armature: bpy.types.Object, bone: str, points: list[int]) -> None:
+def _hook(hidden_obj: bpy.types.Object, armature: bpy.types.Object, bone: str, points: list[int]) -> None:
     """A Hook, not an Armature modifier: that one leaves out bones without Deform, as roots often are."""
-    hook = held.modifiers.new(bone, "HOOK")
+    hook = hidden_obj.modifiers.new(bone, "HOOK")
     hook.object, hook.subtarget = armature, bone
     hook.vertex_indices_set(points)
     hook.falloff_type, hook.strength = "NONE", 1.0

@@ -79,71 +79,71 @@ def add(obj: bpy.types.Object) -> bpy.types.NodesModifier:
 
 def remove(obj: bpy.types.Object) -> None:
     """The modifier, its tree and what it read."""
-    ours = find(obj)
-    if ours is None:
+    nodes_mod = find(obj)
+    if nodes_mod is None:
         return
-    group, held = ours.node_group, hidden(ours)
+    group, hidden_objs = nodes_mod.node_group, hidden(nodes_mod)
     for name in (SKIN, BONES, WRINKLES):
-        if _get(ours, name) is not None:
-            _set(ours, name, None)
-    obj.modifiers.remove(ours)
+        if _get(nodes_mod, name) is not None:
+            _set(nodes_mod, name, None)
+    obj.modifiers.remove(nodes_mod)
     _MAPPED.forget()
     if group.users == 0 and compat.is_editable(group):
         bpy.data.node_groups.remove(group)
-    still_held = {other for _, another in mapped_objects() for other in hidden(another)}
-    for former in held - still_held:
+    still_hidden = {other for _, another in mapped_objects() for other in hidden(another)}
+    for former in hidden_objs - still_hidden:
         modifier.delete_hidden(former)
 
 
-def _set(ours: bpy.types.NodesModifier, name: str, value: object) -> None:
-    compat.set_modifier_input(ours, compat.group_sockets(ours.node_group, "INPUT")[name], value)
+def _set(nodes_mod: bpy.types.NodesModifier, name: str, value: object) -> None:
+    compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")[name], value)
 
 
-def _get(ours: bpy.types.NodesModifier, name: str) -> object:
-    identifier = compat.group_sockets(ours.node_group, "INPUT").get(name)
-    return compat.modifier_input(ours, identifier) if identifier else None
+def _get(nodes_mod: bpy.types.NodesModifier, name: str) -> object:
+    identifier = compat.group_sockets(nodes_mod.node_group, "INPUT").get(name)
+    return compat.modifier_input(nodes_mod, identifier) if identifier else None
 
 
-def _mesh_object(ours: bpy.types.NodesModifier, name: str) -> bpy.types.Object | None:
-    found = _get(ours, name)
+def _mesh_object(nodes_mod: bpy.types.NodesModifier, name: str) -> bpy.types.Object | None:
+    found = _get(nodes_mod, name)
     return found if isinstance(found, bpy.types.Object) and found.type == "MESH" else None
 
 
-def skin(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+def skin(nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object with the weights."""
-    return _mesh_object(ours, SKIN)
+    return _mesh_object(nodes_mod, SKIN)
 
 
-def skeleton(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+def skeleton(nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object that follows the bones."""
-    return _mesh_object(ours, BONES)
+    return _mesh_object(nodes_mod, BONES)
 
 
-def wrinkles(ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+def wrinkles(nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The output object of other wrinkles that it knows of."""
-    return _mesh_object(ours, WRINKLES)
+    return _mesh_object(nodes_mod, WRINKLES)
 
 
-def hidden(ours: bpy.types.NodesModifier) -> set[bpy.types.Object]:
+def hidden(nodes_mod: bpy.types.NodesModifier) -> set[bpy.types.Object]:
     """Skin and skeleton, where it has them."""
-    return {held for held in (skin(ours), skeleton(ours)) if held is not None}
+    return {hidden_objs for hidden_objs in (skin(nodes_mod), skeleton(nodes_mod)) if hidden_objs is not None}
 
 
-def connect(obj: bpy.types.Object, ours: bpy.types.NodesModifier, new_skin: bpy.types.Object | None,
+def connect(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, new_skin: bpy.types.Object | None,
             new_skeleton: bpy.types.Object | None, wrinkles: bpy.types.Object | None) -> None:
     """Let the modifier read these; count of vertices as obj has them now. The former ones go, unless others read them.
 
     wrinkles: the output object of the modifier that makes other wrinkles in front of this one.
     """
-    count, former = len(obj.data.vertices), hidden(ours)
+    count, former = len(obj.data.vertices), hidden(nodes_mod)
     wanted = {SKIN: new_skin, BONES: new_skeleton, WRINKLES: wrinkles, COUNT: count}
-    if all((_get(ours, name) or None) == (value or None) for name, value in wanted.items()):
+    if all((_get(nodes_mod, name) or None) == (value or None) for name, value in wanted.items()):
         return
     for name, value in wanted.items():
-        _set(ours, name, value)
+        _set(nodes_mod, name, value)
     # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
-    ours.node_group = ours.node_group
+    nodes_mod.node_group = nodes_mod.node_group
     obj.update_tag()
-    for held in former - {new_skin, new_skeleton}:
-        if held.users == 0:
-            modifier.delete_hidden(held)
+    for hidden_objs in former - {new_skin, new_skeleton}:
+        if hidden_objs.users == 0:
+            modifier.delete_hidden(hidden_objs)

@@ -12,7 +12,7 @@ from typing import Callable
 import bpy
 
 from ... import native
-from ...core.engine import Refused
+from ...core.engine import UserError
 from .. import compat, scheduler
 from ..nodes import maps_shader
 from . import changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild, rig as maps_rig
@@ -47,7 +47,7 @@ class OnMaps:
         """Run; what is refused is reported."""
         try:
             work()
-        except (Refused, native.NativeMissing) as error:
+        except (UserError, native.NativeMissing) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         except TypeError:
@@ -75,12 +75,12 @@ class OnPose(OnMaps):
 
 
 def add_maps(obj: bpy.types.Object) -> None:
-    """Put the modifier on and show the group in the object's materials. Raises Refused and changes nothing."""
+    """Put the modifier on and show the group in the object's materials. Raises UserError and changes nothing."""
     maps_rig.armature_of(obj)
     native.load()
     with scheduler.suspended():
-        ours = maps_modifier.add(obj)
-    maps_rebuild.prepare(obj, ours)
+        nodes_mod = maps_modifier.add(obj)
+    maps_rebuild.prepare(obj, nodes_mod)
     maps_rebuild.note_method(obj)
 
 
@@ -96,7 +96,7 @@ def remove_maps(obj: bpy.types.Object) -> None:
 
 
 def show(obj: bpy.types.Object) -> None:
-    """The node group in all materials of the object. Raises Refused after the others for what cannot take it."""
+    """The node group in all materials of the object. Raises UserError after the others for what cannot take it."""
     settings = obj.rumple_maps
     if settings.group is None:
         settings.group = maps_shader.new_group(obj.name)
@@ -106,12 +106,12 @@ def show(obj: bpy.types.Object) -> None:
     for material in sorted(materials, key=lambda material: material.name):
         try:
             maps_shader.insert(material, settings.group)
-        except Refused as error:
+        except UserError as error:
             refused.append(str(error))
     if not materials:
         refused.append(f"{obj.name}: it has no material that could show wrinkle maps")
     if refused:
-        raise Refused("; ".join(refused))
+        raise UserError("; ".join(refused))
 
 
 def hide(obj: bpy.types.Object) -> None:
@@ -148,7 +148,7 @@ class RUMPLE_OT_maps_add(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             add_maps(context.object)
-        except (Refused, native.NativeMissing) as error:
+        except (UserError, native.NativeMissing) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         context.scene.render.use_lock_interface = True  # handlers write while the window draws

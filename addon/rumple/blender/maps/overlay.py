@@ -10,6 +10,7 @@ import numpy as np
 from ...core.poses import PACKED
 from .. import compat
 from ..nodes import maps_shader
+from ..viewport.draw_handler import DrawHandler
 from . import modifier as maps_modifier
 
 STRONGEST = 0.85  # alpha where the masks sum to 1: the shading stays visible
@@ -71,17 +72,5 @@ def _draw_mesh(evaluated: bpy.types.Object, colour: np.ndarray) -> None:
     gpu.state.blend_set("NONE")
 
 
-_handle = None
-
-
-def register() -> None:
-    global _handle
-    if not bpy.app.background:
-        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
-
-
-def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-        _handle = None
+handler = DrawHandler(_draw)
+register, unregister = handler.add, handler.remove

@@ -2,6 +2,8 @@
 """The reference poses, in the modifier tab of the mesh and, for posing, in the sidebar of the 3D view."""
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from ..nodes import maps_shader
@@ -12,7 +14,8 @@ from . import modifier as maps_modifier, operators as maps_operators, runtimes a
 class RUMPLE_UL_poses(bpy.types.UIList):
     """Name, map, how present the pose is, solo and mute."""
 
-    def draw_item(self, _context, layout, _data, pose, _icon, _active_data, _active_property, _index=0) -> None:
+    def draw_item(self, _context: bpy.types.Context, layout: bpy.types.UILayout, _data: Any, pose: Any, _icon: int,
+                  _active_data: Any, _active_property: str, _index: int = 0) -> None:
         row = layout.row(align=True)
         row.prop(pose, "name", text="", emboss=False, icon="ARMATURE_DATA" if pose.image is None else "IMAGE_DATA")
         bar = row.row()
@@ -25,7 +28,8 @@ class RUMPLE_UL_poses(bpy.types.UIList):
 class RUMPLE_UL_tracked_bones(bpy.types.UIList):
     """Name, which end is followed, and the group."""
 
-    def draw_item(self, _context, layout, _data, bone, _icon, _active_data, _active_property, _index=0) -> None:
+    def draw_item(self, _context: bpy.types.Context, layout: bpy.types.UILayout, _data: Any, bone: Any, _icon: int,
+                  _active_data: Any, _active_property: str, _index: int = 0) -> None:
         row = layout.row(align=True)
         row.label(text=bone.name, icon="BONE_DATA")
         row.prop(bone, "tracked", text="")
@@ -141,17 +145,17 @@ class _Status(_Maps):
     bl_label = "Status"
 
     def draw(self, context: bpy.types.Context) -> None:
-        entry = maps_runtimes.of(self.object(context))
-        lines = list(entry.notes)
-        if entry.comparison is not None:
-            model = entry.comparison.model
+        runtime = maps_runtimes.of(self.object(context))
+        lines = list(runtime.notes)
+        if runtime.comparison is not None:
+            model = runtime.comparison.model
             lines.insert(0, f"{model.bone_count} bones, {model.pose_count} poses, {model.vertex_count} vertices")
         for line in lines:
             for number, part in enumerate(wrapped(line)):
                 self.layout.label(text=part, icon="INFO" if number == 0 else "BLANK1")
 
 
-def _panel(body: type, place: type, name: str, parent: str = "") -> type:
+def _panel(body: Any, place: type, name: str, parent: str = "") -> type:
     """A panel class: what it draws, and where it stands."""
     members = {"bl_idname": name, "bl_label": body.bl_label, "draw": body.draw, "bl_order": 101}
     if parent:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.engine import Refused
+from ...core.engine import UserError
 from ...core.poses import MOST_POSES, PoseComparison
 from . import changes as maps_changes, rig as maps_rig
 from .operators import OnMaps, OnPose, target
@@ -23,7 +23,7 @@ def _posed(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Objec
 
 
 def _refuse_bad(obj: bpy.types.Object) -> None:
-    """Raises Refused where the stored poses cannot be compared: two that are equal, one that is the neutral pose."""
+    """Raises UserError where the stored poses cannot be compared: two that are equal, one that is the neutral pose."""
     rig, _ = maps_rig.rig_of(obj)
     PoseComparison.build(rig, maps_rig.weights_of(obj, rig))
 
@@ -43,7 +43,7 @@ class RUMPLE_OT_pose_add(OnMaps, bpy.types.Operator):
     def _add(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         settings = obj.rumple_maps
         if len(settings.poses) == MOST_POSES:
-            raise Refused(f"{obj.name}: there are {MOST_POSES} reference poses already")
+            raise UserError(f"{obj.name}: there are {MOST_POSES} reference poses already")
         posed = _posed(context, obj)
         if not settings.bones:
             maps_rig.choose_by_default(obj)
@@ -53,7 +53,7 @@ class RUMPLE_OT_pose_add(OnMaps, bpy.types.Operator):
         pose.name = name
         try:
             _refuse_bad(obj)
-        except Refused:
+        except UserError:
             settings.poses.remove(len(settings.poses) - 1)
             raise
         settings.active = len(settings.poses) - 1
@@ -81,7 +81,7 @@ def _replace(obj: bpy.types.Object, records: bpy.types.bpy_prop_collection, pose
     try:
         if obj.rumple_maps.poses:
             _refuse_bad(obj)
-    except Refused:
+    except UserError:
         maps_rig.write(records, former)
         raise
     maps_changes.rig_changed(obj)

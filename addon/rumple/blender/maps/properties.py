@@ -150,7 +150,7 @@ class RUMPLE_Maps(bpy.types.PropertyGroup):
                                           subtype="DIR_PATH",
                                           description="Where maps are saved. Empty: packed into the blend file")
     message: bpy.props.StringProperty(name="Message", get=_message,
-                                      description="What is wrong, in words; empty when nothing is")
+                                      description="What is wrong; empty when nothing is")
     group: bpy.props.PointerProperty(type=bpy.types.NodeTree, override={"LIBRARY_OVERRIDABLE"},
                                      description="The node group Rumple Maps of this object")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.engine import Refused
+from ...core.engine import UserError
 from ...core.poses import strengths
 from .. import compat
 from ..nodes.maps_mask_tree import Shape
@@ -18,15 +18,16 @@ def sync() -> None:
     """Bring every object in order: trees, shared skins and groups, comparisons, leftovers."""
     objects = list(maps_modifier.mapped_objects())
     maps_runtimes.forget_all_but(obj for obj, _ in objects)
-    held = {hidden for _, ours in objects for hidden in maps_modifier.hidden(ours)}
-    objects = [(obj, ours) for obj, ours in objects if compat.is_editable(obj)]  # linked ones cannot be written
+    used = {hidden for _, nodes_mod in objects for hidden in maps_modifier.hidden(nodes_mod)}
+    objects = [(obj, nodes_mod) for obj, nodes_mod in objects
+               if compat.is_editable(obj)]  # linked ones cannot be written
     _split_shared(objects)
-    for obj, ours in objects:
-        if maps_runtimes.of(obj).stale or is_behind_others(obj, ours):
-            prepare(obj, ours)
+    for obj, nodes_mod in objects:
+        if maps_runtimes.of(obj).stale or is_behind_others(obj, nodes_mod):
+            prepare(obj, nodes_mod)
     for obj in bpy.data.objects:
         note_method(obj)
-    _tidy(held | {hidden for _, ours in objects for hidden in maps_modifier.hidden(ours)})
+    _tidy(used | {hidden for _, nodes_mod in objects for hidden in maps_modifier.hidden(nodes_mod)})
 
 
 def note_method(obj: bpy.types.Object) -> None:
@@ -41,83 +42,84 @@ def note_method(obj: bpy.types.Object) -> None:
         obj.rumple.method = "NONE"
 
 
-def _wrinkles_in_front(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bpy.types.Object | None:
+def _wrinkles_in_front(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The output object of a Wrinkle Mesh, Field or Paths in front of the maps."""
     wrinkles, stack = modifier.find(obj), list(obj.modifiers)
-    if wrinkles is None or stack.index(wrinkles) > stack.index(ours):
+    if wrinkles is None or stack.index(wrinkles) > stack.index(nodes_mod):
         return None
     return modifier.output_object(wrinkles)
 
 
-def is_behind_others(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+def is_behind_others(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Other wrinkles came, went or were made anew since the modifier was prepared."""
-    return _wrinkles_in_front(obj, ours) != maps_modifier.wrinkles(ours)
+    return _wrinkles_in_front(obj, nodes_mod) != maps_modifier.wrinkles(nodes_mod)
 
 
-def prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
+def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> None:
     """Make comparison, tree, skin and skeleton what they should be. What is wrong becomes the object's message."""
-    entry = maps_runtimes.of(obj)
-    entry.stale = False
-    with messages.build_errors(obj, entry):  # without the native module the nodes go on
+    runtime = maps_runtimes.of(obj)
+    runtime.stale = False
+    with messages.build_errors(obj, runtime):  # without the native module the nodes go on
         try:
-            _prepare(obj, ours, entry)
-        except Refused:  # no masks rather than wrong ones
-            maps_modifier.connect(obj, ours, None, None, _wrinkles_in_front(obj, ours))
+            _prepare(obj, nodes_mod, runtime)
+        except UserError:  # no masks rather than wrong ones
+            maps_modifier.connect(obj, nodes_mod, None, None, _wrinkles_in_front(obj, nodes_mod))
             raise
-        messages.set_build_error(entry, "")
+        messages.set_build_error(runtime, "")
 
 
-def _prepare(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime) -> None:
-    comparisons.ensure(obj, entry)
-    comparison, front = entry.comparison, _wrinkles_in_front(obj, ours)
+def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime) -> None:
+    comparisons.ensure(obj, runtime)
+    comparison, front = runtime.comparison, _wrinkles_in_front(obj, nodes_mod)
     if comparison is None:
-        maps_modifier.fill(ours.node_group, Shape())
-        maps_modifier.connect(obj, ours, None, None, front)
+        maps_modifier.fill(nodes_mod.node_group, Shape())
+        maps_modifier.connect(obj, nodes_mod, None, None, front)
         return
     table = comparison.table()
-    maps_modifier.fill(ours.node_group, Shape(
+    maps_modifier.fill(nodes_mod.node_group, Shape(
         tuple(pose.name for pose in comparison.rig.poses), len(comparison.rig.bones), 1 + len(table.more),
         bool((comparison.rig.group_numbers() >= 0).any()), front is not None))
     armature = maps_rig.armature_of(obj)
-    skin, skeleton = maps_modifier.skin(ours), maps_modifier.skeleton(ours)
-    if not maps_meshes.made_from(skin, entry.shape):
-        skin = maps_meshes.new_skin(obj.name, comparison, entry.shape)
-        entry.written = None  # whatever its key: in 3.4 that is an address, which the former skin may have had
-    if not maps_meshes.made_from(skeleton, entry.shape) or \
+    skin, skeleton = maps_modifier.skin(nodes_mod), maps_modifier.skeleton(nodes_mod)
+    if not maps_meshes.made_from(skin, runtime.shape):
+        skin = maps_meshes.new_skin(obj.name, comparison, runtime.shape)
+        runtime.written = None  # whatever its key: in 3.4 that is an address, which the former skin may have had
+    if not maps_meshes.made_from(skeleton, runtime.shape) or \
             maps_meshes.armature_of(skeleton) != armature:
-        skeleton = maps_meshes.new_skeleton(obj.name, comparison, armature, entry.shape)
-    write_gain(skin, entry, obj.rumple_maps)
-    maps_modifier.connect(obj, ours, skin, skeleton, front)
+        skeleton = maps_meshes.new_skeleton(obj.name, comparison, armature, runtime.shape)
+    write_gain(skin, runtime, obj.rumple_maps)
+    maps_modifier.connect(obj, nodes_mod, skin, skeleton, front)
 
 
-def write_gain(skin: bpy.types.Object, entry: Runtime, settings: bpy.types.PropertyGroup) -> None:
+def write_gain(skin: bpy.types.Object, runtime: Runtime, settings: bpy.types.PropertyGroup) -> None:
     """Gain, strengths, mute and solo, where the skin has others. A write costs another evaluation."""
     wanted, key = (settings.gain, tuple(strengths(settings.poses))), compat.session_key(skin.data)
-    if wanted != entry.written or key != entry.output_key:
-        maps_meshes.write_weights(skin, entry.comparison, *wanted)
-        entry.written, entry.output_key = wanted, key
+    if wanted != runtime.written or key != runtime.output_key:
+        maps_meshes.write_weights(skin, runtime.comparison, *wanted)
+        runtime.written, runtime.output_key = wanted, key
 
 
 def _split_shared(objects: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> None:
     """Duplicates share tree, skin and shader group with their original until they get their own; overrides, with the
     linked file. A skeleton is never written to: it may be shared until the poses differ."""
     seen: set[bpy.types.ID] = set()
-    for obj, ours in objects:
-        if ours.node_group in seen or not compat.is_editable(ours.node_group):
-            ours.node_group = ours.node_group.copy()
-        skin = maps_modifier.skin(ours)
+    for obj, nodes_mod in objects:
+        if nodes_mod.node_group in seen or not compat.is_editable(nodes_mod.node_group):
+            nodes_mod.node_group = nodes_mod.node_group.copy()
+        skin = maps_modifier.skin(nodes_mod)
         if skin is not None and skin in seen:
-            maps_modifier.connect(obj, ours, None, maps_modifier.skeleton(ours), maps_modifier.wrinkles(ours))
+            maps_modifier.connect(obj, nodes_mod, None, maps_modifier.skeleton(nodes_mod),
+                                  maps_modifier.wrinkles(nodes_mod))
             maps_runtimes.of(obj).stale = True
         group = obj.rumple_maps.group
         if group is not None and group in seen:
             obj.rumple_maps.group = group.copy()  # its materials show the original's maps until it has its own
-        seen |= {ours.node_group, maps_modifier.skin(ours), obj.rumple_maps.group}
+        seen |= {nodes_mod.node_group, maps_modifier.skin(nodes_mod), obj.rumple_maps.group}
 
 
-def _tidy(held: set[bpy.types.Object | None]) -> None:
+def _tidy(used: set[bpy.types.Object | None]) -> None:
     """Skins and skeletons whose modifier was removed or applied by Blender's own buttons."""
-    candidates = {o for o in bpy.data.objects if maps_meshes.KEY in o} - held
+    candidates = {o for o in bpy.data.objects if maps_meshes.KEY in o} - used
     if candidates:
         for candidate, users in bpy.data.user_map(subset=candidates).items():
             if not users:

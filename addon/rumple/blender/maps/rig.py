@@ -8,17 +8,17 @@ import bpy
 import numpy as np
 
 from ...core import poses
-from ...core.engine import Refused
+from ...core.engine import UserError
 from ...core.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone
 
 _ROOT_NAMES = ("head", "c_head", "def-head", "mixamorig:head", "def_head", "face_root")
 
 
 def armature_of(obj: bpy.types.Object) -> bpy.types.Object:
-    """The armature that skins an object. Raises Refused."""
+    """The armature that skins an object. Raises UserError."""
     armature = obj.find_armature()
     if armature is None:
-        raise Refused(f"{obj.name}: no armature deforms it: Wrinkle Maps follow bones")
+        raise UserError(f"{obj.name}: no armature deforms it: Wrinkle Maps follow bones")
     return armature
 
 
@@ -154,26 +154,26 @@ def _present(armature: bpy.types.Object, root: str) -> _Pose:
 
 
 def present_bones(obj: bpy.types.Object, armature: bpy.types.Object, rig: PoseRig) -> np.ndarray:
-    """(b, 6) heads and tails in root space of an evaluated armature. Raises Refused where a bone is gone."""
+    """(b, 6) heads and tails in root space of an evaluated armature. Raises UserError where a bone is gone."""
     here = _present(armature, rig.root)
     for name in (rig.root, *(bone.name for bone in rig.bones)):
         if name not in here.index:
-            raise Refused(f"{obj.name}: {armature.name} has no bone {name}: was it renamed or deleted?")
+            raise UserError(f"{obj.name}: {armature.name} has no bone {name}: was it renamed or deleted?")
     return here.relative(obj, rig.root, [bone.name for bone in rig.bones], None)
 
 
 def rig_of(obj: bpy.types.Object) -> tuple[PoseRig, list[str]]:
-    """The rig as the core wants it, and what is odd about it. Raises Refused where nothing can be compared."""
+    """The rig as the core wants it, and what is odd about it. Raises UserError where nothing can be compared."""
     settings, armature = obj.rumple_maps, armature_of(obj)
     known, notes = armature.data.bones, []
     if not settings.bones:
-        raise Refused(f"{obj.name}: no bones are chosen to be compared: add a reference pose, or choose bones")
+        raise UserError(f"{obj.name}: no bones are chosen to be compared: add a reference pose, or choose bones")
     if settings.root not in known:
-        raise Refused(f"{obj.name}: {armature.name} has no bone \"{settings.root}\" to be the root: choose another")
+        raise UserError(f"{obj.name}: {armature.name} has no bone \"{settings.root}\" to be the root: choose another")
     bones = [TrackedBone(bone.name, bone.tracked, bone.group) for bone in settings.bones if bone.name in known]
     lost = [bone.name for bone in settings.bones if bone.name not in known]
     if not bones:
-        raise Refused(f"{obj.name}: {armature.name} has none of the bones that are compared: {_listed(lost)}")
+        raise UserError(f"{obj.name}: {armature.name} has none of the bones that are compared: {_listed(lost)}")
     if lost:
         notes.append(f"{obj.name}: {armature.name} has no bone {_listed(lost)}: renamed or deleted? It is left out")
     idle = [bone.name for bone in bones if bone.name not in obj.vertex_groups]
@@ -195,7 +195,7 @@ def _pose_of(obj: bpy.types.Object, records: Any, name: str, names: list[str], o
              notes: list[str]) -> np.ndarray:
     stored = _stored(records, obj.rumple_maps.root)
     if obj.rumple_maps.root not in stored.index:
-        raise Refused(f"{obj.name}: {name} was stored without the root bone {obj.rumple_maps.root}: update it")
+        raise UserError(f"{obj.name}: {name} was stored without the root bone {obj.rumple_maps.root}: update it")
     unknown = [bone for bone in names if bone not in stored.index]
     if unknown:
         notes.append(f"{obj.name}: {name} was stored without {_listed(unknown)}: update it")

@@ -21,33 +21,33 @@ def process(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         return
     with LOCK:
         objects = list(maps_modifier.mapped_objects())
-        for obj, ours in objects:
-            if compat.is_editable(obj) and not maps_runtimes.of(obj).stale and rebuild.is_behind_others(obj, ours):
+        for obj, nodes_mod in objects:
+            if compat.is_editable(obj) and not maps_runtimes.of(obj).stale and rebuild.is_behind_others(obj, nodes_mod):
                 maps_runtimes.of(obj).stale = True
                 scheduler.request()
         editable = [obj for obj, _ in objects if compat.is_editable(obj)]
         if scheduler.allowed_now() and any(maps_runtimes.of(obj).stale for obj in editable):
             rebuild.sync()
-        for obj, ours in objects:
-            _process_guarded(obj, ours, depsgraph)
+        for obj, nodes_mod in objects:
+            _process_guarded(obj, nodes_mod, depsgraph)
 
 
-def _process_guarded(obj: bpy.types.Object, ours: bpy.types.NodesModifier, depsgraph: bpy.types.Depsgraph) -> None:
-    entry = maps_runtimes.of(obj)
-    with messages.frame_errors(obj, entry):
-        _process(obj, ours, entry, depsgraph)
-        messages.set_frame_error(entry, "")
+def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, depsgraph: bpy.types.Depsgraph) -> None:
+    runtime = maps_runtimes.of(obj)
+    with messages.frame_errors(obj, runtime):
+        _process(obj, nodes_mod, runtime, depsgraph)
+        messages.set_frame_error(runtime, "")
 
 
-def _process(obj: bpy.types.Object, ours: bpy.types.NodesModifier, entry: Runtime, depsgraph: bpy.types.Depsgraph
+def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, depsgraph: bpy.types.Depsgraph
              ) -> None:
-    if entry.comparison is None or entry.refusal or obj.mode in mesh_reader.BUSY_MODES:
+    if runtime.comparison is None or runtime.refusal or obj.mode in mesh_reader.BUSY_MODES:
         return
-    if len(obj.data.vertices) != entry.comparison.model.vertex_count:
-        entry.stale = True
+    if len(obj.data.vertices) != runtime.comparison.model.vertex_count:
+        runtime.stale = True
         scheduler.request()  # the topology was edited
         return
-    skin = maps_modifier.skin(ours)
-    if maps_meshes.made_from(skin, entry.shape):
+    skin = maps_modifier.skin(nodes_mod)
+    if maps_meshes.made_from(skin, runtime.shape):
         # The evaluated copy: animated settings are right there, in renders too.
-        rebuild.write_gain(skin, entry, obj.evaluated_get(depsgraph).rumple_maps)
+        rebuild.write_gain(skin, runtime, obj.evaluated_get(depsgraph).rumple_maps)

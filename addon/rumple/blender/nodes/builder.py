@@ -2,11 +2,26 @@
 """Geometry nodes by code: what every tree of ours is written with."""
 from __future__ import annotations
 
+from typing import Any, Iterable
+
 import bpy
 
 from .. import compat
 
-Socket = bpy.types.NodeSocket
+Socket: Any = bpy.types.NodeSocket
+
+
+def empty_modifier_group(group: bpy.types.NodeTree, inputs: Iterable[tuple[str, str]]) -> None:
+    """Remove the nodes of a modifier's group and add the sockets that it lacks: a geometry goes out. inputs: names and
+    socket types. Sockets that are there stay, so that modifiers keep their values."""
+    group.nodes.clear()
+    present = compat.group_sockets(group, "INPUT")
+    for name, socket_type in inputs:
+        if name not in present:
+            compat.new_group_socket(group, name, "INPUT", socket_type)
+    if not compat.group_sockets(group, "OUTPUT"):
+        compat.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
+    compat.mark_as_modifier(group)
 
 
 class GeometryNodes:
@@ -146,8 +161,12 @@ class GeometryNodes:
         self.group.links.new(geometry, size.inputs[0])
         return size.outputs["Point Count" if domain == "POINT" else "Face Corner Count"]
 
-    def mesh_of(self, obj: Socket) -> Socket:
-        """An object's mesh in its own space."""
+    def object_info(self, obj: Socket) -> bpy.types.NodeOutputs:
+        """Of an object: "Geometry" in its own space, "Location" in that of its parent or the world."""
         info = self.node("GeometryNodeObjectInfo")
         self.link(obj, info, "Object")
-        return info.outputs["Geometry"]
+        return info.outputs
+
+    def mesh_of(self, obj: Socket) -> Socket:
+        """An object's mesh in its own space."""
+        return self.object_info(obj)["Geometry"]

@@ -2,7 +2,7 @@
 """The profile that an artist draws: half a wave, from crest (left) to valley (right).
 
 Blender has curves in nodes only, so one lives in a hidden node group, pointed to by object.rumple.profile_curve.
-Editing it tells nobody: the panel that shows it compares it with what is in use whenever it is drawn.
+Blender reports no edits of it: the panel that shows it compares it with what is in use whenever it is drawn.
 """
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import hashlib
 import bpy
 import numpy as np
 
-from ... import native
+from ...native import kernels
 from ...core import engine, wrinkle_field
 from .. import compat
 
@@ -47,13 +47,13 @@ def node(obj: bpy.types.Object) -> bpy.types.Node | None:
 
 
 def heights(obj: bpy.types.Object) -> np.ndarray:
-    """The drawn heights, -1 (valley) to 1 (crest), for the kernel. Raises engine.Refused."""
+    """The drawn heights, -1 (valley) to 1 (crest), for the kernel. Raises engine.UserError."""
     curve = node(obj)
     if curve is None:
-        raise engine.Refused(f"{obj.name}: its profile curve is gone: choose another profile and Curve again")
+        raise engine.UserError(f"{obj.name}: its profile curve is gone: choose another profile and Curve again")
     mapping = curve.mapping
     mapping.initialize()
-    places = np.linspace(0.0, 1.0, native.load().PROFILE_INTERVALS + 1)
+    places = np.linspace(0.0, 1.0, kernels.PROFILE_INTERVALS + 1)
     drawn = [mapping.evaluate(mapping.curves[0], float(place)) for place in places]
     return np.clip(2.0 * np.array(drawn, np.float32) - 1.0, -1.0, 1.0)
 

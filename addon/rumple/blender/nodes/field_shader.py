@@ -197,13 +197,13 @@ def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
 
 def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
     """Give a material that shows waves the profile of an object. False where it shows none."""
-    ours = _our_nodes(material)
-    if ours:
+    nodes_mod = _our_nodes(material)
+    if nodes_mod:
         group = ensure(obj)
-        for node in ours:
+        for node in nodes_mod:
             if node.node_tree != group:
                 node.node_tree = group
-    return bool(ours)
+    return bool(nodes_mod)
 
 
 def unshade(material: bpy.types.Material) -> None:

@@ -103,7 +103,7 @@ class Builder(GeometryNodes):
 
     # --- on the mesh that comes in
     def shown(self, geometry: bpy.types.NodeSocket, skin: bpy.types.NodeSocket, skeleton: bpy.types.NodeSocket,
-              inputs: object) -> bpy.types.NodeSocket:
+              inputs: bpy.types.NodeOutputs) -> bpy.types.NodeSocket:
         """The mesh with its masks; 0 where it has other points than the masks are for.
 
         The incoming mesh goes to one node only: for a second one Blender would copy it.

@@ -13,7 +13,7 @@ from typing import Iterator, Sequence
 
 import bpy
 
-from ...core.engine import Refused
+from ...core.engine import UserError
 from ...core.poses import PACKED
 from .. import compat
 
@@ -142,16 +142,16 @@ class _Builder:
 def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
     """Put the group in front of every Normal Map node that the material's shaders use; make one where there is none.
 
-    Raises Refused, and changes nothing, where the normal comes from what is not a tangent-space Normal Map.
+    Raises UserError, and changes nothing, where the normal comes from what is not a tangent-space Normal Map.
     """
     if not compat.is_editable(material):
-        raise Refused(f"material {material.name} is linked from another file: make it local first")
+        raise UserError(f"material {material.name} is linked from another file: make it local first")
     if material.node_tree is None:
-        raise Refused(f"material {material.name} has no nodes")
+        raise UserError(f"material {material.name} has no nodes")
     present = [node for node in material.node_tree.nodes if _is_our_node(node)]
     if present:
         if any(node.node_tree != group for node in present):
-            raise Refused(f"material {material.name} shows the maps of another object: make it single-user first")
+            raise UserError(f"material {material.name} shows the maps of another object: make it single-user first")
         return
     maps, bare = _normal_maps(material)
     if bare:
@@ -168,17 +168,17 @@ def insert(material: bpy.types.Material, group: bpy.types.NodeTree) -> None:
 def remove(material: bpy.types.Material) -> bool:
     """Take out what insert() put in: the links are as before. True when there was something."""
     tree = material.node_tree
-    ours = [node for node in tree.nodes if _is_our_node(node)] if tree is not None else []
-    for node in ours:
+    nodes_mod = [node for node in tree.nodes if _is_our_node(node)] if tree is not None else []
+    for node in nodes_mod:
         source = next((link.from_socket for link in node.inputs[INPUT].links), None)
         targets = [link.to_socket for link in node.outputs[OUTPUT].links]
         for target in targets:
             if source is not None:
                 tree.links.new(source, target)
         tree.nodes.remove(node)
-    for node in [node for node in tree.nodes if KEY in node] if ours else ():
+    for node in [node for node in tree.nodes if KEY in node] if nodes_mod else ():
         tree.nodes.remove(node)
-    return bool(ours)
+    return bool(nodes_mod)
 
 
 def shown_in(material: bpy.types.Material) -> bpy.types.NodeTree | None:
@@ -224,12 +224,12 @@ def _normal_maps(material: bpy.types.Material) -> tuple[list[bpy.types.Node], li
             if target not in bare:
                 bare.append(target)
         elif source.type != "NORMAL_MAP" or source.space != "TANGENT":
-            raise Refused(f"material {material.name}: the normal of {shader.name} comes from {source.name}, which is "
-                          "no Normal Map in tangent space: Rumple cannot blend wrinkles into it")
+            raise UserError(f"material {material.name}: the normal of {shader.name} comes from {source.name}, which is "
+                            "no Normal Map in tangent space: Rumple cannot blend wrinkles into it")
         elif source not in maps:
             maps.append(source)
     if not maps and not bare:
-        raise Refused(f"material {material.name} has no shader that takes a normal")
+        raise UserError(f"material {material.name} has no shader that takes a normal")
     return maps, bare
 
 
@@ -245,7 +245,7 @@ def _shaders(material: bpy.types.Material) -> Iterator[bpy.types.Node]:
         seen.add(node)
         if "Normal" in node.inputs:
             yield node
-        waiting += [entry for entry in node.inputs if entry.type == "SHADER"]
+        waiting += [runtime for runtime in node.inputs if runtime.type == "SHADER"]
 
 
 def _source_of(target: bpy.types.NodeSocket) -> tuple[bpy.types.NodeSocket, bpy.types.Node | None]:

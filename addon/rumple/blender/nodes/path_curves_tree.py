@@ -17,7 +17,7 @@ import bpy
 from ...core.curve_rows import ROWS
 from .. import compat
 from . import wrinkle_tree
-from .builder import GeometryNodes, Socket
+from .builder import GeometryNodes, Socket, empty_modifier_group
 
 VERSION = 1  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_path_curves_version"
@@ -48,14 +48,7 @@ def upgrade(group: bpy.types.NodeTree) -> None:
     """Rebuild the nodes of an older version in place, so that modifiers keep their inputs."""
     if group[VERSION_KEY] == VERSION or not compat.is_editable(group):
         return
-    group.nodes.clear()
-    present = compat.group_sockets(group, "INPUT")
-    for name, socket_type in _INPUTS:
-        if name not in present:
-            compat.new_group_socket(group, name, "INPUT", socket_type)
-    if not compat.group_sockets(group, "OUTPUT"):
-        compat.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
-    compat.mark_as_modifier(group)
+    empty_modifier_group(group, _INPUTS)
     _Curves(group).build()
     group[VERSION_KEY] = VERSION
 

@@ -39,9 +39,9 @@ from ...core import clip_file
 from ...core.engine import Attribute
 from ...core.systems import SYSTEMS, System
 from .. import compat
-from .builder import GeometryNodes
+from .builder import GeometryNodes, empty_modifier_group
 
-VERSION = 5  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 6  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 METHOD_KEY = "rumple_method"
 
@@ -88,14 +88,7 @@ def upgrade(group: bpy.types.NodeTree) -> bool:
     """Rebuild the nodes of an older version in place, so that modifiers keep their inputs."""
     if group[VERSION_KEY] == VERSION or not compat.is_editable(group):
         return False
-    group.nodes.clear()
-    present = compat.group_sockets(group, "INPUT")
-    for name, socket_type in _INPUTS:
-        if name not in present:
-            compat.new_group_socket(group, name, "INPUT", socket_type)
-    if not compat.group_sockets(group, "OUTPUT"):
-        compat.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
-    compat.mark_as_modifier(group)
+    empty_modifier_group(group, _INPUTS)
     _Builder(group, system(group).wrinkles.ATTRIBUTES).build()
     group[VERSION_KEY] = VERSION
     return True
@@ -150,6 +143,12 @@ class _Builder(GeometryNodes):
         return self.both(self.node("GeometryNodeIsViewport").outputs[0],
                          self.at(carried, self.named(SHOWS_PROXY, "INT"), 0, "INT"))
 
+    def coarse(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """What the first pass of a frame hands on: see frame/first_pass.py."""
+        index = self.index()
+        numbered = self.store(geometry, BASE_INDEX, "INT", index)
+        return self.store(numbered, BASE_POSITION, "FLOAT_VECTOR", self.position())
+
     def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
         self.link(self.element_count(geometry, "POINT"), compare, "A")
@@ -158,7 +157,8 @@ class _Builder(GeometryNodes):
 
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
-        geometry, carried = inputs["Geometry"], self.mesh_of(inputs[OUTPUT])
+        geometry, output = inputs["Geometry"], self.object_info(inputs[OUTPUT])
+        carried = output["Geometry"]
         clip = self.mesh_of(inputs[CACHE])
         # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
         baked = self.both(inputs[BAKED], self.counts_match(clip, self.clip_points(carried)))
@@ -169,6 +169,7 @@ class _Builder(GeometryNodes):
         fine = self.store_base_position(geometry, fine)
         for name in OUTPUT_ONLY:
             fine = self.without(fine, name)
+        first_pass = self.above(self.components(output["Location"])[0], 0.5)
+        fine = self.switch(first_pass, fine, self.coarse(geometry))
         shown = self.switch(self.counts_match(geometry, inputs[COUNT]), geometry, fine)
-        output = self.node("NodeGroupOutput")
-        self.group.links.new(shown, output.inputs[0])
+        self.group.links.new(shown, self.node("NodeGroupOutput").inputs[0])

@@ -85,16 +85,16 @@ def _leads_to(body: bpy.types.Object, garment: bpy.types.Object) -> bool:
 
 def in_order(wrinkled: list[Wrinkled]) -> list[Wrinkled]:
     """The same objects, each behind those that it is worn over, else as they were."""
-    waiting, ordered = {obj: ours for obj, ours in wrinkled}, []
+    waiting, ordered = {obj: nodes_mod for obj, nodes_mod in wrinkled}, []
 
     def take(obj: bpy.types.Object) -> None:
-        ours = waiting.pop(obj, None)
-        if ours is None:
+        nodes_mod = waiting.pop(obj, None)
+        if nodes_mod is None:
             return
         if not refusal(obj):
             for body in of(obj):
                 take(body)
-        ordered.append((obj, ours))
+        ordered.append((obj, nodes_mod))
 
     for obj, _ours in wrinkled:
         take(obj)
@@ -110,20 +110,20 @@ def _wanted(obj: bpy.types.Object) -> tuple[bpy.types.Object | None, bpy.types.C
     return (obj.rumple.body if obj.rumple.body in found else None), obj.rumple.body_collection
 
 
-def is_connected(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+def is_connected(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether the modifier names the bodies that are set, or cannot."""
-    return (not compat.is_editable(obj) or not modifier.can_name_bodies(ours)
-            or modifier.bodies(ours) == _wanted(obj))
+    return (not compat.is_editable(obj) or not modifier.can_name_bodies(nodes_mod)
+            or modifier.bodies(nodes_mod) == _wanted(obj))
 
 
 def connect_all() -> None:
     """Let the modifiers name the bodies that are set. Not in handlers."""
-    for obj, ours in list(modifier.wrinkled_objects()):
+    for obj, nodes_mod in list(modifier.wrinkled_objects()):
         body = obj.rumple.body
         if body is not None and compat.is_editable(obj) and not _is_somewhere(body):
             obj.rumple.body = None  # else what was deleted stays in the file, for it has a user
-        if not is_connected(obj, ours):
-            modifier.set_bodies(ours, *_wanted(obj))
+        if not is_connected(obj, nodes_mod):
+            modifier.set_bodies(nodes_mod, *_wanted(obj))
 
 
 # ---------------------------------------------------------------- a frame
@@ -133,15 +133,15 @@ def are_busy(obj: bpy.types.Object) -> bool:
 
 
 def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
-    """The bodies of a garment as a depsgraph has them; None where it has none. Raises engine.Refused."""
+    """The bodies of a garment as a depsgraph has them; None where it has none. Raises engine.UserError."""
     found, refused = of(obj), refusal(obj)
     if refused:
-        raise engine.Refused(refused)
+        raise engine.UserError(refused)
     if not found:
         return None
     if not modifier.can_name_bodies(modifier.find(obj)):
-        raise engine.Refused(f"{obj.name}: its node group is linked from a file of an older Rumple: open that file and "
-                             "save it, or take the body away")
+        raise engine.UserError(f"{obj.name}: its node group is linked from a file of an older Rumple: open that file "
+                               "and save it, or take the body away")
     surfaces = [_surface(obj, evaluated, body, depsgraph) for body in found]
     first = np.cumsum([0] + [len(surface.positions) for surface in surfaces[:-1]], dtype=np.int32)
     return Body(np.concatenate([surface.positions for surface in surfaces]),
@@ -150,13 +150,13 @@ def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.type
 
 def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types.Object,
              depsgraph: bpy.types.Depsgraph) -> Body:
-    """One body in the object space of the garment. Raises engine.Refused."""
+    """One body in the object space of the garment. Raises engine.UserError."""
     worn = body.evaluated_get(depsgraph)
     surface = _folded(body, float(depsgraph.scene.frame_current_final)) or _plain(obj, body, worn, depsgraph.mode)
     if not np.isfinite(surface.positions).all():
         first = int(np.isfinite(surface.positions).all(axis=1).argmin())
-        raise engine.Refused(f"{obj.name}: vertex {first} of its body {body.name} is not finite: repair it, or choose "
-                             "another one")
+        raise engine.UserError(f"{obj.name}: vertex {first} of its body {body.name} is not finite: repair it, or "
+                               "choose another one")
     into = evaluated.matrix_world.inverted_safe() @ worn.matrix_world
     triangles = surface.triangles
     if into.determinant() < 0.0:  # mirrored: the other way round is counter-clockwise now
@@ -168,23 +168,25 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
 
 def _folded(body: bpy.types.Object, frame: float) -> Body | None:
     """A garment that is worn under another one, as it was solved for this frame: it comes first in in_order()."""
-    ours, entry = modifier.find(body), runtimes.known(body)
-    if ours is None or entry is None or entry.evaluator is None or entry.message or modifier.is_baked(ours):
+    nodes_mod, runtime = modifier.find(body), runtimes.known(body)
+    if (nodes_mod is None or runtime is None or runtime.evaluator is None or runtime.message
+            or modifier.is_baked(nodes_mod)):
         return None
-    return entry.evaluator.worn_surface(frame) if entry.inputs is not None and entry.inputs.frame == frame else None
+    shown = runtime.inputs is not None and runtime.inputs.frame == frame
+    return runtime.evaluator.worn_surface(frame) if shown else None
 
 
 def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Body:
-    """A body as Blender shows it; a garment that is not baked without its folds. Raises engine.Refused."""
-    mesh, positions, ours = worn.data, None, modifier.find(body)
-    if ours is not None and not modifier.is_baked(ours):
+    """A body as Blender shows it; a garment that is not baked without its folds. Raises engine.UserError."""
+    mesh, positions, nodes_mod = worn.data, None, modifier.find(body)
+    if nodes_mod is not None and not modifier.is_baked(nodes_mod):
         try:
             positions = mesh_reader.posed_positions(worn, len(body.data.vertices))
         except mesh_reader.Reordered as error:
-            raise engine.Refused(f"{body.name}: {error}") from error
+            raise engine.UserError(f"{body.name}: {error}") from error
         mesh = body.data if positions is not None else mesh
     if not len(mesh.polygons):
-        raise engine.Refused(f"{obj.name}: its body {body.name} has no faces: choose another one")
+        raise engine.UserError(f"{obj.name}: its body {body.name} has no faces: choose another one")
     return Body(compat.positions(mesh) if positions is None else positions, _triangles(body, mesh, mode))
 
 
@@ -218,5 +220,5 @@ def _connections(mesh: bpy.types.Mesh) -> bytes:
     """A digest of what is connected to what."""
     counts = (len(mesh.vertices), len(mesh.polygons), len(mesh.loops))
     digest = hashlib.blake2b(repr(counts).encode(), digest_size=16)
-    digest.update(compat.corner_vertices(mesh))
+    digest.update(compat.corner_vertices(mesh).data)
     return digest.digest()

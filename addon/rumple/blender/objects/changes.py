@@ -18,15 +18,15 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
     """
     if obj.rumple.method == "NONE" or modifier.find(obj) is None:
         return
-    entry = runtimes.of(obj)
-    if entry.evaluator is not None:
-        entry.evaluator.history.limit_bytes = obj.rumple.memory_limit << 20
+    runtime = runtimes.of(obj)
+    if runtime.evaluator is not None:
+        runtime.evaluator.frame_cache.limit_bytes = obj.rumple.memory_limit << 20
     if affects == "PAINT":
-        entry.paint = None
+        runtime.paint = None
     if affects == "BODY":
         bodies.connect_all()  # of all: what was refused for this object's sake may be right now
     if structural or modifier.is_baked(modifier.find(obj)):
-        entry.stale = True
+        runtime.stale = True
         scheduler.request(scheduler.DELAY)
     obj.update_tag()
 
@@ -41,17 +41,17 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
         return
     with LOCK:
         for obj, _ours in modifier.wrinkled_objects():
-            entry = runtimes.known(obj)
-            if entry is None:
+            runtime = runtimes.known(obj)
+            if runtime is None:
                 continue
             own = obj.rumple.own_mesh
             edited = compat.session_key(obj.data) in touched
             if edited or (own is not None and own.data is not None and compat.session_key(own.data) in touched):
-                entry.stale = True
-                entry.paint = None
+                runtime.stale = True
+                runtime.paint = None
                 scheduler.request(scheduler.DELAY)
-            elif entry.paint and compat.session_key(obj) in touched and not _is_playing():
-                entry.paint = None  # vertex_group.add() from scripts tags the object only, as every animated frame does
+            elif runtime.paint and compat.session_key(obj) in touched and not _is_playing():
+                runtime.paint = None  # vertex_group.add() from scripts tags the object only, as animation does
 
 
 def _is_playing() -> bool:
@@ -68,12 +68,10 @@ def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
     return keys
 
 
-
-
 def note_drawn_profile(obj: bpy.types.Object) -> None:
-    """Called by the panel that shows the curve: editing a curve tells nobody."""
-    entry = runtimes.of(obj)
-    used = entry.paint.get("profile") if entry.paint is not None else None
+    """Called by the panel that shows the curve: Blender reports no edits of curves."""
+    runtime = runtimes.of(obj)
+    used = runtime.paint.get("profile") if runtime.paint is not None else None
     if used is not None and not np.array_equal(used, field_profile.heights(obj)):
-        entry.stale = True
+        runtime.stale = True
         scheduler.request(scheduler.DELAY)

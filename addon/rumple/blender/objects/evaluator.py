@@ -29,7 +29,7 @@ class Sources:
 
 
 def sources(obj: bpy.types.Object) -> Sources:
-    """Read them from the object as it is now. Raises engine.Refused."""
+    """Read them from the object as it is now. Raises engine.UserError."""
     scene = units.scene_of(obj)
     settings = properties.settings_of(obj, scene)
     base = mesh_reader.base_mesh(obj, settings.rest_shape, obj.rumple.rest_key)
@@ -42,25 +42,25 @@ def sources(obj: bpy.types.Object) -> Sources:
                    _shape_fingerprint(base, own, attached, settings, unit_scale))
 
 
-def ensure(obj: bpy.types.Object, entry: Runtime) -> None:
-    """Make entry.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.Refused."""
+def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
+    """Make entry.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.UserError."""
     now = sources(obj)
-    if entry.evaluator is not None and entry.shape == now.shape:
+    if runtime.evaluator is not None and runtime.shape == now.shape:
         return
-    if entry.refused == now.shape:
-        raise engine.Refused(entry.refusal)
+    if runtime.refused == now.shape:
+        raise engine.UserError(runtime.refusal)
     try:
-        entry.evaluator = _build(obj, now)
-    except engine.Refused as error:
-        entry.refused = now.shape
-        messages.set_build_error(entry, str(error))
+        runtime.evaluator = _build(obj, now)
+    except engine.UserError as error:
+        runtime.refused = now.shape
+        messages.set_build_error(runtime, str(error))
         raise
-    entry.shape, entry.refused, entry.paint = now.shape, "", None
-    entry.inputs = None  # solved by the former one: who draws by them must wait
-    entry.notes = list(entry.evaluator.warnings)
+    runtime.shape, runtime.refused, runtime.paint = now.shape, "", None
+    runtime.inputs = None  # solved by the former one: who draws by them must wait
+    runtime.notes = list(runtime.evaluator.warnings)
     if compat.has_custom_normals(obj.data):
-        entry.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
-    entry.evaluator.history.limit_bytes = obj.rumple.memory_limit << 20
+        runtime.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
+    runtime.evaluator.frame_cache.limit_bytes = obj.rumple.memory_limit << 20
 
 
 def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:
@@ -68,8 +68,8 @@ def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:
     fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale, **more)
     coarse = len(now.base.positions)
     if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
-        raise engine.Refused(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
-                             f"({coarse}): choose a denser one")
+        raise engine.UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
+                               f"({coarse}): choose a denser one")
     return fine
 
 
@@ -78,7 +78,7 @@ def _own_mesh(obj: bpy.types.Object, settings: Any) -> engine.BaseMesh | None:
         return None
     own = obj.rumple.own_mesh
     if own is None or own.type != "MESH":
-        raise engine.Refused(f"{obj.name}: choose your own fine mesh first")
+        raise engine.UserError(f"{obj.name}: choose your own fine mesh first")
     return mesh_reader.own_mesh(obj, own)
 
 
@@ -93,7 +93,7 @@ def _wants_own_mesh(settings: Any) -> bool:
     return getattr(settings, "source", "") == "OBJECT"
 
 
-def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attached: object, settings: Any,
+def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attached: np.ndarray | None, settings: Any,
                        unit_scale: float) -> str:
     digest = hashlib.sha1(mesh_reader.shape_fingerprint(base).encode())
     if own is not None:

@@ -46,10 +46,10 @@ class ModifiedObjects:
         found = []
         for name in names:
             obj = bpy.data.objects.get(name)
-            ours = self.find(obj) if obj is not None and obj.type == "MESH" else None
-            if ours is None:
+            nodes_mod = self.find(obj) if obj is not None and obj.type == "MESH" else None
+            if nodes_mod is None:
                 return None
-            found.append((obj, ours))
+            found.append((obj, nodes_mod))
         return found
 
     def _searched(self) -> list[Found]:
@@ -58,7 +58,7 @@ class ModifiedObjects:
             return []  # the common case in big files must cost nothing
         candidates = (obj for obj in bpy.data.objects if obj.type == "MESH" and len(obj.modifiers))
         pairs = ((obj, self.find(obj)) for obj in candidates)
-        return [(obj, ours) for obj, ours in pairs if ours is not None]
+        return [(obj, nodes_mod) for obj, nodes_mod in pairs if nodes_mod is not None]
 
 
 _all: list[ModifiedObjects] = []

@@ -35,7 +35,7 @@ BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the obj
 
 
 def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.BaseMesh:
-    """The coarse mesh of an object at rest. Raises engine.Refused with a sentence for the panel."""
+    """The coarse mesh of an object at rest. Raises engine.UserError with a sentence for the panel."""
     mesh = obj.data
     mesh.calc_loop_triangles()
     return _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
@@ -82,12 +82,12 @@ def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.
     if rest_shape == "FRAME":
         attribute = mesh.attributes.get(wrinkle_tree.REST_POSITION)
         if attribute is None:
-            raise engine.Refused(f"{obj.name}: no rest shape is captured yet: press Capture")
+            raise engine.UserError(f"{obj.name}: no rest shape is captured yet: press Capture")
         return compat.read_attribute(attribute)
     if rest_shape == "SHAPE_KEY":
         blocks = mesh.shape_keys.key_blocks if mesh.shape_keys else {}
         if rest_key not in blocks:
-            raise engine.Refused(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at")
+            raise engine.UserError(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at")
         return _key_positions(blocks[rest_key])
     return _basis_positions(mesh)
 

@@ -9,7 +9,7 @@ from typing import Callable, Iterator
 
 import bpy
 
-from ...core.engine import Refused
+from ...core.engine import UserError
 from ...native import NativeMissing
 
 
@@ -24,24 +24,24 @@ class Messages:
     notes: list[str] = field(default_factory=list)
 
 
-def set_frame_error(entry: Messages, text: str) -> None:
+def set_frame_error(runtime: Messages, text: str) -> None:
     """Set the message on the current frame; a new one goes to the console once."""
-    _print_new(text, entry.message)
-    entry.message = text
+    _print_new(text, runtime.message)
+    runtime.message = text
 
 
-def set_build_error(entry: Messages, text: str) -> None:
+def set_build_error(runtime: Messages, text: str) -> None:
     """Set the message on the structure; empty when it is right again."""
-    _print_new(text, entry.refusal)
-    entry.refusal = text
+    _print_new(text, runtime.refusal)
+    runtime.refusal = text
 
 
-def note_unplayed(entry: Messages, text: str, rendering: bool) -> None:
+def note_unplayed(runtime: Messages, text: str, rendering: bool) -> None:
     """Set what is said of a frame that was reached by a jump; of renders a new one goes to the console."""
-    entry.unplayed = text
+    runtime.unplayed = text
     if rendering:
-        _print_new(text, entry.unplayed_in_renders)
-        entry.unplayed_in_renders = text
+        _print_new(text, runtime.unplayed_in_renders)
+        runtime.unplayed_in_renders = text
 
 
 def _print_new(text: str, former: str) -> None:
@@ -50,27 +50,27 @@ def _print_new(text: str, former: str) -> None:
 
 
 @contextmanager
-def frame_errors(obj: bpy.types.Object, entry: Messages) -> Iterator[None]:
+def frame_errors(obj: bpy.types.Object, runtime: Messages) -> Iterator[None]:
     """Errors become the message on this frame: handlers must not throw. The last good picture stays."""
-    with _errors(obj, entry, set_frame_error):
+    with _errors(obj, runtime, set_frame_error):
         yield
 
 
 @contextmanager
-def build_errors(obj: bpy.types.Object, entry: Messages) -> Iterator[None]:
+def build_errors(obj: bpy.types.Object, runtime: Messages) -> Iterator[None]:
     """Errors become the message on the structure. The last good mesh stays."""
-    with _errors(obj, entry, set_build_error):
+    with _errors(obj, runtime, set_build_error):
         yield
 
 
 @contextmanager
-def _errors(obj: bpy.types.Object, entry: Messages, tell: Callable[[Messages, str], None]) -> Iterator[None]:
+def _errors(obj: bpy.types.Object, runtime: Messages, tell: Callable[[Messages, str], None]) -> Iterator[None]:
     try:
         yield
-    except (Refused, NativeMissing) as error:
-        tell(entry, str(error))
+    except (UserError, NativeMissing) as error:
+        tell(runtime, str(error))
     except Exception as error:  # a message on the panel, never a traceback
-        tell(entry, unexpected(obj, error))
+        tell(runtime, unexpected(obj, error))
 
 
 def unexpected(obj: bpy.types.Object, error: Exception) -> str:

@@ -2,7 +2,7 @@
 """The modifier, "Wrinkle Mesh" or another system: adding, finding and removing it, and its output object."""
 from __future__ import annotations
 
-from typing import Iterator
+from typing import Any, Iterator
 
 import bpy
 
@@ -52,8 +52,8 @@ def changes_topology(modifier: bpy.types.Modifier) -> bool:
 
 def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
     """The first modifier in front of the wrinkles (or of where they would stand) that changes the topology."""
-    ours = find(obj)
-    last = list(obj.modifiers).index(ours) if ours is not None else place_behind_deforming(obj)
+    nodes_mod = find(obj)
+    last = list(obj.modifiers).index(nodes_mod) if nodes_mod is not None else place_behind_deforming(obj)
     return next((m for m in list(obj.modifiers)[:last] if changes_topology(m)), None)
 
 
@@ -99,7 +99,7 @@ def _set(modifier: bpy.types.NodesModifier, name: str, value: object) -> None:
     compat.set_modifier_input(modifier, identifier, value)
 
 
-def _get(modifier: bpy.types.NodesModifier, name: str) -> object:
+def _get(modifier: bpy.types.NodesModifier, name: str) -> Any:
     identifier = compat.group_sockets(modifier.node_group, "INPUT").get(name)
     return compat.modifier_input(modifier, identifier) if identifier else None
 
@@ -166,7 +166,7 @@ def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,
 
 
 def add_mesh_cache(cache_obj: bpy.types.Object, manifest: clip_file.Manifest,
-              path: str) -> bpy.types.MeshCacheModifier:
+                   path: str) -> bpy.types.MeshCacheModifier:
     """Let the points of a cache object be those of a clip. path: as a blend file names it."""
     cache = cache_obj.modifiers.new(CACHE_NAME, "MESH_CACHE")
     cache.cache_format, cache.play_mode, cache.time_mode = "PC2", "SCENE", "FRAME"

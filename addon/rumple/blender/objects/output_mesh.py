@@ -53,7 +53,7 @@ def write_embedding(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
     compat.write_attribute(mesh, wrinkle_tree.BARYCENTRIC, "FLOAT_VECTOR", "POINT", weights)
     compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", np.zeros((count, 3), np.float32))
     compat.write_attribute(mesh, wrinkle_tree.BASE_INDEX, "INT", "POINT", np.arange(count, dtype=np.int32))
-    rest = engine.Picture.at_rest(fine.positions_rest, len(fine.corner_vertex), fine.ATTRIBUTES)
+    rest = engine.FrameResult.at_rest(fine.positions_rest, len(fine.corner_vertex), fine.ATTRIBUTES)
     _write_attributes(mesh, rest, fine.ATTRIBUTES)
 
 
@@ -71,14 +71,14 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> bool:
         return False
     stored = np.stack([compat.read_attribute(mesh.attributes[name])[:, 0] for name in wrinkle_tree.CORNERS], 1)
     weights = compat.read_attribute(mesh.attributes[wrinkle_tree.BARYCENTRIC])
-    return np.array_equal(stored, fine.triangle_vertex) and np.array_equal(weights[:, :2], fine.barycentric,
-                                                                              equal_nan=True)
+    return (np.array_equal(stored, fine.triangle_vertex)
+            and np.array_equal(weights[:, :2], fine.barycentric, equal_nan=True))
 
 
-def write_picture(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tuple[engine.Attribute, ...]) -> None:
+def write_result(mesh: bpy.types.Mesh, result: engine.FrameResult, attributes: tuple[engine.Attribute, ...]) -> None:
     """One frame's result. The only thing that handlers write."""
-    compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", picture.local_offset)
-    _write_attributes(mesh, picture, attributes)
+    compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", result.local_offset)
+    _write_attributes(mesh, result, attributes)
     mesh.update()
 
 
@@ -90,7 +90,7 @@ def write_proxy(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
         return
     if known is None or bool(known.data[0].value) != uses_proxy:
         compat.write_attribute(mesh, wrinkle_tree.SHOWS_PROXY, "INT", "POINT",
-                                 np.full(len(mesh.vertices), uses_proxy, np.int32))
+                               np.full(len(mesh.vertices), uses_proxy, np.int32))
     if uses_proxy:
         padded = np.zeros((len(mesh.vertices), 3), np.float32)  # the fine mesh has at least as many vertices
         padded[:len(ways)] = ways
@@ -98,9 +98,10 @@ def write_proxy(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
     mesh.update()
 
 
-def _write_attributes(mesh: bpy.types.Mesh, picture: engine.Picture, attributes: tuple[engine.Attribute, ...]) -> None:
+def _write_attributes(mesh: bpy.types.Mesh, result: engine.FrameResult,
+                      attributes: tuple[engine.Attribute, ...]) -> None:
     for a in attributes:
-        compat.write_attribute(mesh, a.name, a.data_type, a.domain, picture.attributes[a.name])
+        compat.write_attribute(mesh, a.name, a.data_type, a.domain, result.attributes[a.name])
 
 
 # ---------------------------------------------------------------- carrying

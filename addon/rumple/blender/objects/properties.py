@@ -74,7 +74,7 @@ def _settings_group(method: str, **others: Any) -> type:
                 {"__annotations__": annotations, "__doc__": system.settings.__doc__})
 
 
-def preset_items(system: System) -> tuple[tuple[str, str, str], ...]:
+def preset_items(system: System) -> tuple[tuple[str, str, str, str, int], ...]:
     """The presets of a system as Blender's enums have them."""
     return tuple((key, preset.label, preset.tip, "NONE", preset.number) for key, preset in system.presets.items())
 
@@ -118,7 +118,7 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     mesh: bpy.props.PointerProperty(type=RUMPLE_MeshSettings, override=_OVERRIDE)
     field: bpy.props.PointerProperty(type=RUMPLE_FieldSettings, override=_OVERRIDE)
     paths: bpy.props.PointerProperty(type=RUMPLE_PathsSettings, override=_OVERRIDE)
-    own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Own Mesh", override=_OVERRIDE,
+    own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Custom Mesh", override=_OVERRIDE,
                                         poll=_is_own_mesh, update=_changed("MESH"),
                                         description="Your own fine mesh, in place over the undeformed coarse mesh")
     body: bpy.props.PointerProperty(type=bpy.types.Object, name="Body", override=_OVERRIDE, poll=_is_body,
@@ -147,13 +147,13 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                                     "follow fast turns")
     bake_whole_clip: bpy.props.BoolProperty(name="Whole Clip", default=True, options=set(), override=_OVERRIDE,
                                             update=_changed("BAKE"),
-                                            description="Play the clip through once before it is solved: where cloth "
-                                                        "gives in or recovers is then decided for all of it at once, "
-                                                        "not frame by frame as in playback")
+                                            description="Analyse the whole clip before it is solved: how the rest "
+                                                        "shape changes is then chosen for all frames at once, not "
+                                                        "frame by frame as in playback")
     bake_folder: bpy.props.StringProperty(name="Folder", options=set(), override=_OVERRIDE, subtype="DIR_PATH",
                                           description="Where baked clips go. Empty: the folder rumple beside the file")
     message: bpy.props.StringProperty(name="Message", get=_message,
-                                      description="What is wrong, in words; empty when nothing is")
+                                      description="What is wrong; empty when nothing is")
 
 
 def group_of(obj: bpy.types.Object) -> bpy.types.PropertyGroup:

@@ -15,7 +15,7 @@ from .messages import Messages
 
 
 @dataclass
-class Entry(Messages):
+class CachedFrame(Messages):
     """One object."""
 
     stale: bool = True  # something may have changed: check before the next structural step
@@ -31,7 +31,7 @@ class Entry(Messages):
         self.invalidate_output()
 
 
-AnyEntry = TypeVar("AnyEntry", bound=Entry)
+AnyEntry = TypeVar("AnyEntry", bound=CachedFrame)
 
 
 class RuntimeTable(Generic[AnyEntry]):
@@ -51,8 +51,8 @@ class RuntimeTable(Generic[AnyEntry]):
 
     def message(self, obj: bpy.types.Object) -> str:
         """What is wrong with an object, in words; empty when nothing is."""
-        entry = self.known(obj)
-        return "" if entry is None else entry.refusal or entry.message
+        runtime = self.known(obj)
+        return "" if runtime is None else runtime.refusal or runtime.message
 
     def forget(self, obj: bpy.types.Object) -> None:
         self._entries.pop(compat.session_key(obj), None)
@@ -68,10 +68,10 @@ class RuntimeTable(Generic[AnyEntry]):
 
     def invalidate_outputs(self) -> None:
         """After a render, which wrote its last frame."""
-        for entry in self._entries.values():
-            entry.invalidate_output()
+        for runtime in self._entries.values():
+            runtime.invalidate_output()
 
     def invalidate_all(self) -> None:
         """After undo and redo. Stored frames stay."""
-        for entry in self._entries.values():
-            entry.invalidate()
+        for runtime in self._entries.values():
+            runtime.invalidate()

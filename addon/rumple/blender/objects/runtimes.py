@@ -10,7 +10,7 @@ import numpy as np
 from ...core import engine
 from ...core.body import Body
 from ...core.surroundings import Surroundings
-from .runtime_table import Entry, RuntimeTable
+from .runtime_table import CachedFrame, RuntimeTable
 
 
 @dataclass
@@ -39,7 +39,7 @@ class Inputs:
 
 
 @dataclass
-class Runtime(Entry):
+class Runtime(CachedFrame):
     """One wrinkled object."""
 
     evaluator: engine.Wrinkles | None = None
@@ -48,7 +48,9 @@ class Runtime(Entry):
     paint: dict[str, np.ndarray] | None = None  # None: read again
     groups: list[str] | None = None  # names of the vertex groups when the output object was last checked
     inputs: Inputs | None = None
-    picture: engine.Picture | engine.Sketch | None = None  # what the output object holds
+    result: engine.FrameResult | engine.PreviewFrame | None = None  # what the output object holds
+    written_at: float | None = None  # the frame that the output object was written in, last
+    moved_in: int = 0  # the scene whose last frame wrote the output object: its next one will
     analyzing: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
     analyzed: Inputs | None = None  # ... and this is what was read
     asked_for_proxy: bool = False  # by the preview, last
@@ -57,7 +59,7 @@ class Runtime(Entry):
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it
 
     def invalidate_output(self) -> None:
-        self.inputs = self.picture = None
+        self.inputs = self.result = None
         super().invalidate_output()
 
     def invalidate(self) -> None:

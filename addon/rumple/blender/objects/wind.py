@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import bpy
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 from ...core.settings import ClothSettings
 from ...core.surroundings import Surroundings, Wind, air_velocity
@@ -13,7 +13,7 @@ def surroundings(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph, se
     """Of a garment, as a depsgraph has it. settings: of its system."""
     if not settings.swings:
         return Surroundings()
-    place = tuple(evaluated.matrix_world.translation)
+    place = _three(evaluated.matrix_world.translation)
     return Surroundings(place, air_velocity(place, _winds(depsgraph) if settings.drag > 0.0 else ()))
 
 
@@ -22,8 +22,13 @@ def _winds(depsgraph: bpy.types.Depsgraph) -> list[Wind]:
     return [_wind(field, obj.matrix_world) for field, obj in fields if field is not None and field.type == "WIND"]
 
 
+def _three(vector: Vector) -> tuple[float, float, float]:
+    x, y, z = vector
+    return x, y, z
+
+
 def _wind(field: bpy.types.FieldSettings, world: Matrix) -> Wind:
     """It blows along the Z axis of its object."""
-    return Wind(tuple(world.translation), tuple(world.to_3x3().col[2]), field.strength, field.falloff_power,
+    return Wind(_three(world.translation), _three(world.to_3x3().col[2]), field.strength, field.falloff_power,
                 field.distance_min if field.use_min_distance else None,
                 field.distance_max if field.use_max_distance else None)

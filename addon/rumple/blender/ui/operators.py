@@ -58,18 +58,18 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         if cloth_defaults.is_cloth(obj):
             self._find_body(context, obj)
         with scheduler.suspended():
-            ours = modifier.add(obj, self.method)
+            nodes_mod = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
         context.scene.render.use_lock_interface = True
         if self.method == "FIELD" and self.shade:
             field_shader.shade_object(obj)
-        rebuild.prepare(obj, ours)
+        rebuild.prepare(obj, nodes_mod)
         bodies.connect_all()
-        if modifier.output_object(ours) is None:
+        if modifier.output_object(nodes_mod) is None:
             self.report({"ERROR"}, runtimes.message(obj) or f"{obj.name}: nothing to wrinkle")
             _remove(obj)
             return {"CANCELLED"}
-        self._report(obj, ours)
+        self._report(obj, nodes_mod)
         return {"FINISHED"}
 
     def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
@@ -81,9 +81,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                    if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
         values = properties.defaults(obj, lengths)
         system = SYSTEMS[self.method].wrinkles
-        if system.FITTING in lengths and len(obj.data.polygons):
+        if system.SUGGESTED in lengths and len(obj.data.polygons):
             base = mesh_reader.base_mesh(obj, "REST_POSE", "")
-            values[system.FITTING] = system.fitting_length(base, units.metres_per_unit(obj, context.scene))
+            values[system.SUGGESTED] = system.suggested_length(base, units.metres_per_unit(obj, context.scene))
         properties.apply_values(obj, context.scene, values)
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
         return lengths
@@ -100,10 +100,10 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                 for garment in found.garments:
                     about.body_collection.objects.link(garment)
 
-    def _report(self, obj: bpy.types.Object, ours: bpy.types.Modifier) -> None:
+    def _report(self, obj: bpy.types.Object, nodes_mod: bpy.types.Modifier) -> None:
         changer = modifier.topology_changer_before(obj)
         if changer is not None:
-            self.report({"WARNING"}, f"{changer.name} stands in front of {ours.name} and changes the number of "
+            self.report({"WARNING"}, f"{changer.name} stands in front of {nodes_mod.name} and changes the number of "
                                      "vertices: apply it, or move it behind")
             return
         fine = runtimes.of(obj).evaluator
@@ -115,14 +115,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 class _OnWaves(ui_base.OnWrinkled):
     """Operators for the materials of an object with a Wrinkle Field."""
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not super().poll(context):
-            return False
-        waves = context.object.rumple.method == "FIELD"
-        if not waves:
-            cls.poll_message_set("Only the Wrinkle Field is drawn by materials")
-        return waves
+    method, other_method = "FIELD", "Only the Wrinkle Field is drawn by materials"
 
 
 class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
@@ -203,8 +196,8 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
 
 def evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Mesh:
     """A new mesh: the object of this frame, as the wrinkles hand it to later modifiers."""
-    ours = modifier.find(obj)
-    later = list(obj.modifiers)[list(obj.modifiers).index(ours) + 1:]
+    nodes_mod = modifier.find(obj)
+    later = list(obj.modifiers)[list(obj.modifiers).index(nodes_mod) + 1:]
     shown = [m for m in later if m.show_viewport]
     for m in shown:
         m.show_viewport = False
@@ -253,7 +246,7 @@ class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
                                                      **chosen.values, **chosen.replaced})
         replaced = {name: now[name] for name in chosen.replaced}
         settings.preset_replaced = json.dumps(replaced) if replaced else ""
-        length = system.wrinkles.FITTING
+        length = system.wrinkles.SUGGESTED
         scaled = now[length] * chosen.fold_width / former_width
         # Seven digits are what a float holds: the way back is exact.
         properties.apply_values(obj, context.scene, {length: float(f"{scaled:.7g}")})
@@ -322,8 +315,8 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
             else:
                 group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")  # 1: as before the group was there
         obj.vertex_groups.active_index = obj.vertex_groups[name].index
-        entry = runtimes.of(obj)
-        entry.paint, entry.stale = None, True
+        runtime = runtimes.of(obj)
+        runtime.paint, runtime.stale = None, True
         scheduler.request()
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
@@ -339,10 +332,10 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         with scheduler.LOCK:
-            entry = runtimes.of(context.object)
-            if entry.evaluator is not None:
-                entry.evaluator.history.clear()
-            entry.invalidate_output()
+            runtime = runtimes.of(context.object)
+            if runtime.evaluator is not None:
+                runtime.evaluator.frame_cache.clear()
+            runtime.invalidate_output()
         context.object.update_tag()
         return {"FINISHED"}
 

@@ -32,8 +32,8 @@ class DATA_PT_rumple(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, context.object
-        ours = modifier.find(obj)
-        if ours is None:
+        nodes_mod = modifier.find(obj)
+        if nodes_mod is None:
             _add_buttons(layout.column(align=True))
             return
         draw_message(layout, runtimes.message(obj))
@@ -149,10 +149,10 @@ class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = property_column(self.layout), context.object
         column.prop(obj.rumple, "memory_limit")
-        entry = runtimes.known(obj)
-        if entry is None or entry.evaluator is None:
+        runtime = runtimes.known(obj)
+        if runtime is None or runtime.evaluator is None:
             return
-        history = entry.evaluator.history
+        history = runtime.evaluator.frame_cache
         frames = history.frames()
         for label, final in (("Played through", True), ("After a jump", False)):
             numbers = [frame for frame, is_final in frames if is_final == final]
@@ -186,21 +186,21 @@ class DATA_PT_rumple_status(Panel, bpy.types.Panel):
 
 def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     """(text, icon) for the Status panel."""
-    entry = runtimes.known(obj)
+    runtime = runtimes.known(obj)
     if modifier.is_baked(modifier.find(obj)):
         return [("Baked: the clip is shown, nothing is solved", "CHECKMARK")]
-    if entry is None or entry.evaluator is None:
+    if runtime is None or runtime.evaluator is None:
         return [("Nothing solved yet", "INFO")]
-    fine, picture, lines = entry.evaluator, entry.picture, []
-    if entry.inputs is not None and entry.inputs.uses_proxy:
+    fine, result, lines = runtime.evaluator, runtime.result, []
+    if runtime.inputs is not None and runtime.inputs.uses_proxy:
         lines.append((f"Drawn on the graphics card; {fine.vertex_count} vertices in renders", "SHADING_SOLID"))
     else:
         lines.append((f"{fine.vertex_count} vertices are shown", "MESH_DATA"))
-    if picture is not None:
-        times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in picture.milliseconds.items())
-        lines.append((f"Milliseconds: {times}" + (" (stored frame)" if picture.replayed else ""), "TIME"))
-        lines += [(line, "BLANK1") for line in fine.status(picture)]
-    notes = [*entry.notes, clip_status.late_in_renders(obj), entry.unplayed]
+    if result is not None:
+        times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in result.milliseconds.items())
+        lines.append((f"Milliseconds: {times}" + (" (stored frame)" if result.replayed else ""), "TIME"))
+        lines += [(line, "BLANK1") for line in fine.status(result)]
+    notes = [*runtime.notes, clip_status.late_in_renders(obj), runtime.unplayed]
     return lines + [(note, "INFO") for note in notes if note]
 
 

@@ -5,6 +5,8 @@ bpy.ops.object.rumple_width_from_height(percent=1.0), rumple_curves_add(), rumpl
 """
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 import numpy as np
 
@@ -17,14 +19,7 @@ from ..ui_base import OnWrinkled
 class OnPaths(OnWrinkled):
     """Operators for an object with Wrinkle Paths."""
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not super().poll(context):
-            return False
-        paths = context.object.rumple.method == "PATHS"
-        if not paths:
-            cls.poll_message_set("Only for Wrinkle Paths")
-        return paths
+    method, other_method = "PATHS", "Only for Wrinkle Paths"
 
 
 class OBJECT_OT_rumple_width_from_height(OnPaths, bpy.types.Operator):
@@ -66,7 +61,7 @@ def character_height(obj: bpy.types.Object) -> tuple[bpy.types.Object, float] | 
 def _rest_height(obj: bpy.types.Object) -> float:
     """0 where there is none."""
     if obj.type == "ARMATURE":
-        points = [end for bone in obj.data.bones if bone.use_deform for end in (bone.head_local, bone.tail_local)]
+        points: Any = [end for bone in obj.data.bones if bone.use_deform for end in (bone.head_local, bone.tail_local)]
     elif obj.type == "MESH":
         points = mesh_reader.rest_positions(obj, "REST_POSE", "")
     else:

@@ -17,6 +17,7 @@ _WIDTH = 1024  # texels in a row of an array; any number does
 _FORMAT = "RGBA32F"
 _MOST_SIZES = 4  # of viewports whose layers are kept
 
+
 # ---------------------------------------------------------------- arrays as textures
 def _shape(count: int) -> tuple[int, int]:
     width = min(max(count, 1), _WIDTH)

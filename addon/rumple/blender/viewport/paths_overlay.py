@@ -10,11 +10,12 @@ from typing import Any, Iterator
 
 import bpy
 import numpy as np
-from bpy.app.handlers import persistent
 from mathutils import Matrix
 
+from ...core.wrinkle_paths import WrinklePaths
 from .. import compat, scheduler
 from ..objects import mesh_reader, modifier, runtimes
+from .draw_handler import DrawHandler
 
 # By label: being compressed, at rest, being stretched.
 COLOURS = np.array(((0.10, 0.30, 1.0), (0.10, 0.65, 0.20), (1.0, 0.12, 0.10)), np.float32)
@@ -23,20 +24,20 @@ FACE_ALPHA, ELLIPSE_ALPHA = 0.5, 0.9
 CORNERS = 16  # of an ellipse
 NEARER = 0.02  # share of the way to the viewer that it is drawn nearer, so that folds do not hide it
 
-_handle: Any = None
 _drawn: dict[int, tuple[runtimes.Inputs, Any]] = {}  # by session key: what the batch was made from, the batch
 _complaint = ""
 
 
 def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
     """Objects whose overlay is on and has a solved frame to show."""
-    for obj, ours in modifier.wrinkled_objects():
+    for obj, nodes_mod in modifier.wrinkled_objects():
         if obj.rumple.method != "PATHS" or not obj.rumple.paths.show_overlay:
             continue
-        entry = runtimes.known(obj)
-        if (entry is not None and entry.inputs is not None and entry.evaluator is not None and ours.show_viewport
-                and not modifier.is_baked(ours) and obj.mode not in mesh_reader.BUSY_MODES):
-            yield obj, entry
+        runtime = runtimes.known(obj)
+        if (runtime is not None and runtime.inputs is not None and runtime.evaluator is not None
+            and nodes_mod.show_viewport
+                and not modifier.is_baked(nodes_mod) and obj.mode not in mesh_reader.BUSY_MODES):
+            yield obj, runtime
 
 
 def faces(corners: np.ndarray, labels: np.ndarray, ellipses: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -73,12 +74,12 @@ def _draw_guarded() -> None:
     if not scheduler.LOCK.acquire(blocking=False):
         return
     try:
-        shown = {compat.session_key(obj): (obj, entry) for obj, entry in shown_objects()}
+        shown = {compat.session_key(obj): (obj, runtime) for obj, runtime in shown_objects()}
         for key in _drawn.keys() - shown.keys():
             del _drawn[key]
-        for key, (obj, entry) in shown.items():
+        for key, (obj, runtime) in shown.items():
             if obj.visible_get(viewport=space):
-                _draw(obj, _batch(key, entry))
+                _draw(obj, _batch(key, runtime))
         _complaint = ""
     except Exception as error:
         text = f"Rumple: the overlay of the paths cannot be drawn: {error!r}"
@@ -89,18 +90,20 @@ def _draw_guarded() -> None:
         scheduler.LOCK.release()
 
 
-def _batch(key: int, entry: runtimes.Runtime) -> Any:
+def _batch(key: int, runtime: runtimes.Runtime) -> Any:
     """Of the frame that was solved last; made anew when that is another."""
-    inputs = entry.inputs
-    held = _drawn.get(key)
-    if held is None or held[0] is not inputs:
+    inputs = runtime.inputs
+    drawn = _drawn.get(key)
+    if drawn is None or drawn[0] is not inputs:
         import gpu  # not at the top: it needs a window in 3.4
         from gpu_extras.batch import batch_for_shader
-        points, colours, triangles = faces(*entry.evaluator.labels_and_ellipses(inputs.frame, inputs.positions))
+        fine = runtime.evaluator
+        assert isinstance(fine, WrinklePaths)
+        points, colours, triangles = faces(*fine.labels_and_ellipses(inputs.frame, inputs.positions))
         shader = gpu.shader.from_builtin(compat.SMOOTH_COLOR_SHADER)
-        held = _drawn[key] = inputs, batch_for_shader(shader, "TRIS", dict(pos=points, color=colours),
-                                                      indices=triangles)
-    return held[1]
+        drawn = _drawn[key] = inputs, batch_for_shader(shader, "TRIS", dict(pos=points, color=colours),
+                                                       indices=triangles)
+    return drawn[1]
 
 
 def _draw(obj: bpy.types.Object, batch: Any) -> None:
@@ -123,22 +126,5 @@ def _draw(obj: bpy.types.Object, batch: Any) -> None:
 
 
 # ---------------------------------------------------------------- registration
-@persistent
-def _on_load(*_arguments: object) -> None:
-    _drawn.clear()
-
-
-def register() -> None:
-    global _handle
-    if not bpy.app.background:
-        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw_guarded, (), "WINDOW", "POST_VIEW")
-        bpy.app.handlers.load_pre.append(_on_load)
-
-
-def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-        bpy.app.handlers.load_pre.remove(_on_load)
-        _handle = None
-    _drawn.clear()
+handler = DrawHandler(_draw_guarded, _drawn.clear)
+register, unregister = handler.add, handler.remove

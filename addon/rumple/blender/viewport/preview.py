@@ -4,7 +4,8 @@
 All of it happens in a viewport draw handler: in the main thread, with a drawing context. What a system draws is in
 preview_field.py and preview_paths.py. Off in background mode and while a render runs.
 
-The waves of a Wrinkle Field are drawn over Blender's own triangles, and the handlers that solve know nothing of it.
+The waves of a Wrinkle Field are drawn over Blender's own triangles, from the last solved state; the solver does not
+depend on it.
 The folds of Wrinkle Paths change the shape: while all viewports draw them (uses_proxy()), the handlers leave out the
 fine mesh, and Blender has a coarse mesh just under the drawn surface, for depth, outlines and clicks.
 """
@@ -17,12 +18,12 @@ from typing import Any, Callable, Iterator, Protocol
 import bpy
 import gpu
 import numpy as np
-from bpy.app.handlers import persistent
 from mathutils import Matrix
 
 from .. import compat, scheduler
 from ..objects import messages, modifier, runtimes
 from . import gpu_arrays, preview_field, preview_paths, studio_light
+from .draw_handler import DrawHandler
 
 # How much nearer than Blender's own triangles ours lie: a share of the distance, or of the object's size. Enough for
 # the differences of depth that its anti-aliasing makes, less than the thickness of a lined coat at arm's length.
@@ -37,7 +38,7 @@ class Drawing(Protocol):
     def __init__(self, model: Any) -> None:
         """model: of the system."""
 
-    def update(self, obj: bpy.types.Object, entry: runtimes.Runtime, before: runtimes.Inputs | None,
+    def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
         """Bring the GPU to entry.inputs, which are new; `before` is what it holds. False where nothing is to be drawn.
 
@@ -74,7 +75,6 @@ class _OnGpu:
 
 
 _on_gpu: dict[int, _OnGpu] = {}  # by session key
-_handle: Any = None
 _pauses = 0
 
 
@@ -85,34 +85,35 @@ def _clear() -> None:
 
 
 # ---------------------------------------------------------------- what is shown
-def _is_wanted(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+def _is_wanted(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether the preview of an object is on and its mode and modifier let it be seen."""
     group = getattr(obj.rumple, {"FIELD": "field", "PATHS": "paths"}.get(obj.rumple.method, ""), None)
     return (group is not None and group.gpu_preview and getattr(group, "output", "SHADING") == "SHADING"
-            and ours.show_viewport and not modifier.is_baked(ours) and obj.mode == "OBJECT")
+            and nodes_mod.show_viewport and not modifier.is_baked(nodes_mod) and obj.mode == "OBJECT")
 
 
 def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
     """Objects whose preview is on and has a solved frame to show."""
-    for obj, ours in modifier.wrinkled_objects():
-        entry = runtimes.known(obj)
-        if entry is not None and entry.inputs is not None and entry.evaluator is not None and _is_wanted(obj, ours):
-            yield obj, entry
+    for obj, nodes_mod in modifier.wrinkled_objects():
+        runtime = runtimes.known(obj)
+        if (runtime is not None and runtime.inputs is not None and runtime.evaluator is not None
+                and _is_wanted(obj, nodes_mod)):
+            yield obj, runtime
 
 
 def _draws_in(space: bpy.types.SpaceView3D) -> bool:
     return space.shading.type == "SOLID" and not space.shading.show_xray
 
 
-def uses_proxy(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether viewports draw the folds of an object themselves, all that are open, so that none needs its fine mesh.
 
     Never in background mode; in the main thread.
     """
-    if _handle is None or _pauses or obj.rumple.method != "PATHS" or not _is_wanted(obj, ours):
+    if not handler.added or _pauses or obj.rumple.method != "PATHS" or not _is_wanted(obj, nodes_mod):
         return False
-    held = _on_gpu.get(compat.session_key(obj))
-    if held is not None and held.refused:
+    on_gpu = _on_gpu.get(compat.session_key(obj))
+    if on_gpu is not None and on_gpu.refused:
         return False
     views = [area.spaces.active for window in bpy.context.window_manager.windows for area in window.screen.areas
              if area.type == "VIEW_3D"]
@@ -140,13 +141,13 @@ def _draw() -> None:
         return  # somebody solves: the next redraw shows it
     try:
         _ask_for_meshes()
-        shown = {compat.session_key(obj): (obj, entry) for obj, entry in shown_objects()}
+        shown = {compat.session_key(obj): (obj, runtime) for obj, runtime in shown_objects()}
         for key in _on_gpu.keys() - shown.keys():
             del _on_gpu[key]
         if _draws_in(space):
-            for key, (obj, entry) in shown.items():
+            for key, (obj, runtime) in shown.items():
                 if obj.visible_get(viewport=space):
-                    _draw_guarded(obj, entry, key, space.shading)
+                    _draw_guarded(obj, runtime, key, space.shading)
     except Exception as error:
         print(f"Rumple: the GPU preview failed: {error}")
     finally:
@@ -155,29 +156,29 @@ def _draw() -> None:
 
 def _ask_for_meshes() -> None:
     """Another shading of a viewport updates nothing: let objects be evaluated that should have another mesh now."""
-    for obj, ours in modifier.wrinkled_objects():
-        entry = runtimes.known(obj)
-        if entry is None or entry.inputs is None or obj.rumple.method != "PATHS":
+    for obj, nodes_mod in modifier.wrinkled_objects():
+        runtime = runtimes.known(obj)
+        if runtime is None or runtime.inputs is None or obj.rumple.method != "PATHS":
             continue
-        over = uses_proxy(obj, ours)
-        if over != entry.asked_for_proxy:  # once: what cannot be evaluated now is not asked for again
-            entry.asked_for_proxy = over
-            if over != entry.inputs.uses_proxy:
+        over = uses_proxy(obj, nodes_mod)
+        if over != runtime.asked_for_proxy:  # once: what cannot be evaluated now is not asked for again
+            runtime.asked_for_proxy = over
+            if over != runtime.inputs.uses_proxy:
                 scheduler.tag_soon({obj.name})
 
 
-def _draw_guarded(obj: bpy.types.Object, entry: runtimes.Runtime, key: int, shading: bpy.types.View3DShading) -> None:
-    held = _on_gpu.get(key)
-    if held is None or held.model is not entry.evaluator.model:
-        held = _on_gpu[key] = _OnGpu(entry.evaluator.model)
-    if held.refused:
+def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, shading: bpy.types.View3DShading) -> None:
+    on_gpu = _on_gpu.get(key)
+    if on_gpu is None or on_gpu.model is not runtime.evaluator.model:
+        on_gpu = _on_gpu[key] = _OnGpu(runtime.evaluator.model)
+    if on_gpu.refused:
         return
     blend, depth_test, depth_mask = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
     try:
-        if _update(obj, entry, held):
-            _draw_object(obj, held, shading)
+        if _update(obj, runtime, on_gpu):
+            _draw_object(obj, on_gpu, shading)
     except Exception as error:  # what a driver refuses, say: once in the console, and Blender's own picture stays
-        held.refused = True
+        on_gpu.refused = True
         scheduler.tag_soon({obj.name})
         print(f"Rumple: {messages.unexpected(obj, error)}")
     finally:
@@ -187,17 +188,17 @@ def _draw_guarded(obj: bpy.types.Object, entry: runtimes.Runtime, key: int, shad
         gpu.state.face_culling_set("NONE")
 
 
-def _update(obj: bpy.types.Object, entry: runtimes.Runtime, held: _OnGpu) -> bool:
+def _update(obj: bpy.types.Object, runtime: runtimes.Runtime, on_gpu: _OnGpu) -> bool:
     """Bring the GPU from what it holds to the frame that was solved last. False where there is none."""
-    if entry.inputs is held.inputs:
+    if runtime.inputs is on_gpu.inputs:
         return True
     gpu_arrays.plain_state()
-    if held.drawing is None:
-        held.drawing = _DRAWINGS[obj.rumple.method](held.model)
-    slots = _material_slots(obj, len(entry.evaluator.base.triangle_corner))
-    if not held.drawing.update(obj, entry, held.inputs, slots):
+    if on_gpu.drawing is None:
+        on_gpu.drawing = _DRAWINGS[obj.rumple.method](on_gpu.model)
+    slots = _material_slots(obj, len(runtime.evaluator.base.triangle_corner))
+    if not on_gpu.drawing.update(obj, runtime, on_gpu.inputs, slots):
         return False
-    held.inputs = entry.inputs
+    on_gpu.inputs = runtime.inputs
     return True
 
 
@@ -211,8 +212,8 @@ def _material_slots(obj: bpy.types.Object, triangles: int) -> np.ndarray:
     return slots
 
 
-def _draw_object(obj: bpy.types.Object, held: _OnGpu, shading: bpy.types.View3DShading) -> None:
-    drawing = held.drawing
+def _draw_object(obj: bpy.types.Object, on_gpu: _OnGpu, shading: bpy.types.View3DShading) -> None:
+    drawing = on_gpu.drawing
     gpu.state.blend_set("NONE")
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.depth_mask_set(True)
@@ -255,24 +256,5 @@ def _block(obj: bpy.types.Object, view: Matrix, projection: Matrix, lights: stud
 
 
 # ---------------------------------------------------------------- registration
-@persistent
-def _on_load(*_arguments: object) -> None:
-    _clear()
-
-
-def register() -> None:
-    """Nothing in background mode: there is no viewport, and the gpu module crashes 3.4 there."""
-    global _handle
-    if bpy.app.background:
-        return
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
-    bpy.app.handlers.load_pre.append(_on_load)
-
-
-def unregister() -> None:
-    global _handle
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-        bpy.app.handlers.load_pre.remove(_on_load)
-        _handle = None
-    _clear()
+handler = DrawHandler(_draw, _clear)
+register, unregister = handler.add, handler.remove

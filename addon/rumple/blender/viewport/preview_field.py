@@ -11,6 +11,7 @@ import bpy
 import gpu
 import numpy as np
 
+from ...core.wrinkle_field import WrinkleField
 from ..objects import runtimes
 from . import glsl, gpu_arrays
 from .gpu_arrays import Pass, Target, read, upload
@@ -200,14 +201,15 @@ class Drawing:
         self._slots: np.ndarray | None = None  # material slot of every triangle
         self._batches: dict[int, gpu.types.GPUBatch] = {}
 
-    def update(self, obj: bpy.types.Object, entry: runtimes.Runtime, before: runtimes.Inputs | None,
+    def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
         """All stages but the last.
 
         Where the engine solves a frame from the one before, the GPU does so by itself; after a jump, after a change at
         the same frame and up to the clip's first frame it takes over the engine's state.
         """
-        inputs, fine = entry.inputs, entry.evaluator
+        inputs, fine = runtime.inputs, runtime.evaluator
+        assert isinstance(fine, WrinkleField)
         if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
             self.waves.set_wave_parameters(*fine.wave_parameters(inputs.settings))
         goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
@@ -221,8 +223,8 @@ class Drawing:
             self.waves.measure_activity()
         state = fine.wrinkles_of(inputs.frame) if inputs.settings.adapts else None
         positions = fine.solved_over(inputs.frame, inputs.positions)
-        self.waves.pose(*self._model.weld_pose(positions),
-                        fine.reference_stretches(state, positions) if state is not None else None)
+        welded, normals = self._model.weld_pose(positions)
+        self.waves.pose(welded, normals, fine.reference_stretches(state, positions) if state is not None else None)
         self.waves.estimate_waves()
         self.waves.relax(inputs.settings.rounds if goes_on else 0)
         self.waves.dissolve()

@@ -90,16 +90,16 @@ class Drawing:
         self._groups: dict[int, list[tuple[int, int, int]]] = {}  # by material slot: parts, first patch, patches
         self.has_uv = False
 
-    def update(self, obj: bpy.types.Object, entry: runtimes.Runtime, _before: runtimes.Inputs | None,
+    def update(self, obj: bpy.types.Object, runtime: runtimes.Runtime, _before: runtimes.Inputs | None,
                slots: np.ndarray) -> bool:
         """Upload what was solved last."""
-        if not isinstance(entry.picture, engine.Sketch):
+        if not isinstance(runtime.result, engine.PreviewFrame):
             return False
-        drawing = entry.picture.drawing
+        drawing = runtime.result.drawing
         uv = mesh_reader.render_uv(obj.data)
         self.has_uv = uv is not None
-        corners = entry.evaluator.base.triangle_corner.ravel()
-        self._profile, self._curved = PROFILES.index(entry.inputs.settings.profile), float(drawing.curved)
+        corners = runtime.evaluator.base.triangle_corner.ravel()
+        self._profile, self._curved = PROFILES.index(runtime.inputs.settings.profile), float(drawing.curved)
         self._arrays.update(
             uvs=upload(uv[corners]) if self.has_uv else gpu_arrays.blank(),
             flats=upload(np.column_stack((drawing.flat, drawing.hem))), smooths=upload(drawing.smooth),

@@ -27,7 +27,7 @@ class Lights:
 class Finish:
     """The surface of one material slot."""
 
-    color: tuple[float, float, float]  # scene linear
+    color: tuple[float, ...]  # three, scene linear
     metallic: float = 0.0
     roughness: float = math.sqrt(_DEFAULT_ROUGHNESS)
     image: bpy.types.Image | None = None

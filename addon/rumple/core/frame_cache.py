@@ -7,12 +7,15 @@ before it becomes final, then it is solved once more and stays.
 """
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 
 @dataclass
-class Entry:
+class CachedFrame:
     """One solved frame: the solver's state, what it was solved for, and whether it is final."""
 
     state: Any
@@ -22,7 +25,7 @@ class Entry:
     report: Any
 
 
-class History:
+class FrameCache:
     """Entries by frame number (subframes included), within a limit of memory.
 
     limit_bytes: when exceeded, entries farthest from the newest are dropped, provisional ones first.
@@ -30,14 +33,14 @@ class History:
 
     def __init__(self, limit_bytes: int = 512 * 2**20) -> None:
         self.limit_bytes = limit_bytes
-        self._entries: dict[float, Entry] = {}
+        self._entries: dict[float, CachedFrame] = {}
         self._bytes = 0
 
-    def get(self, frame: float) -> Entry | None:
+    def get(self, frame: float) -> CachedFrame | None:
         """The entry of a frame, or None."""
         return self._entries.get(frame)
 
-    def put(self, frame: float, entry: Entry) -> None:
+    def put(self, frame: float, cached: CachedFrame) -> None:
         """Store a frame. When it replaces another solution, whole frames after it are final no more."""
         old = self._entries.get(frame)
         if old is not None:
@@ -45,8 +48,8 @@ class History:
             for later, other in self._entries.items():
                 if later > frame:
                     other.final = False
-        self._entries[frame] = entry
-        self._bytes += entry.state.nbytes
+        self._entries[frame] = cached
+        self._bytes += cached.state.nbytes
         self._evict(frame)
 
     def clear(self) -> None:
@@ -71,3 +74,14 @@ class History:
             if self._bytes <= self.limit_bytes or frame == newest:
                 continue
             self._bytes -= self._entries.pop(frame).state.nbytes
+
+
+def digest_of(chosen: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:
+    """What tells one frame's input from another. chosen: digest of the settings."""
+    digest = hashlib.blake2b(chosen, digest_size=16)
+    digest.update(positions.data)
+    for number, values in enumerate(more):
+        if values is not None:
+            digest.update(bytes([number]))
+            digest.update(np.ascontiguousarray(values).data)
+    return digest.digest()

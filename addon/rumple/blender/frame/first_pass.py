@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender evaluates a garment twice in a frame: before it is solved, and once more because the solve wrote it.
+
+Nobody sees the first result; the handler only reads the posed coarse mesh from it. So the first pass hands on the
+coarse mesh, which costs a tenth of the fine one. What tells the node tree is the place of the hidden output object,
+which counts for nothing else: moving it copies no mesh and looks like no edit.
+
+Only between frame_change_pre and frame_change_post. At all other times, in files, and for whatever evaluates without
+these handlers, the output object is in its place and the fine mesh is shown.
+"""
+from __future__ import annotations
+
+import bpy
+
+from .. import compat, scheduler
+from ..objects import modifier, runtimes
+
+AWAY = 1.0  # x of the output object while the coarse mesh is handed on; wrinkle_tree.py compares with a half
+
+# Modifiers behind the wrinkles that keep nothing of a mesh they saw: another number of points does not disturb them.
+_KEEP_NOTHING = frozenset((
+    "ARRAY", "BEVEL", "CAST", "DECIMATE", "DISPLACE", "EDGE_SPLIT", "MASK", "MIRROR", "NODES", "SIMPLE_DEFORM",
+    "SMOOTH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WARP", "WEIGHTED_NORMAL", "WELD", "WIREFRAME"))
+# Modifiers of other objects that count on the points of their target.
+_BOUND_TO_TARGET = frozenset(("EXPLODE", "MESH_DEFORM", "PARTICLE_INSTANCE", "SURFACE_DEFORM"))
+
+_some_away = False
+
+
+def hand_on_coarse(scene: bpy.types.Scene) -> None:
+    """Before a frame: of the garments that moved in the last one. What stands still Blender does not even evaluate."""
+    global _some_away
+    if not scheduler.may_prepare_frame():
+        return
+    with scheduler.LOCK:
+        moving = [(obj, ours) for obj, ours in modifier.wrinkled_objects() if _moved(obj, ours, scene)]
+        if not moving or _nodes_keep_meshes():
+            return
+        bound = _targets()
+        for obj, ours in moving:
+            output = modifier.output_object(ours)
+            if output is not None and obj not in bound and _keeps_nothing_behind(obj, ours):
+                output.location.x = AWAY
+                _some_away = True
+
+
+def show_fine(scene: bpy.types.Scene) -> None:
+    """After the first pass, whatever happened in it."""
+    global _some_away
+    if scheduler.rendering() and not bpy.app.background:
+        return  # nothing was prepared, and the thread that renders may hold the lock
+    with scheduler.LOCK:
+        for obj, ours in modifier.wrinkled_objects():
+            entry, output = runtimes.known(obj), modifier.output_object(ours)
+            if entry is not None and entry.written_at == scene.frame_current_final:
+                entry.moved_in = compat.session_key(scene)
+            elif entry is not None and entry.moved_in == compat.session_key(scene):
+                entry.moved_in = 0
+            if _some_away and output is not None and output.location.x == AWAY:
+                output.location.x = 0.0
+        _some_away = False
+
+
+def _moved(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene: bpy.types.Scene) -> bool:
+    entry = runtimes.known(obj)
+    return (entry is not None and entry.moved_in == compat.session_key(scene) and not entry.stale
+            and not modifier.is_baked(ours) and compat.is_editable(obj))
+
+
+def _keeps_nothing_behind(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+    """Whether nothing of the object itself keeps the mesh that it was shown last."""
+    modifiers = list(obj.modifiers)
+    behind = modifiers[modifiers.index(ours) + 1:]
+    return obj.rigid_body is None and all(m.type in _KEEP_NOTHING for m in behind)
+
+
+def _targets() -> set[bpy.types.Object]:
+    """What modifiers of other objects are bound to, and what other garments follow as the first pass has it."""
+    bound = {getattr(m, "target", None) or getattr(m, "object", None)
+             for obj in bpy.data.objects for m in obj.modifiers if m.type in _BOUND_TO_TARGET}
+    wrinkled = [obj for obj, _ours in modifier.wrinkled_objects()]
+    return bound | {modifier.depends_on(obj, wrinkled) for obj in wrinkled}
+
+
+def _nodes_keep_meshes() -> bool:
+    """Whether any nodes (Blender 3.6 and later) keep what the first pass would show them."""
+    return any(node.bl_idname in ("GeometryNodeSimulationOutput", "GeometryNodeBake")
+               for group in bpy.data.node_groups if group.bl_idname == "GeometryNodeTree" for node in group.nodes)

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Functions that Blender calls when it has drawn a 3D viewport."""
+from __future__ import annotations
+
+from typing import Any, Callable
+
+import bpy
+from bpy.app.handlers import persistent
+
+
+class DrawHandler:
+    """One such function. There is none in background mode: no viewport, and the gpu module crashes 3.4 there."""
+
+    def __init__(self, draw: Callable[[], None], clear: Callable[[], None] | None = None) -> None:
+        """clear: drops what draw() keeps; called before another file is loaded, and when the handler is removed."""
+        self._draw, self._clear = draw, clear
+        self._handle: Any = None
+
+        @persistent
+        def on_load(*_arguments: object) -> None:
+            if clear is not None:
+                clear()
+        self._on_load = on_load
+
+    @property
+    def added(self) -> bool:
+        """Whether Blender calls it."""
+        return self._handle is not None
+
+    def add(self) -> None:
+        """Nothing where it is there already, or in background mode."""
+        if self._handle is None and not bpy.app.background:
+            self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_VIEW")
+            bpy.app.handlers.load_pre.append(self._on_load)
+
+    def remove(self) -> None:
+        """Nothing where it is not there."""
+        if self._handle is not None:
+            bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
+            bpy.app.handlers.load_pre.remove(self._on_load)
+            self._handle = None
+        if self._clear is not None:
+            self._clear()

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The first of Blender's two evaluations of a frame hands on the coarse mesh, and nobody ever sees it."""
+import contextlib
+import unittest
+from unittest import mock
+
+import bpy
+import numpy as np
+from rumple.blender import compat
+from rumple.blender.frame import first_pass, solve
+from rumple.blender.objects import modifier, runtimes
+from rumple.core import engine
+from support import sleeve
+
+
+@contextlib.contextmanager
+def first_passes(obj):
+    """Numbers of points that an object has when the first pass of each frame is over."""
+    counts = []
+
+    def look(_scene, depsgraph):
+        counts.append(len(obj.evaluated_get(depsgraph).data.vertices))
+
+    bpy.app.handlers.frame_change_post.insert(0, look)  # before ours, which writes
+    try:
+        yield counts
+    finally:
+        bpy.app.handlers.frame_change_post.remove(look)
+
+
+def coarse_count(obj):
+    return len(obj.data.vertices)
+
+
+def place(obj):
+    return modifier.output_object(modifier.find(obj)).location.x
+
+
+class FirstPass(unittest.TestCase):
+
+    def played(self, obj, first=4, last=8):
+        sleeve.play(1, first - 1)
+        with first_passes(obj) as counts:
+            sleeve.play(first, last)
+        return set(counts)
+
+    def test_a_garment_that_moves_costs_one_fine_mesh_a_frame(self):
+        obj = sleeve.scene()
+        self.assertEqual(self.played(obj), {coarse_count(obj)})
+        self.assertGreater(len(sleeve.shown(obj)), coarse_count(obj))
+        self.assertEqual(place(obj), 0.0)
+
+    def test_what_is_shown_is_what_two_fine_passes_showed(self):
+        """Also where a modifier behind the wrinkles makes more points of the mesh."""
+        shown = []
+        for prepare in (first_pass.hand_on_coarse, lambda scene: None):
+            with mock.patch.object(first_pass, "hand_on_coarse", prepare):
+                obj = sleeve.scene()
+                obj.modifiers.new("Lining", "SOLIDIFY")
+                sleeve.play()
+                frames = []
+                for frame in (6, 7, 8, 15):
+                    sleeve.at(frame)
+                    frames.append(sleeve.shown(obj))
+                shown.append(np.array(frames))
+        np.testing.assert_array_equal(*shown)
+
+    def test_a_garment_that_stands_still_is_left_alone(self):
+        """Blender does not evaluate it at all: to switch it would cost what it saves elsewhere."""
+        obj = sleeve.scene()
+        bpy.data.objects["Arm"].animation_data_clear()
+        self.assertNotIn(coarse_count(obj), self.played(obj))
+        self.assertEqual(runtimes.of(obj).moved_in, 0)
+
+    def test_it_is_shown_whole_again_when_the_solve_fails(self):
+        obj = sleeve.scene()
+        sleeve.play(1, 4)
+        with mock.patch.object(solve, "_process", side_effect=engine.Refused("on purpose")):
+            sleeve.at(5)
+        self.assertEqual(runtimes.message(obj), "on purpose")
+        self.assertEqual(place(obj), 0.0)
+        self.assertGreater(len(sleeve.shown(obj)), coarse_count(obj))
+
+    def test_modifiers_behind_that_keep_a_mesh_see_the_fine_one_only(self):
+        obj = sleeve.scene()
+        obj.modifiers.new("Collision", "COLLISION")
+        self.assertNotIn(coarse_count(obj), self.played(obj))
+
+    def test_what_is_bound_to_a_garment_sees_the_fine_one_only(self):
+        obj = sleeve.scene()
+        patch = bpy.data.objects.new("Patch", bpy.data.meshes.new("Patch"))
+        bpy.context.scene.collection.objects.link(patch)
+        patch.modifiers.new("Bound", "SURFACE_DEFORM").target = obj
+        self.assertNotIn(coarse_count(obj), self.played(obj))
+
+    def test_simulation_zones_see_the_fine_one_only(self):
+        obj = sleeve.scene()
+        group = bpy.data.node_groups.new("Hair", "GeometryNodeTree")
+        try:
+            group.nodes.new("GeometryNodeSimulationOutput")
+        except RuntimeError:
+            self.skipTest("this Blender has no simulation zones")
+        self.assertNotIn(coarse_count(obj), self.played(obj))
+
+    def test_a_garment_of_another_scene_is_left_alone(self):
+        obj = sleeve.scene()
+        sleeve.play(1, 4)
+        other = bpy.data.scenes.new("Other")
+        other.frame_set(9)
+        self.assertEqual(place(obj), 0.0)
+        self.assertEqual(runtimes.of(obj).moved_in, compat.session_key(bpy.context.scene))
+
+
+if __name__ == "__main__":
+    unittest.main()

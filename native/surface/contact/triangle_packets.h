@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The triangles of a surface in packets of four, and a hierarchy of four children a node over them: four
+// boxes, or four triangles, are looked at at a time. Internal to contact.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "base/lanes.h"
+#include "base/tolerances.h"
+#include "surface/query/closest_point.h"
+#include "surface/contact/posed_triangles.h"
+
+namespace rumple {
+
+// Which triangles lie together. Built once at rest, then immutable.
+struct PacketHierarchy {
+    static constexpr Index kEmpty = std::numeric_limits<Index>::min();
+    struct Node {
+        std::array<Index, kLanes> child;  // a node; -1 - packet; or kEmpty
+    };
+    using Triangles = std::array<Index, kLanes>;  // of a packet, kNone where it is not full
+    std::vector<Node> nodes;                      // parents before children; none without triangles
+    std::vector<Triangles> packets;
+    std::vector<Index> packet_of;  // per triangle
+};
+
+// Triangles by their centres (finite, object units). Cost: O(n log^2 n).
+PacketHierarchy build_packets(std::span<const Vec3> centres);
+
+// In the pose of one frame.
+class PosedPackets {
+  public:
+    struct Packet {
+        Vec3Lanes a, b, c, normal;  // corners; unit normal, or zero. A lane that is empty is infinitely far
+    };
+
+    // normals: of the triangles, unit or zero. Cost: about 20 ns a triangle.
+    PosedPackets(const PacketHierarchy& hierarchy, std::span<const Vec3> positions,
+                 std::span<const std::array<Index, 3>> triangles, std::span<const Vec3> normals);
+
+    // Whether no triangle of a node's children has a normal whose dot product with a direction is at most
+    // that.
+    struct NoneFaces {
+        Vec3 direction;
+        float most;
+    };
+
+    // Looks at the packet of a triangle. look_at(packet, its triangles).
+    template <typename LookAt>
+    void look_around(Index triangle, LookAt&& look_at) const {
+        const Index packet = hierarchy_.packet_of[triangle];
+        look_at(packets_[packet], hierarchy_.packets[packet]);
+    }
+
+    // Looks at packets nearer than a squared distance, near ones first. best: of what was found so far;
+    // look_at makes it smaller. none_faces: nodes to leave out, or none. look_at(packet, its triangles).
+    template <typename LookAt>
+    void search(const Vec3& p, const float& best, const NoneFaces* none_faces, LookAt&& look_at) const;
+
+  private:
+    struct Boxes {
+        Vec3Lanes low, high;
+
+        void set(int lane, const Box& box) {
+            low.set(lane, box.low);
+            high.set(lane, box.high);
+        }
+        Lanes squared_distance(const Vec3Lanes& p) const;
+        Lanes least_along(const Vec3Lanes& direction) const;
+    };
+    struct Node {
+        Boxes places, normals;  // of the children; an empty one is infinitely far
+    };
+
+    const PacketHierarchy& hierarchy_;
+    std::vector<Packet> packets_;
+    std::vector<Node> nodes_;
+};
+
+// The way to the closest points of four triangles.
+struct ClosestOfFour {
+    ClosestPoint<Lanes> at;
+    Vec3Lanes way;  // from the point to them
+    Lanes squared;  // its length
+};
+inline ClosestOfFour closest_of(const PosedPackets::Packet& t, const Vec3Lanes& p) {
+    const Vec3Lanes ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a, bp = p - t.b, cp = p - t.c;
+    ClosestOfFour out;
+    out.at = closest_point(dot(ab, ap), dot(ac, ap), dot(ab, bp), dot(ac, bp), dot(ab, cp), dot(ac, cp));
+    out.way = out.at.v * ab + out.at.w * ac - ap;
+    out.squared = dot(out.way, out.way);
+    return out;
+}
+
+inline Lanes PosedPackets::Boxes::squared_distance(const Vec3Lanes& p) const {
+    const auto outside = [](const Lanes& lowest, const Lanes& highest, const Lanes& x) {
+        return most(most(lowest - x, x - highest), Lanes{});
+    };
+    const Vec3Lanes way{outside(low.x, high.x, p.x), outside(low.y, high.y, p.y),
+                        outside(low.z, high.z, p.z)};
+    return dot(way, way);
+}
+
+inline Lanes PosedPackets::Boxes::least_along(const Vec3Lanes& direction) const {
+    return least(direction.x * low.x, direction.x * high.x) +
+           least(direction.y * low.y, direction.y * high.y) +
+           least(direction.z * low.z, direction.z * high.z);
+}
+
+template <typename LookAt>
+void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* none_faces,
+                          LookAt&& look_at) const {
+    struct Waiting {
+        float squared;
+        Index child;
+    };
+    Waiting stack[64];  // at most three siblings a level wait, and the depth is log4 of the packets
+    int top = 0;
+    if (!nodes_.empty()) stack[top++] = {0.0f, 0};
+    const Vec3Lanes at(p), direction(none_faces ? none_faces->direction : Vec3(0.0f));
+    while (top > 0) {
+        const auto [squared, child] = stack[--top];
+        // Both distances are rounded, and a tie must reach the lowest triangle.
+        const float far = (1.0f + kPacketTieSlack) * best;
+        if (squared > far) continue;
+        if (child < 0) {
+            look_at(packets_[-1 - child], hierarchy_.packets[-1 - child]);
+            continue;
+        }
+        const Node& node = nodes_[child];
+        const Lanes distance = node.places.squared_distance(at);
+        LaneMask open = distance <= all_lanes(far);
+        if (none_faces) open &= node.normals.least_along(direction) <= all_lanes(none_faces->most);
+        const int begin = top;
+        for (int k = 0; k < kLanes; ++k) {  // the nearest goes on the stack last
+            if (!open[k]) continue;
+            int place = top++;
+            for (; place > begin && stack[place - 1].squared < distance[k]; --place)
+                stack[place] = stack[place - 1];
+            stack[place] = {distance[k], hierarchy_.nodes[child].child[k]};
+        }
+    }
+}
+
+}  // namespace rumple
