@@ -161,8 +161,8 @@ class Wrinkles:
         frame_input = FrameInput(frame, frame / frame_rate, matrix, positions, labels, *coming, body,
                                  surroundings=surroundings if swings else Surroundings())
         digest = digest_of(chosen, positions, matrix, labels, frame_input.next_positions,
-                         *(body.arrays() if body else ()),
-                         *([surroundings.array()] if swings else ()))
+                           *(body.arrays() if body else ()),
+                           *([surroundings.array()] if swings else ()))
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
         cached = self.frame_cache.get(frame)
