@@ -21,7 +21,6 @@ from rumple import native
 from rumple.native import c
 from rumple.native.library import lib
 from rumple.native.struct import CHECKED
-from rumple.native.surface import pose
 
 ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = {  # those of Python: the header of C++ and its struct
@@ -158,12 +157,12 @@ class Arrays(OnATube):
 
     def test_nothing_that_is_right_is_copied(self) -> None:
         seen = []
-        real = lib.rumple_wrinkle_mesh_solve
+        real = lib.rumple_wrinkle_mesh_pose_build
         try:
-            lib.__dict__["rumple_wrinkle_mesh_solve"] = lambda *a: (seen.append(a[3].positions), real(*a))
+            lib.__dict__["rumple_wrinkle_mesh_pose_build"] = lambda *a: (seen.append(a[1].positions), real(*a))
             self.solve()
         finally:
-            lib.__dict__["rumple_wrinkle_mesh_solve"] = real
+            lib.__dict__["rumple_wrinkle_mesh_pose_build"] = real
         self.assertEqual(seen, [self.squeezed.ctypes.data])
 
     def test_a_result_is_a_view_that_cannot_be_written_and_keeps_what_it_is_of(self) -> None:
@@ -260,7 +259,8 @@ class Handles(OnATube):
             with self.assertRaisesRegex(ValueError, "pose: expected a pointer, got NULL"):
                 getattr(lib, f"rumple_{name}_solve")(model, settings, None, None, None, None, state)
             with self.assertRaisesRegex(ValueError, "settings: expected a pointer, got NULL"):
-                getattr(lib, f"rumple_{name}_solve")(model, None, None, pose(self.squeezed), None, None, state)
+                made = getattr(kernels, type(settings).__name__.replace("Settings", "Pose")).of(model, self.squeezed)
+                getattr(lib, f"rumple_{name}_solve")(model, None, None, made, None, None, state)
 
     def test_what_was_refused_frees_nothing(self) -> None:
         for _ in range(3):

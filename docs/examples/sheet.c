@@ -100,13 +100,16 @@ int main(int argc, char** argv) {
     rumple_wrinkle_mesh_state* state = NULL;
     rumple_wrinkle_mesh_report report = {0};
     float positions[VERTICES][3];
-    rumple_pose pose = rumple_pose_default();
-    pose.positions = positions[0];
-    pose.positions_count = VERTICES;
+    rumple_wrinkle_mesh_pose* pose = NULL;
+    rumple_pose at = rumple_pose_default();
+    at.positions = positions[0];
+    at.positions_count = VERTICES;
     for (int frame = 1; frame <= FRAMES; ++frame) {
         squeeze(frame, positions);
         rumple_wrinkle_mesh_state* next = NULL;
-        check(rumple_wrinkle_mesh_solve(model, &settings, NULL, &pose, state, &report, &next));
+        rumple_wrinkle_mesh_pose_free(pose);
+        check(rumple_wrinkle_mesh_pose_build(model, &at, &pose));
+        check(rumple_wrinkle_mesh_solve(model, &settings, NULL, pose, state, &report, &next));
         rumple_wrinkle_mesh_state_free(state);
         state = next;
     }
@@ -114,10 +117,11 @@ int main(int argc, char** argv) {
            (double)report.error_after);
 
     rumple_frame* frame = NULL;
-    check(rumple_wrinkle_mesh_show(model, &settings, &pose, state, &frame));
+    check(rumple_wrinkle_mesh_show(model, &settings, pose, state, &frame));
     write_obj(argv[1], model, frame);
 
     rumple_frame_free(frame);
+    rumple_wrinkle_mesh_pose_free(pose);
     rumple_wrinkle_mesh_state_free(state);
     rumple_wrinkle_mesh_free(model);
     return EXIT_SUCCESS;

@@ -69,6 +69,14 @@ FrameTime frame_time_of(const rumple_pose* pose) {
     return frame_time;
 }
 
+FrameArrays::FrameArrays(const rumple_pose* frame)
+    : positions(copied(positions_of(frame))),
+      next_positions(copied(frame_time_of(frame).next_positions)),
+      labels(copied(frame_time_of(frame).labels)),
+      world_from_object(matrix_of(frame->world_from_object)),
+      time(frame->time),
+      next_time(frame->next_time) {}
+
 glm::mat3 matrix_of(const float (&rows)[9]) {
     glm::mat3 matrix;
     for (int r = 0; r < 3; ++r) {

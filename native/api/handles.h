@@ -62,9 +62,20 @@ rumple_fine_plan fine_plan(const FineSource& source);
 // Bodies of a frame, posed; none for none. The collider and the positions must outlive them.
 std::optional<PosedCollider> posed(const rumple_bodies* bodies);
 
-// Positions of a pose, and when it is.
+// Positions of a frame, and when it is.
 std::span<const Vec3> positions_of(const rumple_pose* pose);
 FrameTime frame_time_of(const rumple_pose* pose);
+
+// Copies of the arrays of a frame: a pose outlives the call that made it.
+struct FrameArrays {
+    explicit FrameArrays(const rumple_pose* frame);
+    FrameTime frame_time() const { return {time, labels, next_positions, next_time}; }
+
+    std::vector<Vec3> positions, next_positions;
+    std::vector<std::uint8_t> labels;
+    glm::mat3 world_from_object;
+    double time, next_time;
+};
 glm::mat3 matrix_of(const float (&rows)[9]);
 
 // A painted factor of the base's vertices, or none.

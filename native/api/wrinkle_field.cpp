@@ -204,19 +204,35 @@ rumple_status rumple_wrinkle_field_state_activated(const rumple_wrinkle_field_st
     });
 }
 
+rumple_status rumple_wrinkle_field_pose_build(const rumple_wrinkle_field* model, const rumple_pose* frame,
+                                              rumple_wrinkle_field_pose** pose) {
+    return made(pose, "pose", [&] {
+        const rumple_wrinkle_field& m = given(model, "model");
+        FrameArrays arrays(frame);
+        Pose at = make_pose(*m.model, arrays.positions);
+        return new rumple_wrinkle_field_pose{m.model, std::move(arrays), std::move(at)};
+    });
+}
+
+void rumple_wrinkle_field_pose_free(rumple_wrinkle_field_pose* pose) {
+    delete pose;
+}
+
 rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
                                          const rumple_wrinkle_field_settings* settings,
-                                         const rumple_wrinkle_field_paint* paint, const rumple_pose* pose,
+                                         const rumple_wrinkle_field_paint* paint,
+                                         const rumple_wrinkle_field_pose* pose,
                                          const rumple_wrinkle_field_state* before,
                                          rumple_wrinkle_field_report* report,
                                          rumple_wrinkle_field_state** state) {
     return made(state, "state", [&] {
         const rumple_wrinkle_field& m = given(model, "model");
         const auto* from = of_model(before, m, "state");
+        const auto& at = given_of_model(pose, m, "pose");
         Report how;
         auto* out = new rumple_wrinkle_field_state{
-            m.model, solve(*m.model, field_settings(settings), paint_in(m, paint), positions_of(pose),
-                           from ? &from->state : nullptr, how, frame_time_of(pose))};
+            m.model, solve(*m.model, field_settings(settings), paint_in(m, paint), at.pose,
+                           from ? &from->state : nullptr, how, at.arrays.frame_time())};
         if (report) {
             *report = {how.rounds,         how.misfit_before, how.misfit_after,
                        how.largest_change, how.wrinkled,      how.collapsed};
@@ -228,15 +244,17 @@ rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
 rumple_status rumple_wrinkle_field_show(const rumple_wrinkle_field* model,
                                         const rumple_wrinkle_field_settings* settings,
                                         const rumple_wrinkle_field_profile* profile,
-                                        const rumple_wrinkle_field_paint* paint, const rumple_pose* pose,
-                                        const float* gap, size_t gap_count,
-                                        const rumple_wrinkle_field_state* state, rumple_frame** frame) {
+                                        const rumple_wrinkle_field_paint* paint,
+                                        const rumple_wrinkle_field_pose* pose, const float* gap,
+                                        size_t gap_count, const rumple_wrinkle_field_state* state,
+                                        rumple_frame** frame) {
     return made(frame, "frame", [&] {
         const rumple_wrinkle_field& m = given(model, "model");
-        return new_frame(
-            m.model,
-            show(*m.model, field_settings(settings), profile_in(profile), paint_in(m, paint),
-                 positions_of(pose), given_of_model(state, m, "state").state, values(gap, gap_count, "gap")));
+        const auto& at = given_of_model(pose, m, "pose");
+        return new_frame(m.model,
+                         show(*m.model, field_settings(settings), profile_in(profile), paint_in(m, paint),
+                              at.arrays.positions, at.pose, given_of_model(state, m, "state").state,
+                              values(gap, gap_count, "gap")));
     });
 }
 

@@ -15,6 +15,11 @@ struct rumple_wrinkle_field {
     std::vector<rumple::Index> triangles;
     std::vector<rumple::Vec2> first_directions;
 };
+struct rumple_wrinkle_field_pose {
+    std::shared_ptr<const rumple::wrinkle_field::Model> model;
+    rumple::api::FrameArrays arrays;
+    rumple::wrinkle_field::Pose pose;
+};
 struct rumple_wrinkle_field_paint {
     std::shared_ptr<const rumple::wrinkle_field::Model> model;
     rumple::wrinkle_field::Paint paint;

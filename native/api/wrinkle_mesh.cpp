@@ -2,6 +2,7 @@
 #include "api/wrinkle_mesh.h"
 
 #include "base/expect.h"
+#include "systems/wrinkle_mesh/pose.h"
 
 using namespace rumple;
 using namespace rumple::api;
@@ -14,6 +15,11 @@ struct rumple_wrinkle_mesh {
 struct rumple_wrinkle_mesh_paint {
     std::shared_ptr<const Model> model;
     Paint paint;
+};
+struct rumple_wrinkle_mesh_pose {
+    std::shared_ptr<const Model> model;
+    FrameArrays arrays;
+    Pose pose;
 };
 struct rumple_wrinkle_mesh_state {
     std::shared_ptr<const Model> model;
@@ -100,9 +106,8 @@ Source source_of(const rumple_wrinkle_mesh_plan& plan) {
     return source;
 }
 
-Input input_of(const rumple_pose* pose) {
-    const auto positions = positions_of(pose);
-    return {positions, matrix_of(pose->world_from_object), frame_time_of(pose)};
+Input input_of(const FrameArrays& arrays) {
+    return {arrays.positions, arrays.world_from_object, arrays.frame_time()};
 }
 
 Paint paint_in(const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_paint* paint) {
@@ -114,17 +119,18 @@ Paint paint_in(const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_paint
 template <typename Solve>
 rumple_status solved(const Solve& solve, const rumple_wrinkle_mesh* model,
                      const rumple_wrinkle_mesh_settings* settings, const rumple_wrinkle_mesh_paint* paint,
-                     const rumple_pose* pose, const rumple_wrinkle_mesh_state* before,
+                     const rumple_wrinkle_mesh_pose* pose, const rumple_wrinkle_mesh_state* before,
                      rumple_wrinkle_mesh_report* report, rumple_wrinkle_mesh_state** state) {
     return made(state, "state", [&] {
         const rumple_wrinkle_mesh& m = given(model, "model");
         const auto* from = of_model(before, m, "state");
         const auto* touched = of_model(paint, m, "paint");
+        const auto& at = given_of_model(pose, m, "pose");
         static const Paint nothing;
         Report how;
         auto* out = new rumple_wrinkle_mesh_state{
             m.model, solve(*m.model, mesh_settings(settings), touched ? touched->paint : nothing,
-                           input_of(pose), from ? &from->state : nullptr, how)};
+                           input_of(at.arrays), at.pose, from ? &from->state : nullptr, how)};
         if (report) *report = report_of(how);
         return out;
     });
@@ -197,6 +203,20 @@ rumple_status rumple_wrinkle_mesh_state_get_view(const rumple_wrinkle_mesh_state
     return guarded([&] { given(view, "view") = view_of(given(state, "state").state); });
 }
 
+rumple_status rumple_wrinkle_mesh_pose_build(const rumple_wrinkle_mesh* model, const rumple_pose* frame,
+                                             rumple_wrinkle_mesh_pose** pose) {
+    return made(pose, "pose", [&] {
+        const rumple_wrinkle_mesh& m = given(model, "model");
+        FrameArrays arrays(frame);
+        Pose at = make_pose(*m.model, input_of(arrays));
+        return new rumple_wrinkle_mesh_pose{m.model, std::move(arrays), std::move(at)};
+    });
+}
+
+void rumple_wrinkle_mesh_pose_free(rumple_wrinkle_mesh_pose* pose) {
+    delete pose;
+}
+
 rumple_status rumple_wrinkle_mesh_state_build(const rumple_wrinkle_mesh* model,
                                               const rumple_wrinkle_mesh_state_view* arrays,
                                               rumple_wrinkle_mesh_state** state) {
@@ -225,35 +245,42 @@ rumple_status rumple_wrinkle_mesh_state_activated(const rumple_wrinkle_mesh_stat
 
 rumple_status rumple_wrinkle_mesh_solve(const rumple_wrinkle_mesh* model,
                                         const rumple_wrinkle_mesh_settings* settings,
-                                        const rumple_wrinkle_mesh_paint* paint, const rumple_pose* pose,
+                                        const rumple_wrinkle_mesh_paint* paint,
+                                        const rumple_wrinkle_mesh_pose* pose,
                                         const rumple_wrinkle_mesh_state* before,
                                         rumple_wrinkle_mesh_report* report,
                                         rumple_wrinkle_mesh_state** state) {
-    return solved(solve, model, settings, paint, pose, before, report, state);
+    return solved(solve_pose, model, settings, paint, pose, before, report, state);
 }
 
-rumple_status rumple_wrinkle_mesh_solve_in_order(
-    const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_settings* settings,
-    const rumple_wrinkle_mesh_paint* paint, const rumple_pose* pose, const rumple_wrinkle_mesh_state* before,
-    rumple_wrinkle_mesh_report* report, rumple_wrinkle_mesh_state** state) {
-    return solved(solve_reference, model, settings, paint, pose, before, report, state);
+rumple_status rumple_wrinkle_mesh_solve_in_order(const rumple_wrinkle_mesh* model,
+                                                 const rumple_wrinkle_mesh_settings* settings,
+                                                 const rumple_wrinkle_mesh_paint* paint,
+                                                 const rumple_wrinkle_mesh_pose* pose,
+                                                 const rumple_wrinkle_mesh_state* before,
+                                                 rumple_wrinkle_mesh_report* report,
+                                                 rumple_wrinkle_mesh_state** state) {
+    return solved(solve_pose_reference, model, settings, paint, pose, before, report, state);
 }
 
 rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,
-                                       const rumple_wrinkle_mesh_settings* settings, const rumple_pose* pose,
+                                       const rumple_wrinkle_mesh_settings* settings,
+                                       const rumple_wrinkle_mesh_pose* pose,
                                        const rumple_wrinkle_mesh_state* state, rumple_frame** frame) {
     return made(frame, "frame", [&] {
         const rumple_wrinkle_mesh& m = given(model, "model");
+        const auto& at = given_of_model(pose, m, "pose");
         Picture picture;
-        show(*m.model, mesh_settings(settings), input_of(pose), given_of_model(state, m, "state").state,
-             picture);
+        show_pose(*m.model, mesh_settings(settings), input_of(at.arrays), at.pose,
+                  given_of_model(state, m, "state").state, picture);
         return new_frame(m.model, std::move(picture));
     });
 }
 
 rumple_status rumple_wrinkle_mesh_measure(const rumple_wrinkle_mesh* model,
                                           const rumple_wrinkle_mesh_settings* settings,
-                                          const rumple_wrinkle_mesh_paint* paint, const rumple_pose* pose,
+                                          const rumple_wrinkle_mesh_paint* paint,
+                                          const rumple_wrinkle_mesh_pose* pose,
                                           const rumple_wrinkle_mesh_state* state,
                                           rumple_wrinkle_mesh_measures* measures, float* offsets,
                                           size_t offsets_count) {
@@ -261,8 +288,10 @@ rumple_status rumple_wrinkle_mesh_measure(const rumple_wrinkle_mesh* model,
         const rumple_wrinkle_mesh& m = given(model, "model");
         const auto out =
             output<Vec3>(offsets, offsets_count, size_t(m.model->solved.vertex_count), "offsets");
-        const Measures found = measure(*m.model, mesh_settings(settings), paint_in(model, paint),
-                                       input_of(pose), given_of_model(state, m, "state").state);
+        const auto& at = given_of_model(pose, m, "pose");
+        const Measures found =
+            measure_pose(*m.model, mesh_settings(settings), paint_in(model, paint), input_of(at.arrays),
+                         at.pose, given_of_model(state, m, "state").state);
         given(measures, "measures") = {found.edge_error_before_rms,  found.edge_error_before_max,
                                        found.edge_error_after_rms,   found.edge_error_after_max,
                                        found.compressed_area_before, found.compressed_area_after,

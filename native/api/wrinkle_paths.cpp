@@ -49,11 +49,8 @@ Settings paths_settings(const rumple_wrinkle_paths_settings* settings) {
     return native_of<Settings>(settings, "settings");
 }
 
-Input input_at(const rumple_pose* pose, const State& state) {
-    Input input;
-    input.positions = positions_of(pose);
-    input.time = state.time;
-    return input;
+Input input_of(const FrameArrays& arrays) {
+    return {arrays.frame_time(), arrays.positions};
 }
 
 }  // namespace rumple::api
@@ -155,6 +152,20 @@ void rumple_wrinkle_paths_paint_free(rumple_wrinkle_paths_paint* paint) {
 
 // ---- frames
 
+rumple_status rumple_wrinkle_paths_pose_build(const rumple_wrinkle_paths* model, const rumple_pose* frame,
+                                              rumple_wrinkle_paths_pose** pose) {
+    return made(pose, "pose", [&] {
+        const rumple_wrinkle_paths& m = given(model, "model");
+        FrameArrays arrays(frame);
+        Pose at = make_pose(*m.model, arrays.positions);
+        return new rumple_wrinkle_paths_pose{m.model, std::move(arrays), std::move(at)};
+    });
+}
+
+void rumple_wrinkle_paths_pose_free(rumple_wrinkle_paths_pose* pose) {
+    delete pose;
+}
+
 void rumple_wrinkle_paths_state_free(rumple_wrinkle_paths_state* state) {
     delete state;
 }
@@ -199,7 +210,8 @@ rumple_status rumple_wrinkle_paths_state_check(const rumple_wrinkle_paths_state*
 
 rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
                                          const rumple_wrinkle_paths_settings* settings,
-                                         const rumple_wrinkle_paths_paint* paint, const rumple_pose* pose,
+                                         const rumple_wrinkle_paths_paint* paint,
+                                         const rumple_wrinkle_paths_pose* pose,
                                          const rumple_wrinkle_paths_state* before,
                                          rumple_wrinkle_paths_report* report,
                                          rumple_wrinkle_paths_state** state) {
@@ -208,13 +220,11 @@ rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
         const auto* from = of_model(before, m, "state");
         const auto* touched = of_model(paint, m, "paint");
         static const Paint nothing;
-        Input input;
-        static_cast<FrameTime&>(input) = frame_time_of(pose);
-        input.positions = positions_of(pose);
+        const auto& at = given_of_model(pose, m, "pose");
         Report how;
         auto* out = new rumple_wrinkle_paths_state(
-            m.model, solve(*m.model, paths_settings(settings), touched ? touched->paint : nothing, input,
-                           from ? &from->state : nullptr, how));
+            m.model, solve(*m.model, paths_settings(settings), touched ? touched->paint : nothing,
+                           input_of(at.arrays), at.pose, from ? &from->state : nullptr, how));
         if (report) {
             *report = {how.paths,
                        how.born,
@@ -232,13 +242,13 @@ rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
 
 rumple_status rumple_wrinkle_paths_show(const rumple_wrinkle_paths* model,
                                         const rumple_wrinkle_paths_settings* settings,
-                                        const rumple_pose* pose, const rumple_wrinkle_paths_state* state,
-                                        rumple_frame** frame) {
+                                        const rumple_wrinkle_paths_pose* pose,
+                                        const rumple_wrinkle_paths_state* state, rumple_frame** frame) {
     return made(frame, "frame", [&] {
         const rumple_wrinkle_paths& m = given(model, "model");
-        const State& at = given_of_model(state, m, "state").state;
         Picture picture;
-        show(*m.model, paths_settings(settings), input_at(pose, at), at, picture);
+        show(*m.model, paths_settings(settings), given_of_model(pose, m, "pose").pose,
+             given_of_model(state, m, "state").state, picture);
         return new_frame(m.model, std::move(picture));
     });
 }

@@ -10,6 +10,11 @@ struct rumple_wrinkle_paths {
     std::shared_ptr<const rumple::wrinkle_paths::Model> model;
     rumple_shown_mesh shown;
 };
+struct rumple_wrinkle_paths_pose {
+    std::shared_ptr<const rumple::wrinkle_paths::Model> model;
+    rumple::api::FrameArrays arrays;
+    rumple::wrinkle_paths::Pose pose;
+};
 struct rumple_wrinkle_paths_paint {
     std::shared_ptr<const rumple::wrinkle_paths::Model> model;
     rumple::wrinkle_paths::Paint paint;
@@ -41,7 +46,6 @@ struct rumple_wrinkle_paths_state {
 namespace rumple::api {
 
 wrinkle_paths::Settings paths_settings(const rumple_wrinkle_paths_settings* settings);
-// A pose of which only the positions are read, at the time of a state.
-wrinkle_paths::Input input_at(const rumple_pose* pose, const wrinkle_paths::State& state);
+wrinkle_paths::Input input_of(const FrameArrays& arrays);
 
 }  // namespace rumple::api

@@ -41,52 +41,56 @@ rumple_status rumple_curves_get_view(const rumple_curves* curves, rumple_curves_
 
 rumple_status rumple_wrinkle_paths_trace(const rumple_wrinkle_paths* model,
                                          const rumple_wrinkle_paths_settings* settings,
-                                         const rumple_pose* pose, const rumple_wrinkle_paths_state* state,
-                                         rumple_curves** traced) {
+                                         const rumple_wrinkle_paths_pose* pose,
+                                         const rumple_wrinkle_paths_state* state, rumple_curves** traced) {
     return made(traced, "curves", [&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
         RidingCurves lines;
-        static_cast<Curves&>(lines) = curves(*m.model, paths_settings(settings), input_at(pose, at), at);
+        static_cast<Curves&>(lines) =
+            curves(*m.model, paths_settings(settings), given_of_model(pose, m, "pose").pose, at);
         return new rumple_curves{std::move(lines)};
     });
 }
 
 rumple_status rumple_wrinkle_paths_ride(const rumple_wrinkle_paths* model,
                                         const rumple_wrinkle_paths_settings* settings,
-                                        const rumple_pose* pose, const float* animated, size_t animated_count,
-                                        const rumple_wrinkle_paths_state* state, rumple_curves** ridden) {
+                                        const rumple_wrinkle_paths_pose* pose, const float* animated,
+                                        size_t animated_count, const rumple_wrinkle_paths_state* state,
+                                        rumple_curves** ridden) {
     return made(ridden, "curves", [&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
-        return new rumple_curves{ride(*m.model, paths_settings(settings), input_at(pose, at), at,
+        return new rumple_curves{ride(*m.model, paths_settings(settings),
+                                      given_of_model(pose, m, "pose").pose, at,
                                       vectors(animated, animated_count, "animated"))};
     });
 }
 
-rumple_status rumple_wrinkle_paths_stretches(const rumple_wrinkle_paths* model, const rumple_pose* pose,
+rumple_status rumple_wrinkle_paths_stretches(const rumple_wrinkle_paths* model,
+                                             const rumple_wrinkle_paths_pose* pose,
                                              const rumple_wrinkle_paths_state* state, float* out,
                                              size_t out_count) {
     return guarded([&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
-        const auto positions = positions_of(pose);
-        expect_count("positions", positions.size(), size_t(m.model->base.display.vertex_count), "vertices");
         const auto to = output<Vec2>(out, out_count, size_t(m.model->net.triangles()), "stretches");
-        std::vector<Vec3> welded(size_t(m.model->base.welded.vertex_count));
-        weld_positions(m.model->base, positions, welded);
-        const std::vector<Stretch> found = stretches(*m.model, at, welded);
+        const std::vector<Stretch> found =
+            stretches(*m.model, at, given_of_model(pose, m, "pose").pose.positions);
         for (size_t t = 0; t < to.size(); ++t) to[t] = {found[t].compression, found[t].stretch};
     });
 }
 
-rumple_status rumple_wrinkle_paths_ellipses(const rumple_wrinkle_paths* model, const rumple_pose* pose,
+rumple_status rumple_wrinkle_paths_ellipses(const rumple_wrinkle_paths* model,
+                                            const rumple_wrinkle_paths_pose* pose,
                                             const rumple_wrinkle_paths_state* state, float size, float* out,
                                             size_t out_count) {
     return guarded([&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const auto to = output<Ellipse>(out, out_count, size_t(m.model->net.triangles()), "ellipses");
-        write(ellipses(*m.model, positions_of(pose), given_of_model(state, m, "state").state, size), to);
+        write(ellipses(*m.model, given_of_model(pose, m, "pose").pose,
+                       given_of_model(state, m, "state").state, size),
+              to);
     });
 }
 
@@ -120,25 +124,27 @@ rumple_status rumple_drawing_get_view(const rumple_drawing* drawing, rumple_draw
 
 rumple_status rumple_wrinkle_paths_draw(const rumple_wrinkle_paths* model,
                                         const rumple_wrinkle_paths_settings* settings,
-                                        const rumple_pose* pose, const rumple_wrinkle_paths_state* state,
-                                        rumple_drawing** drawing) {
+                                        const rumple_wrinkle_paths_pose* pose,
+                                        const rumple_wrinkle_paths_state* state, rumple_drawing** drawing) {
     return made(drawing, "drawing", [&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
-        return new rumple_drawing{m.model, draw(*m.model, paths_settings(settings), input_at(pose, at), at),
-                                  true};
+        const auto& in = given_of_model(pose, m, "pose");
+        return new rumple_drawing{
+            m.model, draw(*m.model, paths_settings(settings), input_of(in.arrays), in.pose, at), true};
     });
 }
 
 rumple_status rumple_wrinkle_paths_list(const rumple_wrinkle_paths* model,
                                         const rumple_wrinkle_paths_settings* settings,
-                                        const rumple_pose* pose, const rumple_wrinkle_paths_state* state,
-                                        rumple_drawing** drawing) {
+                                        const rumple_wrinkle_paths_pose* pose,
+                                        const rumple_wrinkle_paths_state* state, rumple_drawing** drawing) {
     return made(drawing, "drawing", [&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
         Drawing lists;
-        lists.lists = build_triangle_lists(*m.model, paths_settings(settings), input_at(pose, at), at);
+        lists.lists = build_triangle_lists(*m.model, paths_settings(settings),
+                                           given_of_model(pose, m, "pose").pose, at);
         return new rumple_drawing{m.model, std::move(lists), false};
     });
 }

@@ -77,15 +77,15 @@ TEST(ApiErrors, AChoiceThatIsNoneIsRefused) {
     rumple_wrinkle_mesh_state* state = nullptr;
     for (const int32_t wrong : {-1, 3, 99}) {
         settings.collision = wrong;
-        EXPECT_EQ(rumple_wrinkle_mesh_solve(sheet.model(), &settings, nullptr, &sheet.pose(), nullptr,
-                                            nullptr, &state),
+        EXPECT_EQ(rumple_wrinkle_mesh_solve(sheet.model(), &settings, nullptr, sheet.pose(), nullptr, nullptr,
+                                            &state),
                   RUMPLE_INVALID);
         EXPECT_EQ(std::string(rumple_error()), "collision: expected 0 to 2, got " + std::to_string(wrong));
     }
     settings = rumple_wrinkle_mesh_settings_default();
     settings.radius = -1.0f;
     EXPECT_EQ(
-        rumple_wrinkle_mesh_solve(sheet.model(), &settings, nullptr, &sheet.pose(), nullptr, nullptr, &state),
+        rumple_wrinkle_mesh_solve(sheet.model(), &settings, nullptr, sheet.pose(), nullptr, nullptr, &state),
         RUMPLE_INVALID);
     EXPECT_NE(std::string(rumple_error()).find("radius"), std::string::npos);
     EXPECT_EQ(state, nullptr);
@@ -94,11 +94,10 @@ TEST(ApiErrors, AChoiceThatIsNoneIsRefused) {
 TEST(ApiErrors, WhatIsNotFiniteIsNamed) {
     Sheet sheet;
     sheet.positions[7] = std::numeric_limits<float>::quiet_NaN();  // of vertex 2
-    const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
-    rumple_wrinkle_mesh_state* state = nullptr;
-    EXPECT_EQ(
-        rumple_wrinkle_mesh_solve(sheet.model(), &settings, nullptr, &sheet.pose(), nullptr, nullptr, &state),
-        RUMPLE_INVALID);
+    const rumple_pose frame = sheet.frame();
+    rumple_wrinkle_mesh_pose* pose = nullptr;
+    EXPECT_EQ(rumple_wrinkle_mesh_pose_build(sheet.model(), &frame, &pose), RUMPLE_INVALID);
+    EXPECT_EQ(pose, nullptr);
     EXPECT_NE(std::string(rumple_error()).find("positions: vertex 2 is not finite"), std::string::npos)
         << rumple_error();
 }

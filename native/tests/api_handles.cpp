@@ -2,6 +2,7 @@
 // Who keeps what: handles of the C library know their model, and hold it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "api/sizes.h"
@@ -22,14 +23,46 @@ TEST(ApiHandles, AStateOfAnotherModelIsRefusedThoughItsMeshIsTheSame) {
     const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
     rumple_wrinkle_mesh_state* next = nullptr;
     EXPECT_EQ(
-        rumple_wrinkle_mesh_solve(other.model(), &settings, nullptr, &other.pose(), state, nullptr, &next),
+        rumple_wrinkle_mesh_solve(other.model(), &settings, nullptr, other.pose(), state, nullptr, &next),
         RUMPLE_INVALID);
     EXPECT_STREQ(rumple_error(), "state: it was made for another model");
     rumple_frame* frame = nullptr;
-    EXPECT_EQ(rumple_wrinkle_mesh_show(other.model(), &settings, &other.pose(), state, &frame),
+    EXPECT_EQ(rumple_wrinkle_mesh_show(other.model(), &settings, other.pose(), state, &frame),
               RUMPLE_INVALID);
     EXPECT_EQ(frame, nullptr);
     rumple_wrinkle_mesh_state_free(state);
+}
+
+TEST(ApiHandles, APoseOfAnotherModelIsRefusedThoughItsMeshIsTheSame) {
+    const Sheet one, other;
+    const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
+    rumple_wrinkle_mesh_state* state = nullptr;
+    EXPECT_EQ(
+        rumple_wrinkle_mesh_solve(one.model(), &settings, nullptr, other.pose(), nullptr, nullptr, &state),
+        RUMPLE_INVALID);
+    EXPECT_STREQ(rumple_error(), "pose: it was made for another model");
+}
+
+TEST(ApiHandles, APoseKeepsWhatItWasMadeOf) {
+    Sheet sheet;
+    const rumple_pose frame = sheet.frame();
+    rumple_wrinkle_mesh_pose* pose = nullptr;
+    ASSERT_EQ(rumple_wrinkle_mesh_pose_build(sheet.model(), &frame, &pose), RUMPLE_OK);
+    rumple_wrinkle_mesh_state* before = sheet.solve();
+    sheet.positions.assign(sheet.positions.size(), 7.0f);
+    const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
+    rumple_wrinkle_mesh_state* after = nullptr;
+    ASSERT_EQ(rumple_wrinkle_mesh_solve(sheet.model(), &settings, nullptr, pose, nullptr, nullptr, &after),
+              RUMPLE_OK);
+    rumple_wrinkle_mesh_pose_free(pose);
+    rumple_wrinkle_mesh_state_view a, b;
+    ASSERT_EQ(rumple_wrinkle_mesh_state_get_view(before, &a), RUMPLE_OK);
+    ASSERT_EQ(rumple_wrinkle_mesh_state_get_view(after, &b), RUMPLE_OK);
+    ASSERT_EQ(a.solved_length_count, b.solved_length_count);
+    EXPECT_TRUE(std::equal(a.solved_length, a.solved_length + a.solved_length_count, b.solved_length));
+    EXPECT_GT(b.solved_length[0], 0.0f);  // of positions that are all the same it would be 0
+    rumple_wrinkle_mesh_state_free(before);
+    rumple_wrinkle_mesh_state_free(after);
 }
 
 TEST(ApiHandles, PaintOfAnotherModelIsRefused) {
@@ -43,7 +76,7 @@ TEST(ApiHandles, PaintOfAnotherModelIsRefused) {
     const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
     rumple_wrinkle_mesh_state* state = nullptr;
     EXPECT_EQ(
-        rumple_wrinkle_mesh_solve(other.model(), &settings, paint, &other.pose(), nullptr, nullptr, &state),
+        rumple_wrinkle_mesh_solve(other.model(), &settings, paint, other.pose(), nullptr, nullptr, &state),
         RUMPLE_INVALID);
     EXPECT_STREQ(rumple_error(), "paint: it was made for another model");
     rumple_wrinkle_mesh_paint_free(paint);
@@ -59,8 +92,7 @@ TEST(ApiHandles, AFrameAndAStateOutliveTheirModel) {
         const Sheet sheet;
         state = sheet.solve();
         const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
-        ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, &sheet.pose(), state, &frame),
-                  RUMPLE_OK);
+        ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, sheet.pose(), state, &frame), RUMPLE_OK);
     }
     const std::vector<float> moved{0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
     rumple_frame_view before{}, after{};
@@ -98,7 +130,7 @@ TEST(ApiHandles, AFrameOfAnotherSystemHasNoWavesAndNoFolds) {
     rumple_wrinkle_mesh_state* state = sheet.solve();
     const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
     rumple_frame* frame = nullptr;
-    ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, &sheet.pose(), state, &frame), RUMPLE_OK);
+    ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, sheet.pose(), state, &frame), RUMPLE_OK);
     rumple_frame_waves_view waves{};
     rumple_frame_folds_view folds{};
     EXPECT_EQ(rumple_frame_get_waves(frame, &waves), RUMPLE_INVALID);

@@ -26,11 +26,11 @@ class Sheet {
         EXPECT_EQ(rumple_surface_build(&plan, &surface_), RUMPLE_OK) << rumple_error();
         rumple_wrinkle_mesh_plan fine = rumple_wrinkle_mesh_plan_default();
         EXPECT_EQ(rumple_wrinkle_mesh_build(surface_, &fine, &model_), RUMPLE_OK) << rumple_error();
-        pose_ = rumple_pose_default();
-        pose_.positions = positions.data();
-        pose_.positions_count = 4;
+        const rumple_pose in_frame = frame();
+        EXPECT_EQ(rumple_wrinkle_mesh_pose_build(model_, &in_frame, &pose_), RUMPLE_OK) << rumple_error();
     }
     ~Sheet() {
+        rumple_wrinkle_mesh_pose_free(pose_);
         rumple_wrinkle_mesh_free(model_);
         rumple_surface_free(surface_);
     }
@@ -39,12 +39,18 @@ class Sheet {
 
     const rumple_surface* surface() const { return surface_; }
     const rumple_wrinkle_mesh* model() const { return model_; }
-    const rumple_pose& pose() const { return pose_; }
+    const rumple_wrinkle_mesh_pose* pose() const { return pose_; }
+    rumple_pose frame() const {
+        rumple_pose frame = rumple_pose_default();
+        frame.positions = positions.data();
+        frame.positions_count = 4;
+        return frame;
+    }
 
     rumple_wrinkle_mesh_state* solve(const rumple_wrinkle_mesh_state* before = nullptr) const {
         const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
         rumple_wrinkle_mesh_state* state = nullptr;
-        EXPECT_EQ(rumple_wrinkle_mesh_solve(model_, &settings, nullptr, &pose_, before, nullptr, &state),
+        EXPECT_EQ(rumple_wrinkle_mesh_solve(model_, &settings, nullptr, pose_, before, nullptr, &state),
                   RUMPLE_OK)
             << rumple_error();
         return state;
@@ -59,7 +65,7 @@ class Sheet {
 
     rumple_surface* surface_ = nullptr;
     rumple_wrinkle_mesh* model_ = nullptr;
-    rumple_pose pose_{};
+    rumple_wrinkle_mesh_pose* pose_ = nullptr;
 };
 
 }  // namespace rumple::api

@@ -26,7 +26,7 @@ std::vector<float> frame_after(const Sheet& sheet, const rumple_wrinkle_mesh_sta
     rumple_wrinkle_mesh_state* state = sheet.solve(before);
     const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
     rumple_frame* frame = nullptr;
-    EXPECT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, &sheet.pose(), state, &frame), RUMPLE_OK);
+    EXPECT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, sheet.pose(), state, &frame), RUMPLE_OK);
     rumple_frame_view view{};
     EXPECT_EQ(rumple_frame_get_view(frame, &view), RUMPLE_OK);
     std::vector<float> offsets(view.offset, view.offset + 3 * view.vertex_count);
@@ -57,7 +57,10 @@ TEST(ApiThreads, AskTogetherForArraysThatNobodyHasAskedFor) {
     ASSERT_EQ(rumple_wrinkle_paths_build(sheet.surface(), &plan, &model), RUMPLE_OK) << rumple_error();
     const rumple_wrinkle_paths_settings settings = rumple_wrinkle_paths_settings_default();
     rumple_wrinkle_paths_state* state = nullptr;
-    ASSERT_EQ(rumple_wrinkle_paths_solve(model, &settings, nullptr, &sheet.pose(), nullptr, nullptr, &state),
+    const rumple_pose frame = sheet.frame();
+    rumple_wrinkle_paths_pose* pose = nullptr;
+    ASSERT_EQ(rumple_wrinkle_paths_pose_build(model, &frame, &pose), RUMPLE_OK) << rumple_error();
+    ASSERT_EQ(rumple_wrinkle_paths_solve(model, &settings, nullptr, pose, nullptr, nullptr, &state),
               RUMPLE_OK)
         << rumple_error();
     std::vector<rumple_wrinkle_paths_state_view> views(kThreads);
@@ -70,6 +73,7 @@ TEST(ApiThreads, AskTogetherForArraysThatNobodyHasAskedFor) {
         EXPECT_EQ(view.path_start_count, views[0].path_start_count);
     }
     rumple_wrinkle_paths_state_free(state);
+    rumple_wrinkle_paths_pose_free(pose);
     rumple_wrinkle_paths_free(model);
 }
 

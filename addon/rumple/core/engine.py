@@ -18,7 +18,7 @@ from .base_mesh import BaseMesh, UserError
 from .body import Body
 from .cloth import ClothFrame, suggested_follow
 from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
-from .frame_cache import CachedFrame, FrameCache
+from .frame_cache import CachedFrame, FrameCache, digest_of
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
 from .surroundings import Surroundings
 
@@ -40,10 +40,9 @@ class FrameInput:
     cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
     surroundings: Surroundings = Surroundings()  # where the system reads them
 
-    def in_time(self) -> dict[str, Any]:
-        """As native solves take it."""
-        return dict(time=self.seconds, labels=self.labels, next_positions=self.next_positions,
-                    next_time=self.next_seconds)
+    def in_time(self) -> tuple[float, np.ndarray | None, np.ndarray | None, float]:
+        """As native poses take it."""
+        return self.seconds, self.labels, self.next_positions, self.next_seconds
 
 
 class Wrinkles:
@@ -55,6 +54,7 @@ class Wrinkles:
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
     SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
     HAS_CURVES = False  # whether curves() has something to say
+    _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: Any, model: Any, warnings: list[str],
                  unit_scale: float) -> None:
@@ -160,25 +160,29 @@ class Wrinkles:
         coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
         frame_input = FrameInput(frame, frame / frame_rate, matrix, positions, labels, *coming, body,
                                  surroundings=surroundings if swings else Surroundings())
-        digest = _digest(chosen, positions, matrix, labels, frame_input.next_positions,
-                         *(body.arrays() if body else ()),
-                         *([surroundings.array()] if swings else ()))
+        digest = digest_of(chosen, positions, matrix, labels, frame_input.next_positions,
+                           *(body.arrays() if body else ()),
+                           *([surroundings.array()] if swings else ()))
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
         cached = self.frame_cache.get(frame)
         began = time.perf_counter()
         replayed = cached is not None and cached.inputs == digest and (cached.final or not final)
+        pose = None
         if cached is None or not replayed:
             state = before.state if before is not None else None
-            state, report = self._solve_over(settings, self._positions_solved(positions), state,
-                                             before is not None and before.chosen == chosen, frame_input)
+            state, report, pose = self._solve_over(settings, self._positions_solved(positions), state,
+                                                   before is not None and before.chosen == chosen, frame_input)
             cached = CachedFrame(state, digest, chosen, final, report)
             self.frame_cache.put(frame, cached)
         solved = time.perf_counter()
         frame_input = replace(frame_input, cloth=cloth_of(cached.state))
         show: Callable[..., Any] = self._preview if for_preview else self._show
         over = self.solved_over(frame, positions)
-        result: FrameResult | PreviewFrame = show(settings, over, system_state(cached.state), frame_input)
+        if pose is None:
+            pose = self._pose(over, frame_input)
+        self._last_pose = (over.copy(), pose)
+        result: FrameResult | PreviewFrame = show(settings, over, pose, system_state(cached.state), frame_input)
         result.report, result.replayed = cached.report, replayed
         result.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
         result.unplayed = swings and not cached.final
@@ -201,21 +205,28 @@ class Wrinkles:
 
     # --- the base cloth
     def _solve_over(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
-                    frame_input: FrameInput) -> tuple[Any, Any]:
-        """The base cloth, or the animated mesh out of a body, then the system over it. Everything as _solve() has it.
-        """
+                    frame_input: FrameInput) -> tuple[Any, Any, Any]:
+        """The base cloth, or the animated mesh out of a body, then the system over it. Everything as _solve() has it;
+        and the pose that it was solved in."""
         own = system_state(before)
         if settings.base_cloth == "OFF" and frame_input.body is None:
-            return self._solve(settings, positions, own, same_settings, frame_input)
+            pose = self._pose(positions, frame_input)
+            return *self._solve(settings, pose, own, same_settings, frame_input), pose
         cloth = cloth_of(before)
         if cloth is not None and not same_settings:
             cloth = cloth.activated()
         cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, frame_input.world_from_object,
                                          frame_input.body, cloth, not self._keeps_off_bodies(), frame_input.seconds,
                                          frame_input.surroundings)
-        state, report = self._solve(settings, cloth.positions, own, same_settings, replace(frame_input, cloth=cloth))
+        pose = self._pose(cloth.positions, frame_input)
+        state, report = self._solve(settings, pose, own, same_settings, replace(frame_input, cloth=cloth))
         return OnCloth(cloth, state), OnClothReport(cloth.report, report, frame_input.body is not None,
-                                                    settings.base_cloth != "OFF")
+                                                    settings.base_cloth != "OFF"), pose
+
+    def _pose_of(self, frame: float, positions: np.ndarray) -> Any:
+        """The pose of a stored frame, for who looks at it: the one that was made last, if it is of these positions."""
+        over = self.solved_over(frame, positions)
+        return self._last_pose[1] if np.array_equal(self._last_pose[0], over) else over
 
     def _base_cloth(self) -> Stage:
         if self._stage is None:
@@ -280,14 +291,14 @@ class Wrinkles:
                                         np.concatenate(list(clip.values())))
         except ValueError as error:
             raise UserError(f"{self.name}: {error}") from error
-        self._clip = {frame: (_digest(b"", positions), row) for (frame, positions), row in zip(clip.items(), labels)}
+        self._clip = {frame: (digest_of(b"", positions), row) for (frame, positions), row in zip(clip.items(), labels)}
 
     def _seen(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
         """The labels of a frame from the clip that was looked at."""
         digest, labels = self._clip.get(float(math.ceil(frame)), (b"", None))
         if labels is None or frame != math.ceil(frame):
             return labels
-        if digest != _digest(b"", positions):
+        if digest != digest_of(b"", positions):
             self.pose_mismatches.add(frame)
             return None
         self.pose_mismatches.discard(frame)  # an object that follows another comes as it was looked at in a second pass
@@ -367,25 +378,21 @@ class Wrinkles:
         """The native paint."""
         raise NotImplementedError
 
-    def _solve(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
+    def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
+        """What the system makes of the positions that the wrinkles lie on: made once a frame, for all that follows."""
+        raise NotImplementedError
+
+    def _solve(self, settings: Any, pose: Any, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:
-        """(state, report) from the state of the frame before; same_settings: it was solved with these. positions: what
-        the wrinkles lie on."""
+        """(state, report) from the state of the frame before; same_settings: it was solved with these."""
         raise NotImplementedError
 
-    def _show(self, settings: Any, positions: np.ndarray, state: Any, frame_input: FrameInput) -> FrameResult:
+    def _show(self, settings: Any, positions: np.ndarray, pose: Any, state: Any,
+              frame_input: FrameInput) -> FrameResult:
+        """positions: what the pose was made of."""
         raise NotImplementedError
 
-    def _preview(self, settings: Any, positions: np.ndarray, state: Any, frame_input: FrameInput) -> PreviewFrame:
+    def _preview(self, settings: Any, positions: np.ndarray, pose: Any, state: Any,
+                 frame_input: FrameInput) -> PreviewFrame:
         """Where the viewport can draw frames by itself."""
         raise NotImplementedError
-
-
-def _digest(chosen: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:
-    digest = hashlib.blake2b(chosen, digest_size=16)
-    digest.update(positions.data)
-    for number, values in enumerate(more):
-        if values is not None:
-            digest.update(bytes([number]))
-            digest.update(np.ascontiguousarray(values).data)
-    return digest.digest()

@@ -7,8 +7,11 @@ before it becomes final, then it is solved once more and stays.
 """
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 
 @dataclass
@@ -71,3 +74,14 @@ class FrameCache:
             if self._bytes <= self.limit_bytes or frame == newest:
                 continue
             self._bytes -= self._entries.pop(frame).state.nbytes
+
+
+def digest_of(chosen: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:
+    """What tells one frame's input from another. chosen: digest of the settings."""
+    digest = hashlib.blake2b(chosen, digest_size=16)
+    digest.update(positions.data)
+    for number, values in enumerate(more):
+        if values is not None:
+            digest.update(bytes([number]))
+            digest.update(np.ascontiguousarray(values).data)
+    return digest.digest()

@@ -88,17 +88,19 @@ class WrinkleField(Wrinkles):
         return kernels.WrinkleFieldPaint(
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != "profile"})
 
-    def _solve(self, settings: FieldSettings, positions: np.ndarray, before: Any, same_settings: bool,
+    def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
+        return kernels.WrinkleFieldPose.of(self.model, positions, *frame_input.in_time())
+
+    def _solve(self, settings: FieldSettings, pose: Any, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.activated()  # under other settings nothing of it may be held
-        return kernels.solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, positions,
-                                           before, **frame_input.in_time())
+        return kernels.solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, pose, before)
 
-    def _show(self, settings: FieldSettings, positions: np.ndarray, state: Any,
+    def _show(self, settings: FieldSettings, positions: np.ndarray, pose: Any, state: Any,
               frame_input: FrameInput) -> FrameResult:
         shown = kernels.show_wrinkle_field(self.model, self._native_settings(settings),
-                                           native_profile(settings.profile, self._drawn), self._paint, positions,
+                                           native_profile(settings.profile, self._drawn), self._paint, pose,
                                            state, None if frame_input.cloth is None else frame_input.cloth.gap)
         own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
         nothing = np.zeros((len(self.corner_vertex), 3), np.float32)

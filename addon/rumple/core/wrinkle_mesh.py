@@ -253,15 +253,19 @@ class WrinkleMesh(Wrinkles):
             return kernels.WrinkleLayersPaint(self.model, factors, words)
         return kernels.WrinkleMeshPaint(self.model, factors)
 
-    def _solve(self, settings: MeshSettings, positions: np.ndarray, before: Any, same_settings: bool,
+    def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
+        if self.layer_count:
+            return positions  # every layer makes its own, of the layer before
+        return kernels.WrinkleMeshPose.of(self.model, positions, *frame_input.in_time(), frame_input.world_from_object)
+
+    def _solve(self, settings: MeshSettings, pose: Any, before: Any, same_settings: bool,
                frame_input: FrameInput) -> tuple[Any, Any]:
         if before is not None and not same_settings:
             before = before.activated()  # under other settings nothing of it may be held
         if not self.layer_count:
-            return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                              before, frame_input.world_from_object, **frame_input.in_time())
+            return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, pose, before)
         layers = layer_settings(settings, self.layer_count, self.finest_share)
-        return kernels.solve_wrinkle_layers(self.model, layers, self._paint, positions, state=before,
+        return kernels.solve_wrinkle_layers(self.model, layers, self._paint, pose, state=before,
                                             **self._contact(settings, frame_input))
 
     def _contact(self, settings: MeshSettings, frame_input: FrameInput) -> dict[str, Any]:
@@ -277,14 +281,14 @@ class WrinkleMesh(Wrinkles):
                     body_hint=cloth.body_hint,
                     thickness=base_cloth.thickness(settings))
 
-    def _show(self, settings: MeshSettings, positions: np.ndarray, state: Any, frame_input: FrameInput) -> FrameResult:
+    def _show(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any,
+              frame_input: FrameInput) -> FrameResult:
         if self.coarse is not None:
             return FrameResult.of(kernels.show_wrinkle_transfer(self.transfer, self.coarse, self.model,
                                                                 frame_input.animated, state))
         if self.layer_count:
             return FrameResult.of(kernels.show_wrinkle_layers(self.model, frame_input.animated, positions, state))
-        shown = kernels.show_wrinkle_mesh(self.model, native_settings(settings), positions, state,
-                                          frame_input.world_from_object)
+        shown = kernels.show_wrinkle_mesh(self.model, native_settings(settings), pose, state)
         return self._result(shown, frame_input)
 
 

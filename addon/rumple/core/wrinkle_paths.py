@@ -11,6 +11,7 @@ from ..native import kernels
 from .base_mesh import BaseMesh, UserError, checked_surface
 from .cloth import size_factor
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
+from .on_cloth import cloth_of
 from .settings import PathsSettings
 
 MOST_LEVEL = 5
@@ -72,15 +73,16 @@ class WrinklePaths(Wrinkles):
         return lines
 
     def curves(self, frame: float, positions: np.ndarray, settings: PathsSettings) -> Any:
+        animated = None if cloth_of(self.state_of(frame)) is None else positions
         return kernels.ride_wrinkle_paths(self.model, self._native_settings(settings),
-                                          self.solved_over(frame, positions), self.wrinkles_of(frame), positions)
+                                          self._pose_of(frame, positions), self.wrinkles_of(frame), animated)
 
     def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
         1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
-        state, positions = self.wrinkles_of(frame), self.solved_over(frame, positions)
-        corners = positions[self.base.corner_vertex[self.base.triangle_corner]]
-        return corners, state.labels, kernels.wrinkle_path_ellipses(self.model, positions, state)
+        state, pose = self.wrinkles_of(frame), self._pose_of(frame, positions)
+        corners = self.solved_over(frame, positions)[self.base.corner_vertex[self.base.triangle_corner]]
+        return corners, state.labels, kernels.wrinkle_path_ellipses(self.model, pose, state)
 
     def curve_points(self, settings: PathsSettings) -> float:
         """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
@@ -97,19 +99,22 @@ class WrinklePaths(Wrinkles):
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         return kernels.WrinklePathsPaint(self.model, paint)
 
-    def _solve(self, settings: PathsSettings, positions: np.ndarray, before: Any, same_settings: bool,
-               frame_input: FrameInput) -> tuple[Any, Any]:
-        return kernels.solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, positions,
-                                           state=before, **frame_input.in_time())
+    def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
+        return kernels.WrinklePathsPose.of(self.model, positions, *frame_input.in_time())
 
-    def _show(self, settings: PathsSettings, positions: np.ndarray, state: Any,
+    def _solve(self, settings: PathsSettings, pose: Any, before: Any, same_settings: bool,
+               frame_input: FrameInput) -> tuple[Any, Any]:
+        return kernels.solve_wrinkle_paths(self.model, self._native_settings(settings), self._paint, pose,
+                                           frame_input.seconds, state=before)
+
+    def _show(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any,
               frame_input: FrameInput) -> FrameResult:
-        shown = kernels.show_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+        shown = kernels.show_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         return self._result(shown, frame_input, rumple_height=shown.height)
 
-    def _preview(self, settings: PathsSettings, positions: np.ndarray, state: Any,
+    def _preview(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any,
                  frame_input: FrameInput) -> PreviewFrame:
-        drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), positions, state)
+        drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
         return PreviewFrame(drawing, drawing.proxy_offset + off)
 

@@ -221,6 +221,21 @@ def pose(positions: np.ndarray, time: float = 0.0, labels: np.ndarray | None = N
     return out
 
 
+class FramePose(Handle):
+    """What the positions of one frame make of a model: made once a frame, handed to all that is asked of the frame.
+    BUILD: the function that makes it."""
+
+    __slots__ = ()
+    BUILD = ""
+
+    @classmethod
+    def of(cls, model: Any, positions: "np.ndarray | FramePose", *others: Any) -> Any:
+        """positions, others: as pose() takes them; or a pose, which is returned as it is."""
+        if isinstance(positions, FramePose):
+            return positions
+        return cls.made(getattr(lib, cls.BUILD), model, pose(positions, *others))
+
+
 class ReferenceSettings:
     """The settings of the reference triangles among those of a system."""
 

@@ -11,7 +11,7 @@ from .arrays import FLOAT, INT, checked, fill, given, optional
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import chosen
-from .surface import Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan, pose
+from .surface import FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan
 from .wrinkle_mesh import reference_arrays
 
 PROFILE_INTERVALS = c.PROFILE_INTERVALS
@@ -138,6 +138,14 @@ class WrinkleFieldProfile(c.WrinkleFieldProfile):
         return np.array(_SLOPE.__get__(self), FLOAT)
 
 
+class WrinkleFieldPose(FramePose):
+    """What the positions of one frame make of a model. Made by WrinkleFieldPose.of(model, positions, ...)."""
+
+    __slots__ = ()
+    POINTER, FREE = c.WrinkleFieldPosePointer, "rumple_wrinkle_field_pose_free"
+    BUILD = "rumple_wrinkle_field_pose_build"
+
+
 class WrinkleFieldState(Handle):
     """What lives from frame to frame."""
 
@@ -210,10 +218,11 @@ class WrinkleFieldPicture(ShownFrame):
 
 
 def solve_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings, paint: WrinkleFieldPaint,
-                        positions: np.ndarray, state: WrinkleFieldState | None = None, time: float = 0.0,
-                        labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
+                        positions: np.ndarray | WrinkleFieldPose, state: WrinkleFieldState | None = None,
+                        time: float = 0.0, labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
                         next_time: float = 0.0) -> tuple[WrinkleFieldState, WrinkleFieldReport]:
-    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.
+    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or the pose
+    that was made of them and of all that follows state.
 
     state: of the frame before, or None for the canonical start. The rest is for a rest shape that adapts: time:
     seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to come, to look ahead when labels
@@ -222,18 +231,18 @@ def solve_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings
     report = WrinkleFieldReport()
     return WrinkleFieldState.made(
         lib.rumple_wrinkle_field_solve, model, settings, paint.of(model),
-        pose(positions, time, labels, next_positions, next_time), state, report), report
+        WrinkleFieldPose.of(model, positions, time, labels, next_positions, next_time), state, report), report
 
 
 def show_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings, profile: WrinkleFieldProfile,
-                       paint: WrinkleFieldPaint, positions: np.ndarray, state: WrinkleFieldState,
+                       paint: WrinkleFieldPaint, positions: np.ndarray | WrinkleFieldPose, state: WrinkleFieldState,
                        gap: np.ndarray | None = None) -> WrinkleFieldPicture:
     """The shown mesh for a frame and its state, and the waves for shaders. gap: (n,) float32, how far the waves of a
     fine mesh may go inwards, object units; None: as far as outwards."""
     return WrinkleFieldPicture.of(model, lib.rumple_wrinkle_field_show, model, settings, profile, paint.of(model),
-                                  pose(positions), *optional(gap, "gap", FLOAT), state)
+                                  WrinkleFieldPose.of(model, positions), *optional(gap, "gap", FLOAT), state)
 
 
-__all__ = ["PROFILE_INTERVALS", "WrinkleFieldModel", "WrinkleFieldPaint", "WrinkleFieldPicture", "WrinkleFieldProfile",
-           "WrinkleFieldReport", "WrinkleFieldSettings", "WrinkleFieldState", "build_wrinkle_field",
-           "show_wrinkle_field", "solve_wrinkle_field"]
+__all__ = ["PROFILE_INTERVALS", "WrinkleFieldModel", "WrinkleFieldPaint", "WrinkleFieldPicture", "WrinkleFieldPose",
+           "WrinkleFieldProfile", "WrinkleFieldReport", "WrinkleFieldSettings", "WrinkleFieldState",
+           "build_wrinkle_field", "show_wrinkle_field", "solve_wrinkle_field"]

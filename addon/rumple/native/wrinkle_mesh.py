@@ -11,7 +11,8 @@ from .arrays import BYTE, FLOAT, address, checked, fill, lent, new
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice
-from .surface import REFERENCE_ARRAYS, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan, pose
+from .surface import (REFERENCE_ARRAYS, FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference,
+                      fine_plan)
 
 PAINTED = ("radius", "prestretch", "bending", "inside")
 
@@ -89,6 +90,14 @@ class WrinkleMeshPaint(Handle):
         self._filled(self, lib.rumple_wrinkle_mesh_paint_build, model, painted_factors(painted or {}))
 
 
+class WrinkleMeshPose(FramePose):
+    """What the positions of one frame make of a model. Made by WrinkleMeshPose.of(model, positions, ...)."""
+
+    __slots__ = ()
+    POINTER, FREE = c.WrinkleMeshPosePointer, "rumple_wrinkle_mesh_pose_free"
+    BUILD = "rumple_wrinkle_mesh_pose_build"
+
+
 class WrinkleMeshState(Handle):
     """What lives from frame to frame."""
 
@@ -143,11 +152,12 @@ class WrinkleMeshMeasures(c.WrinkleMeshMeasures):
 
 
 def solve_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, paint: WrinkleMeshPaint | None,
-                       positions: np.ndarray, state: WrinkleMeshState | None = None,
+                       positions: np.ndarray | WrinkleMeshPose, state: WrinkleMeshState | None = None,
                        world_from_object: np.ndarray | None = None, reference: bool = False, time: float = 0.0,
                        labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
                        next_time: float = 0.0) -> tuple[WrinkleMeshState, WrinkleMeshReport]:
-    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space.
+    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or the pose
+    that was made of them and of all that follows state.
 
     state: of the frame before, or None for the canonical start. world_from_object: (3, 3) float32, used when offsets
     ride in world space. reference: the printed sequential sweeps, for tests. The rest is for a rest shape that adapts:
@@ -157,27 +167,34 @@ def solve_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, p
     report = WrinkleMeshReport()
     solve = lib.rumple_wrinkle_mesh_solve_in_order if reference else lib.rumple_wrinkle_mesh_solve
     return WrinkleMeshState.made(
-        solve, model, settings, paint, pose(positions, time, labels, next_positions, next_time, world_from_object),
-        state, report), report
+        solve, model, settings, paint, WrinkleMeshPose.of(
+            model, positions, time, labels, next_positions, next_time, world_from_object), state, report), report
 
 
-def show_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, positions: np.ndarray,
-                      state: WrinkleMeshState, world_from_object: np.ndarray | None = None) -> ShownFrame:
-    """The shown mesh for a frame and its state."""
+def _in_world(model: WrinkleMeshModel, positions: np.ndarray | WrinkleMeshPose,
+              world_from_object: np.ndarray | None) -> WrinkleMeshPose:
+    return WrinkleMeshPose.of(model, positions, 0.0, None, None, 0.0, world_from_object)
+
+
+def show_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings,
+                      positions: np.ndarray | WrinkleMeshPose, state: WrinkleMeshState,
+                      world_from_object: np.ndarray | None = None) -> ShownFrame:
+    """The shown mesh for a frame and its state. positions: as solve_wrinkle_mesh() takes them."""
     return ShownFrame.of(model, lib.rumple_wrinkle_mesh_show, model, settings,
-                         pose(positions, world_from_object=world_from_object), state)
+                         _in_world(model, positions, world_from_object), state)
 
 
 def measure_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, paint: WrinkleMeshPaint | None,
-                         positions: np.ndarray, state: WrinkleMeshState,
+                         positions: np.ndarray | WrinkleMeshPose, state: WrinkleMeshState,
                          world_from_object: np.ndarray | None = None) -> WrinkleMeshMeasures:
     """Edge-length errors, areas and attachment violation of a frame."""
     measures = WrinkleMeshMeasures()
     measures.offsets = new(FLOAT, model.solved_vertex_count, 3)
-    lib.rumple_wrinkle_mesh_measure(model, settings, paint, pose(positions, world_from_object=world_from_object),
+    lib.rumple_wrinkle_mesh_measure(model, settings, paint, _in_world(model, positions, world_from_object),
                                     state, measures, address(measures.offsets), len(measures.offsets))
     return measures
 
 
-__all__ = ["WrinkleMeshMeasures", "WrinkleMeshModel", "WrinkleMeshPaint", "WrinkleMeshReport", "WrinkleMeshSettings",
-           "WrinkleMeshState", "build_wrinkle_mesh", "measure_wrinkle_mesh", "show_wrinkle_mesh", "solve_wrinkle_mesh"]
+__all__ = ["WrinkleMeshMeasures", "WrinkleMeshModel", "WrinkleMeshPaint", "WrinkleMeshPose", "WrinkleMeshReport",
+           "WrinkleMeshSettings", "WrinkleMeshState", "build_wrinkle_mesh", "measure_wrinkle_mesh", "show_wrinkle_mesh",
+           "solve_wrinkle_mesh"]

@@ -11,7 +11,8 @@ from .arrays import FLOAT, INT, checked, fill, lent
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice, chosen
-from .surface import (Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan, pose, stored_array)
+from .surface import (FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan,
+                      stored_array)
 from .wrinkle_mesh import reference_arrays
 
 
@@ -67,6 +68,14 @@ class WrinklePathsPaint(Handle):
             chosen(name, "paint", {"mask": 0})
             fill(values, name, checked(array, name, FLOAT), FLOAT)
         self._filled(self, lib.rumple_wrinkle_paths_paint_build, model, values)
+
+
+class WrinklePathsPose(FramePose):
+    """What the positions of one frame make of a model. Made by WrinklePathsPose.of(model, positions, ...)."""
+
+    __slots__ = ()
+    POINTER, FREE = c.WrinklePathsPosePointer, "rumple_wrinkle_paths_pose_free"
+    BUILD = "rumple_wrinkle_paths_pose_build"
 
 
 class WrinklePathsState(Handle):
@@ -129,10 +138,11 @@ class WrinklePathsPicture(ShownFrame):
 
 
 def solve_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings, paint: WrinklePathsPaint | None,
-                        positions: np.ndarray, time: float, state: WrinklePathsState | None = None,
+                        positions: np.ndarray | WrinklePathsPose, time: float, state: WrinklePathsState | None = None,
                         labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
                         next_time: float = 0.0) -> tuple[WrinklePathsState, WrinklePathsReport]:
-    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space. time: seconds.
+    """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or
+    the pose that was made of them, time, labels and what follows. time: seconds.
 
     state: of the frame before, or None for the canonical start. labels: (t,) uint8 of label_clip. next_positions,
     next_time: the frame to come, to look ahead when labels are cut. Raises ValueError. Chapters 4 and 5.
@@ -140,13 +150,14 @@ def solve_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings
     report = WrinklePathsReport()
     return WrinklePathsState.made(
         lib.rumple_wrinkle_paths_solve, model, settings, paint,
-        pose(positions, time, labels, next_positions, next_time), state, report), report
+        WrinklePathsPose.of(model, positions, time, labels, next_positions, next_time), state, report), report
 
 
-def show_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: np.ndarray,
-                       state: WrinklePathsState) -> WrinklePathsPicture:
+def show_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings,
+                       positions: np.ndarray | WrinklePathsPose, state: WrinklePathsState) -> WrinklePathsPicture:
     """The shown mesh for a frame and its state."""
-    return WrinklePathsPicture.of(model, lib.rumple_wrinkle_paths_show, model, settings, pose(positions), state)
+    return WrinklePathsPicture.of(model, lib.rumple_wrinkle_paths_show, model, settings,
+                                  WrinklePathsPose.of(model, positions), state)
 
 
 def wrinkle_path_fault(model: WrinklePathsModel, state: WrinklePathsState) -> str:
@@ -159,6 +170,6 @@ def wrinkle_path_fault(model: WrinklePathsModel, state: WrinklePathsState) -> st
     return ""
 
 
-__all__ = ["WrinklePathsModel", "WrinklePathsPaint", "WrinklePathsPicture", "WrinklePathsReport",
+__all__ = ["WrinklePathsModel", "WrinklePathsPaint", "WrinklePathsPicture", "WrinklePathsPose", "WrinklePathsReport",
            "WrinklePathsSettings", "WrinklePathsState", "build_wrinkle_paths", "show_wrinkle_paths",
            "solve_wrinkle_paths", "wrinkle_path_fault"]

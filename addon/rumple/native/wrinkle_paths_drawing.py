@@ -10,8 +10,9 @@ from . import c
 from .arrays import FLOAT, INT, address, given, new, optional
 from .handle import Array, Handle
 from .library import lib
-from .surface import pose
-from .wrinkle_paths import WrinklePathsModel, WrinklePathsSettings, WrinklePathsState
+from .wrinkle_paths import WrinklePathsModel, WrinklePathsPose, WrinklePathsSettings, WrinklePathsState
+
+Positions = np.ndarray | WrinklePathsPose  # (n, 3) float32, deformed base, object space; or what was made of it
 
 
 class WrinklePathsCurves(Handle):
@@ -77,46 +78,50 @@ class WrinklePathsDrawing(WrinklePathsLists):
         return self
 
 
-def wrinkle_path_lists(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: np.ndarray,
+def wrinkle_path_lists(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: Positions,
                        state: WrinklePathsState) -> WrinklePathsLists:
     """For every triangle the pieces of folds that reach it."""
-    return WrinklePathsLists.made(lib.rumple_wrinkle_paths_list, model, settings, pose(positions), state)
+    return WrinklePathsLists.made(lib.rumple_wrinkle_paths_list, model, settings,
+                                  WrinklePathsPose.of(model, positions), state)
 
 
-def wrinkle_path_curves(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: np.ndarray,
+def wrinkle_path_curves(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: Positions,
                         state: WrinklePathsState) -> WrinklePathsCurves:
     """The smoothed paths as lines in object space, with width and height at every point."""
-    return WrinklePathsCurves.made(lib.rumple_wrinkle_paths_trace, model, settings, pose(positions), state)
+    return WrinklePathsCurves.made(lib.rumple_wrinkle_paths_trace, model, settings,
+                                   WrinklePathsPose.of(model, positions), state)
 
 
-def ride_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: np.ndarray,
+def ride_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: Positions,
                        state: WrinklePathsState, animated: np.ndarray | None = None) -> WrinklePathsRidingCurves:
     """The paths as curves along the crests, which ride on any pose of the base. positions: (n, 3) float32, deformed
     base, object space. animated: the same of what they are to ride on, where that is not what was solved over."""
-    return WrinklePathsRidingCurves.made(lib.rumple_wrinkle_paths_ride, model, settings, pose(positions),
+    return WrinklePathsRidingCurves.made(lib.rumple_wrinkle_paths_ride, model, settings,
+                                         WrinklePathsPose.of(model, positions),
                                          *optional(animated, "animated", FLOAT, 3), state)
 
 
-def wrinkle_path_stretches(model: WrinklePathsModel, positions: np.ndarray, state: WrinklePathsState) -> np.ndarray:
+def wrinkle_path_stretches(model: WrinklePathsModel, positions: Positions, state: WrinklePathsState) -> np.ndarray:
     """(t, 2) float32: compression (1 / lambda_min) and stretch of every triangle from its reference."""
     out = new(FLOAT, model.triangle_count, 2)
-    lib.rumple_wrinkle_paths_stretches(model, pose(positions), state, address(out), len(out))
+    lib.rumple_wrinkle_paths_stretches(model, WrinklePathsPose.of(model, positions), state, address(out), len(out))
     return out
 
 
-def wrinkle_path_ellipses(model: WrinklePathsModel, positions: np.ndarray, state: WrinklePathsState,
+def wrinkle_path_ellipses(model: WrinklePathsModel, positions: Positions, state: WrinklePathsState,
                           size: float = 0.8) -> np.ndarray:
     """(t, 9) float32: centre and two semi-axes, compressed and stretched, of what became of a circle on every
     reference triangle. size: its radius over that of the inscribed circle. Object space."""
     out = new(FLOAT, model.triangle_count, 9)
-    lib.rumple_wrinkle_paths_ellipses(model, pose(positions), state, size, address(out), len(out))
+    lib.rumple_wrinkle_paths_ellipses(model, WrinklePathsPose.of(model, positions), state, size, address(out), len(out))
     return out
 
 
-def draw_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: np.ndarray,
+def draw_wrinkle_paths(model: WrinklePathsModel, settings: WrinklePathsSettings, positions: Positions,
                        state: WrinklePathsState) -> WrinklePathsDrawing:
     """What the viewport draws a frame from."""
-    return WrinklePathsDrawing.made(lib.rumple_wrinkle_paths_draw, model, settings, pose(positions), state)
+    return WrinklePathsDrawing.made(lib.rumple_wrinkle_paths_draw, model, settings,
+                                    WrinklePathsPose.of(model, positions), state)
 
 
 def drawn_wrinkle_paths(model: Any, settings: WrinklePathsSettings, drawing: WrinklePathsDrawing, triangle: np.ndarray,

@@ -112,6 +112,14 @@ RUMPLE_API void rumple_wrinkle_field_paint_free(rumple_wrinkle_field_paint* pain
 
 // ---- frames
 
+// What the positions of one frame make of a model: the welded base and M of equation (1). Made once a frame
+// and handed to all that is asked of the frame. It keeps its model and a copy of the arrays of `frame`.
+typedef struct rumple_wrinkle_field_pose rumple_wrinkle_field_pose;
+RUMPLE_API rumple_status rumple_wrinkle_field_pose_build(const rumple_wrinkle_field* model,
+                                                         const rumple_pose* frame,
+                                                         rumple_wrinkle_field_pose** pose);
+RUMPLE_API void rumple_wrinkle_field_pose_free(rumple_wrinkle_field_pose* pose);
+
 // What lives from frame to frame.
 typedef struct rumple_wrinkle_field_state rumple_wrinkle_field_state;
 RUMPLE_API void rumple_wrinkle_field_state_free(rumple_wrinkle_field_state* state);
@@ -150,7 +158,7 @@ typedef struct rumple_wrinkle_field_report {
 RUMPLE_API rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
                                                     const rumple_wrinkle_field_settings* settings,
                                                     const rumple_wrinkle_field_paint* paint,
-                                                    const rumple_pose* pose,
+                                                    const rumple_wrinkle_field_pose* pose,
                                                     const rumple_wrinkle_field_state* before,
                                                     rumple_wrinkle_field_report* report,
                                                     rumple_wrinkle_field_state** state);
@@ -161,7 +169,7 @@ RUMPLE_API rumple_status rumple_wrinkle_field_show(const rumple_wrinkle_field* m
                                                    const rumple_wrinkle_field_settings* settings,
                                                    const rumple_wrinkle_field_profile* profile,
                                                    const rumple_wrinkle_field_paint* paint,
-                                                   const rumple_pose* pose, const float* gap,
+                                                   const rumple_wrinkle_field_pose* pose, const float* gap,
                                                    size_t gap_count, const rumple_wrinkle_field_state* state,
                                                    rumple_frame** frame);
 

@@ -105,6 +105,14 @@ RUMPLE_API void rumple_wrinkle_mesh_paint_free(rumple_wrinkle_mesh_paint* paint)
 
 // ---- frames, section 4
 
+// What the positions of one frame make of a model: the deformed base and the attachments. Made once a frame
+// and handed to all that is asked of the frame. It keeps its model and a copy of the arrays of `frame`.
+typedef struct rumple_wrinkle_mesh_pose rumple_wrinkle_mesh_pose;
+RUMPLE_API rumple_status rumple_wrinkle_mesh_pose_build(const rumple_wrinkle_mesh* model,
+                                                        const rumple_pose* frame,
+                                                        rumple_wrinkle_mesh_pose** pose);
+RUMPLE_API void rumple_wrinkle_mesh_pose_free(rumple_wrinkle_mesh_pose* pose);
+
 // What lives from frame to frame.
 typedef struct rumple_wrinkle_mesh_state rumple_wrinkle_mesh_state;
 RUMPLE_API void rumple_wrinkle_mesh_state_free(rumple_wrinkle_mesh_state* state);
@@ -139,20 +147,26 @@ typedef struct rumple_wrinkle_mesh_report {
 
 // One frame. paint: or NULL. before: of the frame before, or NULL: the canonical start. report: written, or
 // NULL. Deterministic on any number of threads. Cost: O(iterations x pairs).
-RUMPLE_API rumple_status rumple_wrinkle_mesh_solve(
-    const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_settings* settings,
-    const rumple_wrinkle_mesh_paint* paint, const rumple_pose* pose, const rumple_wrinkle_mesh_state* before,
-    rumple_wrinkle_mesh_report* report, rumple_wrinkle_mesh_state** state);
+RUMPLE_API rumple_status rumple_wrinkle_mesh_solve(const rumple_wrinkle_mesh* model,
+                                                   const rumple_wrinkle_mesh_settings* settings,
+                                                   const rumple_wrinkle_mesh_paint* paint,
+                                                   const rumple_wrinkle_mesh_pose* pose,
+                                                   const rumple_wrinkle_mesh_state* before,
+                                                   rumple_wrinkle_mesh_report* report,
+                                                   rumple_wrinkle_mesh_state** state);
 // The same with the sweeps one constraint after the other, as printed. For tests.
-RUMPLE_API rumple_status rumple_wrinkle_mesh_solve_in_order(
-    const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_settings* settings,
-    const rumple_wrinkle_mesh_paint* paint, const rumple_pose* pose, const rumple_wrinkle_mesh_state* before,
-    rumple_wrinkle_mesh_report* report, rumple_wrinkle_mesh_state** state);
+RUMPLE_API rumple_status rumple_wrinkle_mesh_solve_in_order(const rumple_wrinkle_mesh* model,
+                                                            const rumple_wrinkle_mesh_settings* settings,
+                                                            const rumple_wrinkle_mesh_paint* paint,
+                                                            const rumple_wrinkle_mesh_pose* pose,
+                                                            const rumple_wrinkle_mesh_state* before,
+                                                            rumple_wrinkle_mesh_report* report,
+                                                            rumple_wrinkle_mesh_state** state);
 
 // The shown mesh of a solved frame.
 RUMPLE_API rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,
                                                   const rumple_wrinkle_mesh_settings* settings,
-                                                  const rumple_pose* pose,
+                                                  const rumple_wrinkle_mesh_pose* pose,
                                                   const rumple_wrinkle_mesh_state* state,
                                                   rumple_frame** frame);
 
@@ -168,10 +182,13 @@ typedef struct rumple_wrinkle_mesh_measures {
     float largest_offset;        // object units
 } rumple_wrinkle_mesh_measures;
 // offsets: (v, 3), o_i in the triangle frame, written.
-RUMPLE_API rumple_status rumple_wrinkle_mesh_measure(
-    const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_settings* settings,
-    const rumple_wrinkle_mesh_paint* paint, const rumple_pose* pose, const rumple_wrinkle_mesh_state* state,
-    rumple_wrinkle_mesh_measures* measures, float* offsets, size_t offsets_count);
+RUMPLE_API rumple_status rumple_wrinkle_mesh_measure(const rumple_wrinkle_mesh* model,
+                                                     const rumple_wrinkle_mesh_settings* settings,
+                                                     const rumple_wrinkle_mesh_paint* paint,
+                                                     const rumple_wrinkle_mesh_pose* pose,
+                                                     const rumple_wrinkle_mesh_state* state,
+                                                     rumple_wrinkle_mesh_measures* measures, float* offsets,
+                                                     size_t offsets_count);
 
 // Labels of a whole clip in one cut (Gillette 2015, section 4.1.2), of a model that was built adaptive.
 // times: (f), s, ascending. positions: (f n, 3), frame after frame. raw: every triangle's cheapest label for

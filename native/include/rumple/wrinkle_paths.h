@@ -79,6 +79,14 @@ RUMPLE_API void rumple_wrinkle_paths_paint_free(rumple_wrinkle_paths_paint* pain
 
 // ---- frames, chapters 4 and 5
 
+// What the positions of one frame make of a model: the shapes and frames of the triangles. Made once a frame
+// and handed to all that is asked of the frame. It keeps its model and a copy of the arrays of `frame`.
+typedef struct rumple_wrinkle_paths_pose rumple_wrinkle_paths_pose;
+RUMPLE_API rumple_status rumple_wrinkle_paths_pose_build(const rumple_wrinkle_paths* model,
+                                                         const rumple_pose* frame,
+                                                         rumple_wrinkle_paths_pose** pose);
+RUMPLE_API void rumple_wrinkle_paths_pose_free(rumple_wrinkle_paths_pose* pose);
+
 // What lives from frame to frame.
 typedef struct rumple_wrinkle_paths_state rumple_wrinkle_paths_state;
 RUMPLE_API void rumple_wrinkle_paths_state_free(rumple_wrinkle_paths_state* state);
@@ -130,7 +138,7 @@ typedef struct rumple_wrinkle_paths_report {
 RUMPLE_API rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
                                                     const rumple_wrinkle_paths_settings* settings,
                                                     const rumple_wrinkle_paths_paint* paint,
-                                                    const rumple_pose* pose,
+                                                    const rumple_wrinkle_paths_pose* pose,
                                                     const rumple_wrinkle_paths_state* before,
                                                     rumple_wrinkle_paths_report* report,
                                                     rumple_wrinkle_paths_state** state);
@@ -138,7 +146,7 @@ RUMPLE_API rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* 
 // Chapters 6 to 8: the shown mesh of a solved frame. Of the pose only positions are read, here and below.
 RUMPLE_API rumple_status rumple_wrinkle_paths_show(const rumple_wrinkle_paths* model,
                                                    const rumple_wrinkle_paths_settings* settings,
-                                                   const rumple_pose* pose,
+                                                   const rumple_wrinkle_paths_pose* pose,
                                                    const rumple_wrinkle_paths_state* state,
                                                    rumple_frame** frame);
 typedef struct rumple_frame_folds_view {
@@ -180,27 +188,27 @@ RUMPLE_API rumple_status rumple_curves_get_view(const rumple_curves* curves, rum
 // On the triangles of the deformed base but for the smoothing.
 RUMPLE_API rumple_status rumple_wrinkle_paths_trace(const rumple_wrinkle_paths* model,
                                                     const rumple_wrinkle_paths_settings* settings,
-                                                    const rumple_pose* pose,
+                                                    const rumple_wrinkle_paths_pose* pose,
                                                     const rumple_wrinkle_paths_state* state,
                                                     rumple_curves** curves);
 // On the crests of the folds, hems faded, riding on any pose of the base. animated: (n, 3) of what they are
 // to ride on, where that is not what was solved over; or none.
 RUMPLE_API rumple_status rumple_wrinkle_paths_ride(const rumple_wrinkle_paths* model,
                                                    const rumple_wrinkle_paths_settings* settings,
-                                                   const rumple_pose* pose, const float* animated,
-                                                   size_t animated_count,
+                                                   const rumple_wrinkle_paths_pose* pose,
+                                                   const float* animated, size_t animated_count,
                                                    const rumple_wrinkle_paths_state* state,
                                                    rumple_curves** curves);
 
 // Compression (1 / lambda_min) and stretch of every triangle from its reference: (t, 2), written.
 RUMPLE_API rumple_status rumple_wrinkle_paths_stretches(const rumple_wrinkle_paths* model,
-                                                        const rumple_pose* pose,
+                                                        const rumple_wrinkle_paths_pose* pose,
                                                         const rumple_wrinkle_paths_state* state,
                                                         float* stretches, size_t stretches_count);
 // Centre and two semi-axes, compressed and stretched, of what became of a circle on every reference triangle:
 // (t, 9), object space, written. size: its radius over that of the inscribed circle.
 RUMPLE_API rumple_status rumple_wrinkle_paths_ellipses(const rumple_wrinkle_paths* model,
-                                                       const rumple_pose* pose,
+                                                       const rumple_wrinkle_paths_pose* pose,
                                                        const rumple_wrinkle_paths_state* state, float size,
                                                        float* ellipses, size_t ellipses_count);
 
@@ -233,13 +241,13 @@ RUMPLE_API rumple_status rumple_drawing_get_view(const rumple_drawing* drawing, 
 // All of it. Cost: that of the triangles reached.
 RUMPLE_API rumple_status rumple_wrinkle_paths_draw(const rumple_wrinkle_paths* model,
                                                    const rumple_wrinkle_paths_settings* settings,
-                                                   const rumple_pose* pose,
+                                                   const rumple_wrinkle_paths_pose* pose,
                                                    const rumple_wrinkle_paths_state* state,
                                                    rumple_drawing** drawing);
 // The lists of pieces alone: section 7.2.
 RUMPLE_API rumple_status rumple_wrinkle_paths_list(const rumple_wrinkle_paths* model,
                                                    const rumple_wrinkle_paths_settings* settings,
-                                                   const rumple_pose* pose,
+                                                   const rumple_wrinkle_paths_pose* pose,
                                                    const rumple_wrinkle_paths_state* state,
                                                    rumple_drawing** drawing);
 // Position, height and normal that the shaders make of places: (p, 7), written. For tests. triangles: (p).

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Equation (1) at one vertex of a pose. Internal to wrinkle_field.
+// Equation (1) at one vertex of a pose, and work at all vertices. Internal to wrinkle_field.
 #pragma once
 
+#include <algorithm>
 #include <optional>
+#include <thread>
 
+#include "base/parallel.h"
 #include "systems/wrinkle_field/wrinkle_field.h"
 
 namespace rumple::wrinkle_field {
-
-// M from the rest frame of a vertex to its deformed frame (t', b').
-struct Neighbourhood {
-    Vec3 tangent;
-    Vec3 bitangent;
-    glm::mat2 m;
-};
 
 // positions: of the welded vertices, deformed. normal: of the vertex there. None without a normal, in this
 // pose or at rest.
@@ -32,6 +28,26 @@ inline std::optional<Neighbourhood> regress(const Model& model, std::span<const 
             n.gradient);
     }
     return out;
+}
+
+// Below this many vertices threads are not worth it: a round takes some hundred microseconds alone.
+inline constexpr size_t kVerticesForThreads = 50'000;
+inline constexpr int kMostThreads = 8;
+
+inline int choose_threads(const Settings& settings, size_t vertices) {
+    if (settings.threads > 0) return settings.threads;
+    if (vertices < kVerticesForThreads) return 1;
+    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
+}
+
+// work(v) for every vertex, on all threads.
+template <typename Work>
+void for_each_vertex(const Settings& settings, size_t vertices, Work&& work) {
+    Team team(choose_threads(settings, vertices));
+    team.run([&](int thread) {
+        const Team::Range part = team.partition(0, vertices, thread);
+        for (size_t v = part.begin; v < part.end; ++v) work(v);
+    });
 }
 
 }  // namespace rumple::wrinkle_field

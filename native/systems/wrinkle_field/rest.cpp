@@ -31,14 +31,20 @@ Vec3 root(const Tensor2& strain) {
 std::vector<Vec3> reference_stretches(const Model& model, const ReferenceState& reference,
                                       std::span<const Vec3> positions) {
     if (reference.empty()) return {};
+    return reference_stretches(model, reference, weld_pose(model, positions));
+}
+
+std::vector<Vec3> reference_stretches(const Model& model, const ReferenceState& reference, const Pose& at) {
+    if (reference.empty()) return {};
     expect_count("state.reference", reference.reference.size(), model.triangles.rest.size(), "triangles");
-    const FlatPose pose = flat_pose(model.triangles.net, weld_pose(model, positions).positions);
+    const FlatPose pose = flat_pose(model.triangles.net, at.positions);
     std::vector<Tensor2> strains;
     for (size_t t = 0; t < pose.shapes.size(); ++t)
         strains.push_back(strain(model.triangles.rest[t], reference.reference[t], pose.shapes[t]));
-    const std::vector<Tensor2> at = at_vertices(model.stretch, strains);
+    const std::vector<Tensor2> mean = at_vertices(model.stretch, strains);
     std::vector<Vec3> stretches;
-    for (size_t v = 0; v < at.size(); ++v) stretches.push_back(root(rotated(at[v], model.vertex_turn[v])));
+    for (size_t v = 0; v < mean.size(); ++v)
+        stretches.push_back(root(rotated(mean[v], model.vertex_turn[v])));
     return stretches;
 }
 

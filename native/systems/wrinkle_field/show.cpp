@@ -166,9 +166,14 @@ Height evaluate(const Model& model, const Waves& waves, const Profile& profile, 
 
 Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
                   std::span<const Vec3> positions, const State& state) {
+    return shown_waves(model, settings, profile, paint, make_pose(model, positions), state);
+}
+
+Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+                  const Pose& pose, const State& state) {
     expect_count("state", state.phase.size(), model.base.positions_rest.size(), "welded vertices");
-    Waves waves = estimate_waves(model, settings, paint, positions, state.direction,
-                                 reference_stretches(model, state.reference, positions));
+    Waves waves = estimate_waves(model, settings, paint, pose, state.direction,
+                                 reference_stretches(model, state.reference, pose));
     if (model.output == Output::kGeometry && settings.keep_length) keep_length(profile, waves);
     if (settings.dissolve) dissolve(model, settings, state.phase, waves);
     return waves;
@@ -176,8 +181,14 @@ Waves shown_waves(const Model& model, const Settings& settings, const Profile& p
 
 Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
              std::span<const Vec3> positions, const State& state, std::span<const float> gap) {
+    return show(model, settings, profile, paint, positions, make_pose(model, positions), state, gap);
+}
+
+Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+             std::span<const Vec3> positions, const Pose& pose, const State& state,
+             std::span<const float> gap) {
     if (!gap.empty()) expect_count("gap", gap.size(), model.base.display.vertex_count, "vertices");
-    const Waves waves = shown_waves(model, settings, profile, paint, positions, state);
+    const Waves waves = shown_waves(model, settings, profile, paint, pose, state);
     Picture picture;
     if (model.output == Output::kGeometry) {
         displace(model, waves, profile, state.phase, gap, picture);

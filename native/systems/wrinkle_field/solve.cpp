@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections 4 and 5 of Loviscach 2006: "Crush" (estimate_waves) and "Relax".
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <complex>
 #include <glm/gtc/noise.hpp>
@@ -19,31 +20,11 @@ namespace {
 
 using formulas::Link;
 
-// Below this many vertices threads are not worth it: a round takes some hundred microseconds alone.
-constexpr size_t kVerticesForThreads = 50'000;
-constexpr int kMostThreads = 8;
-
 // How far irregularity = 1 goes: k turns by up to this many radians, W changes by up to this share.
 constexpr float kMostTurn = 0.8f;
 constexpr float kMostWavelengthChange = 0.4f;
 // Wavelengths over which the irregularity changes.
 constexpr float kIrregularityScale = 2.0f;
-
-int choose_threads(const Settings& settings, size_t vertices) {
-    if (settings.threads > 0) return settings.threads;
-    if (vertices < kVerticesForThreads) return 1;
-    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
-}
-
-// work(v) for every vertex, on all threads.
-template <typename Work>
-void for_each_vertex(const Settings& settings, size_t vertices, Work&& work) {
-    Team team(choose_threads(settings, vertices));
-    team.run([&](int thread) {
-        const Team::Range part = team.partition(0, vertices, thread);
-        for (size_t v = part.begin; v < part.end; ++v) work(v);
-    });
-}
 
 void check_paint(const Model& model, const Paint& paint) {
     const size_t vertices = model.base.welded_of.size();
@@ -267,29 +248,23 @@ std::vector<Vec2> first_directions(const Model& model) {
     return directions;
 }
 
-Pose weld_pose(const Model& model, std::span<const Vec3> positions) {
-    expect_count("positions", positions.size(), model.base.welded_of.size(), "vertices");
-    expect_finite("positions", positions, "vertex");
-    Pose pose;
-    pose.positions.resize(model.base.positions_rest.size());
-    pose.normals.resize(model.base.positions_rest.size());
-    weld_positions(model.base, positions, pose.positions);
-    vertex_normals(model.base, pose.positions, pose.normals);
-    return pose;
-}
-
 Waves estimate_waves(const Model& model, const Settings& settings, const Paint& paint,
                      std::span<const Vec3> positions, std::span<const Vec2> before,
                      std::span<const Vec3> stretches) {
+    return estimate_waves(model, settings, paint, make_pose(model, positions), before, stretches);
+}
+
+Waves estimate_waves(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
+                     std::span<const Vec2> before, std::span<const Vec3> stretches) {
     const WaveParameters parameters = wave_parameters(model, settings, paint);
-    Pose pose = weld_pose(model, positions);
     const size_t vertices = model.base.positions_rest.size();
+    assert(pose.around.size() == vertices);
     if (!before.empty()) expect_count("directions", before.size(), vertices, "welded vertices");
     if (!stretches.empty()) expect_count("stretches", stretches.size(), vertices, "welded vertices");
     expect_finite("stretches", stretches, "welded vertex");
     Waves waves;
-    waves.positions = std::move(pose.positions);
-    waves.normals = std::move(pose.normals);
+    waves.positions = pose.positions;
+    waves.normals = pose.normals;
     waves.wave_vector.assign(vertices, Vec3(0.0f));
     waves.height.assign(vertices, 0.0f);
     waves.fullness.assign(vertices, 0.0f);
@@ -299,7 +274,7 @@ Waves estimate_waves(const Model& model, const Settings& settings, const Paint& 
     const std::vector<Vec2> first = before.empty() ? first_directions(model) : std::vector<Vec2>();
     if (before.empty()) before = first;
     for_each_vertex(settings, vertices, [&](size_t v) {
-        const std::optional<Neighbourhood> around = regress(model, waves.positions, waves.normals[v], v);
+        const std::optional<Neighbourhood>& around = pose.around[v];
         if (!around) return;
         const glm::mat2 m = stretches.empty() ? around->m : formulas::restretched(around->m, stretches[v]);
         const formulas::WaveEstimate estimate =
@@ -353,6 +328,11 @@ State activated(const State& state) {
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             const State* state, Report& report, const FrameTime& frame_time) {
+    return solve(model, settings, paint, make_pose(model, positions), state, report, frame_time);
+}
+
+State solve(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
+            const State* state, Report& report, const FrameTime& frame_time) {
     if (state && (state->phase.size() != model.base.positions_rest.size() ||
                   state->direction.size() != state->phase.size() ||
                   state->solved_offset.size() != model.neighbours.size())) {
@@ -360,13 +340,12 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, st
     }
     State after;
     if (settings.rest.reference != Reference::kStaticRest) {
-        after.reference =
-            adapt(model.base, model.triangles, settings.rest, frame_time,
-                  weld_pose(model, positions).positions, state ? state->reference : ReferenceState{});
+        after.reference = adapt(model.base, model.triangles, settings.rest, frame_time, pose.positions,
+                                state ? state->reference : ReferenceState{});
     }
-    const Waves waves = estimate_waves(model, settings, paint, positions,
+    const Waves waves = estimate_waves(model, settings, paint, pose,
                                        state ? std::span(state->direction) : std::span<const Vec2>(),
-                                       reference_stretches(model, after.reference, positions));
+                                       reference_stretches(model, after.reference, pose));
     const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
     after.direction = waves.direction;
     report = {};

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/formulas.h"
@@ -159,18 +160,30 @@ WaveParameters wave_parameters(const Model& model, const Settings& settings, con
 // direction is compressed more than another.
 std::vector<Vec2> first_directions(const Model& model);
 
+// M from the rest frame of a vertex to its deformed frame (t', b').
+struct Neighbourhood {
+    Vec3 tangent;
+    Vec3 bitangent;
+    glm::mat2 m;
+};
+
 // Deformed positions and unit normals (or zero) of the welded vertices. positions: as estimate_waves() takes
 // them.
 struct Pose {
     std::vector<Vec3> positions;
     std::vector<Vec3> normals;
+    std::vector<std::optional<Neighbourhood>> around;  // none without a normal; empty: weld_pose() alone
 };
 Pose weld_pose(const Model& model, std::span<const Vec3> positions);
+// With M around every vertex, equation (1). Made once a frame, for all that is asked of the frame. Throws
+// InvalidInput when positions do not match the model or are not finite. Cost: O(edges).
+Pose make_pose(const Model& model, std::span<const Vec3> positions);
 
 // For an adaptive rest shape: the stretch of every welded vertex from the reference triangles around it, (xx,
 // xy, yy) of the symmetric U in its rest frame; estimate_waves() measures compression by it. Empty for an
 // empty reference. Throws InvalidInput when reference or positions do not match the model. Cost:
 // O(triangles).
+std::vector<Vec3> reference_stretches(const Model& model, const ReferenceState& reference, const Pose& pose);
 std::vector<Vec3> reference_stretches(const Model& model, const ReferenceState& reference,
                                       std::span<const Vec3> positions);
 
@@ -178,6 +191,8 @@ std::vector<Vec3> reference_stretches(const Model& model, const ReferenceState& 
 // before: directions of the frame before, or empty. stretches: reference_stretches(), or empty: the rest pose
 // counts. Throws InvalidInput when positions, paint, directions or stretches do not match the model, or are
 // not finite, or a painted vector is not shorter than 1. Cost: O(edges).
+Waves estimate_waves(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
+                     std::span<const Vec2> before, std::span<const Vec3> stretches = {});
 Waves estimate_waves(const Model& model, const Settings& settings, const Paint& paint,
                      std::span<const Vec3> positions, std::span<const Vec2> before,
                      std::span<const Vec3> stretches = {});
@@ -215,11 +230,16 @@ float misfit(const Model& model, const Waves& waves, std::span<const float> phas
 // phase. A state of another model counts as none; one without a reference starts one. frame_time: read by an
 // adaptive rest shape only. Throws InvalidInput as estimate_waves() and check() do, and when frame_time or
 // reference do not match the model. Cost: O(rounds x edges).
+// pose: of make_pose(); so in all that follows.
+State solve(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
+            const State* state, Report& report, const FrameTime& frame_time = {});
 State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             const State* state, Report& report, const FrameTime& frame_time = {});
 
 // The waves that show() draws: estimate_waves(), dissolve() and, as geometry, keep_length(), as far as
 // settings ask for them. Throws as show() does.
+Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+                  const Pose& pose, const State& state);
 Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
                   std::span<const Vec3> positions, const State& state);
 
@@ -239,6 +259,9 @@ struct Picture : ShownFrame {
 // gap: per vertex of the base as the artist has it, how far the waves of kGeometry may go inwards, object
 // units; empty: as far as outwards. Throws InvalidInput when positions, paint, state or gap do not match the
 // model. Cost: O(triangles + shown vertices).
+Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
+             std::span<const Vec3> positions, const Pose& pose, const State& state,
+             std::span<const float> gap = {});
 Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
              std::span<const Vec3> positions, const State& state, std::span<const float> gap = {});
 

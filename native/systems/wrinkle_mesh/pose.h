@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One frame of the base as the solver of the Wrinkle Mesh sees it. Inside this
-// system only.
+// One frame of the base as the solver of the Wrinkle Mesh sees it. For this system
+// and for the handles of the library.
 #pragma once
 
 #include <span>
@@ -30,9 +30,15 @@ struct Pose {
 // Throws InvalidInput when positions do not match the model or are not finite.
 Pose make_pose(const Model& model, const Input& input);
 
-// solve() for a pose that is made.
+// What a frame is asked for, with its pose, that make_pose() made of `input`.
 State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                  const Pose& pose, const State* state, Report& report);
+State solve_pose_reference(const Model& model, const Settings& settings, const Paint& paint,
+                           const Input& input, const Pose& pose, const State* state, Report& report);
+void show_pose(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
+               const State& state, Picture& picture);
+Measures measure_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                      const Pose& pose, const State& state);
 
 // p_i = a_i + o_i (2), object space.
 std::vector<Vec3> solved_positions(const Model& model, const Settings& settings, const Input& input,

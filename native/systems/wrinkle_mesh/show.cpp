@@ -41,8 +41,12 @@ std::vector<Vec3> solved_positions(const Model& model, const Settings& settings,
 
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture) {
+    show_pose(model, settings, input, make_pose(model, input), state, picture);
+}
+
+void show_pose(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
+               const State& state, Picture& picture) {
     check(model, state);
-    const Pose pose = make_pose(model, input);
     const size_t vertices = pose.attachment.size();
     const OffsetFrames frames(model, settings, input, pose);
     std::vector<Vec3> offset(vertices), positions(vertices);
@@ -55,9 +59,13 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
 
 Measures measure(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                  const State& state) {
+    return measure_pose(model, settings, paint, input, make_pose(model, input), state);
+}
+
+Measures measure_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                      const Pose& pose, const State& state) {
     check(model, paint);
     check(model, state);
-    const Pose pose = make_pose(model, input);
     const OffsetFrames frames(model, settings, input, pose);
     Measures out;
     std::vector<Vec3> positions(pose.attachment.size());

@@ -281,11 +281,16 @@ State solve_pose(const Model& model, const Settings& settings, const Paint& pain
 
 State solve_reference(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                       const State* state, Report& report) {
+    return solve_pose_reference(model, settings, paint, input, make_pose(model, input), state, report);
+}
+
+State solve_pose_reference(const Model& model, const Settings& settings, const Paint& paint,
+                           const Input& input, const Pose& pose, const State* state, Report& report) {
     const Relax printed = [](const Model& m, const Targets& targets, const Bounds& bounds, int iterations,
                              int, std::span<Vec3> positions) {
         relax_sequential(m, targets, bounds, iterations, positions);
     };
-    return solve_with(printed, model, settings, paint, input, make_pose(model, input), state, report);
+    return solve_with(printed, model, settings, paint, input, pose, state, report);
 }
 
 }  // namespace rumple::wrinkle_mesh

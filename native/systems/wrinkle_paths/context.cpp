@@ -9,6 +9,7 @@
 namespace rumple::wrinkle_paths {
 
 Pose make_pose(const Model& model, std::span<const Vec3> positions) {
+    check_positions(model, positions, "positions");
     std::vector<Vec3> welded(size_t(model.base.welded.vertex_count));
     weld_positions(model.base, positions, welded);
     return make_welded_pose(model, std::move(welded));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One frame of the base as the Wrinkle Paths see it. Inside this system only.
+// One frame of the base as the Wrinkle Paths see it. For this system and for the handles of the library.
 #pragma once
 
 #include <span>
@@ -9,14 +9,8 @@
 
 namespace rumple::wrinkle_paths {
 
-struct Pose : FlatPose {                // u1 of a shape lies along its frame's tangent
-    std::vector<TriangleFrame> frames;  // per triangle
-    Index collapsed = 0;
-};
-
 // Throw InvalidInput when positions do not match the model or are not finite.
 void check_positions(const Model& model, std::span<const Vec3> positions, const char* name);
-Pose make_pose(const Model& model, std::span<const Vec3> positions);
 Pose make_welded_pose(const Model& model, std::vector<Vec3> welded);
 
 // What paths stand on: the pose, and the compression of its triangles.

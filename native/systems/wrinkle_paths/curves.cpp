@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/elementary.h"
 #include "base/tolerances.h"
@@ -82,10 +83,18 @@ struct SmoothBase {
 
 RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state,
                   std::span<const Vec3> animated) {
-    RidingCurves out{curves(model, settings, input, state), {}, {}, {}};
-    if (animated.empty()) animated = input.positions;
-    check_positions(model, animated, "animated");
-    const Pose pose = make_pose(model, input.positions), ridden = make_pose(model, animated);
+    return ride(model, settings, make_pose(model, input.positions), state, animated);
+}
+
+RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose, const State& state,
+                  std::span<const Vec3> animated) {
+    RidingCurves out{curves(model, settings, pose, state), {}, {}, {}};
+    std::optional<Pose> moved;
+    if (!animated.empty()) {
+        check_positions(model, animated, "animated");
+        moved = make_pose(model, animated);
+    }
+    const Pose& ridden = moved ? *moved : pose;
     const PathContext context{model, pose, {}, {}, {}};
     const SmoothBase smooth(model, pose);
     for (size_t i = 0; i < out.positions.size(); ++i) {
@@ -105,9 +114,11 @@ RidingCurves ride(const Model& model, const Settings& settings, const Input& inp
 
 std::vector<Ellipse> ellipses(const Model& model, std::span<const Vec3> positions, const State& state,
                               float size) {
-    check_positions(model, positions, "positions");
+    return ellipses(model, make_pose(model, positions), state, size);
+}
+
+std::vector<Ellipse> ellipses(const Model& model, const Pose& pose, const State& state, float size) {
     check_reference(model.base, state);
-    const Pose pose = make_pose(model, positions);
     std::vector<Ellipse> out(model.rest.size());
     for (size_t t = 0; t < out.size(); ++t) {
         const Index* v = &model.net.vertex[3 * t];

@@ -16,8 +16,10 @@ struct RidingCurves : Curves {
     std::vector<Vec3> local_offset;             // o, object units
 };
 // animated: positions of the base that the curves are to ride on, object space, where that is not what was
-// solved (over a base cloth); empty: input.positions. Throws as show() does, and when there is not one for
+// solved (over a base cloth); empty: those of the pose. Throws as show() does, and when there is not one for
 // each vertex of the base. Cost: that of curves() and of the base's normals.
+RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose, const State& state,
+                  std::span<const Vec3> animated = {});
 RidingCurves ride(const Model& model, const Settings& settings, const Input& input, const State& state,
                   std::span<const Vec3> animated = {});
 
@@ -30,6 +32,7 @@ struct Ellipse {
 };
 // Per triangle; without axes where nothing is known. Throws InvalidInput when positions or state do not match
 // the model. Cost: O(triangles).
+std::vector<Ellipse> ellipses(const Model& model, const Pose& pose, const State& state, float size = 0.8f);
 std::vector<Ellipse> ellipses(const Model& model, std::span<const Vec3> positions, const State& state,
                               float size = 0.8f);
 

@@ -76,12 +76,16 @@ formulas::FoldBlend folds_at(const Settings& settings, const TriangleLists& list
 }  // namespace
 
 Drawing draw(const Model& model, const Settings& settings, const Input& input, const State& state) {
+    return draw(model, settings, input, make_pose(model, input.positions), state);
+}
+
+Drawing draw(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
+             const State& state) {
     Drawing drawing;
-    drawing.lists = build_triangle_lists(model, settings, input, state);
+    drawing.lists = build_triangle_lists(model, settings, pose, state);
     const Surface& base = model.base;
     const size_t vertices = size_t(base.welded.vertex_count);
-    drawing.flat.resize(vertices);
-    weld_positions(base, input.positions, drawing.flat);
+    drawing.flat = pose.positions;
     drawing.smooth = drawing.flat;
     drawing.normal.resize(vertices);
     vertex_normals(base, drawing.flat, drawing.normal);

@@ -28,6 +28,8 @@ struct Drawing {
     std::vector<Vec3> proxy_offset;  // per vertex of the base as the artist has it: the way to `smooth`
 };
 // Throws as show() does. Cost: that of the triangles reached.
+Drawing draw(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
+             const State& state);
 Drawing draw(const Model& model, const Settings& settings, const Input& input, const State& state);
 
 // What the vertex and fragment stages make of a place, for tests: their twin.

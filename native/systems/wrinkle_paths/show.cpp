@@ -237,8 +237,7 @@ Lifted lift(const PathContext& context, const Settings& settings, const Triangle
     return out;
 }
 
-void check_shown(const Model& model, const Input& input, const State& state) {
-    check_positions(model, input.positions, "positions");
+void check_shown(const Model& model, const State& state) {
     expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
     const std::string wrong = validate(model, state.paths);
     if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
@@ -248,9 +247,13 @@ void check_shown(const Model& model, const Input& input, const State& state) {
 
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture) {
+    show(model, settings, make_pose(model, input.positions), state, picture);
+}
+
+void show(const Model& model, const Settings& settings, const Pose& pose, const State& state,
+          Picture& picture) {
     check(settings);
-    check_shown(model, input, state);
-    const Pose pose = make_pose(model, input.positions);
+    check_shown(model, state);
     const PathContext context{model, pose, {}, state.compression, {}};
     const Lifted lifted = lift(context, settings, build_triangle_lists(context, settings, state.paths));
     show_frame(model.base, model.shown, model.stretch, pose.positions, pose.frames, lifted.positions,
@@ -261,16 +264,23 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
 
 TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Input& input,
                                    const State& state) {
+    return build_triangle_lists(model, settings, make_pose(model, input.positions), state);
+}
+
+TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Pose& pose,
+                                   const State& state) {
     check(settings);
-    check_shown(model, input, state);
-    const Pose pose = make_pose(model, input.positions);
+    check_shown(model, state);
     return build_triangle_lists(PathContext{model, pose, {}, state.compression, {}}, settings, state.paths);
 }
 
 Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state) {
+    return curves(model, settings, make_pose(model, input.positions), state);
+}
+
+Curves curves(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
     check(settings);
-    check_shown(model, input, state);
-    const Pose pose = make_pose(model, input.positions);
+    check_shown(model, state);
     const PathContext context{model, pose, {}, state.compression, {}};
     Curves out;
     for (const Path& path : state.paths) {

@@ -41,7 +41,6 @@ void check(const Model& model, const State& state) {
 }
 
 void check(const Model& model, const Input& input, const State* state) {
-    check_positions(model, input.positions, "positions");
     if (state) check(model, *state);
     check_frame_time(model.base, input, state);
 }
@@ -71,11 +70,15 @@ void check_positions(const Model& model, std::span<const Vec3> positions, const 
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report) {
+    return solve(model, settings, paint, input, make_pose(model, input.positions), state, report);
+}
+
+State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+            const Pose& pose, const State* state, Report& report) {
     check(settings);
     check(model, paint);
     check(model, input, state);
     report = {};
-    const Pose pose = make_pose(model, input.positions);
     const double seconds = state ? input.time - state->time : 0.0;
     State next;
     next.next_id = state ? state->next_id : 0;

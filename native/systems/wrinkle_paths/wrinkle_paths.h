@@ -105,9 +105,20 @@ struct Report {
     float moved_most = 0.0f;        // ... of the 99th percentile
 };
 
+// What the positions of one frame make of the base. Made once a frame, for all that is asked of the frame.
+struct Pose : FlatPose {                // u1 of a shape lies along its frame's tangent
+    std::vector<TriangleFrame> frames;  // per triangle
+    Index collapsed = 0;
+};
+// Throws InvalidInput when positions do not match the model or are not finite.
+Pose make_pose(const Model& model, std::span<const Vec3> positions);
+
 // Chapters 4 and 5: one frame, from `state` (of the frame before), or from the canonical start when there is
 // none. The same input gives the same bits, whatever the numbering of vertices. Throws InvalidInput when
 // positions, labels, paint or state do not match the model, are not finite, or the state is of a later time.
+// pose: make_pose() of the input's positions; so in all that follows.
+State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+            const Pose& pose, const State* state, Report& report);
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report);
 
@@ -124,6 +135,8 @@ struct Picture : ShownFrame {
     std::vector<float> height;  // per shown vertex, along the smooth normal, object units
 };
 // Throws InvalidInput when positions or state do not match the model.
+void show(const Model& model, const Settings& settings, const Pose& pose, const State& state,
+          Picture& picture);
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
           Picture& picture);
 
@@ -134,6 +147,8 @@ struct TriangleLists {
     std::vector<formulas::FoldEnd> ends;  // piece i runs from ends[i] to ends[i + 1]; two RGBA texels each
 };
 // Chapter 8: walks outwards from each segment. Throws as show() does. Cost: that of the triangles reached.
+TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Pose& pose,
+                                   const State& state);
 TriangleLists build_triangle_lists(const Model& model, const Settings& settings, const Input& input,
                                    const State& state);
 
@@ -146,6 +161,7 @@ struct Curves {
     std::vector<float> width;     // L there, object units
     std::vector<float> height;    // signed
 };
+Curves curves(const Model& model, const Settings& settings, const Pose& pose, const State& state);
 Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state);
 
 }  // namespace rumple::wrinkle_paths

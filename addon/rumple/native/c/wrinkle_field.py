@@ -19,6 +19,7 @@ FIELD_OUTPUT = {"SHADING": 0, "GEOMETRY": 1}
 PROFILE = {"SINE": 0, "ACCORDION": 1, "PENCIL_PLEATS": 2, "CURVE": 3}
 WrinkleFieldPointer = pointer_to("rumple_wrinkle_field")
 WrinkleFieldPaintPointer = pointer_to("rumple_wrinkle_field_paint")
+WrinkleFieldPosePointer = pointer_to("rumple_wrinkle_field_pose")
 WrinkleFieldStatePointer = pointer_to("rumple_wrinkle_field_state")
 WavesPointer = pointer_to("rumple_waves")
 
@@ -202,16 +203,19 @@ WRINKLE_FIELD_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_wrinkle_field_paint_build": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldPainted),
         POINTER(WrinkleFieldPaintPointer))),
     "rumple_wrinkle_field_paint_free": (None, (WrinkleFieldPaintPointer,)),
+    "rumple_wrinkle_field_pose_build": (CHECKED, (WrinkleFieldPointer, POINTER(Pose),
+        POINTER(WrinkleFieldPosePointer))),
+    "rumple_wrinkle_field_pose_free": (None, (WrinkleFieldPosePointer,)),
     "rumple_wrinkle_field_state_free": (None, (WrinkleFieldStatePointer,)),
     "rumple_wrinkle_field_state_get_view": (CHECKED, (WrinkleFieldStatePointer, POINTER(WrinkleFieldStateView))),
     "rumple_wrinkle_field_state_build": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldStateView),
         POINTER(WrinkleFieldStatePointer))),
     "rumple_wrinkle_field_state_activated": (CHECKED, (WrinkleFieldStatePointer, POINTER(WrinkleFieldStatePointer))),
     "rumple_wrinkle_field_solve": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
-        WrinkleFieldPaintPointer, POINTER(Pose), WrinkleFieldStatePointer, POINTER(WrinkleFieldReport),
+        WrinkleFieldPaintPointer, WrinkleFieldPosePointer, WrinkleFieldStatePointer, POINTER(WrinkleFieldReport),
         POINTER(WrinkleFieldStatePointer))),
     "rumple_wrinkle_field_show": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings),
-        POINTER(WrinkleFieldProfile), WrinkleFieldPaintPointer, POINTER(Pose), c_void_p, c_size_t,
+        POINTER(WrinkleFieldProfile), WrinkleFieldPaintPointer, WrinkleFieldPosePointer, c_void_p, c_size_t,
         WrinkleFieldStatePointer, POINTER(FramePointer))),
     "rumple_frame_get_waves": (CHECKED, (FramePointer, POINTER(FrameWavesView))),
     "rumple_wrinkle_field_label_clip": (CHECKED, (WrinkleFieldPointer, POINTER(WrinkleFieldSettings), c_void_p,

@@ -17,6 +17,7 @@ COLLISION = {"NONE": 0, "PLANE": 1, "NEIGHBOURHOOD": 2}
 OFFSET_SPACE = {"TRIANGLE": 0, "WORLD": 1}
 WrinkleMeshPointer = pointer_to("rumple_wrinkle_mesh")
 WrinkleMeshPaintPointer = pointer_to("rumple_wrinkle_mesh_paint")
+WrinkleMeshPosePointer = pointer_to("rumple_wrinkle_mesh_pose")
 WrinkleMeshStatePointer = pointer_to("rumple_wrinkle_mesh_state")
 
 
@@ -156,21 +157,24 @@ WRINKLE_MESH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_wrinkle_mesh_paint_build": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshPainted),
         POINTER(WrinkleMeshPaintPointer))),
     "rumple_wrinkle_mesh_paint_free": (None, (WrinkleMeshPaintPointer,)),
+    "rumple_wrinkle_mesh_pose_build": (CHECKED, (WrinkleMeshPointer, POINTER(Pose), POINTER(WrinkleMeshPosePointer))),
+    "rumple_wrinkle_mesh_pose_free": (None, (WrinkleMeshPosePointer,)),
     "rumple_wrinkle_mesh_state_free": (None, (WrinkleMeshStatePointer,)),
     "rumple_wrinkle_mesh_state_get_view": (CHECKED, (WrinkleMeshStatePointer, POINTER(WrinkleMeshStateView))),
     "rumple_wrinkle_mesh_state_build": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshStateView),
         POINTER(WrinkleMeshStatePointer))),
     "rumple_wrinkle_mesh_state_activated": (CHECKED, (WrinkleMeshStatePointer, POINTER(WrinkleMeshStatePointer))),
     "rumple_wrinkle_mesh_solve": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings), WrinkleMeshPaintPointer,
-        POINTER(Pose), WrinkleMeshStatePointer, POINTER(WrinkleMeshReport), POINTER(WrinkleMeshStatePointer))),
-    "rumple_wrinkle_mesh_solve_in_order": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings),
-        WrinkleMeshPaintPointer, POINTER(Pose), WrinkleMeshStatePointer, POINTER(WrinkleMeshReport),
+        WrinkleMeshPosePointer, WrinkleMeshStatePointer, POINTER(WrinkleMeshReport),
         POINTER(WrinkleMeshStatePointer))),
-    "rumple_wrinkle_mesh_show": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings), POINTER(Pose),
+    "rumple_wrinkle_mesh_solve_in_order": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings),
+        WrinkleMeshPaintPointer, WrinkleMeshPosePointer, WrinkleMeshStatePointer, POINTER(WrinkleMeshReport),
+        POINTER(WrinkleMeshStatePointer))),
+    "rumple_wrinkle_mesh_show": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings), WrinkleMeshPosePointer,
         WrinkleMeshStatePointer, POINTER(FramePointer))),
     "rumple_wrinkle_mesh_measure": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings),
-        WrinkleMeshPaintPointer, POINTER(Pose), WrinkleMeshStatePointer, POINTER(WrinkleMeshMeasures), c_void_p,
-        c_size_t)),
+        WrinkleMeshPaintPointer, WrinkleMeshPosePointer, WrinkleMeshStatePointer, POINTER(WrinkleMeshMeasures),
+        c_void_p, c_size_t)),
     "rumple_wrinkle_mesh_label_clip": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings), c_void_p, c_size_t,
         c_void_p, c_size_t, c_bool, c_void_p, c_size_t)),
 }

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One frame of the base: what solve() and show() of Loviscach 2006 both read.
+#include "base/expect.h"
+#include "systems/wrinkle_field/frames.h"
+
+namespace rumple::wrinkle_field {
+
+Pose weld_pose(const Model& model, std::span<const Vec3> positions) {
+    expect_count("positions", positions.size(), model.base.welded_of.size(), "vertices");
+    expect_finite("positions", positions, "vertex");
+    Pose pose;
+    pose.positions.resize(model.base.positions_rest.size());
+    pose.normals.resize(model.base.positions_rest.size());
+    weld_positions(model.base, positions, pose.positions);
+    vertex_normals(model.base, pose.positions, pose.normals);
+    return pose;
+}
+
+Pose make_pose(const Model& model, std::span<const Vec3> positions) {
+    Pose pose = weld_pose(model, positions);
+    pose.around.resize(pose.positions.size());
+    for_each_vertex(Settings{}, pose.positions.size(),
+                    [&](size_t v) { pose.around[v] = regress(model, pose.positions, pose.normals[v], v); });
+    return pose;
+}
+
+}  // namespace rumple::wrinkle_field
