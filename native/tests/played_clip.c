@@ -191,12 +191,15 @@ static void play_mesh(const char* name, const garment* g, int threads, bool adap
     settings.threads = threads;
     check(rumple_wrinkle_mesh_build(surface, &plan, &model));
     for (int frame = 0; frame < FRAMES; ++frame) {
-        const rumple_pose pose = pose_at(frame, g, clip[frame][0]);
+        const rumple_pose at = pose_at(frame, g, clip[frame][0]);
+        rumple_wrinkle_mesh_pose* pose = NULL;
         rumple_frame* shown = NULL;
-        check(rumple_wrinkle_mesh_solve(model, &settings, NULL, &pose, state, NULL, &next));
+        check(rumple_wrinkle_mesh_pose_build(model, &at, &pose));
+        check(rumple_wrinkle_mesh_solve(model, &settings, NULL, pose, state, NULL, &next));
         rumple_wrinkle_mesh_state_free(state);
         state = next;
-        check(rumple_wrinkle_mesh_show(model, &settings, &pose, state, &shown));
+        check(rumple_wrinkle_mesh_show(model, &settings, pose, state, &shown));
+        rumple_wrinkle_mesh_pose_free(pose);
         add_frame(&hash, shown);
     }
     print_hash(name, hash);
@@ -224,12 +227,15 @@ static void play_field(const char* name, const garment* g, int threads,
     check(rumple_wrinkle_field_profile_build(RUMPLE_PROFILE_PENCIL_PLEATS, NULL, 0, &profile));
     check(rumple_wrinkle_field_build(surface, &plan, &model));
     for (int frame = 0; frame < FRAMES; ++frame) {
-        const rumple_pose pose = pose_at(frame, g, clip[frame][0]);
+        const rumple_pose at = pose_at(frame, g, clip[frame][0]);
+        rumple_wrinkle_field_pose* pose = NULL;
         rumple_frame* shown = NULL;
-        check(rumple_wrinkle_field_solve(model, &settings, NULL, &pose, state, NULL, &next));
+        check(rumple_wrinkle_field_pose_build(model, &at, &pose));
+        check(rumple_wrinkle_field_solve(model, &settings, NULL, pose, state, NULL, &next));
         rumple_wrinkle_field_state_free(state);
         state = next;
-        check(rumple_wrinkle_field_show(model, &settings, &profile, NULL, &pose, NULL, 0, state, &shown));
+        check(rumple_wrinkle_field_show(model, &settings, &profile, NULL, pose, NULL, 0, state, &shown));
+        rumple_wrinkle_field_pose_free(pose);
         add_frame(&hash, shown);
     }
     print_hash(name, hash);
@@ -254,14 +260,17 @@ static void play_paths(const char* name, const garment* g, int threads, int prof
     settings.threads = threads;
     check(rumple_wrinkle_paths_build(surface, &plan, &model));
     for (int frame = 0; frame < FRAMES; ++frame) {
-        const rumple_pose pose = pose_at(frame, g, clip[frame][0]);
+        const rumple_pose at = pose_at(frame, g, clip[frame][0]);
+        rumple_wrinkle_paths_pose* pose = NULL;
         rumple_wrinkle_paths_report report = {0};
         rumple_frame* shown = NULL;
-        check(rumple_wrinkle_paths_solve(model, &settings, NULL, &pose, state, &report, &next));
+        check(rumple_wrinkle_paths_pose_build(model, &at, &pose));
+        check(rumple_wrinkle_paths_solve(model, &settings, NULL, pose, state, &report, &next));
         rumple_wrinkle_paths_state_free(state);
         state = next;
         paths += report.paths;
-        check(rumple_wrinkle_paths_show(model, &settings, &pose, state, &shown));
+        check(rumple_wrinkle_paths_show(model, &settings, pose, state, &shown));
+        rumple_wrinkle_paths_pose_free(pose);
         add_frame(&hash, shown);
     }
     if (paths == 0) {
