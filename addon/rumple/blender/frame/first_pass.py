@@ -33,13 +33,13 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
     if not scheduler.may_prepare_frame():
         return
     with scheduler.LOCK:
-        moving = [(obj, ours) for obj, ours in modifier.wrinkled_objects() if _moved(obj, ours, scene)]
+        moving = [(obj, nodes_mod) for obj, nodes_mod in modifier.wrinkled_objects() if _moved(obj, nodes_mod, scene)]
         if not moving or _nodes_keep_meshes():
             return
         bound = _targets()
-        for obj, ours in moving:
-            output = modifier.output_object(ours)
-            if output is not None and obj not in bound and _keeps_nothing_behind(obj, ours):
+        for obj, nodes_mod in moving:
+            output = modifier.output_object(nodes_mod)
+            if output is not None and obj not in bound and _keeps_nothing_behind(obj, nodes_mod):
                 output.location.x = AWAY
                 _some_away = True
 
@@ -50,27 +50,27 @@ def show_fine(scene: bpy.types.Scene) -> None:
     if scheduler.rendering() and not bpy.app.background:
         return  # nothing was prepared, and the thread that renders may hold the lock
     with scheduler.LOCK:
-        for obj, ours in modifier.wrinkled_objects():
-            entry, output = runtimes.known(obj), modifier.output_object(ours)
-            if entry is not None and entry.written_at == scene.frame_current_final:
-                entry.moved_in = compat.session_key(scene)
-            elif entry is not None and entry.moved_in == compat.session_key(scene):
-                entry.moved_in = 0
+        for obj, nodes_mod in modifier.wrinkled_objects():
+            runtime, output = runtimes.known(obj), modifier.output_object(nodes_mod)
+            if runtime is not None and runtime.written_at == scene.frame_current_final:
+                runtime.moved_in = compat.session_key(scene)
+            elif runtime is not None and runtime.moved_in == compat.session_key(scene):
+                runtime.moved_in = 0
             if _some_away and output is not None and output.location.x == AWAY:
                 output.location.x = 0.0
         _some_away = False
 
 
-def _moved(obj: bpy.types.Object, ours: bpy.types.NodesModifier, scene: bpy.types.Scene) -> bool:
-    entry = runtimes.known(obj)
-    return (entry is not None and entry.moved_in == compat.session_key(scene) and not entry.stale
-            and not modifier.is_baked(ours) and compat.is_editable(obj))
+def _moved(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, scene: bpy.types.Scene) -> bool:
+    runtime = runtimes.known(obj)
+    return (runtime is not None and runtime.moved_in == compat.session_key(scene) and not runtime.stale
+            and not modifier.is_baked(nodes_mod) and compat.is_editable(obj))
 
 
-def _keeps_nothing_behind(obj: bpy.types.Object, ours: bpy.types.NodesModifier) -> bool:
+def _keeps_nothing_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether nothing of the object itself keeps the mesh that it was shown last."""
     modifiers = list(obj.modifiers)
-    behind = modifiers[modifiers.index(ours) + 1:]
+    behind = modifiers[modifiers.index(nodes_mod) + 1:]
     return obj.rigid_body is None and all(m.type in _KEEP_NOTHING for m in behind)
 
 
@@ -78,7 +78,7 @@ def _targets() -> set[bpy.types.Object]:
     """What modifiers of other objects are bound to, and what other garments follow as the first pass has it."""
     bound = {getattr(m, "target", None) or getattr(m, "object", None)
              for obj in bpy.data.objects for m in obj.modifiers if m.type in _BOUND_TO_TARGET}
-    wrinkled = [obj for obj, _ours in modifier.wrinkled_objects()]
+    wrinkled = [obj for obj, _nodes_mod in modifier.wrinkled_objects()]
     return bound | {modifier.depends_on(obj, wrinkled) for obj in wrinkled}
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...core.poses import PoseComparison
-from ..objects.runtime_table import CachedFrame, RuntimeTable
+from ..objects.runtime_table import RuntimeBase, RuntimeTable
 
 
 @dataclass
-class Runtime(CachedFrame):
+class Runtime(RuntimeBase):
     """One object with Wrinkle Maps."""
 
     comparison: PoseComparison | None = None

@@ -15,7 +15,7 @@ from .messages import Messages
 
 
 @dataclass
-class CachedFrame(Messages):
+class RuntimeBase(Messages):
     """One object."""
 
     stale: bool = True  # something may have changed: check before the next structural step
@@ -31,7 +31,7 @@ class CachedFrame(Messages):
         self.invalidate_output()
 
 
-AnyEntry = TypeVar("AnyEntry", bound=CachedFrame)
+AnyEntry = TypeVar("AnyEntry", bound=RuntimeBase)
 
 
 class RuntimeTable(Generic[AnyEntry]):

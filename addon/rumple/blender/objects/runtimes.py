@@ -10,7 +10,7 @@ import numpy as np
 from ...core import engine
 from ...core.body import Body
 from ...core.surroundings import Surroundings
-from .runtime_table import CachedFrame, RuntimeTable
+from .runtime_table import RuntimeBase, RuntimeTable
 
 
 @dataclass
@@ -39,7 +39,7 @@ class Inputs:
 
 
 @dataclass
-class Runtime(CachedFrame):
+class Runtime(RuntimeBase):
     """One wrinkled object."""
 
     evaluator: engine.Wrinkles | None = None
