@@ -78,6 +78,25 @@ class Viewport(WindowCase):
         self.assertGreater(len(runtimes.of(obj).evaluator.frame_cache.frames()), 3)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
+    def test_playback_draws_no_coarse_mesh(self):
+        """The first pass of a frame has it (frame/first_pass.py), before anything is drawn."""
+        obj = self.make()
+        yield 0.2
+        drawn = []
+        handle = bpy.types.SpaceView3D.draw_handler_add(
+            lambda: drawn.append((bpy.context.scene.frame_current, len(sleeve.shown(obj)))), (), "WINDOW", "POST_VIEW")
+        try:
+            with self.area("VIEW_3D"):
+                bpy.ops.screen.animation_play()
+            yield from self.until(lambda: len({frame for frame, _ in drawn}) > 5)
+            with self.area("VIEW_3D"):
+                bpy.ops.screen.animation_cancel(restore_frame=False)
+        finally:
+            bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+        self.assertGreater(len({frame for frame, _ in drawn}), 5)
+        self.assertEqual({count for _, count in drawn}, {len(sleeve.shown(obj))})
+        self.assertGreater(len(sleeve.shown(obj)), len(obj.data.vertices))
+
     def test_duplicates_are_split_by_the_timer(self):
         obj = self.make()
         yield 0.3

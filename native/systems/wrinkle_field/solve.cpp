@@ -156,12 +156,11 @@ float largest_change(const Waves& waves, std::span<const float> before, std::spa
 void align_phases(const Model& model, const Settings& settings, std::span<const Pull> pulls, int rounds,
                   std::vector<float>& phase) {
     using Complex = std::complex<double>;  // in doubles: the length may shrink with every round
-    std::vector<Complex> asked(pulls.size());
-    for (size_t i = 0; i < pulls.size(); ++i) {
-        asked[i] = std::polar(double(pulls[i].weight), double(pulls[i].link.offset));
-    }
-    std::vector<Complex> waves_at;
-    for (const float phi : phase) waves_at.push_back(std::polar(1.0, double(phi)));
+    const auto wave_of = [](double angle) { return Complex(elementary::cos(angle), elementary::sin(angle)); };
+    std::vector<Complex> asked(pulls.size()), waves_at(phase.size());
+    for (size_t i = 0; i < pulls.size(); ++i)
+        asked[i] = double(pulls[i].weight) * wave_of(double(pulls[i].link.offset));
+    for (size_t v = 0; v < phase.size(); ++v) waves_at[v] = wave_of(double(phase[v]));
     ping_pong(settings, rounds, waves_at, [&](size_t v, const std::vector<Complex>& from) {
         Complex sum = from[v];
         double weights = 1.0;
@@ -173,7 +172,9 @@ void align_phases(const Model& model, const Settings& settings, std::span<const 
         return sum / weights;
     });
     for (size_t v = 0; v < phase.size(); ++v) {
-        if (waves_at[v] != Complex()) phase[v] = formulas::wrapped(static_cast<float>(std::arg(waves_at[v])));
+        const Complex& wave = waves_at[v];
+        if (wave != Complex())
+            phase[v] = formulas::wrapped(static_cast<float>(elementary::atan2(wave.imag(), wave.real())));
     }
 }
 

@@ -98,6 +98,7 @@ Adaptive place_pairs(const Model& model) {
     const TrianglesAt triangles_at(out.triangles.net, model.base.welded.vertex_count);
     const std::vector<SurfacePoint>& places = model.attachments.places;
     std::vector<std::vector<Index>> at;
+    at.reserve(places.size());
     for (const SurfacePoint& place : places) at.push_back(triangles_at(place));
     std::vector<TriangleFrame> frames(model.base.triangles.size());
     triangle_frames(model.base, model.base.positions_rest, frames);
