@@ -9,7 +9,7 @@ import numpy as np
 from rumple.blender import compat
 from rumple.blender.frame import first_pass, solve
 from rumple.blender.objects import modifier, runtimes
-from rumple.core import engine
+from rumple.core.engine import UserError
 from support import sleeve
 
 
@@ -75,7 +75,7 @@ class FirstPass(unittest.TestCase):
     def test_it_is_shown_whole_again_when_the_solve_fails(self):
         obj = sleeve.scene()
         sleeve.play(1, 4)
-        with mock.patch.object(solve, "_process", side_effect=engine.Refused("on purpose")):
+        with mock.patch.object(solve, "_process", side_effect=UserError("on purpose")):
             sleeve.at(5)
         self.assertEqual(runtimes.message(obj), "on purpose")
         self.assertEqual(place(obj), 0.0)

@@ -53,4 +53,23 @@ class Team {
     std::barrier<> barrier_;
 };
 
+// Threads for so many items: what was asked for, or (0) one below `least_items`, else those of this machine,
+// at most `most`.
+inline int choose_threads(int asked, size_t items, size_t least_items, int most) {
+    if (asked > 0) return asked;
+    if (items < least_items) return 1;
+    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, most);
+}
+
+// work(i) for every i below count. Every item is computed by itself, so that the number of threads changes no
+// bit.
+template <typename Work>
+void for_each_index(size_t count, int threads, Work&& work) {
+    Team team(threads);
+    team.run([&](int thread) {
+        const Team::Range part = team.partition(0, count, thread);
+        for (size_t i = part.begin; i < part.end; ++i) work(i);
+    });
+}
+
 }  // namespace rumple

@@ -44,7 +44,7 @@ std::vector<OwnSide> sides_of(const MeshData& mesh, float reach) {
         triangles.push_back(t);
     }
     const OwnSurface own(mesh.positions, triangles);
-    return PosedOwnSurface(own, mesh.positions).facing(std::vector<float>(mesh.positions.size(), reach));
+    return PosedOwnSurface(own, mesh.positions).facing(std::vector<float>(mesh.positions.size(), reach), 1);
 }
 
 TEST(SelfDistance, OfTwoSheetsIsTheGapBetweenThem) {

@@ -156,7 +156,7 @@ TEST(WrinkleMeshBounds, AVertexPutWithinItsBoundsIsWithinAllOfThem) {
             const PosedOwnSurface posed(own, pose.attachment);
             std::vector<float> reach = attachment_radii(model, settings, {});
             for (float& r : reach) r /= settings.apart;
-            pose.own = posed.facing(reach);
+            pose.own = posed.facing(reach, 1);
             pose.heights = posed.heights();
             const Bounds bounds(model, settings, {}, pose);
             for (size_t v = 0; v < pose.attachment.size(); ++v) {

@@ -48,14 +48,14 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
     return {towards, distance, glm::dot(towards, normal) > 0.0f};
 }
 
-std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach) const {
+std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach, int threads) const {
     std::vector<OwnSide> out(positions_.size());
     if (surface_.triangles_.empty()) return out;
     std::vector<Index> triangle(positions_.size(), kNone);
-    for (size_t v = 0; v < out.size(); ++v) {
+    for_each_index(out.size(), threads_for_queries(threads, out.size()), [&](size_t v) {
         if (reach[v] > 0.0f && normals_.of_vertex[v] != Vec3(0.0f))
             out[v] = nearest(static_cast<Index>(v), reach[v], triangle[v]);
-    }
+    });
     const std::vector<OwnSide> found = out;
     for (size_t v = 0; v < found.size(); ++v) {
         if (triangle[v] == kNone) continue;

@@ -34,20 +34,14 @@ inline std::optional<Neighbourhood> regress(const Model& model, std::span<const 
 inline constexpr size_t kVerticesForThreads = 50'000;
 inline constexpr int kMostThreads = 8;
 
-inline int choose_threads(const Settings& settings, size_t vertices) {
-    if (settings.threads > 0) return settings.threads;
-    if (vertices < kVerticesForThreads) return 1;
-    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
+inline int threads_for(const Settings& settings, size_t vertices) {
+    return choose_threads(settings.threads, vertices, kVerticesForThreads, kMostThreads);
 }
 
 // work(v) for every vertex, on all threads.
 template <typename Work>
 void for_each_vertex(const Settings& settings, size_t vertices, Work&& work) {
-    Team team(choose_threads(settings, vertices));
-    team.run([&](int thread) {
-        const Team::Range part = team.partition(0, vertices, thread);
-        for (size_t v = part.begin; v < part.end; ++v) work(v);
-    });
+    for_each_index(vertices, threads_for(settings, vertices), work);
 }
 
 }  // namespace rumple::wrinkle_field

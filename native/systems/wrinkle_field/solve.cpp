@@ -132,7 +132,7 @@ template <typename T, typename Step>
 void ping_pong(const Settings& settings, int rounds, std::vector<T>& values, Step&& step) {
     std::vector<T> buffers[2] = {std::move(values), {}};
     buffers[1].resize(buffers[0].size());
-    Team team(choose_threads(settings, buffers[0].size()));
+    Team team(threads_for(settings, buffers[0].size()));
     team.run([&](int thread) {
         const Team::Range part = team.partition(0, buffers[0].size(), thread);
         for (int round = 0; round < rounds; ++round) {

@@ -37,6 +37,7 @@ class Chain {
     explicit Chain(const Input& input) : input_(input), bodies_(input.bodies) { input_.bodies = nullptr; }
 
     const Input& input() const { return input_; }
+    void set_threads(int threads) { input_.threads = threads; }
 
     // Goes on from a layer's solved positions.
     void ride_on(const Pose& pose, std::vector<Vec3> solved) {
@@ -98,7 +99,7 @@ void look_at_own(const OwnSurface& own, const Model& layer, const Settings& sett
         if (clear.at(v)) reach[v] = 0.0f;
     }
     const PosedOwnSurface posed(own, pose.attachment);
-    pose.own = posed.facing(reach);
+    pose.own = posed.facing(reach, settings.threads);
     pose.heights = posed.heights();
     for (size_t v = 0; v < reach.size(); ++v) {
         if (reach[v] > 0.0f && pose.own[v].towards == Vec3(0.0f)) clear.mark(v);
@@ -112,18 +113,18 @@ void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings&
     clear.refine(layer);
     if (settings.apart <= 0.0f) return;
     const std::vector<float> reach = reaches(layer, settings, paint);
-    for (size_t v = 0; v < reach.size(); ++v) {
-        if (reach[v] <= 0.0f || clear.at(v)) continue;
+    for_each_index(reach.size(), threads_for_queries(settings.threads, reach.size()), [&](size_t v) {
+        if (reach[v] <= 0.0f || clear.at(v)) return;
         const Vec3& a = pose.attachment[v];
         const BodyAhead body = bodies.ahead(a, pose.normal[v], reach[v] + thickness, thickness);
         if (body.triangle == kNone) {
             clear.mark(v);
-            continue;
+            return;
         }
         const float before = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
         if (before / settings.apart < pose.own[v].distance)
             pose.own[v] = {-body.normal, before / settings.apart, true};
-    }
+    });
 }
 
 void check_counts(const Layers& layers, size_t settings, size_t paint) {
@@ -203,6 +204,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
         check(layer, paint[k]);
+        chain.set_threads(settings[k].threads);
         Pose pose = make_pose(layer, chain.input());
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
         look_at_own(layers.own[k], layer, settings[k], paint[k], own_cloth, pose);

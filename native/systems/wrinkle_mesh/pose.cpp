@@ -49,9 +49,10 @@ void keep_outside(const Model& model, const Input& input, Pose& pose) {
     pose.gap.assign(pose.attachment.size(), 0.0f);
     if (input.bodies) pose.body.assign(pose.attachment.size(), kNone);
     const std::vector<float> gaps = gaps_at(model.base, model.attachments, input.gap);
-    for (size_t v = 0; v < pose.attachment.size(); ++v) {
+    const size_t queries = input.bodies ? pose.attachment.size() : 0;
+    for_each_index(pose.attachment.size(), threads_for_queries(input.threads, queries), [&](size_t v) {
         const SurfacePoint& place = model.attachments.places[v];
-        if (place.triangle == kNone) continue;
+        if (place.triangle == kNone) return;
         float gap = gaps[v];
         const Index hint = input.bodies ? hint_at(model.base, place.triangle, input.body_hint) : kNone;
         if (hint != kNone) {
@@ -62,7 +63,7 @@ void keep_outside(const Model& model, const Input& input, Pose& pose) {
         }
         if (gap < 0.0f) pose.attachment[v] -= gap * pose.normal[v];
         pose.gap[v] = std::max(gap, 0.0f);
-    }
+    });
 }
 
 }  // namespace

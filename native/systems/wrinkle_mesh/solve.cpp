@@ -23,10 +23,8 @@ namespace {
 constexpr size_t kTrianglesForThreads = 100'000;
 constexpr int kMostThreads = 4;
 
-int choose_threads(const Model& model, const Settings& settings) {
-    if (settings.threads > 0) return settings.threads;
-    if (model.triangles.size() < kTrianglesForThreads) return 1;
-    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
+int threads_for(const Model& model, const Settings& settings) {
+    return choose_threads(settings.threads, model.triangles.size(), kTrianglesForThreads, kMostThreads);
 }
 
 // How much of a new solution every vertex takes: 0 where the base has kept its
@@ -217,7 +215,7 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
     if (report.active > 0.0f) {
         perturb_unbuckled(model, settings, pose, lengths, targets, positions);
         report.iterations = before ? settings.iterations : settings.start_iterations;
-        relax(model, targets, bounds, report.iterations, choose_threads(model, settings), positions);
+        relax(model, targets, bounds, report.iterations, threads_for(model, settings), positions);
         if (before) blend(settings, start, active, bounds, positions);
     }
     // o_i = p_i - a_i; what was held keeps its bits, unless a plane that turned or a smaller radius pushes

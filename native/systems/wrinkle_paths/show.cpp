@@ -22,10 +22,8 @@ constexpr float kRounding = 1.0f + 1e-5f;
 
 using formulas::FoldEnd;
 
-int choose_threads(const Settings& settings, size_t vertices) {
-    if (settings.threads > 0) return settings.threads;
-    if (vertices < kVerticesForThreads) return 1;
-    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
+int threads_for(const Settings& settings, size_t vertices) {
+    return choose_threads(settings.threads, vertices, kVerticesForThreads, kMostThreads);
 }
 
 // The least distance between two segments in space.
@@ -220,7 +218,7 @@ Lifted lift(const PathContext& context, const Settings& settings, const Triangle
     std::vector<Vec3> normals(base.size());
     vertex_normals(model.base, base, normals);
     const std::vector<Ball> balls = balls_around(lists.ends);
-    Team team(choose_threads(settings, vertices));
+    Team team(threads_for(settings, vertices));
     team.run([&](int thread) {
         fine_heights(context, settings, lists, balls, team.partition(0, model.rest.size(), thread),
                      out.height);
