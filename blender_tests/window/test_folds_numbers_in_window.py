@@ -133,7 +133,7 @@ class Stage(WindowCase):
         drawing = preview_paths.Drawing(sheet.fine.model)
         mesh = SimpleNamespace(uv_layers=())
         obj = SimpleNamespace(matrix_world=Matrix(), dimensions=(1.0, 1.0, 1.0), material_slots=(), data=mesh)
-        entry = SimpleNamespace(picture=sheet.sketch, evaluator=sheet.fine,
+        entry = SimpleNamespace(result=sheet.sketch, evaluator=sheet.fine,
                                 inputs=SimpleNamespace(settings=sheet.settings))
         self.assertTrue(drawing.update(obj, entry, None, np.zeros(len(sheet.base.triangle_corner), np.int32)))
         # Three lights that wrap all round, along the axes, red, green and blue: the picture is the normal.
