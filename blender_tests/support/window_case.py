@@ -31,6 +31,18 @@ class WindowCase(unittest.TestCase):
         area = next(area for area in areas if area.type == kind)
         return sleeve.context(area=area, region=next(region for region in area.regions if region.type == "WINDOW"))
 
+    def viewport_alone(self):
+        """The 3D viewport fills the window, without headers and panels, until the test ends. For render jobs beside a
+        window that draws: Blender forbids Python to write while it draws a panel, and while an engine renders, by one
+        flag that each puts back as it found it. Where the engine ends within a panel, it stays forbidden for good."""
+        with self.area():
+            bpy.ops.screen.screen_full_area(use_hide_panels=True)
+        self.addCleanup(self._all_areas)
+
+    def _all_areas(self):
+        with self.area():
+            bpy.ops.screen.screen_full_area(use_hide_panels=True)
+
     def clear_view(self, space):
         """A 3D viewport with nothing but the objects."""
         space.show_gizmo = False

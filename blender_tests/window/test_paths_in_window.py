@@ -168,6 +168,7 @@ class Curves(PathsCase):
         view.render_display_type = "NONE"
         bpy.app.handlers.render_complete.append(ended_by := lambda *_arguments: ended.append(1))
         self.addCleanup(bpy.app.handlers.render_complete.remove, ended_by)
+        self.viewport_alone()
         yield 0.3
         with sleeve.context():
             sleeve.play()
