@@ -56,13 +56,13 @@ std::optional<PosedCollider> posed(const rumple_bodies* bodies) {
 }
 
 std::span<const Vec3> positions_of(const rumple_pose* pose) {
-    const rumple_pose& from = given(pose, "pose");
+    const rumple_pose& from = given(pose, "frame");
     return vectors(from.positions, from.positions_count, "positions");
 }
 
 FrameTime frame_time_of(const rumple_pose* pose) {
     FrameTime frame_time;
-    frame_time.time = given(pose, "pose").time;
+    frame_time.time = given(pose, "frame").time;
     frame_time.labels = values(pose->labels, pose->labels_count, "labels");
     frame_time.next_positions = vectors(pose->next_positions, pose->next_positions_count, "next_positions");
     frame_time.next_time = pose->next_time;

@@ -78,6 +78,17 @@ struct FrameArrays {
 };
 glm::mat3 matrix_of(const float (&rows)[9]);
 
+// rumple_X_pose_build() of a system. make(model, arrays) -> its Pose.
+template <typename Handle, typename Model, typename Make>
+rumple_status made_pose(const Model* model, const rumple_pose* frame, Handle** pose, Make&& make) {
+    return made(pose, "pose", [&] {
+        const Model& of = given(model, "model");
+        FrameArrays arrays(frame);
+        auto at = make(*of.model, arrays);
+        return new Handle{of.model, std::move(arrays), std::move(at)};
+    });
+}
+
 // A painted factor of the base's vertices, or none.
 std::vector<float> painted(const float* data, size_t count, const Surface& base, const char* name);
 

@@ -206,12 +206,8 @@ rumple_status rumple_wrinkle_field_state_activated(const rumple_wrinkle_field_st
 
 rumple_status rumple_wrinkle_field_pose_build(const rumple_wrinkle_field* model, const rumple_pose* frame,
                                               rumple_wrinkle_field_pose** pose) {
-    return made(pose, "pose", [&] {
-        const rumple_wrinkle_field& m = given(model, "model");
-        FrameArrays arrays(frame);
-        Pose at = make_pose(*m.model, arrays.positions);
-        return new rumple_wrinkle_field_pose{m.model, std::move(arrays), std::move(at)};
-    });
+    return made_pose(model, frame, pose,
+                     [](const auto& m, const auto& arrays) { return make_pose(m, arrays.positions); });
 }
 
 void rumple_wrinkle_field_pose_free(rumple_wrinkle_field_pose* pose) {

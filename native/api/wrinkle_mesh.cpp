@@ -205,12 +205,8 @@ rumple_status rumple_wrinkle_mesh_state_get_view(const rumple_wrinkle_mesh_state
 
 rumple_status rumple_wrinkle_mesh_pose_build(const rumple_wrinkle_mesh* model, const rumple_pose* frame,
                                              rumple_wrinkle_mesh_pose** pose) {
-    return made(pose, "pose", [&] {
-        const rumple_wrinkle_mesh& m = given(model, "model");
-        FrameArrays arrays(frame);
-        Pose at = make_pose(*m.model, input_of(arrays));
-        return new rumple_wrinkle_mesh_pose{m.model, std::move(arrays), std::move(at)};
-    });
+    return made_pose(model, frame, pose,
+                     [](const auto& m, const auto& arrays) { return make_pose(m, input_of(arrays)); });
 }
 
 void rumple_wrinkle_mesh_pose_free(rumple_wrinkle_mesh_pose* pose) {

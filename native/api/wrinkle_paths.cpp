@@ -154,12 +154,8 @@ void rumple_wrinkle_paths_paint_free(rumple_wrinkle_paths_paint* paint) {
 
 rumple_status rumple_wrinkle_paths_pose_build(const rumple_wrinkle_paths* model, const rumple_pose* frame,
                                               rumple_wrinkle_paths_pose** pose) {
-    return made(pose, "pose", [&] {
-        const rumple_wrinkle_paths& m = given(model, "model");
-        FrameArrays arrays(frame);
-        Pose at = make_pose(*m.model, arrays.positions);
-        return new rumple_wrinkle_paths_pose{m.model, std::move(arrays), std::move(at)};
-    });
+    return made_pose(model, frame, pose,
+                     [](const auto& m, const auto& arrays) { return make_pose(m, arrays.positions); });
 }
 
 void rumple_wrinkle_paths_pose_free(rumple_wrinkle_paths_pose* pose) {

@@ -36,6 +36,9 @@ inline constexpr double kTieSlack = 1e-12;
 // centimetres.
 inline constexpr float kPacketTieSlack = 1e-4f;
 
+// Unit: none, relative to a coordinate: four units in its last place.
+inline constexpr float kPlaceRounding = 2.4e-7f;
+
 // Unit: metres. Edges shorter than this, and triangles of less than its square,
 // have no direction: their frames are zero vectors. Far below any cloth, far
 // above the smallest float whose square is still a float.

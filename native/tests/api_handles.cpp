@@ -43,26 +43,34 @@ TEST(ApiHandles, APoseOfAnotherModelIsRefusedThoughItsMeshIsTheSame) {
     EXPECT_STREQ(rumple_error(), "pose: it was made for another model");
 }
 
-TEST(ApiHandles, APoseKeepsWhatItWasMadeOf) {
+// What a drawing of the Wrinkle Paths reads of a frame are its positions, long after the pose was made.
+TEST(ApiHandles, APoseKeepsItsModelAndWhatItWasMadeOf) {
     Sheet sheet;
+    rumple_fine_plan plan = rumple_wrinkle_paths_plan_default();
+    rumple_wrinkle_paths* model = nullptr;
+    ASSERT_EQ(rumple_wrinkle_paths_build(sheet.surface(), &plan, &model), RUMPLE_OK);
+    const rumple_wrinkle_paths_settings settings = rumple_wrinkle_paths_settings_default();
     const rumple_pose frame = sheet.frame();
-    rumple_wrinkle_mesh_pose* pose = nullptr;
-    ASSERT_EQ(rumple_wrinkle_mesh_pose_build(sheet.model(), &frame, &pose), RUMPLE_OK);
-    rumple_wrinkle_mesh_state* before = sheet.solve();
-    sheet.positions.assign(sheet.positions.size(), 7.0f);
-    const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
-    rumple_wrinkle_mesh_state* after = nullptr;
-    ASSERT_EQ(rumple_wrinkle_mesh_solve(sheet.model(), &settings, nullptr, pose, nullptr, nullptr, &after),
+    rumple_wrinkle_paths_pose* pose = nullptr;
+    rumple_wrinkle_paths_state* state = nullptr;
+    ASSERT_EQ(rumple_wrinkle_paths_pose_build(model, &frame, &pose), RUMPLE_OK);
+    ASSERT_EQ(rumple_wrinkle_paths_solve(model, &settings, nullptr, pose, nullptr, nullptr, &state),
               RUMPLE_OK);
-    rumple_wrinkle_mesh_pose_free(pose);
-    rumple_wrinkle_mesh_state_view a, b;
-    ASSERT_EQ(rumple_wrinkle_mesh_state_get_view(before, &a), RUMPLE_OK);
-    ASSERT_EQ(rumple_wrinkle_mesh_state_get_view(after, &b), RUMPLE_OK);
-    ASSERT_EQ(a.solved_length_count, b.solved_length_count);
-    EXPECT_TRUE(std::equal(a.solved_length, a.solved_length + a.solved_length_count, b.solved_length));
-    EXPECT_GT(b.solved_length[0], 0.0f);  // of positions that are all the same it would be 0
-    rumple_wrinkle_mesh_state_free(before);
-    rumple_wrinkle_mesh_state_free(after);
+    const auto offsets = [&] {
+        rumple_drawing* drawing = nullptr;
+        EXPECT_EQ(rumple_wrinkle_paths_draw(model, &settings, pose, state, &drawing), RUMPLE_OK);
+        rumple_drawing_view view{};
+        EXPECT_EQ(rumple_drawing_get_view(drawing, &view), RUMPLE_OK);
+        std::vector<float> out(view.proxy_offset, view.proxy_offset + 12);
+        rumple_drawing_free(drawing);
+        return out;
+    };
+    const std::vector<float> before = offsets();
+    sheet.positions.assign(sheet.positions.size(), 7.0f);
+    EXPECT_EQ(offsets(), before);
+    rumple_wrinkle_paths_free(model);
+    rumple_wrinkle_paths_state_free(state);
+    rumple_wrinkle_paths_pose_free(pose);
 }
 
 TEST(ApiHandles, PaintOfAnotherModelIsRefused) {

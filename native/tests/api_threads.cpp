@@ -17,8 +17,9 @@ constexpr int kThreads = 4;
 // Runs work(number) on all threads at once.
 template <typename Work>
 void together(const Work& work) {
-    std::vector<std::jthread> threads;
+    std::vector<std::thread> threads;
     for (int number = 0; number < kThreads; ++number) threads.emplace_back([&work, number] { work(number); });
+    for (std::thread& thread : threads) thread.join();
 }
 
 // The offsets of the frame after `before`, solved and shown.

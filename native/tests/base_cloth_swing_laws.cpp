@@ -234,7 +234,8 @@ TEST(BaseClothSwingLaws, AnAbruptStopMovesNothingWithoutLocomotionAndMuchWithAll
 
 // Whether bones move the mesh or the object moves with it: the same motion in the world.
 TEST(BaseClothSwingLaws, TheMotionOfTheObjectCountsAsThatOfTheMesh) {
-    const Garment garment(tube(16, 10, 0.1f, 0.5f));
+    // So bent, a tube of other rings may snap to either side by a rounding.
+    const Garment garment(tube(14, 9, 0.1f, 0.5f));
     Settings settings = without_contact();
     settings.gravity = Vec3(0.0f);
     Swing swing;
@@ -245,8 +246,7 @@ TEST(BaseClothSwingLaws, TheMotionOfTheObjectCountsAsThatOfTheMesh) {
     for (int frame = 1; frame <= 12; ++frame) {
         const float next = 0.02f * float(frame * frame) / 3.0f;
         const Vec3 next_shift = Vec3(0.02f, 0.01f, -0.015f) * float(frame * frame);
-        // More crumpled, and a vertex may jump to either side by a rounding.
-        const Points pose = garment.crumpled(1.0f, 0.08f * float(frame), 0.0f);
+        const Points pose = garment.crumpled(1.0f, 0.1f * float(frame), 0.0f);
         const auto move = [&](const Vec3& p) { return turned(p, next) + next_shift; };
         in_world.play(each(pose, move));
         // Object space before -> world -> object space now.

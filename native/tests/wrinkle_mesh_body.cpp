@@ -5,6 +5,7 @@
 #include "systems/wrinkle_mesh/pose.h"
 #include "tests/contact_bodies.h"
 #include "tests/meshes.h"
+#include "tests/wrinkle_mesh_stack.h"
 
 namespace rumple::tests {
 namespace {
@@ -40,6 +41,37 @@ TEST(WrinkleMeshBody, TheEndOfABodyStaysBelowTheClothBetweenItsVertices) {
         ++(beside <= 0.0f ? over : cone > 0.0f ? beyond : within);
     }
     for (const int count : {over, within, beyond}) EXPECT_GT(count, 4);
+}
+
+// Bodies below and ahead, and the own cloth, are looked for on threads.
+TEST(WrinkleMeshBody, ThreadsThatLookForItChangeNoBit) {
+    const Stack stack(tube(20, 24, 0.06f, 0.5f));
+    Body body = body_of(tube(20, 24, 0.055f, 0.5f));
+    const Body beside = body_of(tube(20, 24, 0.02f, 0.5f));
+    const Index first = static_cast<Index>(body.positions.size());
+    for (const Vec3& p : beside.positions) body.positions.push_back(p + Vec3(0.0f, 0.085f, 0.0f));
+    for (const auto& [a, b, c] : beside.triangles)
+        body.triangles.push_back({a + first, b + first, c + first});
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    const Pose3 pose = stack.squeezed(0.85f);
+    const std::vector<float> gap(pose.size(), 0.004f);
+    const std::vector<Index> hint(pose.size(), 0);
+    Input input{pose};
+    input.gap = gap;
+    input.bodies = &posed;
+    input.body_hint = hint;
+    input.thickness = 0.002f;
+    std::vector<Vec3> alone;
+    for (const int threads : {1, 2, 3, 5}) {
+        wrinkle_mesh::Settings settings{.threads = threads};
+        settings.apart = settings.slide = 0.45f;
+        std::vector<Report> reports;
+        const LayersState state = stack.solve(input, alike(stack.count(), settings), nullptr, &reports);
+        EXPECT_GT(reports.back().kept_apart, 0);
+        if (threads == 1) alone = state.solved;
+        EXPECT_EQ(state.solved, alone) << threads;
+    }
 }
 
 }  // namespace

@@ -142,7 +142,8 @@ RUMPLE_API rumple_status rumple_shown_mesh_carry_corners(const rumple_shown_mesh
 
 // ---- a frame
 
-// The base in one frame, as every system takes it. What a system does not read may be left as it is.
+// The base in one frame: rumple_X_pose_build() makes the pose of a model of it. What a system does not read
+// may be left as it is.
 typedef struct rumple_pose {
     const float* positions;  // (n, 3): the deformed base, object space, finite
     size_t positions_count;

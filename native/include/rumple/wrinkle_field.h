@@ -113,7 +113,9 @@ RUMPLE_API void rumple_wrinkle_field_paint_free(rumple_wrinkle_field_paint* pain
 // ---- frames
 
 // What the positions of one frame make of a model: the welded base and M of equation (1). Made once a frame
-// and handed to all that is asked of the frame. It keeps its model and a copy of the arrays of `frame`.
+// and handed to what is asked of the frame. It keeps its model and a copy of the arrays of `frame`. Refused:
+// other positions than the model has, or such that are not finite; what only a rest shape that adapts reads
+// is checked when it is solved. Cost: O(vertices), on several threads from 50,000 vertices on.
 typedef struct rumple_wrinkle_field_pose rumple_wrinkle_field_pose;
 RUMPLE_API rumple_status rumple_wrinkle_field_pose_build(const rumple_wrinkle_field* model,
                                                          const rumple_pose* frame,

@@ -106,7 +106,9 @@ RUMPLE_API void rumple_wrinkle_mesh_paint_free(rumple_wrinkle_mesh_paint* paint)
 // ---- frames, section 4
 
 // What the positions of one frame make of a model: the deformed base and the attachments. Made once a frame
-// and handed to all that is asked of the frame. It keeps its model and a copy of the arrays of `frame`.
+// and handed to what is asked of the frame. It keeps its model and a copy of the arrays of `frame`. Refused:
+// other positions than the model has, or such that are not finite; what only a rest shape that adapts reads
+// is checked when it is solved. Cost: O(vertices).
 typedef struct rumple_wrinkle_mesh_pose rumple_wrinkle_mesh_pose;
 RUMPLE_API rumple_status rumple_wrinkle_mesh_pose_build(const rumple_wrinkle_mesh* model,
                                                         const rumple_pose* frame,

@@ -80,7 +80,9 @@ RUMPLE_API void rumple_wrinkle_paths_paint_free(rumple_wrinkle_paths_paint* pain
 // ---- frames, chapters 4 and 5
 
 // What the positions of one frame make of a model: the shapes and frames of the triangles. Made once a frame
-// and handed to all that is asked of the frame. It keeps its model and a copy of the arrays of `frame`.
+// and handed to what is asked of the frame. It keeps its model and a copy of the arrays of `frame`. Refused:
+// other positions than the model has, or such that are not finite; what only a rest shape that adapts reads
+// is checked when it is solved. Cost: O(vertices).
 typedef struct rumple_wrinkle_paths_pose rumple_wrinkle_paths_pose;
 RUMPLE_API rumple_status rumple_wrinkle_paths_pose_build(const rumple_wrinkle_paths* model,
                                                          const rumple_pose* frame,
@@ -143,7 +145,7 @@ RUMPLE_API rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* 
                                                     rumple_wrinkle_paths_report* report,
                                                     rumple_wrinkle_paths_state** state);
 
-// Chapters 6 to 8: the shown mesh of a solved frame. Of the pose only positions are read, here and below.
+// Chapters 6 to 8: the shown mesh of a solved frame. Of the frame only positions are read, here and below.
 RUMPLE_API rumple_status rumple_wrinkle_paths_show(const rumple_wrinkle_paths* model,
                                                    const rumple_wrinkle_paths_settings* settings,
                                                    const rumple_wrinkle_paths_pose* pose,

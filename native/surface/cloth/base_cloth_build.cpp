@@ -30,9 +30,9 @@ Springs collect_springs(const Surface& surface) {
     for (const Triangle& triangle : surface.triangles)
         area[triangle.polygon] += triangle_area(surface, triangle);
     Springs springs;
-    const auto add = [&](Index a, Index b, float fraction, bool diagonal) {
+    const auto add = [&](Index a, Index b, float area_share, bool diagonal) {
         Spring& spring = springs[std::minmax(a, b)];
-        spring.area += fraction;
+        spring.area += area_share;
         spring.diagonal = diagonal;
     };
     for (Index p = 0; p < surface.welded.polygons(); ++p) {

@@ -61,9 +61,9 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
     const auto& [model, settings, pose, planes, inertia] = cloth;
     for (size_t v = 0; v < x.size(); ++v) {
         const Vec3 away = x[v] - pose.animated[v];
-        const float fraction =
+        const float room_used =
             pose.room[v] > 0.0f ? glm::dot(away, away) / (pose.room[v] * pose.room[v]) : 0.0f;
-        const float back = model.area[v] * pose.follow[v] * (1.0f + kWall * fraction * fraction);
+        const float back = model.area[v] * pose.follow[v] * (1.0f + kWall * room_used * room_used);
         const float firm = model.area[v] * std::max(kContact, pose.follow[v]);
         const float inward = -height_above(planes[v], x[v]), beyond = -height_above(pose.ahead[v], x[v]);
         const float contact = inward > 0.0f ? firm : 0.0f, ahead = beyond > 0.0f ? firm : 0.0f;
@@ -71,8 +71,8 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
                  ahead * beyond * pose.ahead[v].normal;
         if (inertia) out[v] += inertia->push[v] - inertia->resist[v] * (x[v] - inertia->from[v]);
         if (!hessian) continue;
-        const float growth = 4.0f * model.area[v] * pose.follow[v] * kWall * fraction;
-        const Vec3 wall = fraction > 0.0f ? std::sqrt(growth) / pose.room[v] * away : Vec3(0.0f);
+        const float growth = 4.0f * model.area[v] * pose.follow[v] * kWall * room_used;
+        const Vec3 wall = room_used > 0.0f ? std::sqrt(growth) / pose.room[v] * away : Vec3(0.0f);
         hessian->vertices[v] = {back, wall, contact, ahead};
         hessian->inverse_diagonal[v] = glm::mat3(back) + glm::outerProduct(wall, wall) +
                                        contact * glm::outerProduct(planes[v].normal, planes[v].normal) +

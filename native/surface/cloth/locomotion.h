@@ -9,7 +9,7 @@
 
 namespace rumple::base_cloth {
 
-// A turn about the garment's centre, and the way of the centre: object space, object units.
+// A turn about the garment's centre, and the displacement of the centre: object space, object units.
 struct RigidMotion {
     glm::dquat turn{1.0, 0.0, 0.0, 0.0};
     glm::dvec3 centre{0.0};
@@ -27,7 +27,7 @@ struct RigidMotion {
 // Equal poses give the identity to the bit. Cost: O(vertices).
 RigidMotion rigid_motion(std::span<const float> area, std::span<const Vec3> from, std::span<const Vec3> to);
 
-// A share of a motion: of the angle of its turn, and of its way. fraction: 0 to 1.
+// A share of a motion: of the angle of its turn, and of its displacement. fraction: 0 to 1.
 RigidMotion part_of(const RigidMotion& motion, double fraction);
 
 }  // namespace rumple::base_cloth

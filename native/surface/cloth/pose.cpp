@@ -115,9 +115,9 @@ void describe(const Model& model, const Settings& settings, const Pose& pose, st
     size_t touching = 0, taut = 0;
     const size_t vertices = x.size();
     for (size_t v = 0; v < vertices; ++v) {
-        const float displacement = glm::distance(x[v], pose.animated[v]);
-        sum += displacement;
-        out.report.offset_max = std::max(out.report.offset_max, displacement);
+        const float moved = glm::distance(x[v], pose.animated[v]);
+        sum += moved;
+        out.report.offset_max = std::max(out.report.offset_max, moved);
         touching += height_above(planes[v], x[v]) < kTouching * settings.room;
     }
     for (const Model::Spring& spring : model.springs)

@@ -79,8 +79,8 @@ std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, std::span
         if (twice_area < kShortestEdge * kShortestEdge) continue;
         const Vec3 n = normal / twice_area;
         const Vec3 met = swing.wind - (velocity[v[0]] + velocity[v[1]] + velocity[v[2]]) / 3.0f;
-        const float fraction = twice_area / 6.0f * swing.drag * std::abs(glm::dot(met, n));
-        const glm::mat3 along = fraction * glm::outerProduct(n, n);
+        const float drag = twice_area / 6.0f * swing.drag * std::abs(glm::dot(met, n));
+        const glm::mat3 along = drag * glm::outerProduct(n, n);
         for (const Index corner : v) out[corner] += along;
     }
     return out;
@@ -119,11 +119,11 @@ Inertia inertia_of(const Model& model, const Swing& swing, const Pose& pose, con
                    std::span<const Vec3> displacement, float h) {
     Inertia out{motion.position, {}, drag_of(model, swing, motion.position, motion.velocity)};
     for (size_t v = 0; v < displacement.size(); ++v) {
-        const float fraction = model.area[v] / h;
+        const float mass = model.area[v] / h;
         const Vec3 animated_displacement = pose.animated[v] - motion.animated[v];
-        out.push.push_back(fraction * (displacement[v] / h + swing.damping * animated_displacement) +
+        out.push.push_back(mass * (displacement[v] / h + swing.damping * animated_displacement) +
                            out.resist[v] * swing.wind);
-        out.resist[v] = glm::mat3(fraction * (1.0f / h + swing.damping)) + out.resist[v] / h;
+        out.resist[v] = glm::mat3(mass * (1.0f / h + swing.damping)) + out.resist[v] / h;
     }
     return out;
 }

@@ -22,15 +22,6 @@ struct Box {
         high = glm::max(high, other.high);
     }
     void add(const Vec3& p) { add(Box{p, p}); }
-    float squared_distance(const Vec3& p) const {
-        const Vec3 outside = glm::max(glm::max(low - p, p - high), Vec3(0.0f));
-        return glm::dot(outside, outside);
-    }
-    // Of all its points the least way along a direction.
-    float least_along(const Vec3& direction) const {
-        const Vec3 least = glm::min(direction * low, direction * high);
-        return least.x + least.y + least.z;
-    }
 };
 
 inline Vec3 unit_or_zero(const Vec3& v) {
@@ -45,6 +36,7 @@ struct TriangleNormals {
 
     TriangleNormals(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles)
         : of_vertex(positions.size(), Vec3(0.0f)) {
+        of_face.reserve(triangles.size());
         for (const auto& t : triangles) {
             const Vec3 n = glm::cross(positions[t[1]] - positions[t[0]], positions[t[2]] - positions[t[0]]);
             of_face.push_back(unit_or_zero(n));

@@ -10,16 +10,17 @@ namespace {
 
 constexpr float kInfinitelyFar = std::numeric_limits<float>::max();
 
-// Up to four descendants of a node of two children.
-std::vector<Index> open(const Hierarchy& hierarchy, Index node) {
+// The grandchildren of a node of two children; a leaf stands for its own.
+std::vector<Index> grandchildren(const Hierarchy& hierarchy, Index node) {
     std::vector<Index> out{node};
-    while (out.size() < kLanes) {
-        const auto inner =
-            std::find_if(out.begin(), out.end(), [&](Index n) { return hierarchy.nodes[n].count == 0; });
-        if (inner == out.end()) break;
-        const Index first = hierarchy.nodes[*inner].first;
-        *inner = first;
-        out.insert(inner + 1, first + 1);
+    for (int generation = 0; generation < 2; ++generation) {
+        std::vector<Index> next;
+        for (const Index n : out) {
+            const auto [first, count] = hierarchy.nodes[n];
+            if (count == 0) next.insert(next.end(), {first, first + 1});
+            if (count > 0) next.push_back(n);
+        }
+        out = std::move(next);
     }
     return out;
 }
@@ -36,7 +37,7 @@ PacketHierarchy build_packets(std::span<const Vec3> centres) {
         PacketHierarchy::Node node;
         node.child.fill(PacketHierarchy::kEmpty);
         int k = 0;
-        for (const Index child : open(pairs, node_of[n])) {
+        for (const Index child : grandchildren(pairs, node_of[n])) {
             const auto [first, count] = pairs.nodes[child];
             if (count == 0) {
                 node.child[k++] = static_cast<Index>(node_of.size());

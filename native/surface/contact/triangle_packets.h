@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <cassert>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -123,14 +125,18 @@ void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* non
         float squared;
         Index child;
     };
-    Waiting stack[64];  // at most three siblings a level wait, and the depth is log4 of the packets
+    constexpr int kMostWaiting = 64;  // three siblings a level, and the depth is log4 of the packets
+    Waiting stack[kMostWaiting];
     int top = 0;
+    // Distances are rounded, by the size of p too, and a tie must reach the lowest triangle, whatever is
+    // looked at first: (sqrt(best) + rounding)^2 <= (1 + s) best + (1 + 1 / s) rounding^2.
+    const float rounding = kPlaceRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+    const float always = (1.0f + 1.0f / kPacketTieSlack) * rounding * rounding;
     if (!nodes_.empty()) stack[top++] = {0.0f, 0};
     const Vec3Lanes at(p), direction(none_faces ? none_faces->direction : Vec3(0.0f));
     while (top > 0) {
         const auto [squared, child] = stack[--top];
-        // Both distances are rounded, and a tie must reach the lowest triangle.
-        const float far = (1.0f + kPacketTieSlack) * best;
+        const float far = (1.0f + kPacketTieSlack) * best + always;
         if (squared > far) continue;
         if (child < 0) {
             look_at(packets_[-1 - child], hierarchy_.packets[-1 - child]);
@@ -140,6 +146,7 @@ void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* non
         const Lanes distance = node.places.squared_distance(at);
         LaneMask open = distance <= all_lanes(far);
         if (none_faces) open &= node.normals.least_along(direction) <= all_lanes(none_faces->most);
+        assert(top + kLanes <= kMostWaiting);
         const int begin = top;
         for (int k = 0; k < kLanes; ++k) {  // the nearest goes on the stack last
             if (!open[k]) continue;

@@ -67,7 +67,7 @@ struct ReferenceState {
     }
 };
 
-// Throw InvalidInput naming the first bad value: a frame_time that does not fit the surface or the state, a
+// Throw InvalidInput naming the first bad value: a frame time that does not fit the surface or the state, a
 // state that is of another surface or holds values that no frame leaves.
 void check_frame_time(const Surface& surface, const FrameTime& frame_time, const ReferenceState* state);
 void check_reference(const Surface& surface, const ReferenceState& state);

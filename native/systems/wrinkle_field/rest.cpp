@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A rest shape that adapts: compression from the reference triangles around a vertex. Not in the paper; the
-// reference is chapter 4 of Gillette 2015 (surface/adaptive_reference.h).
+// reference is chapter 4 of Gillette 2015 (surface/strain/adaptive_reference.h).
 #include <cmath>
 
 #include "base/expect.h"

@@ -106,7 +106,7 @@ void look_at_own(const OwnSurface& own, const Model& layer, const Settings& sett
     }
 }
 
-// What of a body is ahead bounds a vertex as its own cloth does, but for the fraction: a body does not give
+// What of a body is ahead bounds a vertex as its own cloth does, but for the share: a body does not give
 // way.
 void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings& settings, const Paint& paint,
                 float thickness, Clear& clear, Pose& pose) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A rest shape that adapts: the rest length of every pair from the reference triangles it lies in. Not in the
-// paper; the reference is chapter 4 of Gillette 2015 (surface/adaptive_reference.h).
+// paper; the reference is chapter 4 of Gillette 2015 (surface/strain/adaptive_reference.h).
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Layers over a coarse mesh (surface/coarse.h), shown on the dense mesh that it stands for: every vertex
-// moves as the finest layer's surface does beside it. Wide folds, and the time they take, then do not depend
-// on how densely a garment was modelled. (Not in the paper.)
+// Layers over a coarse mesh (surface/output/coarse.h), shown on the dense mesh that it stands for: every
+// vertex moves as the finest layer's surface does beside it. Wide folds, and the time they take, then do not
+// depend on how densely a garment was modelled. (Not in the paper.)
 #pragma once
 
 #include <memory>

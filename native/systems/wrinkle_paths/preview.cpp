@@ -112,11 +112,11 @@ Drawn drawn_at(const Model& model, const Settings& settings, const Drawing& draw
     }
     const float fraction = (1.0f - place.b0 - place.b1) * hem[0] + place.b0 * hem[1] + place.b1 * hem[2];
     const Vec3 flat = interpolate(base, place, drawing.flat),
-               displacement = unit(interpolate(base, place, drawing.normal));
+               outwards = unit(interpolate(base, place, drawing.normal));
     const formulas::FoldBlend blend =
-        folds_at(settings, drawing.lists, place.triangle, flat, displacement, fraction);
-    return {pn_triangle(p, n, place.b0, place.b1) + blend.height * displacement,
-            formulas::blended_normal(blend, displacement), blend.height};
+        folds_at(settings, drawing.lists, place.triangle, flat, outwards, fraction);
+    return {pn_triangle(p, n, place.b0, place.b1) + blend.height * outwards,
+            formulas::blended_normal(blend, outwards), blend.height};
 }
 
 }  // namespace rumple::wrinkle_paths
