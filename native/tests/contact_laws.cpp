@@ -119,24 +119,22 @@ TEST(Collider, TheNearestPlaceIsThatOfAllTrianglesInEveryPoseAndWithAnyHint) {
     EXPECT_LT(others, 4 * found / 10);  // with four hints each
 }
 
-// A point on an edge or a corner is equally near to all triangles there: which of them is found must not hang
-// on where the search begins, or a frame that was jumped to would differ from one that was played.
-TEST(Collider, OnSharedEdgesTheHintChangesNothing) {
-    const Body body = sphere(14, 20, 1.0f, 0.15f, 3);
-    const Collider collider = body.collider();
-    std::vector<Vec3> positions = body.positions;
-    for (Vec3& p : positions) p = p + Vec3(3.0f, -1.0f, 2.0f);  // where coordinates round more than distances
-    const PosedCollider posed(collider, positions);
-    for (Index t = 0; t < collider.triangle_count(); ++t) {
-        const auto& corner = body.triangles[t];
-        const Vec3 a = positions[corner[0]], b = positions[corner[1]], c = positions[corner[2]];
-        const Vec3 n = glm::normalize(glm::cross(b - a, c - a));
-        for (const Vec3& p : {a, 0.5f * (a + b), 0.3f * b + 0.7f * c}) {
-            const BodyContact alone = posed.closest(p, n, 0.2f, kNone);
-            for (Index hint = t % 3; hint < collider.triangle_count(); hint += 3) {
-                const BodyContact found = posed.closest(p, n, 0.2f, hint);
-                ASSERT_EQ(found.triangle, alone.triangle) << t << " " << hint;
-                ASSERT_EQ(found.point, alone.point);
+// Over an edge or a corner all triangles there are equally near: which of them is found must not hang on
+// where the search begins, or a frame that was jumped to would differ from one that was played. The boxes of
+// a flat body are as near as its triangles.
+TEST(Collider, OverSharedEdgesTheHintChangesNothing) {
+    for (Body body : {sphere(8, 12, 1.0f, 0.15f, 3), body_of(grid(9, 9, 0.1f))}) {
+        for (Vec3& p : body.positions) p += Vec3(3.0f, -1.0f, 2.0f);  // coordinates round more than distances
+        const Collider collider = body.collider();
+        const PosedCollider posed(collider, body.positions);
+        for (const auto& corner : body.triangles) {
+            const Vec3 a = body.positions[corner[0]], b = body.positions[corner[1]],
+                       c = body.positions[corner[2]];
+            const Vec3 n = glm::normalize(glm::cross(b - a, c - a));
+            for (const Vec3& p : {a, 0.5f * (a + b) + 0.01f * n, 0.3f * b + 0.7f * c + 0.003f * n}) {
+                const BodyContact alone = posed.closest(p, n, 0.2f, kNone);
+                for (Index hint = 0; hint < collider.triangle_count(); ++hint)
+                    ASSERT_EQ(posed.closest(p, n, 0.2f, hint).triangle, alone.triangle) << hint;
             }
         }
     }
