@@ -6,7 +6,7 @@ from unittest import mock
 
 import bpy
 import numpy as np
-from rumple.blender import compat
+from rumple.blender import compat, handlers
 from rumple.blender.frame import first_pass, solve
 from rumple.blender.objects import modifier, runtimes
 from rumple.core.engine import UserError
@@ -52,18 +52,21 @@ class FirstPass(unittest.TestCase):
 
     def test_what_is_shown_is_what_two_fine_passes_showed(self):
         """Also where a modifier behind the wrinkles makes more points of the mesh."""
-        shown = []
+        shown, seen = [], []
         for prepare in (first_pass.hand_on_coarse, lambda scene: None):
             with mock.patch.object(first_pass, "hand_on_coarse", prepare):
                 obj = sleeve.scene()
                 obj.modifiers.new("Lining", "SOLIDIFY")
                 sleeve.play()
                 frames = []
-                for frame in (6, 7, 8, 15):
-                    sleeve.at(frame)
-                    frames.append(sleeve.shown(obj))
+                with first_passes(obj) as counts:
+                    for frame in (6, 7, 8, 15):
+                        sleeve.at(frame)
+                        frames.append(sleeve.shown(obj))
                 shown.append(np.array(frames))
+                seen.append(set(counts))
         np.testing.assert_array_equal(*shown)
+        self.assertLess(max(seen[0]), min(seen[1]))
 
     def test_a_garment_that_stands_still_is_left_alone(self):
         """Blender does not evaluate it at all: to switch it would cost what it saves elsewhere."""
@@ -80,6 +83,16 @@ class FirstPass(unittest.TestCase):
         self.assertEqual(runtimes.message(obj), "on purpose")
         self.assertEqual(place(obj), 0.0)
         self.assertGreater(len(sleeve.shown(obj)), coarse_count(obj))
+
+    def test_it_is_shown_whole_again_when_the_handler_breaks(self):
+        obj, scene = sleeve.scene(), bpy.context.scene
+        sleeve.play(1, 4)
+        first_pass.hand_on_coarse(scene)
+        self.assertEqual(place(obj), first_pass.AWAY)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        with mock.patch.object(handlers, "_follow", side_effect=RuntimeError), self.assertRaises(RuntimeError):
+            handlers._on_frame(scene, depsgraph)
+        self.assertEqual(place(obj), 0.0)
 
     def test_modifiers_behind_that_keep_a_mesh_see_the_fine_one_only(self):
         obj = sleeve.scene()
@@ -100,13 +113,14 @@ class FirstPass(unittest.TestCase):
             group.nodes.new("GeometryNodeSimulationOutput")
         except RuntimeError:
             self.skipTest("this Blender has no simulation zones")
+        obj.modifiers.new("Hair", "NODES").node_group = group
         self.assertNotIn(coarse_count(obj), self.played(obj))
 
     def test_a_garment_of_another_scene_is_left_alone(self):
         obj = sleeve.scene()
         sleeve.play(1, 4)
         other = bpy.data.scenes.new("Other")
-        other.frame_set(9)
+        other.frame_set(4)
         self.assertEqual(place(obj), 0.0)
         self.assertEqual(runtimes.of(obj).moved_in, compat.session_key(bpy.context.scene))
 

@@ -128,10 +128,12 @@ class Zips(unittest.TestCase):
         promised = set(re.findall(r"\b(rumple_\w+)\(", re.sub(r"//[^\n]*", "", header)))
         with tempfile.TemporaryDirectory() as home, zipfile.ZipFile(the_zip(ALL)) as archive:
             archive.extractall(home)
-            for folder in Path(home, "lib").iterdir():
+            checked = 0
+            for folder in sorted(Path(home, "lib").iterdir()):
                 file = next(path for path in folder.iterdir() if path.suffix != ".sha256")
                 if (folder / "libosdCPU.so.3.5.0").exists():
-                    self.skipTest("linux-x64 is this machine's own build")
+                    continue    # this machine's own build: it needs Debian's libraries, which lie beside it
+                checked += 1
                 facts = facts_of(file)
                 self.assertLessEqual(set(facts.needs), of_the_system[folder.name], folder.name)
                 self.assertEqual(set(facts.exports), promised, folder.name)
@@ -142,6 +144,7 @@ class Zips(unittest.TestCase):
                     self.assertEqual(facts.system, "macOS 11.0")
                 if folder.name == "macos-arm64":
                     self.assertTrue(facts.signed)
+            self.assertGreater(checked, 0)
 
     def test_a_platform_has_at_most_eight_megabytes(self):
         for path in DIST.glob("rumple-*-*.zip"):

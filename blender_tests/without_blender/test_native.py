@@ -256,7 +256,10 @@ class Handles(OnATube):
             with self.assertRaisesRegex(ValueError, "plan: expected a pointer, got NULL"):
                 getattr(lib, f"rumple_{name}_build")(surface, None, place)
             state = ctypes.byref(getattr(kernels, type(settings).__name__.replace("Settings", "State")).POINTER())
+            pose = ctypes.byref(getattr(kernels, type(settings).__name__.replace("Settings", "Pose")).POINTER())
             with self.assertRaisesRegex(ValueError, "frame: expected a pointer, got NULL"):
+                getattr(lib, f"rumple_{name}_pose_build")(model, None, pose)
+            with self.assertRaisesRegex(ValueError, "pose: expected a pointer, got NULL"):
                 getattr(lib, f"rumple_{name}_solve")(model, settings, None, None, None, None, state)
             with self.assertRaisesRegex(ValueError, "settings: expected a pointer, got NULL"):
                 made = getattr(kernels, type(settings).__name__.replace("Settings", "Pose")).of(model, self.squeezed)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The share of every round that a vertex takes, one texel per welded vertex: the largest that its links ask for.
-// out_share: that share, in x.
+// out_activity: that share, in x.
 
 void main() {
     vec4 vertex = TEXEL(vertices, THIS_TEXEL(vertices));

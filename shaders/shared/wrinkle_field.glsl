@@ -120,7 +120,7 @@ struct Link {
     float offset;  // radians
 };
 
-// wave_vector: 2 pi / W k', radians per object unit. way: x'_n - x'_0; p = (x'_0 + x'_n) / 2.
+// wave_vector: 2 pi / W k', radians per object unit. displacement: x'_n - x'_0; p = (x'_0 + x'_n) / 2.
 FORMULA Link link_waves(vec3 wave_vector, vec3 neighbour_wave_vector, vec3 displacement) {
     Link result;
     result.flip = dot(neighbour_wave_vector, wave_vector) < 0.0f ? -1.0f : 1.0f;

@@ -58,7 +58,7 @@ struct FoldHeight {
     vec3 gradient;  // across the path: with the smooth normal n the folded one is n - gradient
 };
 
-// What the piece gives a point p that is projected to `share` of it, if it is on it.
+// What the piece gives a point p that is projected to `fraction` of it, if it is on it.
 FORMULA FoldHeight fold_at(int kind, FoldEnd a, FoldEnd b, vec3 p, float fraction) {
     FoldHeight result;
     result.height = 0.0f;

@@ -25,7 +25,6 @@ def _forget_all() -> None:
 
 @persistent
 def _before_frame(scene: bpy.types.Scene, *_arguments: object) -> None:
-    kept_lists.forget_all()
     first_pass.hand_on_coarse(scene)
 
 

@@ -71,7 +71,7 @@ class WrinkleField(Wrinkles):
 
     # --- for whoever draws the waves on the GPU (../blender/viewport/preview.py)
     def wave_parameters(self, settings: FieldSettings) -> tuple[Any, Any, Any]:
-        """(settings, wishes, profile), native, with the paint of the last solve."""
+        """(settings, wave parameters, profile), native, with the paint of the last solve."""
         options = self._native_settings(settings)
         wave_parameters = kernels.wave_parameters_wrinkle_field(self.model, options, self._paint)
         return options, wave_parameters, native_profile(settings.profile, self._drawn)

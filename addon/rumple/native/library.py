@@ -32,8 +32,8 @@ def library_file() -> Path:
             return Path(os.path.abspath(folder / platforms.file_name(here)))
     others = sorted(folder.name for folder in BUNDLED.glob("*-*") if folder.is_dir())
     made_for = f"it is the package for {', '.join(others)}" if others else "it has no library"
-    raise NativeMissing(f"This installation of Rumple cannot run on {here}: {made_for}. "
-                        f"Install the Rumple package for {here}.")
+    advice = f"Install the Rumple package for {here}." if here in platforms.MADE_FOR else "There is no Rumple for it."
+    raise NativeMissing(f"This installation of Rumple cannot run on {here}: {made_for}. {advice}")
 
 
 class Library:

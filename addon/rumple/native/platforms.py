@@ -12,11 +12,13 @@ from pathlib import Path
 
 FILES = {"windows": "rumple.dll", "macos": "librumple.dylib", "linux": "librumple.so"}
 SYSTEMS = {"Windows": "windows", "Darwin": "macos"}
+MADE_FOR = frozenset(("linux-x64", "windows-x64", "macos-arm64", "macos-x64"))  # or will be: docs/platforms.md
 PROCESSORS = {"amd64": "x64", "x86_64": "x64", "aarch64": "arm64", "arm64": "arm64"}
 
 # What the systems say when they refuse a library, and what the artist can do. The first that is found counts.
 REFUSALS = (
-    (("GLIBC_", "GLIBCXX_"), "This Linux is older than Rumple supports: it needs glibc 2.28 or later (2018)."),
+    (("GLIBC_", "GLIBCXX_"),
+     "This Linux is older than the one that the package was built for: update it, or build Rumple on it."),
     (("code signature", "system policy", "quarantine", "not verified"),
      "macOS keeps files that were downloaded in quarantine. In Terminal, run: xattr -dr com.apple.quarantine "
      "\"{folder}\" and start Blender again."),
@@ -46,14 +48,14 @@ def why_refused(error: str, path: Path) -> str:
     for signs, advice in REFUSALS:
         if any(sign.lower() in error.lower() for sign in signs):
             return advice.format(folder=path.parent, here=here())
-    return "Install Rumple again, with the package for " + here() + "."
+    return f"Install Rumple again, with the package for {here()}."
 
 
 def is_damaged(path: Path) -> bool:
     """Whether a library is not the one that was packed: a system that maps a truncated file ends Blender. The
     package has its digest beside it (scripts/packaging.py); what was built has none."""
     digest = path.with_name(path.name + ".sha256")
-    return digest.is_file() and digest.read_text().strip() != hashlib.sha256(path.read_bytes()).hexdigest()
+    return digest.is_file() and digest.read_bytes().strip() != hashlib.sha256(path.read_bytes()).hexdigest().encode()
 
 
 def is_locked_when_open() -> bool:
@@ -79,7 +81,10 @@ def copy_to_load(path: Path, folder: Path | None = None) -> Path:
             os.replace(being_written, copy)
     except OSError:     # no place, no right to write there, or somebody holds a damaged copy
         return path
-    for other in copies.iterdir():
-        if other != own:
-            shutil.rmtree(other, ignore_errors=True)    # what a Blender holds stays: Windows refuses
+    try:
+        for other in copies.iterdir():
+            if other != own:
+                shutil.rmtree(other, ignore_errors=True)    # what a Blender holds stays: Windows refuses
+    except OSError:     # another Blender tidies up as well
+        pass
     return copy

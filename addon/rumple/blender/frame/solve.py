@@ -147,7 +147,7 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         path_curves.write(obj, runtime)
     written = _show(output_obj, runtime, result, depsgraph.mode == "VIEWPORT")
     if written:
-        runtime.written_at = inputs.frame
+        runtime.written_at = compat.session_key(scene), inputs.frame
     return written
 
 

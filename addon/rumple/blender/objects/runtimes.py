@@ -49,7 +49,7 @@ class Runtime(RuntimeBase):
     groups: list[str] | None = None  # names of the vertex groups when the output object was last checked
     inputs: Inputs | None = None
     result: engine.FrameResult | engine.PreviewFrame | None = None  # what the output object holds
-    written_at: float | None = None  # the frame that the output object was written in, last
+    written_at: tuple[int, float] | None = None  # the scene and its frame that wrote the output object last
     moved_in: int = 0  # the scene whose last frame wrote the output object: its next one will
     analyzing: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
     analyzed: Inputs | None = None  # ... and this is what was read

@@ -9,7 +9,10 @@ from bpy.app.handlers import persistent
 
 
 class DrawHandler:
-    """One such function. There is none in background mode: no viewport, and the gpu module crashes 3.4 there."""
+    """A function that Blender calls when it has drawn a 3D viewport.
+
+    None in background mode: there is no viewport, and the gpu module crashes 3.4 there.
+    """
 
     def __init__(self, draw: Callable[[], None], clear: Callable[[], None] | None = None) -> None:
         """clear: drops what draw() keeps; called before another file is loaded, and when the handler is removed."""
@@ -34,7 +37,7 @@ class DrawHandler:
             bpy.app.handlers.load_pre.append(self._on_load)
 
     def remove(self) -> None:
-        """Nothing where it is not there."""
+        """Drops what is kept, and the handler where there is one."""
         if self._handle is not None:
             bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
             bpy.app.handlers.load_pre.remove(self._on_load)

@@ -55,7 +55,7 @@ class GpuField:
         self._neighbours = upload(np.column_stack((neighbours, model.gradients, owners)))
         self._links = [Target(len(neighbours), 2) for _ in range(2)]  # ping-pong: link reads what it solved before
         self._activities = Target(self.vertex_count)
-        self._waves = [Target(self.vertex_count, 2) for _ in range(2)]  # ping-pong: crush reads the k of before
+        self._waves = [Target(self.vertex_count, 2) for _ in range(2)]  # two: estimate_waves reads the k of before
         self._dissolved = Target(self.vertex_count)
         self._phases = [Target(self.vertex_count) for _ in range(2)]  # ping-pong, as figure 2 has it
         self._fans = Target(1, 2)
