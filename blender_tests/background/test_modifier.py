@@ -145,18 +145,6 @@ class Embedding(unittest.TestCase):
         self.assertEqual(len(key.data), len(obj.data.vertices))
         self.assertTrue(np.isfinite(sleeve.shown(obj)).all())
 
-    def test_a_modifier_that_removes_points_is_named(self):
-        obj = sleeve.scene()
-        obj.vertex_groups.new(name="hidden").add([0, 1, 2], 1.0, "REPLACE")
-        mask = obj.modifiers.new("Mask", "MASK")
-        mask.vertex_group, mask.invert_vertex_group = "hidden", True
-        sleeve.at(8)
-        sleeve.at(9)
-        self.assertIn("removes points", obj.rumple.message)
-        obj.modifiers.remove(mask)
-        sleeve.at(10)
-        self.assertEqual(obj.rumple.message, "")
-
     def test_a_modifier_in_front_that_adds_points_is_named(self):
         obj = sleeve.scene(wrinkles=False)
         obj.modifiers.new("Mirror", "MIRROR")

@@ -11,7 +11,7 @@ from ...core.brush import Easel
 from ...core.engine import UserError
 from ...core.wrinkle_field import WrinkleField
 from .. import compat
-from ..objects import mesh_reader, modifier, runtimes
+from ..objects import coarse_copy, mesh_reader, modifier, runtimes
 
 
 class Canvas:
@@ -26,7 +26,7 @@ class Canvas:
         evaluated = obj.evaluated_get(depsgraph)
         count = len(obj.data.vertices)
         try:
-            positions = mesh_reader.posed_positions(evaluated, count)
+            positions = coarse_copy.posed_positions(obj, count, depsgraph)
         except mesh_reader.Reordered as error:
             raise UserError(f"{obj.name}: {error}") from error
         if positions is None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from ...core import clip_file
-from ..objects import bodies, evaluator, mesh_reader, modifier, properties, units
+from ..objects import bodies, coarse_copy, evaluator, mesh_reader, modifier, properties, units
 from ..objects.runtimes import Runtime
 
 
@@ -70,7 +70,7 @@ def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
     return ""
 
 
-def compare_pose(obj: bpy.types.Object, runtime: Runtime, evaluated: bpy.types.Object, frame: float) -> str:
+def compare_pose(obj: bpy.types.Object, runtime: Runtime, depsgraph: bpy.types.Depsgraph, frame: float) -> str:
     """The note on this frame of a baked object: its animation may have changed, or the clip may not have it."""
     clip = clip_path(obj)
     about = manifest(clip) if clip is not None else None
@@ -80,7 +80,10 @@ def compare_pose(obj: bpy.types.Object, runtime: Runtime, evaluated: bpy.types.O
     if sample is None:
         outside = not about.start <= frame <= about.end
         return f"{obj.name}: frame {frame:g} is outside the bake ({about.start} to {about.end})" if outside else ""
-    positions = mesh_reader.posed_positions(evaluated, about.coarse_vertices)
+    try:
+        positions = coarse_copy.posed_positions(obj, about.coarse_vertices, depsgraph)
+    except mesh_reader.Reordered:  # the clip needs none of them
+        return ""
     if positions is not None and about.pose_differs(sample, positions):
         return f"{obj.name}: the pose of frame {frame:g} is not the baked one: bake again"
     return ""

@@ -13,7 +13,7 @@ from __future__ import annotations
 import bpy
 
 from .. import compat, scheduler
-from ..objects import modifier, runtimes
+from ..objects import coarse_copy, modifier, runtimes
 
 AWAY = 1.0  # x of the output object while the coarse mesh is handed on; wrinkle_tree.py compares with a half
 
@@ -29,6 +29,7 @@ _some_away = False
 
 def hand_on_coarse(scene: bpy.types.Scene) -> None:
     """Before a frame: of the garments that moved in the last one. What stands still Blender does not even evaluate.
+    And all say whether their points have to be handed on beside the mesh.
 
     Cost: about a microsecond for each modifier of the file and each node of its geometry node groups.
     """
@@ -36,6 +37,8 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
     if not scheduler.may_prepare_frame():
         return
     with scheduler.LOCK:
+        for obj, nodes_mod in modifier.wrinkled_objects():
+            coarse_copy.settle(obj, nodes_mod)
         moving = [(obj, nodes_mod) for obj, nodes_mod in modifier.wrinkled_objects() if _moved(obj, nodes_mod, scene)]
         if not moving or _nodes_keep_meshes():
             return

@@ -13,7 +13,8 @@ import numpy as np
 
 from ...core import engine
 from .. import compat, scheduler
-from ..objects import bodies, evaluator, mesh_reader, messages, modifier, output_mesh, properties, runtimes, units, wind
+from ..objects import (bodies, coarse_copy, evaluator, mesh_reader, messages, modifier, output_mesh, properties, runtimes,
+                       units, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -75,10 +76,13 @@ def _needs_structure(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) 
 
 def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
     """Background mode: rebuild between the passes, with the pose that the old mesh still carries."""
-    poses = {obj.name_full: _posed(obj, depsgraph) for obj, _ in objects}
+    poses = {}
+    for obj, _ours in objects:
+        with messages.frame_errors(obj, runtimes.of(obj)):
+            poses[obj.name_full] = _posed(obj, depsgraph)
     scheduler.sync_all()
     for obj, _ours in objects:
-        runtimes.of(obj).pose = poses[obj.name_full]
+        runtimes.of(obj).pose = poses.get(obj.name_full)
 
 
 def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
@@ -87,7 +91,10 @@ def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray 
     if not evaluated.is_evaluated or obj.mode in mesh_reader.BUSY_MODES:
         return None
     count = len(obj.data.vertices)
-    found = mesh_reader.posed_positions(evaluated, count)
+    try:
+        found = coarse_copy.posed_positions(obj, count, depsgraph)
+    except mesh_reader.Reordered:
+        return None  # _incoming() says so
     return mesh_reader.plain_positions(evaluated, count) if found is None else found
 
 
@@ -105,10 +112,7 @@ def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
             scheduler.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
             return False
         outputs_seen.add(key)
-        try:
-            return _process(obj, nodes_mod, output_obj, runtime, scene, depsgraph)
-        except mesh_reader.Reordered as error:
-            raise engine.UserError(f"{obj.name}: {error}") from error
+        return _process(obj, nodes_mod, output_obj, runtime, scene, depsgraph)
     return False
 
 
@@ -119,7 +123,7 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         return False
     if modifier.is_baked(nodes_mod):
         frame = float(scene.frame_current_final)
-        messages.set_frame_error(runtime, clip_status.compare_pose(obj, runtime, evaluated, frame))
+        messages.set_frame_error(runtime, clip_status.compare_pose(obj, runtime, depsgraph, frame))
         return False
     if runtime.evaluator is None:
         evaluator.ensure(obj, runtime)
@@ -206,9 +210,14 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
     if runtime.pose is not None:
         return runtime.pose
     count = len(runtime.evaluator.base.positions)
-    positions = mesh_reader.posed_positions(evaluated, count)
+    positions, lost = None, False
+    try:
+        positions = coarse_copy.posed_positions(obj, count, depsgraph)
+    except mesh_reader.Reordered:
+        lost = True
     shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
     if positions is not None or not shown:
+        coarse_copy.settle(obj, nodes_mod)
         return positions
     if len(obj.data.vertices) != count or modifier.coarse_vertices(nodes_mod) != count:
         runtime.stale = True
@@ -218,7 +227,19 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
     if changer is not None:
         raise engine.UserError(f"{obj.name}: the modifier \"{changer.name}\" in front of {nodes_mod.name} changes the "
                                "number of vertices: apply it, or move it behind")
-    return None
+    if coarse_copy.settle(obj, nodes_mod) or not (lost or coarse_copy.removers(obj, nodes_mod)):
+        return None  # the next evaluation hands them on
+    raise engine.UserError(_points_are_lost(obj, nodes_mod))
+
+
+def _points_are_lost(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> str:
+    names = {m.type: m.name for m in coarse_copy.removers(obj, nodes_mod)[::-1]}
+    name = f"the modifier \"{names.get('NODES', next(iter(names.values()), ''))}\""
+    if "NODES" in names:
+        return (f"{obj.name}: {name} behind {nodes_mod.name} removes points that the wrinkles are made of: move it in "
+                "front, or let it keep the first points")
+    return (f"{obj.name}: {name} behind {nodes_mod.name} removes points that the wrinkles are made of, and what is hidden "
+            f"cannot be read in front of it: show {obj.name}, or move {name} in front")
 
 
 def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameResult | engine.PreviewFrame,

@@ -41,7 +41,7 @@ from ...core.systems import SYSTEMS, System
 from .. import compat
 from .builder import GeometryNodes, empty_modifier_group
 
-VERSION = 6  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 7  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 METHOD_KEY = "rumple_method"
 
@@ -149,6 +149,10 @@ class _Builder(GeometryNodes):
         numbered = self.store(geometry, BASE_INDEX, "INT", index)
         return self.store(numbered, BASE_POSITION, "FLOAT_VECTOR", self.position())
 
+    def coarse_beside(self, geometry: bpy.types.NodeSocket, shown: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Hands on the posed coarse points too, where modifiers behind take them away: see objects/coarse_copy.py."""
+        return self.beside(shown, self.store(geometry, BASE_POSITION, "FLOAT_VECTOR", self.position()))
+
     def counts_match(self, geometry: bpy.types.NodeSocket, expected: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         compare = self.node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
         self.link(self.element_count(geometry, "POINT"), compare, "A")
@@ -169,7 +173,8 @@ class _Builder(GeometryNodes):
         fine = self.store_base_position(geometry, fine)
         for name in OUTPUT_ONLY:
             fine = self.without(fine, name)
-        first_pass = self.above(self.components(output["Location"])[0], 0.5)
-        fine = self.switch(first_pass, fine, self.coarse(geometry))
+        first_pass, beside, _ = self.components(output["Location"])
+        fine = self.switch(self.above(first_pass, 0.5), fine, self.coarse(geometry))
+        fine = self.switch(self.above(beside, 0.5), fine, self.coarse_beside(geometry, fine))
         shown = self.switch(self.counts_match(geometry, inputs[COUNT]), geometry, fine)
         self.group.links.new(shown, self.node("NodeGroupOutput").inputs[0])

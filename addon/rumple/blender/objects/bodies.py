@@ -16,7 +16,7 @@ from ...core import engine
 from ...core.body import Body
 from .. import compat
 from ..nodes import path_curves_tree
-from . import mesh_reader, modifier, runtimes
+from . import coarse_copy, mesh_reader, modifier, runtimes
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
@@ -152,7 +152,7 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
              depsgraph: bpy.types.Depsgraph) -> Body:
     """One body in the object space of the garment. Raises engine.UserError."""
     worn = body.evaluated_get(depsgraph)
-    surface = _folded(body, float(depsgraph.scene.frame_current_final)) or _plain(obj, body, worn, depsgraph.mode)
+    surface = _folded(body, float(depsgraph.scene.frame_current_final)) or _plain(obj, body, worn, depsgraph)
     if not np.isfinite(surface.positions).all():
         first = int(np.isfinite(surface.positions).all(axis=1).argmin())
         raise engine.UserError(f"{obj.name}: vertex {first} of its body {body.name} is not finite: repair it, or "
@@ -176,18 +176,19 @@ def _folded(body: bpy.types.Object, frame: float) -> Body | None:
     return runtime.evaluator.worn_surface(frame) if shown else None
 
 
-def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object, mode: str) -> Body:
+def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object,
+           depsgraph: bpy.types.Depsgraph) -> Body:
     """A body as Blender shows it; a garment that is not baked without its folds. Raises engine.UserError."""
     mesh, positions, nodes_mod = worn.data, None, modifier.find(body)
     if nodes_mod is not None and not modifier.is_baked(nodes_mod):
         try:
-            positions = mesh_reader.posed_positions(worn, len(body.data.vertices))
+            positions = coarse_copy.posed_positions(body, len(body.data.vertices), depsgraph)
         except mesh_reader.Reordered as error:
             raise engine.UserError(f"{body.name}: {error}") from error
         mesh = body.data if positions is not None else mesh
     if not len(mesh.polygons):
         raise engine.UserError(f"{obj.name}: its body {body.name} has no faces: choose another one")
-    return Body(compat.positions(mesh) if positions is None else positions, _triangles(body, mesh, mode))
+    return Body(compat.positions(mesh) if positions is None else positions, _triangles(body, mesh, depsgraph.mode))
 
 
 # ---------------------------------------------------------------- triangles

@@ -18,7 +18,8 @@ from .. import compat, scheduler, ui_base
 from ..frame import rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
-from ..objects import bodies, body_search, cloth_defaults, mesh_reader, modifier, properties, runtimes, units
+from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, mesh_reader, modifier, properties, runtimes,
+                       units)
 from ..viewport import preview
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
@@ -279,8 +280,10 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
             obj.rumple.rest_frame = self.frame
         now = scene.frame_current, scene.frame_subframe
         scene.frame_set(obj.rumple.rest_frame)
-        evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-        positions = mesh_reader.posed_positions(evaluated, len(obj.data.vertices))
+        try:
+            positions = coarse_copy.posed_positions(obj, len(obj.data.vertices), context.evaluated_depsgraph_get())
+        except mesh_reader.Reordered:
+            positions = None  # the frame said so
         if positions is not None:
             compat.write_attribute(obj.data, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
             properties.group_of(obj).rest_shape = "FRAME"

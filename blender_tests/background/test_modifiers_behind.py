@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Modifiers behind the wrinkles that remove, merge or reorder points: the wrinkles under them are those without them,
+and no other garment notices."""
+import unittest
+
+import bpy
+import numpy as np
+from rumple.blender import compat
+from rumple.blender.objects import coarse_copy, runtimes
+from support import sleeve
+
+SETTINGS = {
+    "MASK": dict(vertex_group="lower", threshold=0.5),
+    "DECIMATE": dict(ratio=0.3),
+    "WELD": dict(merge_threshold=0.01),
+    "BUILD": dict(frame_start=1, frame_duration=200),
+    "REMESH": dict(mode="VOXEL", voxel_size=0.02),
+    "BEVEL": dict(width=0.001),
+    "WIREFRAME": {},
+    "SKIN": {},
+}
+
+
+def nodes_behind(obj, *kinds):
+    """A modifier with nodes of these kinds in a row."""
+    group = bpy.data.node_groups.new("Behind", "GeometryNodeTree")
+    for side in ("INPUT", "OUTPUT"):
+        compat.new_group_socket(group, "Geometry", side, "NodeSocketGeometry")
+    row = [group.nodes.new(kind) for kind in ("NodeGroupInput", *kinds, "NodeGroupOutput")]
+    for before, after in zip(row, row[1:]):
+        group.links.new(before.outputs[0], after.inputs[0])
+    behind = obj.modifiers.new("Behind", "NODES")
+    behind.node_group = group
+    return behind
+
+
+def put_behind(obj, kind):
+    behind = obj.modifiers.new("Behind", kind)
+    for name, value in SETTINGS[kind].items():
+        setattr(behind, name, value)
+    return behind
+
+
+class Behind(unittest.TestCase):
+
+    def played(self, frames, prepare):
+        """What is solved in the last of the frames, of both garments; prepare: called before the third of them."""
+        one = sleeve.scene()
+        other = sleeve.skinned(sleeve.tube("Other"), bpy.data.objects["Arm"], "Other")
+        other.rumple.mesh.density, other.rumple.mesh.level, other.rumple.mesh.display_steps = "LEVEL", 1, 0
+        sleeve.make_active(other)
+        bpy.ops.object.rumple_add(method="MESH")
+        for number, frame in enumerate(frames):
+            if number == 2:
+                prepare(one)
+            sleeve.at(frame)
+        self.one, self.other = one, other
+        return [(runtimes.of(obj).inputs.frame, runtimes.of(obj).result.positions, obj.rumple.message)
+                for obj in (one, other)]
+
+    def test_the_wrinkles_are_those_without_it_and_others_go_on(self):
+        # In background scripts one Mask stopped every garment of the file: Reordered escaped the handler.
+        frames = range(1, 10)
+        without = self.played(frames, lambda _obj: None)
+        self.assertGreater(np.abs(without[0][1] - runtimes.of(self.one).evaluator.positions_rest).max(), 0.01)
+        for kind in SETTINGS:
+            with self.subTest(kind):
+                behind = self.played(frames, lambda obj, kind=kind: put_behind(obj, kind))
+                for (frame, positions, message), (_, expected, _) in zip(behind, without):
+                    self.assertEqual((frame, message), (9.0, ""))
+                    np.testing.assert_array_equal(positions, expected)
+
+    def test_a_mask_shows_a_part_of_the_wrinkled_mesh(self):
+        self.played(range(1, 10), lambda obj: put_behind(obj, "MASK"))
+        shown, solved = sleeve.shown(self.one), runtimes.of(self.one).result.positions
+        self.assertLess(len(shown), 0.7 * len(solved))
+        self.assertGreater(len(shown), 0.3 * len(solved))
+        distance = np.abs(shown[:, None] - solved[None]).max(axis=2).min(axis=1)
+        self.assertLess(distance.max(), 1e-5)
+
+    def test_a_node_group_that_removes_points_is_named_and_others_go_on(self):
+        def remove_all(obj):
+            group = nodes_behind(obj, "GeometryNodeDeleteGeometry").node_group
+            index, limit = group.nodes.new("GeometryNodeInputIndex"), group.nodes.new("FunctionNodeCompare")
+            limit.data_type, limit.operation = "INT", "LESS_THAN"
+            group.links.new(index.outputs[0], compat.socket(limit.inputs, "A"))
+            compat.socket(limit.inputs, "B").default_value = 50
+            group.links.new(limit.outputs[0], compat.socket(group.nodes["Delete Geometry"].inputs, "Selection"))
+
+        one, other = self.played(range(1, 10), remove_all)
+        self.assertEqual((one[0], other[0], other[2]), (2.0, 9.0, ""))
+        self.assertRegex(one[2], '^Sleeve: the modifier "Behind" behind Wrinkle Mesh removes points')
+
+    def test_a_node_group_behind_sees_nothing_beside_the_mesh(self):
+        self.played(range(1, 10), nodes_behind)
+        self.assertEqual(sleeve.output_object(self.one).location.y, 0.0)
+
+    def test_nothing_stands_beside_once_it_is_gone(self):
+        self.played(range(1, 10), lambda obj: put_behind(obj, "MASK"))
+        self.assertEqual(sleeve.output_object(self.one).location.y, coarse_copy.BESIDE)
+        self.one.modifiers.remove(self.one.modifiers["Behind"])
+        sleeve.at(10)
+        self.assertEqual(sleeve.output_object(self.one).location.y, 0.0)
+        self.assertEqual([i.object.name for i in bpy.context.evaluated_depsgraph_get().object_instances
+                          if i.is_instance], [])
+
+    def test_baked_and_applied_it_is_what_was_seen(self):
+        obj = sleeve.scene()
+        put_behind(obj, "MASK")
+        sleeve.at(9)
+        sleeve.at(10)
+        count = len(sleeve.output_object(obj).data.vertices)
+        seen = runtimes.of(obj).result.positions.copy()
+        bpy.ops.object.rumple_apply()
+        self.assertEqual(len(obj.data.vertices), count)
+        np.testing.assert_allclose(compat.positions(obj.data), seen, atol=1e-5)
+
+    def test_an_object_that_is_hidden_is_told_what_to_do(self):
+        obj = sleeve.scene()
+        put_behind(obj, "MASK")
+        sleeve.at(3)
+        obj.hide_set(True)
+        sleeve.at(4)
+        sleeve.at(5)
+        self.assertRegex(obj.rumple.message, '^Sleeve: the modifier "Behind" behind Wrinkle Mesh removes points')
+        obj.hide_set(False)
+        sleeve.at(6)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertEqual(runtimes.of(obj).inputs.frame, 6.0)
+
+
+if __name__ == "__main__":
+    unittest.main()
