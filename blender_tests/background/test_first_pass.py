@@ -90,7 +90,7 @@ class FirstPass(unittest.TestCase):
         first_pass.hand_on_coarse(scene)
         self.assertEqual(place(obj), first_pass.AWAY)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        with mock.patch.object(handlers, "_follow", side_effect=RuntimeError), self.assertRaises(RuntimeError):
+        with mock.patch.object(handlers, "_follow", side_effect=RuntimeError):
             handlers._on_frame(scene, depsgraph)
         self.assertEqual(place(obj), 0.0)
 

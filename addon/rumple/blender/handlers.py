@@ -2,7 +2,9 @@
 """Blender's application handlers: thin, persistent, and they never throw."""
 from __future__ import annotations
 
+import functools
 import threading
+from typing import Any, Callable
 
 import bpy
 from bpy.app.handlers import persistent
@@ -11,7 +13,7 @@ from . import scheduler
 from .frame import clip_status, first_pass, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
-from .objects import bodies, changes, kept_lists, modifier, runtimes
+from .objects import bodies, changes, kept_lists, messages, modifier, runtimes
 
 
 _RUNTIMES = (runtimes, maps_runtimes)
@@ -23,12 +25,21 @@ def _forget_all() -> None:
     bodies.forget_all()
 
 
-@persistent
+def _handler(function: Callable[..., None]) -> Callable[..., None]:
+    """It stays when another file is opened, and what it throws becomes a line on the console."""
+    @functools.wraps(function)
+    def guarded(*arguments: Any) -> None:
+        with messages.console_errors(function.__name__):
+            function(*arguments)
+    return persistent(guarded)
+
+
+@_handler
 def _before_frame(scene: bpy.types.Scene, *_arguments: object) -> None:
     first_pass.hand_on_coarse(scene)
 
 
-@persistent
+@_handler
 def _on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     try:
         _follow(scene, depsgraph)
@@ -36,7 +47,7 @@ def _on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         first_pass.show_fine(scene)
 
 
-@persistent
+@_handler
 def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     _follow(scene, depsgraph)
 
@@ -46,12 +57,14 @@ def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     # All updates are read before anything is made again: the depsgraph goes on listing the copy of a mesh that was
     # removed since, and what it is the copy of is freed memory then.
     for system in (changes, maps_changes):
-        system.note_updates(depsgraph)
+        with messages.console_errors("changes"):
+            system.note_updates(depsgraph)
     for system in (solve, maps_solve):
-        system.process(scene, depsgraph)
+        with messages.console_errors("frame"):
+            system.process(scene, depsgraph)
 
 
-@persistent
+@_handler
 def _on_load(*_arguments: object) -> None:
     """Another file: nothing of the former one counts. Structural work is allowed here."""
     scheduler.set_rendering(False)
@@ -60,12 +73,12 @@ def _on_load(*_arguments: object) -> None:
     scheduler.sync_all()
 
 
-@persistent
+@_handler
 def _on_save(*_arguments: object) -> None:
     solve.show_fine_meshes()
 
 
-@persistent
+@_handler
 def _on_undo(*_arguments: object) -> None:
     kept_lists.forget_all()
     for table in _RUNTIMES:
@@ -73,18 +86,20 @@ def _on_undo(*_arguments: object) -> None:
     scheduler.request()
 
 
-@persistent
+@_handler
 def _on_render_start(*_arguments: object) -> None:
     # A script may have changed things since the last update, and the timer had no turn. Not in the thread of an F12
     # job: the window draws meanwhile, and data-blocks must not come and go under it.
-    if threading.get_ident() == threading.main_thread().ident:
-        scheduler.sync_all()
-    kept_lists.forget_all()
-    clip_status.check_before_render()
-    scheduler.set_rendering(True)
+    try:
+        if threading.get_ident() == threading.main_thread().ident:
+            scheduler.sync_all()
+        kept_lists.forget_all()
+        clip_status.check_before_render()
+    finally:
+        scheduler.set_rendering(True)  # whatever went wrong: without it 4.3 crashes
 
 
-@persistent
+@_handler
 def _on_render_end(*_arguments: object) -> None:
     """The output objects hold the last rendered frame: the window needs its own again."""
     with scheduler.LOCK:

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from ...core import clip_file
-from ..objects import bodies, coarse_copy, evaluator, mesh_reader, modifier, properties, units
+from ..objects import bodies, coarse_copy, evaluator, mesh_reader, messages, modifier, properties, units
 from ..objects.runtimes import Runtime
 
 
@@ -104,8 +104,9 @@ def late_in_renders(obj: bpy.types.Object) -> str:
 def check_before_render() -> None:
     """Say on the console what is missing, stale or late, before hours are spent on it."""
     for obj, nodes_mod in modifier.wrinkled_objects():
-        output_obj = modifier.output_object(nodes_mod)
-        if output_obj is not None:
-            text = check(obj, output_obj) if modifier.is_baked(nodes_mod) else late_in_renders(obj)
+        with messages.console_errors(obj.name):
+            output_obj = modifier.output_object(nodes_mod)
+            text = "" if output_obj is None else check(obj, output_obj) if modifier.is_baked(nodes_mod) else \
+                late_in_renders(obj)
             if text:
                 print(f"Rumple: before rendering: {text}")

@@ -21,16 +21,20 @@ def sync_all() -> None:
     kept_lists.forget_all()
     for group in list(bpy.data.node_groups):
         if wrinkle_tree.is_ours(group):
-            wrinkle_tree.upgrade(group)
+            with messages.console_errors(group.name):
+                wrinkle_tree.upgrade(group)
     objects = list(modifier.wrinkled_objects())
     runtimes.forget_all_but(obj for obj, _ in objects)
     _split_shared_outputs(objects)
-    bodies.connect_all()
+    with messages.console_errors("bodies"):
+        bodies.connect_all()
     for obj, nodes_mod in objects:
         if runtimes.of(obj).stale:
             prepare(obj, nodes_mod)
-    _tidy_removed({obj.name_full for obj, _ in objects})
-    path_curves.sync([obj for obj, _ in modifier.wrinkled_objects()])
+    with messages.console_errors("what was removed"):
+        _tidy_removed({obj.name_full for obj, _ in objects})
+    with messages.console_errors("path curves"):
+        path_curves.sync([obj for obj, _ in modifier.wrinkled_objects()])
 
 
 def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
@@ -100,18 +104,22 @@ def _split_shared_outputs(objects: list[tuple[bpy.types.Object, bpy.types.NodesM
     """Every object needs a local output object of its own: duplicates share one, linked ones cannot be written."""
     seen: set[int] = set()
     for obj, nodes_mod in objects:
-        output_obj = modifier.output_object(nodes_mod)
-        if output_obj is None or output_obj.type != "MESH":
-            runtimes.of(obj).stale = True
-            continue
-        key = compat.session_key(output_obj)
-        if key in seen or not _is_local(output_obj):
-            output_obj = output_mesh.copy_for(obj, output_obj)
-            output_obj[output_mesh.KEY] = True
-            modifier.set_output_object(nodes_mod, output_obj, modifier.coarse_vertices(nodes_mod))
-            runtimes.of(obj).stale = True
-            runtimes.of(obj).invalidate_output()
-        seen.add(compat.session_key(output_obj))
+        with messages.build_errors(obj, runtimes.of(obj)):
+            _split_shared_output(obj, nodes_mod, seen)
+
+
+def _split_shared_output(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, seen: set[int]) -> None:
+    output_obj = modifier.output_object(nodes_mod)
+    if output_obj is None or output_obj.type != "MESH":
+        runtimes.of(obj).stale = True
+        return
+    if compat.session_key(output_obj) in seen or not _is_local(output_obj):
+        output_obj = output_mesh.copy_for(obj, output_obj)
+        output_obj[output_mesh.KEY] = True
+        modifier.set_output_object(nodes_mod, output_obj, modifier.coarse_vertices(nodes_mod))
+        runtimes.of(obj).stale = True
+        runtimes.of(obj).invalidate_output()
+    seen.add(compat.session_key(output_obj))
 
 
 def _tidy_removed(wrinkled: set[str]) -> None:

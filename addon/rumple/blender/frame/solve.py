@@ -27,9 +27,7 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         return
     with LOCK:
         objects = bodies.in_order(list(modifier.wrinkled_objects()))
-        late = _not_connected(objects)
-        for obj, _ours in objects:
-            _note_groups(obj)
+        late = {obj for obj, nodes_mod in objects if _is_late(obj, nodes_mod)}
         if scheduler.allowed_now() and any(_needs_structure(obj, nodes_mod) for obj, nodes_mod in objects):
             _rebuild_here(objects, depsgraph)
         outputs_seen: set[int] = set()
@@ -51,13 +49,15 @@ def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Ob
     scheduler.tag_soon({obj.name for obj in wrinkled if obj.library is None and modifier.depends_on(obj, written)})
 
 
-def _not_connected(objects: list) -> set[bpy.types.Object]:
-    """Those whose bodies this depsgraph may not have evaluated: their modifiers do not name them yet."""
-    late = {obj for obj, nodes_mod in objects if not bodies.is_connected(obj, nodes_mod)}
-    for obj in late:
+def _is_late(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether this depsgraph may not have evaluated its bodies: the modifier does not name them yet."""
+    with messages.frame_errors(obj, runtimes.of(obj)):
+        _note_groups(obj)
+        if bodies.is_connected(obj, nodes_mod):
+            return False
         runtimes.of(obj).stale = True
         scheduler.request()
-    return late
+    return True
 
 
 def _note_groups(obj: bpy.types.Object) -> None:

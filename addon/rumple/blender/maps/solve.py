@@ -22,14 +22,20 @@ def process(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     with LOCK:
         objects = list(maps_modifier.mapped_objects())
         for obj, nodes_mod in objects:
-            if compat.is_editable(obj) and not maps_runtimes.of(obj).stale and rebuild.is_behind_others(obj, nodes_mod):
-                maps_runtimes.of(obj).stale = True
-                scheduler.request()
+            with messages.frame_errors(obj, maps_runtimes.of(obj)):
+                _note_others(obj, nodes_mod)
         editable = [obj for obj, _ in objects if compat.is_editable(obj)]
         if scheduler.allowed_now() and any(maps_runtimes.of(obj).stale for obj in editable):
-            rebuild.sync()
+            with messages.console_errors("Wrinkle Maps"):
+                rebuild.sync()
         for obj, nodes_mod in objects:
             _process_guarded(obj, nodes_mod, depsgraph)
+
+
+def _note_others(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> None:
+    if compat.is_editable(obj) and not maps_runtimes.of(obj).stale and rebuild.is_behind_others(obj, nodes_mod):
+        maps_runtimes.of(obj).stale = True
+        scheduler.request()
 
 
 def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, depsgraph: bpy.types.Depsgraph) -> None:

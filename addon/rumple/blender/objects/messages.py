@@ -73,8 +73,27 @@ def _errors(obj: bpy.types.Object, runtime: Messages, tell: Callable[[Messages, 
         tell(runtime, unexpected(obj, error))
 
 
+@contextmanager
+def console_errors(what: str) -> Iterator[None]:
+    """Errors of what belongs to no object go to the console, each once, and what comes after goes on."""
+    try:
+        yield
+    except Exception as error:
+        text = _in_one_line(what, error)
+        if text not in _said:
+            _said.add(text)
+            print(f"Rumple: {text}")
+
+
+_said: set[str] = set()
+
+
 def unexpected(obj: bpy.types.Object, error: Exception) -> str:
     """A mistake of ours in one line, with the place for the report."""
+    return _in_one_line(obj.name, error)
+
+
+def _in_one_line(what: str, error: Exception) -> str:
     place = traceback.extract_tb(error.__traceback__)[-1]
     file = place.filename.replace("\\", "/").rsplit("/", 1)[-1]
-    return f"{obj.name}: unexpected {type(error).__name__} in {file}:{place.lineno}: {error}"
+    return f"{what}: unexpected {type(error).__name__} in {file}:{place.lineno}: {error}"
