@@ -10,7 +10,7 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import compat, handlers, scheduler
-from rumple.blender.frame import path_curves
+from rumple.blender.frame import clip_status, path_curves
 from rumple.blender.nodes import path_curves_tree
 from rumple.blender.objects import modifier, runtimes
 from rumple.core import clip_file
@@ -256,7 +256,8 @@ class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
         self.save()
         bpy.ops.object.rumple_bake()
         files = sorted(path.name for path in (self.folder / "rumple").iterdir())
-        self.assertEqual(files, ["Sleeve.curves.pc2", "Sleeve.json", "Sleeve.pc2"])
+        clip = clip_status.clip_path(obj)
+        self.assertEqual(files, [clip.with_suffix(".curves.pc2").name, clip.name])
         bpy.ops.object.rumple_bake_free(delete_file=True)
         self.assertEqual(list((self.folder / "rumple").iterdir()), [])
         sleeve.play()

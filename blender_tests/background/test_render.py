@@ -6,6 +6,7 @@ import unittest
 
 import bpy
 import numpy as np
+from rumple.blender.frame import clip_status
 from rumple.blender.objects import modifier, runtimes
 from support import reference_solve, render_cases, sleeve, small_renders, vanilla_blender
 
@@ -146,7 +147,7 @@ class WithoutTheAddOn(vanilla_blender.InAFolder, unittest.TestCase):
     def test_with_its_clip_lost_it_shows_the_fine_mesh_still(self) -> None:
         bpy.ops.object.rumple_bake()
         self.save()
-        (self.folder / "rumple" / "Sleeve.pc2").unlink()
+        clip_status.clip_path(self.obj).unlink()
         seen = self.elsewhere((20.0,))[20.0]
         self.assertEqual(len(seen), len(self.here(20.0)))
         self.assertTrue(np.isfinite(seen).all())

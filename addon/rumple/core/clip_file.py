@@ -1,64 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A baked clip on disk: points in PC2, which Blender's own Mesh Cache reads, and a manifest beside it.
+"""A baked clip on disk: points in PC2, which Blender's own Mesh Cache reads, and behind them its manifest.
 
 Each sample: the positions of the output mesh, then attributes packed as extra points, block after block, a point for
 each vertex or corner. A node tree unpacks them (blender/nodes/wrinkle_tree.py).
-Both are written whole or not at all: into a temporary file in the same folder, then moved into place.
+Behind the last sample, where no reader of PC2 looks: the manifest, its length and checksum, and a mark. One file, so
+one rename puts it in place: whatever happens, the former clip is there whole, or the new one is.
 No bpy here.
 """
 from __future__ import annotations
 
-import json
 import os
 import struct
-from dataclasses import asdict, dataclass, field
+import zlib
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Iterable
+from typing import Any, BinaryIO
 
 import numpy as np
 
+from . import clip_folder, clip_manifest
+from .clip_manifest import ClipFault, Manifest, pose_points
 from .engine import Attribute, FrameResult
 
-FORMAT = 3
-POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
-POSE_TOLERANCE = 1e-3  # of the coarse mesh's extent: other Blenders and machines differ by far less
-
-
-@dataclass
-class Manifest:
-    """What a clip was baked from."""
-
-    object: str
-    vertices: int  # of the shown mesh
-    points: int  # of the clip, see point_count()
-    coarse_vertices: int
-    start: int
-    end: int
-    samples: int  # for each frame
-    inputs: str  # fingerprint of settings, paint and meshes
-    poses: list[list[float]] = field(default_factory=list)  # for each sample, POSE_POINTS coarse points
-    format: int = FORMAT
-
-    @property
-    def sample_count(self) -> int:
-        return (self.end - self.start) * self.samples + 1
-
-    def sample_frame(self, sample: int) -> tuple[int, float]:
-        """Frame and subframe of a sample."""
-        frame, part = divmod(sample, self.samples)
-        return self.start + frame, part / self.samples
-
-    def sample_of(self, frame: float) -> int | None:
-        """The sample that stands exactly at a frame; None between samples and outside the clip."""
-        place = (frame - self.start) * self.samples
-        sample = round(place)
-        return sample if abs(place - sample) < 1e-3 and 0 <= sample < self.sample_count else None
-
-    def pose_differs(self, sample: int, positions: np.ndarray) -> bool:
-        """Whether the coarse mesh stands elsewhere than when the sample was baked."""
-        baked, now = np.array(self.poses[sample], np.float32), pose_points(positions)
-        extent = float(np.ptp(positions, axis=0).max()) if len(positions) else 0.0
-        return baked.shape != now.shape or not np.allclose(baked, now, rtol=0.0, atol=POSE_TOLERANCE * extent)
+_HEADER = struct.Struct("<12siiffi")  # signature, version, points, start, step, samples
+_END = struct.Struct("<QI12s")  # bytes of the manifest, their CRC-32, mark
+_MARK = b"RUMPLE CLIP\0"
+_MOST_MANIFEST = 1 << 30  # bytes
 
 
 @dataclass(frozen=True)
@@ -106,93 +73,153 @@ def _unwrapped(angles: np.ndarray, before: np.ndarray) -> np.ndarray:
     return angles + np.float32(2.0 * np.pi) * turns.astype(np.float32)
 
 
-def pose_points(positions: np.ndarray) -> np.ndarray:
-    """A few points spread over the mesh, flat."""
-    which = np.linspace(0, len(positions) - 1, min(POSE_POINTS, len(positions))).astype(np.int64)
-    return positions[which].ravel()
-
-
-def manifest_path(clip: Path) -> Path:
-    return clip.with_suffix(".json")
-
-
-def read_manifest(clip: Path) -> Manifest | None:
-    """The manifest of a clip; None where there is none that can be read."""
-    try:
-        return Manifest(**json.loads(manifest_path(clip).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
-        return None
-
-
-def is_whole(clip: Path, manifest: Manifest) -> bool:
-    """Whether the clip has the size that the manifest promises."""
-    try:
-        return clip.stat().st_size == _HEADER.size + manifest.sample_count * manifest.points * 12
-    except OSError:
-        return False
-
-
-_HEADER = struct.Struct("<12siiffi")  # signature, version, points, start, step, samples
-
-
-def _header(manifest: Manifest, points: int) -> bytes:
-    return _HEADER.pack(b"POINTCACHE2\0", 1, points, float(manifest.start), 1.0 / manifest.samples,
+# ---------------------------------------------------------------- writing
+def _header(manifest: Manifest) -> bytes:
+    return _HEADER.pack(b"POINTCACHE2\0", 1, manifest.points, float(manifest.start), 1.0 / manifest.samples,
                         manifest.sample_count)
 
 
-def _temporary(clip: Path) -> Path:
-    return clip.with_name(f".{clip.name}.{os.getpid()}.part")
+def size_of(manifest: Manifest) -> int:
+    """Bytes of header and samples."""
+    return _HEADER.size + manifest.sample_count * manifest.points * 12
 
 
-def write_points(clip: Path, manifest: Manifest, points: int, samples: Iterable[np.ndarray]) -> None:
-    """Another clip with the frames of a manifest, whole or not at all. samples: (points, 3) each."""
-    temporary = _temporary(clip)
-    with open(temporary, "wb") as file:
-        file.write(_header(manifest, points))
-        for rows in samples:
-            file.write(np.ascontiguousarray(rows, "<f4").tobytes())
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(temporary, clip)
+def checksum(manifest: Manifest) -> int:
+    """Over the checksums of a clip; never 0."""
+    return zlib.crc32(np.array(manifest.checksums, "<u4").tobytes()) or 1
 
 
-class ClipWriter:
-    """Writes samples one after the other; nothing stands at the path before finish()."""
+class SampleWriter:
+    """Writes samples one after the other; nothing stands at the path before commit(). All raise ClipFault."""
+
+    def __init__(self, clip: Path, manifest: Manifest) -> None:
+        clip_folder.make(clip.parent, size_of(manifest))
+        self.clip, self.manifest = clip, manifest
+        self.temporary = clip_folder.temporary(clip)
+        self.file: BinaryIO | None = None
+        self._do(self._open)
+
+    def _do(self, action: Any, *arguments: Any) -> None:
+        try:
+            action(*arguments)
+        except OSError as error:
+            raise ClipFault(clip_folder.in_words(error, self.clip.parent)) from error
+
+    def _open(self) -> None:
+        self.file = open(self.temporary, "wb")
+        self.file.write(_header(self.manifest))
+
+    def add_points(self, points: np.ndarray) -> None:
+        """(points, 3) of one sample."""
+        if len(points) != self.manifest.points:
+            raise ValueError(f"expected {self.manifest.points} points, got {len(points)}")
+        data = np.ascontiguousarray(points, "<f4").tobytes()
+        self._do(self.file.write, data)  # type: ignore[union-attr]
+        self.manifest.checksums.append(zlib.crc32(data))
+
+    def seal(self) -> None:
+        """All that can still fail for want of room."""
+        self._do(self._seal)
+
+    def _seal(self) -> None:
+        assert self.file is not None
+        text = self.manifest.to_json().encode("ascii")
+        self.file.write(text + _END.pack(len(text), zlib.crc32(text), _MARK))
+        self.file.flush()
+        os.fsync(self.file.fileno())
+        self.file.close()
+
+    def commit(self) -> None:
+        """Move what was sealed into place."""
+        self._do(os.replace, self.temporary, self.clip)
+
+    def discard(self) -> None:
+        """Leave what stood there before. Never raises: what is buffered may not fit on the disk."""
+        for action in (self.file.close if self.file is not None else None, self.temporary.unlink):
+            try:
+                if action is not None:
+                    action()
+            except OSError:
+                pass
+
+
+class ClipWriter(SampleWriter):
+    """Of what a garment shows."""
 
     def __init__(self, clip: Path, manifest: Manifest, attributes: tuple[Attribute, ...]) -> None:
-        clip.parent.mkdir(parents=True, exist_ok=True)
-        self.clip, self.manifest, self.attributes = clip, manifest, attributes
+        super().__init__(clip, manifest)
+        self.attributes = attributes
         self.before: np.ndarray | None = None  # points of the sample before
-        self.temporary = _temporary(clip)
-        self.file = open(self.temporary, "wb")
-        self.file.write(_header(manifest, manifest.points))
 
     def add(self, result: FrameResult, coarse: np.ndarray) -> None:
         """One sample: what is shown, and the coarse pose it belongs to."""
         self.before = points_of(result, self.attributes, self.before)
-        if len(self.before) != self.manifest.points:
-            raise ValueError(f"expected {self.manifest.points} points, got {len(self.before)}")
-        self.file.write(np.ascontiguousarray(self.before, "<f4").tobytes())
+        self.add_points(self.before)
         self.manifest.poses.append([round(float(x), 6) for x in pose_points(coarse)])
 
-    def finish(self) -> None:
-        """Move clip and manifest into place."""
-        self.file.flush()
-        os.fsync(self.file.fileno())
-        self.file.close()
-        text = json.dumps(asdict(self.manifest))
-        beside = manifest_path(self.temporary)
-        beside.write_text(text, encoding="utf-8")
-        os.replace(self.temporary, self.clip)
-        os.replace(beside, manifest_path(self.clip))
 
-    def discard(self) -> None:
-        """Leave what stood there before."""
-        self.file.close()
-        self.temporary.unlink(missing_ok=True)
+# ---------------------------------------------------------------- reading
+def manifest_path(clip: Path) -> Path:
+    """Where clips of format 3 have their manifest."""
+    return clip.with_suffix(".json")
+
+
+def read_manifest(clip: Path) -> Manifest | None:
+    """The manifest of a clip; None where there is none. Raises ClipFault, also where the clip is not what it says."""
+    try:
+        with open(clip, "rb") as file:
+            header = file.read(_HEADER.size)
+            size = file.seek(0, os.SEEK_END)
+            text = _trailer(file, size)
+        beside = manifest_path(clip)
+        if text is None and beside.is_file():
+            text = beside.read_bytes() if beside.stat().st_size < _MOST_MANIFEST else b""
+    except OSError as error:
+        raise ClipFault(f"it cannot be read ({clip_folder.in_words(error, clip.parent)})") from error
+    if len(header) < _HEADER.size or header[:12] != b"POINTCACHE2\0":
+        raise ClipFault("it is no PC2 file")
+    if text is None:
+        return None
+    manifest = clip_manifest.read(text)
+    if header != _header(manifest):
+        raise ClipFault("its header is damaged")
+    end = size_of(manifest) + (len(text) + _END.size if manifest.format >= 4 else 0)
+    if size != end:
+        raise ClipFault(f"it has {size} bytes and should have {end}: it was cut short or written over")
+    return manifest
+
+
+def _trailer(file: BinaryIO, size: int) -> bytes | None:
+    """The text of the manifest behind the samples; None where there is none. Raises ClipFault."""
+    if size < _HEADER.size + _END.size:
+        return None
+    file.seek(size - _END.size)
+    length, expected, mark = _END.unpack(file.read(_END.size))
+    if mark != _MARK:
+        return None
+    if length > min(size - _HEADER.size - _END.size, _MOST_MANIFEST):
+        raise ClipFault("its manifest is damaged")
+    file.seek(size - _END.size - length)
+    text = file.read(length)
+    if zlib.crc32(text) != expected:
+        raise ClipFault("its manifest is damaged")
+    return text
+
+
+def sample_is_whole(clip: Path, manifest: Manifest, sample: int) -> bool:
+    """Whether the data of a sample is what was baked. Clips of format 3 cannot tell."""
+    if not manifest.checksums:
+        return True
+    length = manifest.points * 12
+    try:
+        with open(clip, "rb") as file:
+            file.seek(_HEADER.size + sample * length)
+            return zlib.crc32(file.read(length)) == manifest.checksums[sample]
+    except OSError:
+        return False
 
 
 def delete(clip: Path) -> None:
-    """Remove a clip and its manifest."""
+    """Remove a clip, and the manifest beside it."""
     clip.unlink(missing_ok=True)
     manifest_path(clip).unlink(missing_ok=True)

@@ -5,11 +5,14 @@ A baked clip needs neither this add-on nor a handler: a render farm shows it as 
 """
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Iterator
 
 import bpy
 
-from ...core import clip_file, engine
+from ...core import clip_file, clip_folder, engine
+from ...core.clip_manifest import ClipFault, Manifest
 from .. import compat, scheduler
 from ..frame import clip_status, path_curves
 from ..objects import messages, modifier, output_mesh, runtimes
@@ -22,9 +25,15 @@ SUFFIX = ".clip"
 def new_clip_path(obj: bpy.types.Object) -> Path:
     """Where the clip of an object belongs. Raises BakeError."""
     folder = obj.rumple.bake_folder or FOLDER
-    if folder.startswith("//") and not bpy.data.filepath:
-        raise BakeError("Save the file first: the bake is stored beside it")
-    return Path(bpy.path.abspath(folder)) / f"{bpy.path.clean_name(obj.name)}.pc2"
+    beside = folder.startswith("//")
+    if beside and not bpy.data.filepath:
+        raise BakeError(f"{obj.name}: save the file first: the bake is stored beside it")
+    place = "" if beside else str(Path(bpy.data.filepath).parent)  # files of one name in two folders share this one
+    return Path(bpy.path.abspath(folder)) / clip_folder.clip_name(_file_name(), obj.name, place)
+
+
+def _file_name() -> str:
+    return Path(bpy.data.filepath).stem
 
 
 def stored_path(path: Path) -> str:
@@ -38,13 +47,14 @@ def stored_path(path: Path) -> str:
     return text.replace("\\", "/")
 
 
-def attach(obj: bpy.types.Object, manifest: clip_file.Manifest, clip: Path) -> None:
+def attach(obj: bpy.types.Object, manifest: Manifest, clip: Path) -> None:
     """Show the clip, through a new cache object: a former one may belong to a duplicate too."""
     nodes_mod = modifier.find(obj)
     cache_object = make_cache_object(obj, modifier.output_object(nodes_mod).data)
     modifier.add_mesh_cache(cache_object, manifest, stored_path(clip))
     modifier.set_cache_object(nodes_mod, cache_object)
     modifier.set_baked(nodes_mod, True)
+    modifier.play_clip(nodes_mod, True)
     runtimes.of(obj).stale = True
 
 
@@ -62,67 +72,118 @@ def make_cache_object(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types
     return cache_object
 
 
-def free(obj: bpy.types.Object, delete_file: bool) -> None:
-    """Make the wrinkles live again."""
+def free(obj: bpy.types.Object, delete_file: bool) -> str:
+    """Make the wrinkles live again. What to say of the file; empty when all was done as told."""
     nodes_mod = modifier.find(obj)
     clip = clip_status.clip_path(obj)
     modifier.set_cache_object(nodes_mod, None)
     modifier.set_baked(nodes_mod, False)
+    modifier.play_clip(nodes_mod, True)
     for child in path_curves.of(obj):
         path_curves.free(child)
-    if delete_file and clip is not None:
-        clip_file.delete(clip)
-        path_curves.clip_path(clip).unlink(missing_ok=True)
+    note = _delete(obj, clip) if delete_file and clip is not None else ""
     runtime = runtimes.of(obj)
     runtime.stale = True
     runtime.invalidate_output()
     messages.set_frame_error(runtime, "")
     scheduler.sync_all()
+    return note
+
+
+def _delete(obj: bpy.types.Object, clip: Path) -> str:
+    """The file of a freed clip, unless another object or file plays it. Why not, else empty."""
+    players = [other.name for other, nodes_mod in modifier.wrinkled_objects()
+               if other != obj and modifier.is_baked(nodes_mod) and clip_status.clip_path(other) == clip]
+    about = clip_status.manifest(clip)
+    if players:
+        return f"{obj.name}: {clip.name} is kept, {players[0]} plays it too"
+    if about is not None and about.file not in ("", _file_name()):
+        return f"{obj.name}: {clip.name} is kept, it is the bake of the file {about.file}"
+    try:
+        clip_file.delete(clip)
+        path_curves.clip_path(clip).unlink(missing_ok=True)
+    except OSError as error:
+        return f"{obj.name}: the clip is not deleted: {clip_folder.in_words(error, clip.parent)}"
+    return ""
 
 
 # ---------------------------------------------------------------- baking
 class ClipBake:
-    """One running bake: step() until it says that nothing is left."""
+    """One running bake: step() until it says that nothing is left, then finish(); or cancel() at any time.
+
+    All raise BakeError and nothing else, whatever happened to the object or the disk meanwhile; after cancel() all is
+    as it was before.
+    """
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        about = obj.rumple
         path = new_clip_path(obj)
-        self.obj, self.done = obj, 0
-        self.playback = Playback(context, obj, about.bake_start, about.bake_end, about.bake_samples)
+        self.obj, self.name, self.done, self.note = obj, obj.name, 0, ""
+        self.writer: clip_file.ClipWriter | None = None
+        self.curves = path_curves.Recorder(obj)
+        self.playback = Playback(context, obj, obj.rumple.bake_start, obj.rumple.bake_end, obj.rumple.bake_samples)
+        try:
+            with self._faults():
+                self._begin(context, path)
+        except BakeError:
+            self.cancel()
+            raise
+        self.samples = self.playback.samples_in_order()
+
+    def _begin(self, context: bpy.types.Context, path: Path) -> None:
+        obj, about = self.obj, self.obj.rumple
         fine = runtimes.of(obj).evaluator
         if fine is None:
-            self.playback.end_playback(restore_bake=True)
             raise BakeError(runtimes.message(obj) or f"{obj.name}: there is nothing to bake")
-        manifest = clip_file.Manifest(
+        manifest = Manifest(
             object=obj.name, vertices=fine.vertex_count,
             points=clip_file.point_count(fine.vertex_count, len(fine.corner_vertex), fine.ATTRIBUTES),
             coarse_vertices=len(obj.data.vertices), start=about.bake_start, end=about.bake_end,
-            samples=about.bake_samples, inputs=clip_status.inputs_fingerprint(obj, context.scene))
+            samples=about.bake_samples, inputs=clip_status.inputs_fingerprint(obj, context.scene), file=_file_name())
         self.writer = clip_file.ClipWriter(path, manifest, fine.ATTRIBUTES)
-        self.curves = path_curves.Recorder(obj)
-        self.samples = self.playback.samples_in_order()
+
+    @contextmanager
+    def _faults(self) -> Iterator[None]:
+        try:
+            yield
+        except (BakeError, StopIteration):
+            raise
+        except ClipFault as error:
+            raise BakeError(f"{self.name}: {error}") from error
+        except Exception as error:  # another script or window did it: deleted it, loaded a file, edited the mesh
+            raise BakeError(f"{self.name}: it, or its file, was changed while it was baked ({type(error).__name__}: "
+                            f"{error}): bake again") from error
 
     def step(self) -> bool:
         """Solve and write one sample. False after the last."""
-        try:
-            wanted, result, coarse = next(self.samples)
-        except StopIteration:
-            return False
-        if wanted:
-            self.writer.add(result, coarse)
-            self.curves.add()
+        with self._faults():
+            wanted, result, coarse = next(self.samples, (None, None, None))
+            if wanted is None:
+                return False
+            if wanted:
+                self.writer.add(result, coarse)
+                self.curves.add()
         self.done += 1
         return True
 
     def finish(self) -> Path:
-        self.writer.finish()
-        self.curves.finish(self.writer.manifest, self.writer.clip, stored_path)
-        attach(self.obj, self.writer.manifest, self.writer.clip)
-        self.note = self.playback.note()
-        self.playback.end_playback(restore_bake=False)
-        scheduler.sync_all()
+        """Put the clip in place and show it."""
+        with self._faults():
+            about = self.writer.manifest
+            about.curves = self.curves.seal(about, self.writer.clip)
+            self.writer.seal()
+            modifier.find(self.obj).name  # while it can still be given up
+            self.curves.commit(stored_path)
+            self.writer.commit()
+            attach(self.obj, about, self.writer.clip)
+            self.note = self.playback.note()
+            self.playback.end_playback(restore_bake=False)
+            scheduler.sync_all()
         return self.writer.clip
 
     def cancel(self) -> None:
-        self.writer.discard()
-        self.playback.end_playback(restore_bake=True)
+        """Never raises."""
+        if self.writer is not None:
+            self.writer.discard()
+        self.curves.discard()
+        with messages.console_errors(self.name):
+            self.playback.end_playback(restore_bake=True)

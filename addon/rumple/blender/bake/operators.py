@@ -27,7 +27,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         try:
             while bake.step():
                 pass
-        except (BakeError, OSError) as error:
+        except BakeError as error:
             return self._give_up(bake, error)
         return self._finish(bake)
 
@@ -55,7 +55,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
                 if not self._running.step():
                     self._end_modal(context)
                     return self._finish(self._running)
-        except (BakeError, OSError) as error:
+        except BakeError as error:
             self._end_modal(context)
             return self._give_up(self._running, error)
         self._show_progress(context)
@@ -76,7 +76,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     def _begin(self, context: bpy.types.Context) -> clip.ClipBake | None:
         try:
             return clip.ClipBake(context, context.object)
-        except (BakeError, OSError) as error:
+        except BakeError as error:
             self.report({"ERROR"}, str(error))
             return None
 
@@ -88,7 +88,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     def _finish(self, bake: clip.ClipBake) -> set[str]:
         try:
             written = bake.finish()
-        except OSError as error:
+        except BakeError as error:
             return self._give_up(bake, error)
         self.report({"WARNING"} if bake.note else {"INFO"},
                     f"Baked {bake.writer.manifest.sample_count} samples to {written}{bake.note}")
@@ -114,7 +114,9 @@ class OBJECT_OT_rumple_bake_free(ui_base.OnWrinkled, bpy.types.Operator):
         return baked
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        clip.free(context.object, self.delete_file)
+        note = clip.free(context.object, self.delete_file)
+        if note:
+            self.report({"WARNING"}, note)
         return {"FINISHED"}
 
 

@@ -23,11 +23,11 @@ class Playback:
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, start: int, end: int, samples: int) -> None:
         if end < start:
-            raise BakeError(f"The last frame ({end}) is before the first ({start})")
+            raise BakeError(f"{obj.name}: the last frame ({end}) is before the first ({start}): change one of them")
         self.scene, self.obj = context.scene, obj
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
-        self.pre_roll = list(range(min(self.scene.frame_start, start), start))
+        self.pre_roll = range(min(self.scene.frame_start, start), start)
         self.analyzes = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
         self.count = len(self.pre_roll) + (end - start) * samples + 1
         if self.analyzes:
@@ -93,11 +93,21 @@ class Playback:
                 "they were solved as in playback") if others else ""
 
     def end_playback(self, restore_bake: bool) -> None:
+        """Also where the object, or the file, has gone meanwhile: as far as it can be done."""
+        try:
+            self._end_of_object(restore_bake)
+        except ReferenceError:
+            pass
+        self.scene.frame_set(self.now[0], subframe=self.now[1])
+
+    def _end_of_object(self, restore_bake: bool) -> None:
         runtime = runtimes.of(self.obj)
         if self.analyzes and runtime.evaluator is not None:
             runtime.analyzing, runtime.analyzed = False, None
             runtime.evaluator.analyze_clip({}, None)
             runtime.invalidate_output()
         if restore_bake and self.was_baked:
-            modifier.set_baked(modifier.find(self.obj), True)
-        self.scene.frame_set(self.now[0], subframe=self.now[1])
+            nodes_mod = modifier.find(self.obj)
+            if nodes_mod is not None and modifier.cache_object(nodes_mod) is not None:
+                modifier.set_baked(nodes_mod, True)
+                runtime.stale = True

@@ -2,15 +2,16 @@
 """Whether the baked clip of an object is there and still right, in a sentence for panel and console."""
 from __future__ import annotations
 
-import functools
 import hashlib
 from pathlib import Path
 
 import bpy
 
 from ...core import clip_file
+from ...core.clip_manifest import ClipFault, Manifest
 from ..objects import bodies, coarse_copy, evaluator, mesh_reader, messages, modifier, properties, units
 from ..objects.runtimes import Runtime
+from . import path_curves
 
 
 def clip_path(obj: bpy.types.Object) -> Path | None:
@@ -41,35 +42,95 @@ def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     return digest.hexdigest()
 
 
-@functools.lru_cache(maxsize=64)
-def _manifest(clip: Path, _modified: int) -> clip_file.Manifest | None:
-    return clip_file.read_manifest(clip)
+# ---------------------------------------------------------------- the file
+class _Seen:
+    """A clip as it was read last, until it or the manifest beside it changes."""
+
+    def __init__(self, clip: Path, signature: tuple) -> None:
+        self.signature = signature
+        self.manifest: Manifest | None = None
+        self.fault = ""
+        self.whole: dict[int, bool] = {}  # by sample
+        try:
+            self.manifest = clip_file.read_manifest(clip)
+        except ClipFault as error:
+            self.fault = str(error)
+
+    def is_whole(self, clip: Path, sample: int) -> bool:
+        if sample not in self.whole:
+            self.whole[sample] = clip_file.sample_is_whole(clip, self.manifest, sample)
+        return self.whole[sample]
 
 
-def manifest(clip: Path) -> clip_file.Manifest | None:
-    """The manifest of a clip, read again when the file changed."""
+_seen: dict[Path, _Seen] = {}
+
+
+def _look(clip: Path) -> _Seen:
+    signature = tuple(_signature(path) for path in (clip, clip_file.manifest_path(clip)))
+    if clip not in _seen or _seen[clip].signature != signature:
+        _seen[clip] = _Seen(clip, signature)
+    return _seen[clip]
+
+
+def _signature(path: Path) -> tuple[int, int] | None:
     try:
-        modified = clip_file.manifest_path(clip).stat().st_mtime_ns
-    except OSError:
+        now = path.stat()
+    except (OSError, ValueError):
         return None
-    return _manifest(clip, modified)
+    return now.st_mtime_ns, now.st_size
+
+
+def manifest(clip: Path) -> Manifest | None:
+    """The manifest of a clip; None where there is none, or it cannot be read."""
+    return _look(clip).manifest
+
+
+def cannot_play(obj: bpy.types.Object, output_object: bpy.types.Object, frame: float | None = None) -> str:
+    """Why the clip of a baked object is not shown, at a frame where one is given; empty when it is."""
+    clip = clip_path(obj)
+    if clip is None:
+        return f"{obj.name}: the baked clip is not named any more: bake again, or free the bake"
+    seen = _look(clip)
+    if seen.signature[0] is None:
+        return f"{obj.name}: the baked clip {clip} is missing{_INSTEAD}"
+    if seen.fault:
+        return f"{obj.name}: the baked clip {clip.name} cannot be shown: {seen.fault}{_INSTEAD}"
+    about = seen.manifest
+    if about is None:
+        return ""  # check() says so
+    if about.vertices != len(output_object.data.vertices):
+        return f"{obj.name}: the baked clip {clip.name} is of another fine mesh{_INSTEAD}"
+    if about.curves and any(modifier.mesh_cache(child) is not None for child in path_curves.of(obj)):
+        curves = _look(path_curves.clip_path(clip)).manifest
+        if curves is None or clip_file.checksum(curves) != about.curves:
+            return f"{obj.name}: the path curves beside the baked clip {clip.name} are of another bake{_INSTEAD}"
+    if frame is not None:
+        for sample in about.samples_around(frame):
+            if not seen.is_whole(clip, sample):
+                return (f"{obj.name}: frame {about.start + sample / about.samples:g} of the baked clip {clip.name} is "
+                        f"damaged{_INSTEAD}")
+    return ""
+
+
+_INSTEAD = ", so live folds are shown. Bring the file back, bake again, or free the bake"
 
 
 def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
     """What is wrong with the clip of a baked object; empty when nothing is. The pose is not looked at."""
+    text = cannot_play(obj, output_object)
+    if text:
+        return text
     clip = clip_path(obj)
-    if clip is None or not clip.is_file():
-        return f"{obj.name}: the baked clip {clip or ''} is missing: bake again, or free the bake"
-    about = manifest(clip)
-    if about is None:
-        return f"{obj.name}: the manifest beside {clip.name} is missing: nobody knows what it was baked from"
-    if not clip_file.is_whole(clip, about) or about.vertices != len(output_object.data.vertices):
-        return f"{obj.name}: the baked clip {clip.name} does not fit the fine mesh: bake again"
+    about = manifest(clip) if clip is not None else None
+    if clip is None or about is None:
+        return f"{obj.name}: the baked clip {clip.name if clip else ''} has no manifest, so nobody knows what it was " \
+               "baked from: bake again"
     if about.inputs != inputs_fingerprint(obj, units.scene_of(obj)):
         return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
     return ""
 
 
+# ---------------------------------------------------------------- frames
 def compare_pose(obj: bpy.types.Object, runtime: Runtime, depsgraph: bpy.types.Depsgraph, frame: float) -> str:
     """The note on this frame of a baked object: its animation may have changed, or the clip may not have it."""
     clip = clip_path(obj)

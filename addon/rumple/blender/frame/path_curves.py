@@ -7,6 +7,7 @@ else. Structural work raises the capacity. Whose curves they are, the modifier's
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Iterator
 
@@ -14,6 +15,7 @@ import bpy
 import numpy as np
 
 from ...core import clip_file
+from ...core.clip_manifest import Manifest
 from ...core.curve_rows import ROWS, capacity_for, rows_of
 from .. import compat, scheduler
 from ..nodes import path_curves_tree
@@ -180,6 +182,7 @@ class Recorder:
         self.garment = garment
         self.curves: list[Any] = []
         self.wanted = bool(of(garment))
+        self.writer: clip_file.SampleWriter | None = None
 
     def add(self) -> None:
         """The sample that was solved last."""
@@ -188,18 +191,34 @@ class Recorder:
             inputs = runtime.inputs
             self.curves.append(runtime.evaluator.curves(inputs.frame, inputs.positions, inputs.settings))
 
-    def finish(self, manifest: clip_file.Manifest, clip: Path, stored_path: Any) -> None:
-        """Write the clip beside that of the garment. stored_path: how a blend file names it. Raises OSError."""
+    def seal(self, manifest: Manifest, clip: Path) -> int:
+        """Write the clip that commit() moves beside that of the garment; its checksum. Raises ClipFault."""
         if not self.wanted:
+            return 0
+        points = ROWS * capacity_for(max(len(curves.width) for curves in self.curves))
+        about = replace(manifest, vertices=points, points=points, checksums=[])
+        self.writer = clip_file.SampleWriter(clip_path(clip), about)
+        for curves in self.curves:
+            self.writer.add_points(rows_of(curves, points // ROWS)[0])
+        self.writer.seal()
+        return clip_file.checksum(about)
+
+    def discard(self) -> None:
+        """Leave the former clip."""
+        if self.writer is not None:
+            self.writer.discard()
+
+    def commit(self, stored_path: Any) -> None:
+        """Let the children play it. stored_path: how a blend file names it. Raises ClipFault."""
+        if self.writer is None:
             return
-        points = capacity_for(max(len(curves.width) for curves in self.curves))
-        path = clip_path(clip)
-        clip_file.write_points(path, manifest, ROWS * points, (rows_of(curves, points)[0] for curves in self.curves))
+        self.writer.commit()
+        about, path = self.writer.manifest, self.writer.clip
         for child in of(self.garment):
             if compat.is_editable(child):
                 free(child)  # of a former clip, which it played up to now
-                _set_capacity(child.data, points)
-                cache = modifier.add_mesh_cache(child, manifest, stored_path(path))
+                _set_capacity(child.data, about.points // ROWS)
+                cache = modifier.add_mesh_cache(child, about, stored_path(path))
                 cache.interpolation = "NONE"  # between two samples there may be other curves: they ride on the pose
                 compat.move_modifier(child, len(child.modifiers) - 1, 0)
 

@@ -121,12 +121,21 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
     evaluated = obj.evaluated_get(depsgraph)
     if not evaluated.is_evaluated or obj.mode in mesh_reader.BUSY_MODES:
         return False
+    clip_fault = ""
     if modifier.is_baked(nodes_mod):
         frame = float(scene.frame_current_final)
-        messages.set_frame_error(runtime, clip_status.compare_pose(obj, runtime, depsgraph, frame))
-        return False
+        clip_fault = clip_status.cannot_play(obj, output_obj, frame)
+        if modifier.play_clip(nodes_mod, not clip_fault):
+            runtime.stale = True
+            scheduler.request()
+        if not clip_fault:
+            messages.set_frame_error(runtime, clip_status.compare_pose(obj, runtime, depsgraph, frame))
+            return False
     if runtime.evaluator is None:
         evaluator.ensure(obj, runtime)
+    if clip_fault and not _fits(output_obj, runtime):  # a clip that comes back counts on it as it is
+        messages.set_frame_error(runtime, clip_fault)
+        return False
     if not _fits(output_obj, runtime):
         runtime.stale = True
         scheduler.request()
@@ -139,12 +148,12 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         messages.set_frame_error(runtime, "")
         return False
     if inputs.same_as(runtime.inputs) and runtime.output_key == compat.session_key(output_obj.data):
-        messages.set_frame_error(runtime, "")  # what was wrong in between is as it was before
+        messages.set_frame_error(runtime, clip_fault)  # what was wrong in between is as it was before
         messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
         return False
     result = _solve(runtime, inputs, scene, inputs.uses_proxy)
     runtime.inputs = inputs
-    messages.set_frame_error(runtime, "")
+    messages.set_frame_error(runtime, clip_fault)
     unplayed = runtime.evaluator.unplayed_message(inputs.frame, scene.frame_start) if result.unplayed else ""
     messages.note_unplayed(runtime, unplayed, depsgraph.mode == "RENDER")
     if runtime.evaluator.HAS_CURVES:

@@ -165,7 +165,9 @@ class _Builder(GeometryNodes):
         carried = output["Geometry"]
         clip = self.mesh_of(inputs[CACHE])
         # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
+        first_pass, beside, live_instead = self.components(output["Location"])
         baked = self.both(inputs[BAKED], self.counts_match(clip, self.clip_points(carried)))
+        baked = self.both(baked, self.above(self.math("SUBTRACT", 1.0, live_instead), 0.5))
         # Switches evaluate only the branch they take: a baked clip costs no embedding.
         live = self.switch(self.uses_proxy(carried), self.moved(carried, self.embedded_position(geometry)),
                            self.proxy(geometry, carried))
@@ -173,7 +175,6 @@ class _Builder(GeometryNodes):
         fine = self.store_base_position(geometry, fine)
         for name in OUTPUT_ONLY:
             fine = self.without(fine, name)
-        first_pass, beside, _ = self.components(output["Location"])
         fine = self.switch(self.above(first_pass, 0.5), fine, self.coarse(geometry))
         fine = self.switch(self.above(beside, 0.5), fine, self.coarse_beside(geometry, fine))
         shown = self.switch(self.counts_match(geometry, inputs[COUNT]), geometry, fine)

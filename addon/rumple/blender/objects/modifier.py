@@ -6,7 +6,7 @@ from typing import Any, Iterator
 
 import bpy
 
-from ...core import clip_file
+from ...core.clip_manifest import Manifest
 from ...core.systems import SYSTEMS, System
 from .. import compat
 from ..nodes import wrinkle_tree
@@ -146,6 +146,21 @@ def is_baked(modifier: bpy.types.NodesModifier) -> bool:
     return bool(_get(modifier, wrinkle_tree.BAKED))
 
 
+SHOWS_LIVE = 1.0  # z of the output object while a clip that cannot be shown is not; wrinkle_tree.py compares with a half
+
+
+def play_clip(modifier: bpy.types.NodesModifier, playing: bool) -> bool:
+    """Show the clip of a baked object, or live folds in place of one that is damaged. True when that changed."""
+    output, wanted = output_object(modifier), 0.0 if playing else SHOWS_LIVE
+    if output is None or not compat.is_editable(output) or output.location.z == wanted:
+        return False
+    try:
+        output.location.z = wanted
+    except AttributeError:  # the thread that ends a render job may not write
+        return False
+    return True
+
+
 def bodies(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
     """What Blender evaluates before the garment."""
     return _get(modifier, wrinkle_tree.BODY) or None, _get(modifier, wrinkle_tree.BODIES) or None
@@ -165,7 +180,7 @@ def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,
     modifier.id_data.update_tag()
 
 
-def add_mesh_cache(cache_obj: bpy.types.Object, manifest: clip_file.Manifest,
+def add_mesh_cache(cache_obj: bpy.types.Object, manifest: Manifest,
                    path: str) -> bpy.types.MeshCacheModifier:
     """Let the points of a cache object be those of a clip. path: as a blend file names it."""
     cache = cache_obj.modifiers.new(CACHE_NAME, "MESH_CACHE")

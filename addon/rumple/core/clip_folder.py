@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The folder of baked clips: names that no two clips share, temporary files, and its faults in words. No bpy here."""
+from __future__ import annotations
+
+import ctypes
+import errno
+import hashlib
+import itertools
+import os
+import platform
+import re
+import shutil
+from pathlib import Path
+
+from .clip_manifest import ClipFault
+
+LONGEST = 60  # letters of a file's or an object's name in the name of a clip
+_HOST = re.sub(r"[^A-Za-z0-9]", "_", platform.node()) or "host"
+_PART = re.compile(r"\..+\.(?P<host>[A-Za-z0-9_]+)\.(?P<process>\d+)-\d+\.part")
+_numbers = itertools.count()
+
+
+def clip_name(file: str, obj: str, place: str = "") -> str:
+    """The file name of the clip of an object in a blend file: without dots but the last, and for no two the same.
+
+    file: name of the blend file, without suffix. place: what else tells files of that name apart.
+    """
+    digest = hashlib.blake2b(repr((file, obj, place)).encode("utf-8", "surrogatepass"), digest_size=4).hexdigest()
+    return f"{_readable(file)}-{_readable(obj)}-{digest}.pc2"
+
+
+def _readable(name: str) -> str:
+    return re.sub(r"[^\w-]", "_", name, flags=re.ASCII)[:LONGEST]
+
+
+# ---------------------------------------------------------------- temporary files
+def temporary(clip: Path) -> Path:
+    """A file beside a clip that nobody else writes."""
+    return clip.with_name(f".{clip.name}.{_HOST}.{os.getpid()}-{next(_numbers)}.part")
+
+
+def sweep(folder: Path) -> None:
+    """Remove what bakes that were killed left behind: of processes of this machine that are gone."""
+    for path in folder.glob(".*.part"):
+        found = _PART.fullmatch(path.name)
+        if found is None or found["host"] != _HOST or _is_running(int(found["process"])):
+            continue
+        try:
+            path.unlink()
+        except OSError:
+            pass  # another one swept it, or may do so
+
+
+def _is_running(process: int) -> bool:
+    if os.name == "nt":  # os.kill(process, 0) would end it there
+        kernel = ctypes.windll.kernel32  # type: ignore[attr-defined]
+        handle = kernel.OpenProcess(0x1000, False, process)  # PROCESS_QUERY_LIMITED_INFORMATION
+        if handle:
+            kernel.CloseHandle(handle)
+        return bool(handle)
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        pass  # of another user
+    return True
+
+
+# ---------------------------------------------------------------- faults
+def make(folder: Path, needed: int) -> None:
+    """The folder, with room for so many bytes. Raises ClipFault."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        sweep(folder)
+        free = shutil.disk_usage(folder).free
+    except (OSError, ValueError) as error:
+        raise ClipFault(in_words(error, folder)) from error
+    if free < needed:
+        raise ClipFault(f"the bake needs {_megabytes(needed)} MB and the disk of {folder} has {_megabytes(free)} MB left: "
+                        "make room, or choose another folder")
+
+
+def _megabytes(count: int) -> str:
+    return f"{count / 2**20:.1f}" if count < 100 << 20 else f"{count >> 20}"
+
+
+def in_words(error: Exception, folder: Path) -> str:
+    """What a folder refused, and what to do."""
+    number = error.errno if isinstance(error, OSError) else None
+    if number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+        return f"the disk of {folder} is full: make room, or choose another folder"
+    if number in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return f"nothing can be written to {folder}: change its permissions, or choose another folder"
+    if number in (errno.ENOENT, errno.ENODEV, errno.ESTALE, errno.ENOTCONN, errno.EIO, errno.EHOSTDOWN, errno.ETIMEDOUT):
+        return f"the folder {folder} is gone or cannot be made: connect its disk, or choose another folder"
+    if number in (errno.EEXIST, errno.ENOTDIR):
+        return f"{folder} is no folder, or leads through a file: choose another folder"
+    if number in (errno.ENAMETOOLONG, errno.EINVAL) or number is None:
+        return f"{str(folder)[:80]} cannot be the name of a folder: choose another folder"
+    return f"{folder}: {os.strerror(number).lower()}: choose another folder"

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a baked clip was made from, and what it must be: the text that stands in its file. No bpy here.
+
+A manifest comes from a file that anybody may have written: read() takes known entries of known types within bounds, or
+says what is wrong.
+"""
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+FORMAT = 4  # 3: in a file beside the clip, without checksums
+POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
+POSE_TOLERANCE = 1e-3  # of the coarse mesh's extent: other Blenders and machines differ by far less
+_LAST_FRAME = 1 << 20  # Blender's
+_MOST_POINTS = 1 << 31
+_BOUNDS = dict(vertices=(1, _MOST_POINTS), points=(1, _MOST_POINTS), coarse_vertices=(1, _MOST_POINTS),
+               start=(-_LAST_FRAME, _LAST_FRAME), end=(-_LAST_FRAME, _LAST_FRAME), samples=(1, 16), format=(1, FORMAT))
+
+
+class ClipFault(Exception):
+    """What is wrong with a clip or its folder: the rest of a sentence that begins with an object."""
+
+
+@dataclass
+class Manifest:
+    """What a clip was baked from."""
+
+    object: str
+    vertices: int  # of the shown mesh
+    points: int  # of the clip, see point_count()
+    coarse_vertices: int
+    start: int
+    end: int
+    samples: int  # for each frame
+    inputs: str  # fingerprint of settings, paint and meshes
+    poses: list[list[float]] = field(default_factory=list)  # for each sample, POSE_POINTS coarse points
+    format: int = FORMAT
+    file: str = ""  # the blend file that it was baked from, without its folder
+    checksums: list[int] = field(default_factory=list)  # CRC-32 of each sample; none before format 4
+    curves: int = 0  # CRC-32 over the checksums of the clip of its path curves; 0: it has none
+
+    @property
+    def sample_count(self) -> int:
+        return (self.end - self.start) * self.samples + 1
+
+    def sample_frame(self, sample: int) -> tuple[int, float]:
+        """Frame and subframe of a sample."""
+        frame, part = divmod(sample, self.samples)
+        return self.start + frame, part / self.samples
+
+    def sample_of(self, frame: float) -> int | None:
+        """The sample that stands exactly at a frame; None between samples and outside the clip."""
+        place = (frame - self.start) * self.samples
+        sample = round(place)
+        return sample if abs(place - sample) < 1e-3 and 0 <= sample < self.sample_count else None
+
+    def samples_around(self, frame: float) -> list[int]:
+        """What is shown at a frame: one sample, or the two that it lies between."""
+        place = min(max((frame - self.start) * self.samples, 0.0), self.sample_count - 1.0)
+        return sorted({math.floor(place + 1e-3), math.ceil(place - 1e-3)})
+
+    def pose_differs(self, sample: int, positions: np.ndarray) -> bool:
+        """Whether the coarse mesh stands elsewhere than when the sample was baked."""
+        baked, now = np.array(self.poses[sample], np.float32), pose_points(positions)
+        extent = float(np.ptp(positions, axis=0).max()) if len(positions) else 0.0
+        return baked.shape != now.shape or not np.allclose(baked, now, rtol=0.0, atol=POSE_TOLERANCE * extent)
+
+    def to_json(self) -> str:
+        return json.dumps(asdict(self))
+
+
+def pose_points(positions: np.ndarray) -> np.ndarray:
+    """A few points spread over the mesh, flat."""
+    which = np.linspace(0, len(positions) - 1, min(POSE_POINTS, len(positions))).astype(np.int64)
+    return positions[which].ravel()
+
+
+# ---------------------------------------------------------------- reading
+def read(text: str | bytes) -> Manifest:
+    """What to_json() wrote, or an older Rumple. Raises ClipFault."""
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ClipFault("its manifest is damaged") from error
+    if not isinstance(data, dict):
+        raise ClipFault("its manifest is damaged")
+    if _is_whole(data.get("format")) and data["format"] > FORMAT:
+        raise ClipFault("it was baked by a newer Rumple")
+    known = {f.name: f for f in fields(Manifest)}
+    missing = {"object", "vertices", "points", "coarse_vertices", "start", "end", "samples", "inputs"} - data.keys()
+    if missing or data.keys() - known.keys():
+        raise ClipFault(f"its manifest is not one: {', '.join(sorted(missing or data.keys() - known.keys()))[:80]}")
+    for name in ("object", "inputs", "file"):
+        if not isinstance(data.get(name, ""), str):
+            raise ClipFault(f"its manifest is not one: {name} is no text")
+    for name, (low, high) in _BOUNDS.items():
+        if not (_is_whole(data.get(name, low)) and low <= data.get(name, low) <= high):
+            raise ClipFault(f"its manifest is not one: {name} is no number from {low} to {high}")
+    if data["end"] < data["start"] or data["points"] < data["vertices"]:
+        raise ClipFault("its manifest is not one: it ends before it starts")
+    manifest = Manifest(**{"format": 3, **data})
+    _check_samples(manifest)
+    return manifest
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _check_samples(manifest: Manifest) -> None:
+    """Poses and checksums: one for each sample."""
+    numbers = 3 * min(POSE_POINTS, manifest.coarse_vertices)
+    checksums = manifest.format >= 4
+    if not isinstance(manifest.poses, list) or len(manifest.poses) != manifest.sample_count:
+        raise ClipFault("its manifest is not one: it does not have a pose for each sample")
+    if not all(isinstance(pose, list) and len(pose) == numbers and all(_is_number(x) for x in pose)
+               for pose in manifest.poses):
+        raise ClipFault("its manifest is not one: a pose is damaged")
+    if not isinstance(manifest.checksums, list) or len(manifest.checksums) != manifest.sample_count * checksums:
+        raise ClipFault("its manifest is not one: it does not have a checksum for each sample")
+    if not all(_is_whole(value) and 0 <= value < 1 << 32 for value in (*manifest.checksums, manifest.curves)):
+        raise ClipFault("its manifest is not one: a checksum is damaged")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e30 and math.isfinite(value)
