@@ -179,6 +179,9 @@ def read_manifest(clip: Path) -> Manifest | None:
     if len(header) < _HEADER.size or header[:12] != b"POINTCACHE2\0":
         raise ClipFault("it is no PC2 file")
     if text is None:
+        _mark, _version, points, _start, _step, samples = _HEADER.unpack(header)
+        if size != _HEADER.size + points * samples * 12:
+            raise ClipFault("it was cut short or written over")
         return None
     manifest = clip_manifest.read(text)
     if header != _header(manifest):

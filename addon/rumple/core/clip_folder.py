@@ -77,8 +77,8 @@ def make(folder: Path, needed: int) -> None:
     except (OSError, ValueError) as error:
         raise ClipFault(in_words(error, folder)) from error
     if free < needed:
-        raise ClipFault(f"the bake needs {_megabytes(needed)} MB and the disk of {folder} has {_megabytes(free)} MB left: "
-                        "make room, or choose another folder")
+        raise ClipFault(f"the bake needs {_megabytes(needed)} MB and the disk of {folder} has {_megabytes(free)} MB "
+                        "left: make room, or choose another folder")
 
 
 def _megabytes(count: int) -> str:
@@ -92,7 +92,7 @@ def in_words(error: Exception, folder: Path) -> str:
         return f"the disk of {folder} is full: make room, or choose another folder"
     if number in (errno.EACCES, errno.EPERM, errno.EROFS):
         return f"nothing can be written to {folder}: change its permissions, or choose another folder"
-    if number in (errno.ENOENT, errno.ENODEV, errno.ESTALE, errno.ENOTCONN, errno.EIO, errno.EHOSTDOWN, errno.ETIMEDOUT):
+    if number in (errno.ENOENT, errno.ENODEV, errno.ESTALE, errno.ENOTCONN, errno.EIO, errno.ETIMEDOUT):
         return f"the folder {folder} is gone or cannot be made: connect its disk, or choose another folder"
     if number in (errno.EEXIST, errno.ENOTDIR):
         return f"{folder} is no folder, or leads through a file: choose another folder"

@@ -103,7 +103,8 @@ def read(text: str | bytes) -> Manifest:
             raise ClipFault(f"its manifest is not one: {name} is no number from {low} to {high}")
     if data["end"] < data["start"] or data["points"] < data["vertices"]:
         raise ClipFault("its manifest is not one: it ends before it starts")
-    manifest = Manifest(**{"format": 3, **data})
+    data.setdefault("format", 3)
+    manifest = Manifest(**data)
     _check_samples(manifest)
     return manifest
 
@@ -128,4 +129,4 @@ def _check_samples(manifest: Manifest) -> None:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e30 and math.isfinite(value)
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e30  # not NaN either

@@ -13,8 +13,8 @@ import numpy as np
 
 from ...core import engine
 from .. import compat, scheduler
-from ..objects import (bodies, coarse_copy, evaluator, mesh_reader, messages, modifier, output_mesh, properties, runtimes,
-                       units, wind)
+from ..objects import (bodies, coarse_copy, evaluator, mesh_reader, messages, modifier, output_mesh, properties,
+                       runtimes, units, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -247,8 +247,8 @@ def _points_are_lost(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) 
     if "NODES" in names:
         return (f"{obj.name}: {name} behind {nodes_mod.name} removes points that the wrinkles are made of: move it in "
                 "front, or let it keep the first points")
-    return (f"{obj.name}: {name} behind {nodes_mod.name} removes points that the wrinkles are made of, and what is hidden "
-            f"cannot be read in front of it: show {obj.name}, or move {name} in front")
+    return (f"{obj.name}: {name} behind {nodes_mod.name} removes points that the wrinkles are made of, and what is "
+            f"hidden cannot be read in front of it: show {obj.name}, or move {name} in front")
 
 
 def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameResult | engine.PreviewFrame,

@@ -146,7 +146,8 @@ def is_baked(modifier: bpy.types.NodesModifier) -> bool:
     return bool(_get(modifier, wrinkle_tree.BAKED))
 
 
-SHOWS_LIVE = 1.0  # z of the output object while a clip that cannot be shown is not; wrinkle_tree.py compares with a half
+# z of the output object while live folds are shown in place of a clip; wrinkle_tree.py compares with a half
+SHOWS_LIVE = 1.0
 
 
 def play_clip(modifier: bpy.types.NodesModifier, playing: bool) -> bool:
