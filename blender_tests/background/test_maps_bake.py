@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from rumple.blender.maps import export as maps_export
-from rumple.core import poses
+from rumple.core import poses_json
 from support import face, maps_renders
 
 
@@ -125,7 +125,7 @@ class Export(face.TwoPoses, unittest.TestCase):
             self.assertEqual(sorted(os.listdir(folder)), ["face.frames.json", "face.json", "face_Surprise.png",
                                                           "face_neutral.png"])
             with open(path, encoding="utf-8") as file:
-                rig = poses.from_json(file.read())
+                rig = poses_json.from_json(file.read())
             with open(os.path.join(folder, "face.frames.json"), encoding="utf-8") as file:
                 clip = json.load(file)
         self.assertEqual([(pose.name, pose.map) for pose in rig.poses],

@@ -7,7 +7,7 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core import poses
+from rumple.core import poses, poses_json
 from rumple.core.engine import UserError
 from rumple.core.poses import PoseComparison, PoseRig, ReferencePose, SkinWeights, TrackedBone
 
@@ -32,7 +32,7 @@ class Json(unittest.TestCase):
         rig.bones[1] = TrackedBone("brow.L", "TAIL", "brows")
         rig.poses[1].strength = 0.3
         rig.maps, rig.gain, rig.neutral_map = "WHOLE", 2.5, "face.png"
-        read = poses.from_json(rig.to_json())
+        read = poses_json.from_json(rig.to_json())
         np.testing.assert_array_equal(read.neutral, rig.neutral)
         for one, other in zip(read.poses, rig.poses):
             np.testing.assert_array_equal(one.bones, other.bones)
@@ -70,14 +70,49 @@ class Json(unittest.TestCase):
         for change, word in ((dict(format="gltf"), "not a file"), (dict(version=2), "version 2"),
                              (dict(maps="colour"), "COLOUR"), (dict(gain=1000), "gain"), (dict(bones=5), "read")):
             with self.assertRaisesRegex(UserError, word):
-                poses.from_json(json.dumps({**good, **change}))
+                poses_json.from_json(json.dumps({**good, **change}))
         with self.assertRaisesRegex(UserError, "lack 'root'"):
-            poses.from_json(json.dumps({key: value for key, value in good.items() if key != "root"}))
+            poses_json.from_json(json.dumps({key: value for key, value in good.items() if key != "root"}))
         good["poses"][1]["bones"].pop()
-        with self.assertRaisesRegex(UserError, "pose 1: expected 4 bones, got 3"):
-            poses.from_json(json.dumps(good))
+        with self.assertRaisesRegex(UserError, "pose 2, pose 1: expected 4 bones, got 3"):
+            poses_json.from_json(json.dumps(good))
         with self.assertRaisesRegex(UserError, "cannot be read"):
-            poses.from_json("{")
+            poses_json.from_json("{")
+
+
+    def test_whatever_stands_in_it_is_read_or_refused_and_nothing_else_is_raised(self) -> None:
+        # A strength of "1", a gain of null, a surrogate, deep nesting, 5,000 digits escaped as other exceptions, and a
+        # map outside of the folder was taken.
+        good = face().to_json()
+        wrong = [None, True, "1", "x", 5, -1, 1e300, [], [1], {}, ["x"], "\ud800", "a" * 2000, "9" * 30]
+        changes = [(path, value) for path in ("name", "root", "maps", "neutral_map", "gain", "bones", "poses", "version",
+                                              "bones.0.name", "bones.0.tracked", "bones.0.group", "bones.0.head",
+                                              "bones.0.tail", "poses.0.name", "poses.0.map", "poses.0.strength",
+                                              "poses.0.bones", "poses.0.bones.0.tail", "bones.0", "poses.0")
+                   for value in wrong]
+        paths = ("../x.png", "../../etc/x", "/etc/passwd", "a/b.png", "..\\x", "C:x", "..", "a\0b")
+        changes += [(path, value) for path in ("poses.0.map", "neutral_map") for value in paths]
+        taken = set()
+        for path, value in changes:
+            data = json.loads(good)
+            *way, last = [int(part) if part.isdigit() else part for part in path.split(".")]
+            owner = data
+            for part in way:
+                owner = owner[part]
+            owner[last] = value
+            try:
+                poses_json.from_json(json.dumps(data))
+                taken.add((path, str(value)[:10]))
+            except UserError as error:
+                self.assertRegex(str(error), r"^\S.{5,300}$")
+        texts = {path for path in ("name", "root", "bones.0.name", "bones.0.group", "poses.0.name", "poses.0.map",
+                                   "neutral_map")}
+        self.assertEqual(taken, {(path, value) for path in texts for value in ("1", "x", "9" * 10)} |
+                         {("gain", "5"), ("poses", "[]")})
+        for text in ("", "null", "[" * 200_000, '{"a":' * 200_000, good.replace('"gain": 1.0', '"gain": ' + "9" * 5000),
+                     good.replace('"gain": 1.0', '"gain": NaN'), good.replace('"gain": 1.0', '"gain": Infinity')):
+            with self.assertRaises(UserError):
+                poses_json.from_json(text)
 
 
 class Checks(unittest.TestCase):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reference poses of a skeleton as data: what the Wrinkle Maps compare the present pose with. Never imports bpy.
 
-The JSON that to_json() writes is what a game engine needs; docs/wrinkle_maps.md describes it field by field.
+The JSON that to_json() writes is what a game engine needs; docs/wrinkle_maps.md describes it field by field, and
+poses_json.py reads it.
 """
 from __future__ import annotations
 
@@ -106,40 +107,8 @@ class PoseRig:
                    for pose, strength, column in zip(self.poses, strengths(self.poses), moves.T)]), indent=1) + "\n"
 
 
-def from_json(text: str) -> PoseRig:
-    """What to_json() wrote; muting has become a strength of 0. Raises UserError naming what is wrong."""
-    try:
-        data = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise UserError(f"the reference poses cannot be read: {error}") from error
-    if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise UserError("this is not a file of reference poses")
-    if data.get("version") != FORMAT_VERSION:
-        raise UserError(f"reference poses of version {data.get('version')}; this Rumple reads {FORMAT_VERSION}")
-    try:
-        rig = PoseRig(
-            name=data["name"], root=data["root"], maps=data["maps"].upper(), neutral_map=data["neutral_map"],
-            gain=data["gain"], neutral=_places(data["bones"]),
-            bones=[TrackedBone(bone["name"], bone["tracked"].upper(), bone["group"]) for bone in data["bones"]],
-            poses=[ReferencePose(pose["name"], _places(pose["bones"]), pose["map"], pose["strength"])
-                   for pose in data["poses"]])
-    except KeyError as error:
-        raise UserError(f"the reference poses lack {error}") from error
-    except (TypeError, ValueError, AttributeError) as error:
-        raise UserError(f"the reference poses cannot be read: {error}") from error
-    for pose in rig.poses:
-        if len(pose.bones) != len(rig.bones):
-            raise UserError(f"{rig.name}: pose {pose.name}: expected {len(rig.bones)} bones, got {len(pose.bones)}")
-    rig.check()
-    return rig
-
-
 def _points(place: np.ndarray) -> dict[str, list[float]]:
     return dict(head=place[:3].tolist(), tail=place[3:].tolist())
-
-
-def _places(bones: list[dict[str, Any]]) -> np.ndarray:
-    return np.array([[*bone["head"], *bone["tail"]] for bone in bones], np.float32).reshape(len(bones), 6)
 
 
 def _refuse_repeated(owner: str, what: str, names: list[str]) -> None:

@@ -13,7 +13,8 @@ from typing import Any
 import bpy
 
 from ...core.engine import UserError
-from ...core.poses import PoseComparison, PoseRig, SkinWeights, from_json
+from ...core.poses import PoseComparison, PoseRig, SkinWeights
+from ...core.poses_json import from_json
 from ..nodes import maps_mask_tree, maps_shader
 from . import modifier as maps_modifier, operators as maps_operators, rig as maps_rig
 
