@@ -85,11 +85,10 @@ class Json(unittest.TestCase):
         # map outside of the folder was taken.
         good = face().to_json()
         wrong = [None, True, "1", "x", 5, -1, 1e300, [], [1], {}, ["x"], "\ud800", "a" * 2000, "9" * 30]
-        changes = [(path, value) for path in ("name", "root", "maps", "neutral_map", "gain", "bones", "poses", "version",
-                                              "bones.0.name", "bones.0.tracked", "bones.0.group", "bones.0.head",
-                                              "bones.0.tail", "poses.0.name", "poses.0.map", "poses.0.strength",
-                                              "poses.0.bones", "poses.0.bones.0.tail", "bones.0", "poses.0")
-                   for value in wrong]
+        places = ("name root maps neutral_map gain bones poses version bones.0.name bones.0.tracked bones.0.group "
+                  "bones.0.head bones.0.tail poses.0.name poses.0.map poses.0.strength poses.0.bones "
+                  "poses.0.bones.0.tail bones.0 poses.0").split()
+        changes = [(path, value) for path in places for value in wrong]
         paths = ("../x.png", "../../etc/x", "/etc/passwd", "a/b.png", "..\\x", "C:x", "..", "a\0b")
         changes += [(path, value) for path in ("poses.0.map", "neutral_map") for value in paths]
         taken = set()
@@ -109,8 +108,8 @@ class Json(unittest.TestCase):
                                    "neutral_map")}
         self.assertEqual(taken, {(path, value) for path in texts for value in ("1", "x", "9" * 10)} |
                          {("gain", "5"), ("poses", "[]")})
-        for text in ("", "null", "[" * 200_000, '{"a":' * 200_000, good.replace('"gain": 1.0', '"gain": ' + "9" * 5000),
-                     good.replace('"gain": 1.0', '"gain": NaN'), good.replace('"gain": 1.0', '"gain": Infinity')):
+        gains = [good.replace('"gain": 1.0', f'"gain": {gain}') for gain in ("9" * 5000, "NaN", "Infinity")]
+        for text in ("", "null", "[" * 200_000, '{"a":' * 200_000, *gains):
             with self.assertRaises(UserError):
                 poses_json.from_json(text)
 
