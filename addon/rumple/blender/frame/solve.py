@@ -205,7 +205,7 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
     """Coarse positions of this frame; None where the modifier is off or passed the coarse mesh through."""
     if runtime.pose is not None:
         return runtime.pose
-    count = len(runtime.evaluator.base.positions)
+    count = runtime.evaluator.coarse_count
     positions = mesh_reader.posed_positions(evaluated, count)
     shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
     if positions is not None or not shown:
