@@ -61,7 +61,7 @@ def canvas_of(obj: bpy.types.Object) -> Canvas:
     runtime = runtimes.known(obj)
     if runtime is None or not isinstance(runtime.evaluator, WrinkleField):
         raise UserError(runtimes.message(obj) or f"{obj.name}: nothing is solved yet")
-    if len(runtime.evaluator.base.positions) != len(obj.data.vertices):
+    if runtime.evaluator.coarse_count != len(obj.data.vertices):
         raise UserError(f"{obj.name}: its mesh was edited: one moment")
     if _last is None or _last.easel.field is not runtime.evaluator:
         _last = Canvas(runtime.evaluator)

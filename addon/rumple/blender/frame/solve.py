@@ -191,7 +191,7 @@ def show_fine_meshes() -> None:
 def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, evaluated: bpy.types.Object,
             scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> Inputs | None:
     """Everything the picture depends on; None where there is nothing to solve."""
-    positions = _incoming(obj, nodes_mod, runtime, evaluated, depsgraph)
+    positions = _incoming(obj, nodes_mod, runtime, depsgraph)
     if positions is None or bodies.are_busy(obj):
         return None
     body = bodies.read(obj, evaluated, depsgraph)
@@ -213,12 +213,12 @@ def _fits(output_obj: bpy.types.Object, runtime: Runtime) -> bool:
     return output_mesh.is_embedding_of(output_obj.data, runtime.evaluator)
 
 
-def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, evaluated: bpy.types.Object,
+def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime,
               depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
     """Coarse positions of this frame; None where the modifier is off or passed the coarse mesh through."""
     if runtime.pose is not None:
         return runtime.pose
-    count = len(runtime.evaluator.base.positions)
+    count = runtime.evaluator.coarse_count
     positions, lost = None, False
     try:
         positions = coarse_copy.posed_positions(obj, count, depsgraph)

@@ -66,7 +66,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
 def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:
     more = dict(own=now.own, attached=now.attached) if now.own is not None else {}
     fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale, **more)
-    coarse = len(now.base.positions)
+    coarse = fine.coarse_count
     if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
         raise engine.UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
                                f"({coarse}): choose a denser one")

@@ -108,6 +108,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                                      "vertices: apply it, or move it behind")
             return
         fine = runtimes.of(obj).evaluator
+        origin = fine.base.origin
+        for note in [] if origin is None else origin.notes(obj.name):
+            self.report({"INFO"}, note)
         worn_over = ", ".join(body.name for body in bodies.of(obj))
         self.report({"INFO"}, f"{fine.vertex_count} vertices over {len(obj.data.vertices)}"
                               + (f", body: {worn_over}" if worn_over else ""))

@@ -98,7 +98,7 @@ class Drawing:
         drawing = runtime.result.drawing
         uv = mesh_reader.render_uv(obj.data)
         self.has_uv = uv is not None
-        corners = runtime.evaluator.base.triangle_corner.ravel()
+        corners = runtime.evaluator.coarse_triangles()[0].ravel()
         self._profile, self._curved = PROFILES.index(runtime.inputs.settings.profile), float(drawing.curved)
         self._arrays.update(
             uvs=upload(uv[corners]) if self.has_uv else gpu_arrays.blank(),
