@@ -81,5 +81,68 @@ class Handlers(unittest.TestCase):
         self.assertEqual((runtimes.of(obj).inputs.frame, obj.rumple.message), (7.0, ""))
 
 
+class SharedMesh(unittest.TestCase):
+
+    def test_while_one_of_two_is_edited_the_other_says_nothing_unexpected(self):
+        for method in ("MESH", "FIELD", "PATHS"):
+            for settings in (dict(), dict(rest_shape="FRAME")):
+                with self.subTest(method, **settings):
+                    obj = sleeve.scene(wrinkles=False)
+                    obj.data.attributes.new("rumple_rest_wrinkle", "FLOAT_VECTOR", "POINT")
+                    obj.vertex_groups.new(name="Rumple Radius").add([1, 2, 3], 0.5, "REPLACE")
+                    obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+                    bpy.ops.object.rumple_add(method=method)
+                    if settings:
+                        bpy.ops.object.rumple_capture_rest(frame=1)
+                    sleeve.at(3)
+                    bpy.ops.object.duplicate(linked=True)
+                    other = bpy.context.object
+                    scheduler.sync_all()
+                    sleeve.at(4)
+                    sleeve.make_active(other)
+                    bpy.ops.object.mode_set(mode="EDIT")
+                    last = runtimes.of(obj).result
+                    for frame, prepared in ((5, "stale"), (6, "paint"), (7, "evaluator"), (8, "result")):
+                        runtime = runtimes.of(obj)
+                        if prepared == "stale":
+                            runtime.stale = True
+                        elif prepared == "paint":
+                            runtime.paint = None
+                        elif prepared == "evaluator":
+                            runtime.evaluator, runtime.shape = None, ""
+                        else:
+                            runtime.invalidate()
+                        scheduler.sync_all()
+                        sleeve.at(frame)
+                        self.assertEqual((obj.rumple.message, other.rumple.message), ("", ""), prepared)
+                    self.assertIsNotNone(last)
+                    bpy.ops.object.mode_set(mode="OBJECT")
+                    sleeve.at(9)
+                    scheduler.sync_all()
+                    sleeve.at(10)
+                    for each in (obj, other):
+                        self.assertEqual((each.rumple.message, runtimes.of(each).inputs.frame), ("", 10.0))
+
+    def test_while_an_own_mesh_is_edited_the_last_picture_stays(self):
+        obj = sleeve.scene()
+        own = bpy.data.objects.new("Fine", obj.data.copy())
+        bpy.context.scene.collection.objects.link(own)
+        obj.rumple.own_mesh = own
+        obj.rumple.mesh.source = "OBJECT"
+        scheduler.sync_all()
+        sleeve.at(4)
+        self.assertEqual((obj.rumple.message, len(sleeve.shown(obj))), ("", len(own.data.vertices)))
+        sleeve.make_active(own)
+        bpy.ops.object.mode_set(mode="EDIT")
+        for frame in (5, 6):
+            runtimes.of(obj).stale = True
+            scheduler.sync_all()
+            sleeve.at(frame)
+            self.assertEqual((obj.rumple.message, len(sleeve.shown(obj))), ("", len(own.data.vertices)))
+        bpy.ops.object.mode_set(mode="OBJECT")
+        sleeve.at(8)
+        self.assertEqual((obj.rumple.message, runtimes.of(obj).inputs.frame), ("", 8.0))
+
+
 if __name__ == "__main__":
     unittest.main()

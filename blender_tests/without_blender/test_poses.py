@@ -79,7 +79,6 @@ class Json(unittest.TestCase):
         with self.assertRaisesRegex(UserError, "cannot be read"):
             poses_json.from_json("{")
 
-
     def test_whatever_stands_in_it_is_read_or_refused_and_nothing_else_is_raised(self) -> None:
         # A strength of "1", a gain of null, a surrogate, deep nesting, 5,000 digits escaped as other exceptions, and a
         # map outside of the folder was taken.

@@ -42,7 +42,7 @@ def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
 
     Never raises: what is wrong becomes the object's message and the last good mesh stays.
     """
-    if obj.mode in mesh_reader.BUSY_MODES or obj.data.is_editmode:  # by another object that shares it
+    if mesh_reader.is_busy(obj):
         return False
     runtime = runtimes.of(obj)
     runtime.stale = False

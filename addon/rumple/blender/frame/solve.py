@@ -88,7 +88,7 @@ def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
 def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
     """Coarse positions of this frame, from the tree or, where it passed the coarse mesh through, from that."""
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or obj.mode in mesh_reader.BUSY_MODES:
+    if not evaluated.is_evaluated or mesh_reader.is_busy(obj):
         return None
     count = len(obj.data.vertices)
     try:
@@ -119,7 +119,7 @@ def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
 def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj: bpy.types.Object, runtime: Runtime,
              scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or obj.mode in mesh_reader.BUSY_MODES:
+    if not evaluated.is_evaluated or mesh_reader.is_busy(obj):
         return False
     clip_fault = ""
     if modifier.is_baked(nodes_mod):

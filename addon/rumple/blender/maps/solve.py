@@ -47,7 +47,7 @@ def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
 
 def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, depsgraph: bpy.types.Depsgraph
              ) -> None:
-    if runtime.comparison is None or runtime.refusal or obj.mode in mesh_reader.BUSY_MODES:
+    if runtime.comparison is None or runtime.refusal or mesh_reader.is_busy(obj):
         return
     if len(obj.data.vertices) != runtime.comparison.model.vertex_count:
         runtime.stale = True

@@ -129,7 +129,7 @@ def connect_all() -> None:
 # ---------------------------------------------------------------- a frame
 def are_busy(obj: bpy.types.Object) -> bool:
     """While a body is edited its garments stay as they are."""
-    return any(body.mode in mesh_reader.BUSY_MODES or body.data.is_editmode for body in of(obj))
+    return any(mesh_reader.is_busy(body) for body in of(obj))
 
 
 def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:

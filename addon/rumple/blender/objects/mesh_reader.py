@@ -31,7 +31,15 @@ LEAST_WAVELENGTH = 0.1  # of the factor that a vertex group paints: its zero mea
 ATTACHED_GROUP = "Rumple Attached"  # on an own mesh: points below one half stay unattached
 
 
-BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the object will be
+_BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the object will be
+
+
+def is_busy(obj: bpy.types.Object) -> bool:
+    """Whether a mesh object is edited, itself, by way of another one that shares its mesh, or its own fine mesh: what
+    is read then is empty, or not what it will be."""
+    own = obj.rumple.own_mesh
+    return (obj.mode in _BUSY_MODES or obj.data.is_editmode
+            or (own is not None and own.type == "MESH" and own.data.is_editmode))
 
 
 def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.BaseMesh:

@@ -36,7 +36,7 @@ def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
         runtime = runtimes.known(obj)
         if (runtime is not None and runtime.inputs is not None and runtime.evaluator is not None
             and nodes_mod.show_viewport
-                and not modifier.is_baked(nodes_mod) and obj.mode not in mesh_reader.BUSY_MODES):
+                and not modifier.is_baked(nodes_mod) and not mesh_reader.is_busy(obj)):
             yield obj, runtime
 
 
