@@ -6,6 +6,7 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
+from rumple.core import frame_cache
 from rumple.core.body import Body
 from rumple.core.engine import UserError
 from rumple.core.presets import MESH_PRESETS
@@ -132,6 +133,25 @@ class FrameLaws(unittest.TestCase):
         for frame in (1, 2, 3):
             self.solve(frame)
         self.assertEqual(self.mesh.frame_cache.frames(), [(1.0, True), (2.0, True), (3.0, True)])
+
+    def test_frames_of_another_first_frame_are_kept_beside_and_go_first(self) -> None:
+        self.solve(1)
+        cache, size = self.mesh.frame_cache, self.mesh.frame_cache.bytes
+        cache.follow("other scene")
+        cache.put(7.0, replace(self.mesh.frame_cache._timelines[(1, 0.0)][1.0]))
+        self.assertEqual((cache.frames(), cache.bytes), ([(7.0, True)], 2 * size))
+        self.solve(1)
+        self.assertEqual((cache.frames(), cache.bytes), ([(1.0, True)], 2 * size))
+        cache.limit_bytes = 2 * size
+        self.solve(2)
+        self.assertEqual((cache.frames(), cache.bytes), ([(1.0, True), (2.0, True)], 2 * size))
+        for number in range(50):
+            cache.follow(number)
+        self.assertLessEqual(len(cache._timelines), frame_cache.MOST_TIMELINES)
+        self.assertEqual(cache.bytes, 0)
+        cache.clear()
+        cache.follow((1, 0.0))
+        self.assertEqual(cache.frames(), [])
 
     def test_folds_ride_with_a_rigid_motion(self) -> None:
         here = self.solve(5)

@@ -70,8 +70,8 @@ class Wrinkles(ShownMesh):
         self.warnings = warnings
         self.unit_scale = unit_scale  # metres per object unit
         self.frame_cache = FrameCache()
-        self._painted = self._chosen = b""  # digests of the paint and the settings of the last solve ...
-        self._frame = self._frame_rate = math.nan  # ... and its frame, and the rate where that counts
+        self._painted = b""  # digest of the paint of the last solve
+        self._last: dict[tuple[int, float], tuple[bytes, float]] = {}  # by timeline: digest of the settings, frame
         self._clip: dict[float, tuple[bytes, np.ndarray]] = {}  # by frame: digest of the pose, labels
         self.pose_mismatches: set[float] = set()  # frames that came with another pose than the clip that was looked at
         self._paint: Any = None
@@ -224,10 +224,14 @@ class Wrinkles(ShownMesh):
                       for name, values in paint.items()}
             self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
             self._paint = self._take_paint(solved)
-        # Another rate tells stored frames to be of other times.
-        if repainted or (chosen != self._chosen and frame == self._frame) or frame_rate != self._frame_rate:
+        # Of another rate, or from another first frame, frames are other ones: each scene has its own.
+        timeline = (start, frame_rate)
+        self.frame_cache.follow(timeline)
+        last, at = self._last.get(timeline, (chosen, frame))
+        if repainted or (chosen != last and frame == at):
             self.frame_cache.clear()
-        self._painted, self._chosen, self._frame, self._frame_rate = painted.digest(), chosen, frame, frame_rate
+            self._last.clear()
+        self._painted, self._last[timeline] = painted.digest(), (chosen, frame)
         return chosen
 
     # --- seeing ahead

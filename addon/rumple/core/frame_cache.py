@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Hashable
 
 import numpy as np
+
+MOST_TIMELINES = 4  # kept of one object
 
 
 @dataclass
@@ -28,13 +30,29 @@ class CachedFrame:
 class FrameCache:
     """Entries by frame number (subframes included), within a limit of memory.
 
-    limit_bytes: when exceeded, entries farthest from the newest are dropped, provisional ones first.
+    Scenes with another first frame or frame rate have entries of their own, see follow(). limit_bytes: of all together;
+    when exceeded, those of other scenes are dropped, then entries farthest from the newest, provisional ones first.
     """
 
     def __init__(self, limit_bytes: int = 512 * 2**20) -> None:
         self.limit_bytes = limit_bytes
         self._entries: dict[float, CachedFrame] = {}
+        self._timeline: Hashable = None
+        self._timelines: dict[Hashable, dict[float, CachedFrame]] = {None: self._entries}  # the last used last
         self._bytes = 0
+
+    def follow(self, timeline: Hashable) -> None:
+        """Go on with the entries of a timeline: what tells frames of one number apart."""
+        if timeline == self._timeline:
+            return
+        self._entries = self._timelines.pop(timeline, {})
+        self._timelines[timeline] = self._entries
+        self._timeline = timeline
+        for other in list(self._timelines)[:-MOST_TIMELINES]:
+            self._drop(other)
+
+    def _drop(self, timeline: Hashable) -> None:
+        self._bytes -= sum(cached.state.nbytes for cached in self._timelines.pop(timeline).values())
 
     def get(self, frame: float) -> CachedFrame | None:
         """The entry of a frame, or None."""
@@ -53,8 +71,9 @@ class FrameCache:
         self._evict(frame)
 
     def clear(self) -> None:
-        """Forget every frame."""
-        self._entries.clear()
+        """Forget every frame, those of other timelines too."""
+        self._entries = {}
+        self._timelines = {self._timeline: self._entries}
         self._bytes = 0
 
     @property
@@ -63,10 +82,13 @@ class FrameCache:
         return self._bytes
 
     def frames(self) -> list[tuple[float, bool]]:
-        """(frame, final) of every stored frame, ascending."""
+        """(frame, final) of every stored frame of this timeline, ascending."""
         return [(frame, self._entries[frame].final) for frame in sorted(self._entries)]
 
     def _evict(self, newest: float) -> None:
+        for other in list(self._timelines)[:-1]:
+            if self._bytes > self.limit_bytes:
+                self._drop(other)
         if self._bytes <= self.limit_bytes:
             return
         order = sorted(self._entries, key=lambda f: (self._entries[f].final, -abs(f - newest)))

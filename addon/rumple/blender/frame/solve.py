@@ -196,9 +196,10 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
         return None
     body = bodies.read(obj, evaluated, depsgraph)
     if runtime.paint is None:
-        runtime.paint = mesh_reader.paint(obj, properties.settings_of(obj, scene))
+        runtime.paint = mesh_reader.paint(obj, properties.settings_of(obj, units.scene_of(obj)))
     # The evaluated copy: animated settings are right there, in renders too.
-    settings = properties.settings_of(evaluated, scene)
+    # Lengths are in the units of the scene that the fine mesh was made for, whichever looks at it.
+    settings = properties.settings_of(evaluated, units.scene_of(obj))
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
     uses_proxy = depsgraph.mode == "VIEWPORT" and preview.uses_proxy(obj, nodes_mod)
     return Inputs(float(scene.frame_current_final), settings, positions, world, runtime.paint,
