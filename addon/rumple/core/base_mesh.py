@@ -10,10 +10,7 @@ import numpy as np
 
 from ..native import kernels
 from .healing import Origin, origin_of
-
-
-class UserError(ValueError):
-    """Bad input, in a sentence for the artist that names the object and the first bad element."""
+from .wording import UserError, user_error
 
 
 @dataclass
@@ -52,7 +49,7 @@ class BaseMesh:
         try:
             return build(self.positions, self.polygon_start, self.corner_vertex, self.triangle_corner, weld)
         except ValueError as error:
-            raise UserError(f"{self.name}: {error}") from error
+            raise user_error(self.name, error) from error
 
     def mean_edge(self) -> float:
         """Mean length of the polygons' sides, object units."""
@@ -70,7 +67,7 @@ def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[Base
     """A base, healed where it must be (see Origin.notes()); its native surface, and its warnings. unit_scale: metres
     per object unit. Raises UserError."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
-        raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning")
+        raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning: give it one")
     base = base.healed(weld)
     surface = base.surface(weld)
     return base, surface, [f"{base.name}: {warning}" for warning in surface.warnings]

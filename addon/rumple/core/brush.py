@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import UserError
+from .wording import user_error
 from .wrinkle_field import WrinkleField
 
 SPACING = 0.25  # of the brush's radius, from dab to dab
@@ -120,4 +120,4 @@ class Easel:
         try:
             return function(*arguments, **keywords)
         except ValueError as error:
-            raise UserError(f"{self.name}: {error}") from error
+            raise user_error(self.name, error) from error

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, UserError, checked_surface
+from .base_mesh import BaseMesh, checked_surface
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, PROFILE, Attribute, FrameInput, FrameResult, Wrinkles
 from .settings import FieldSettings
+from .wording import user_error
 
 # What the shader node group reads (../blender/nodes/field_shader.py).
 PHASE, WEIGHT = "rumple_wave_phase", "rumple_wave_weight"
@@ -59,7 +60,7 @@ class WrinkleField(Wrinkles):
                 source=settings.source, level=min(math.ceil(finer), MOST_LEVEL), longest_edge=longest / unit_scale,
                 most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
-            raise UserError(f"{base.name}: {error}") from error
+            raise user_error(base.name, error) from error
         return cls(base, base, surface, model, warnings, unit_scale)
 
     def _status(self, report: Any) -> list[str]:

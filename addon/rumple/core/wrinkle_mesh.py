@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, UserError, checked_surface
+from .base_mesh import BaseMesh, checked_surface
 from .body import Body
 from .cloth import length_over_cotton, size_factor
 from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
 from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
+from .wording import UserError, user_error
 
 MOST_LEVEL = 5
 MOST_PLAYABLE = 60_000  # solved vertices that still play live on a few cores
@@ -151,7 +152,7 @@ class WrinkleMesh(Wrinkles):
                 farthest=FARTHEST_OWN * base.diagonal(), attachment=settings.attachment,
                 display_steps=settings.display_steps, adaptive=settings.rest_shape == "ADAPTIVE")
         except ValueError as error:
-            raise UserError(f"{base.name}: {error}") from error
+            raise user_error(base.name, error) from error
         if own is not None and own_surface is not None:
             warnings += [] if own.origin is None else own.origin.notes(own.name)
             warnings += [f"{own.name}: {w}" for w in own_surface.warnings]
@@ -177,7 +178,7 @@ class WrinkleMesh(Wrinkles):
             if coarse is not None:
                 mesh._show_on_dense(coarse, settings)
         except ValueError as error:
-            raise UserError(f"{base.name}: {error}") from error
+            raise user_error(base.name, error) from error
         mesh.layer_count, mesh.level, mesh.finest_share = level + 1, level, share
         mesh.edge_mean = float(model.local_edge(level).mean()) * unit_scale
         return mesh

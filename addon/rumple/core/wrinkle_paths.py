@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, UserError, checked_surface
+from .base_mesh import BaseMesh, checked_surface
 from .cloth import size_factor
 from .curve_rows import CurvePoints
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
 from .on_cloth import cloth_of
 from .settings import PathsSettings
+from .wording import user_error
 
 MOST_LEVEL = 5
 
@@ -62,7 +63,7 @@ class WrinklePaths(Wrinkles):
                 surface, source=settings.source, level=min(math.ceil(finer), MOST_LEVEL),
                 longest_edge=longest / unit_scale, most_vertices=MOST_VERTICES, attachment=settings.attachment)
         except ValueError as error:
-            raise UserError(f"{base.name}: {error}") from error
+            raise user_error(base.name, error) from error
         return cls(base, base, surface, model, warnings, unit_scale)
 
     def _status(self, report: Any) -> list[str]:

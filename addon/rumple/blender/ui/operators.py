@@ -19,7 +19,7 @@ from ..frame import rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, mesh_reader, modifier, properties, runtimes,
-                       units)
+                       stack_notes, units)
 from ..viewport import preview
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
@@ -47,7 +47,11 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
         if self.method == "MAPS":
-            return bpy.ops.rumple.maps_add()
+            try:
+                return bpy.ops.rumple.maps_add()
+            except RuntimeError as error:  # how bpy.ops hands on a refusal
+                self.report({"ERROR"}, f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}")
+                return {"CANCELLED"}
         try:
             native.load()
         except native.NativeMissing as error:
@@ -107,6 +111,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"WARNING"}, f"{changer.name} stands in front of {nodes_mod.name} and changes the number of "
                                      "vertices: apply it, or move it behind")
             return
+        for note in stack_notes.of(obj):
+            self.report({"WARNING"}, note)
         fine = runtimes.of(obj).evaluator
         origin = fine.base.origin
         for note in [] if origin is None else origin.notes(obj.name):

@@ -11,7 +11,7 @@ from ..brush import panel as brush_panel
 from ..frame import clip_status
 from ..maps import modifier as maps_modifier
 from ..nodes import field_profile
-from ..objects import changes, modifier, properties, runtimes
+from ..objects import changes, modifier, properties, runtimes, stack_notes
 from ..ui_base import Panel, draw_message, named_paint, property_column, wrapped
 from . import cloth_panel, healing, paths_panel, rest_panel
 
@@ -37,6 +37,8 @@ class DATA_PT_rumple(bpy.types.Panel):
             _add_buttons(layout.column(align=True))
             return
         draw_message(layout, runtimes.message(obj))
+        for note in stack_notes.of(obj):
+            draw_message(layout, note)
         row = layout.row(align=True)
         system = properties.system_of(obj)
         if system.presets:

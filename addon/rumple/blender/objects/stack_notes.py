@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is odd about where the wrinkles stand in the stack: nothing fails, and no fold shows."""
+from __future__ import annotations
+
+import bpy
+
+from . import bodies, mesh_reader, modifier, properties
+
+# What poses or simulates a garment: behind the wrinkles these do not see it. Smooth, Shrinkwrap and the like may well
+# stand there.
+_POSES = frozenset(("ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE",
+                    "SOFT_BODY", "SURFACE_DEFORM"))
+
+
+def of(obj: bpy.types.Object) -> list[str]:
+    """Sentences for the panel, drawn anew each time: nothing tells of a moved modifier. Only reads."""
+    nodes_mod = modifier.find(obj)
+    if nodes_mod is None or modifier.is_baked(nodes_mod):
+        return []
+    stack = list(obj.modifiers)
+    place = stack.index(nodes_mod)
+    late = next((m for m in stack[place + 1:] if m.type in _POSES and _is_on(m)), None)
+    if late is not None:
+        return [f"{obj.name}: the modifier \"{late.name}\" stands behind {nodes_mod.name}, so the wrinkles do not see "
+                f"what it moves: move {nodes_mod.name} behind it"]
+    if not any(_is_on(m) and (m.type in modifier.DEFORMING or m.type == "NODES") for m in stack[:place]) \
+            and not _is_folded_otherwise(obj):
+        return [f"{obj.name}: nothing in front of {nodes_mod.name} deforms the mesh, so it has no folds: add an Armature, "
+                "a shape key or a simulation in front of it"]
+    return []
+
+
+def _is_on(m: bpy.types.Modifier) -> bool:
+    return m.show_viewport or m.show_render
+
+
+def _is_folded_otherwise(obj: bpy.types.Object) -> bool:
+    """By shape keys, a parent that deforms, cloth, another rest shape, or by hand."""
+    keys, settings = obj.data.shape_keys, properties.group_of(obj)
+    painted = obj.rumple.method == "FIELD" and mesh_reader.REST_WRINKLE in obj.data.attributes
+    return ((keys is not None and len(keys.key_blocks) > 1) or obj.parent_type in ("ARMATURE", "LATTICE", "CURVE")
+            or settings.base_cloth != "OFF" or settings.rest_shape in ("SHAPE_KEY", "FRAME") or bool(bodies.of(obj))
+            or painted)

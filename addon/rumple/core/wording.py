@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the library says of an array, in the words of an artist: which element, what is wrong, what to do."""
+from __future__ import annotations
+
+import re
+
+
+class UserError(ValueError):
+    """Bad input, in a sentence for the artist that names the object and the first bad element."""
+
+
+# What the library says -> what the panel says. Names of arrays mean nothing to an artist.
+_SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
+    (r"(?:next_)?positions: (vertex \d+) is not finite",
+     r"\1 is nowhere in this frame (its place is no number): look at the shape keys, modifiers and simulations that "
+     r"move it"),
+    (r"positions_rest: (vertex \d+) is not finite",
+     r"\1 is nowhere at rest (its place is no number): delete it, or give it a place"),
+    (r"body positions: (vertex \d+) is not finite",
+     r"\1 of its bodies is nowhere in this frame: repair that one, or choose another body"),
+    (r"polygon_start: the mesh has no faces", "its mesh has no faces: add some, or choose another object"),
+    (r"positions_rest: all vertices stand at one place", "all of its vertices stand at one place: give it a shape"),
+    (r"longest: ([\d.e+-]+) m needs more than (\d+) vertices",
+     r"edges of \1 m need more than \2 vertices: choose a greater Edge Length"),
+    (r"rest_wrinkle: (vertex \d+) is not finite",
+     r"the painted rest wrinkle of \1 is no number: press Clear in the brush's panel and paint it again"),
+    (r"rest_wrinkle: (vertex \d+) has length (.*)",
+     r"the painted rest wrinkle of \1 has length \2: press Clear in the brush's panel and paint it again"),
+    (r"paint\.(\w+): (.*)", r"what is painted as \1 cannot be taken: \2. Paint it again"),
+    (r"uv: (corner \d+) is not finite", r"the UV map is no number at \1: unwrap the mesh there again"),
+)]
+
+
+def user_error(name: str, error: Exception) -> UserError:
+    """What the library refused of an object."""
+    text = str(error)
+    for pattern, sentence in _SENTENCES:
+        if pattern.match(text):
+            return UserError(f"{name}: {pattern.sub(sentence, text)}")
+    return UserError(f"{name}: {text}")

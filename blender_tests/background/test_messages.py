@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What was silent is said, and what is said names the object, the element and what to do, in an artist's words."""
+import unittest
+
+import bpy
+from rumple.blender import compat, scheduler
+from rumple.blender.objects import modifier, stack_notes
+from support import sleeve
+
+
+def place(obj):
+    return list(obj.modifiers).index(modifier.find(obj))
+
+
+class Stack(unittest.TestCase):
+
+    def test_wrinkles_in_front_of_what_poses_are_told_to_move(self):
+        obj = sleeve.scene()
+        self.assertEqual(stack_notes.of(obj), [])
+        compat.move_modifier(obj, place(obj), 0)
+        self.assertEqual(stack_notes.of(obj), [
+            'Sleeve: the modifier "Armature" stands behind Wrinkle Mesh, so the wrinkles do not see what it moves: '
+            "move Wrinkle Mesh behind it"])
+        obj.modifiers["Armature"].show_viewport = obj.modifiers["Armature"].show_render = False
+        self.assertIn("nothing in front of Wrinkle Mesh", stack_notes.of(obj)[0])
+
+    def test_what_may_stand_behind_is_left_in_peace(self):
+        obj = sleeve.scene()
+        for kind in ("SMOOTH", "SHRINKWRAP", "SUBSURF", "SOLIDIFY", "MASK", "DISPLACE"):
+            obj.modifiers.new(kind, kind)
+        self.assertEqual(stack_notes.of(obj), [])
+
+    def test_a_mesh_that_nothing_deforms_is_told_why_it_has_no_folds(self):
+        obj = sleeve.scene()
+        armature = obj.modifiers["Armature"].object
+        obj.modifiers.remove(obj.modifiers["Armature"])
+        text = "Sleeve: nothing in front of Wrinkle Mesh deforms the mesh"
+        self.assertTrue(stack_notes.of(obj)[0].startswith(text))
+        obj.parent, obj.parent_type = armature, "ARMATURE"
+        self.assertEqual(stack_notes.of(obj), [])
+        obj.parent_type = "OBJECT"
+        obj.shape_key_add(name="Basis")
+        self.assertEqual(len(stack_notes.of(obj)), 1)
+        obj.shape_key_add(name="Bent")
+        self.assertEqual(stack_notes.of(obj), [])
+        obj.shape_key_clear()
+        obj.rumple.mesh.base_cloth = "HANG"
+        self.assertEqual(stack_notes.of(obj), [])
+        obj.rumple.mesh.base_cloth = "OFF"
+        self.assertEqual(len(stack_notes.of(obj)), 1)
+
+
+class Words(unittest.TestCase):
+
+    def said(self, change):
+        obj = sleeve.scene()
+        sleeve.at(2)
+        change(obj)
+        scheduler.sync_all()
+        sleeve.at(3)
+        return obj.rumple.message
+
+    def test_no_message_has_the_name_of_an_array(self):
+        def torn(obj):
+            obj.shape_key_add(name="Basis")
+            key = obj.shape_key_add(name="Torn")
+            key.value = 1.0
+            key.data[7].co.x = float("nan")
+
+        def empty(obj):
+            obj.data.clear_geometry()
+
+        def flat(obj):
+            for vertex in obj.data.vertices:
+                vertex.co = (0.0, 0.0, 0.0)
+
+        def too_fine(obj):
+            obj.rumple.mesh.source, obj.rumple.mesh.edge_length = "EDGE_LENGTH", 0.0001
+
+        expected = ((torn, r"^Sleeve: vertex 7 is nowhere in this frame .*: look at the shape keys"),
+                    (empty, r"^Sleeve: its mesh has no faces: add some, or choose another object"),
+                    (flat, r"^Sleeve: all of its vertices stand at one place: give it a shape"),
+                    (too_fine, r"^Sleeve: edges of 0.0001\d* m need more than \d+ vertices: choose a greater Edge"))
+        for change, words in expected:
+            with self.subTest(change.__name__):
+                self.assertRegex(self.said(change), words)
+
+    def test_maps_without_an_armature_are_refused_in_a_sentence(self):
+        obj = sleeve.scene(wrinkles=False)
+        obj.modifiers.remove(obj.modifiers["Armature"])
+        bpy.context.view_layer.update()
+        with self.assertRaises(RuntimeError) as caught:
+            bpy.ops.object.rumple_add(method="MAPS")
+        self.assertNotIn("Traceback", str(caught.exception))
+        self.assertIn("armature", str(caught.exception).lower())
+
+
+if __name__ == "__main__":
+    unittest.main()
