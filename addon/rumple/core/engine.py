@@ -14,6 +14,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ..native import kernels
+from . import wording
 from .base_mesh import BaseMesh
 from .body import Body
 from .cloth import ClothFrame, suggested_follow
@@ -22,10 +23,9 @@ from .frame_cache import CachedFrame, FrameCache, digest_of
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
 from .shown_mesh import ShownMesh
 from .surroundings import Surroundings
-from .wording import UserError as UserError  # others take it from here
-from .wording import user_error
 
 MOST_VERTICES = 4_000_000
+UserError = wording.UserError  # for those who see the engine only
 PROFILE = "profile"  # the paint that is a table, not a value for each vertex
 
 
@@ -101,7 +101,7 @@ class Wrinkles(ShownMesh):
                                      frame_rate, following if settings.sees_ahead and body is None else None,
                                      for_preview, body, surroundings)
         except ValueError as error:
-            raise user_error(self.name, error) from error
+            raise wording.user_error(self.name, error) from error
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None, frame_rate: float,
@@ -255,7 +255,7 @@ class Wrinkles(ShownMesh):
             labels = kernels.label_clip(self.model, self._native_settings(settings), times,
                                         np.concatenate([self.base.points(positions) for positions in clip.values()]))
         except ValueError as error:
-            raise user_error(self.name, error) from error
+            raise wording.user_error(self.name, error) from error
         self._clip = {frame: (digest_of(b"", self.base.points(positions)), row)
                       for (frame, positions), row in zip(clip.items(), labels)}
 

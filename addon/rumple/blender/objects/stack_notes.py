@@ -25,8 +25,8 @@ def of(obj: bpy.types.Object) -> list[str]:
                 f"what it moves: move {nodes_mod.name} behind it"]
     if not any(_is_on(m) and (m.type in modifier.DEFORMING or m.type == "NODES") for m in stack[:place]) \
             and not _is_folded_otherwise(obj):
-        return [f"{obj.name}: nothing in front of {nodes_mod.name} deforms the mesh, so it has no folds: add an Armature, "
-                "a shape key or a simulation in front of it"]
+        return [f"{obj.name}: nothing in front of {nodes_mod.name} deforms the mesh, so it has no folds: add an "
+                "Armature, a shape key or a simulation in front of it"]
     return []
 
 
