@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Modifiers behind the wrinkles that remove, merge or reorder points: the wrinkles under them are those without them,
 and no other garment notices."""
+import os
+import tempfile
 import unittest
 
 import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.objects import coarse_copy, runtimes
-from support import sleeve
+from support import sleeve, small_renders
 
 SETTINGS = {
     "MASK": dict(vertex_group="lower", threshold=0.5),
@@ -114,6 +116,21 @@ class Behind(unittest.TestCase):
         bpy.ops.object.rumple_apply()
         self.assertEqual(len(obj.data.vertices), count)
         np.testing.assert_allclose(compat.positions(obj.data), seen, atol=1e-5)
+
+    def test_a_file_opened_anew_renders_it(self):
+        obj = small_renders.stage("CYCLES")
+        sleeve.play(1, 9)
+        expected = runtimes.of(obj).result.positions.copy()
+        put_behind(obj, "MASK")
+        name = obj.name
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "masked.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=file)
+            bpy.ops.wm.open_mainfile(filepath=file)
+            small_renders.clip(1, 9)
+        runtime = runtimes.of(bpy.data.objects[name])
+        self.assertEqual((runtime.inputs.frame, runtimes.message(bpy.data.objects[name])), (9.0, ""))
+        np.testing.assert_array_equal(runtime.result.positions, expected)
 
     def test_an_object_that_is_hidden_is_told_what_to_do(self):
         obj = sleeve.scene()

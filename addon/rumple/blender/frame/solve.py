@@ -13,8 +13,8 @@ import numpy as np
 
 from ...core import engine
 from .. import compat, scheduler
-from ..objects import (bodies, coarse_copy, evaluator, mesh_reader, messages, modifier, output_mesh, properties,
-                       runtimes, units, wind)
+from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
+                       properties, runtimes, units, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -90,7 +90,7 @@ def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray 
     evaluated = obj.evaluated_get(depsgraph)
     if not evaluated.is_evaluated or mesh_reader.is_busy(obj):
         return None
-    count = len(obj.data.vertices)
+    count = len(incoming_mesh.of(obj).vertices)
     try:
         found = coarse_copy.posed_positions(obj, count, depsgraph)
     except mesh_reader.Reordered:
@@ -229,17 +229,14 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
     if positions is not None or not shown:
         coarse_copy.settle(obj, nodes_mod)
         return positions
-    if len(obj.data.vertices) != count or modifier.coarse_vertices(nodes_mod) != count:
-        runtime.stale = True
-        scheduler.request()  # the topology was edited
-        return None
-    changer = modifier.topology_changer_before(obj)
-    if changer is not None:
-        raise engine.UserError(f"{obj.name}: the modifier \"{changer.name}\" in front of {nodes_mod.name} changes the "
-                               "number of vertices: apply it, or move it behind")
-    if coarse_copy.settle(obj, nodes_mod) or not (lost or coarse_copy.removers(obj, nodes_mod)):
+    if coarse_copy.settle(obj, nodes_mod):
         return None  # the next evaluation hands them on
-    raise engine.UserError(_points_are_lost(obj, nodes_mod))
+    if not lost:
+        arriving = len(obj.evaluated_get(depsgraph).data.vertices)
+        _follow_topology(obj, nodes_mod, runtime, arriving, depsgraph.mode == "RENDER")
+    if lost or (coarse_copy.removers(obj, nodes_mod) and not runtime.stale):
+        raise engine.UserError(_points_are_lost(obj, nodes_mod))
+    return None
 
 
 def _points_are_lost(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> str:
@@ -250,6 +247,23 @@ def _points_are_lost(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) 
                 "front, or let it keep the first points")
     return (f"{obj.name}: {name} behind {nodes_mod.name} removes points that the wrinkles are made of, and what is "
             f"hidden cannot be read in front of it: show {obj.name}, or move {name} in front")
+
+
+def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, arriving: int,
+                     in_render: bool) -> None:
+    """Other points arrive than the wrinkles were made for: let them be made anew. Raises UserError where that was
+    tried, or cannot be. arriving: how many vertices the object has now, modifiers behind the wrinkles included."""
+    changer, own = modifier.topology_changer_before(obj), len(incoming_mesh.of(obj).vertices)
+    edited = (own != runtime.evaluator.coarse_count or modifier.coarse_vertices(nodes_mod) != own
+              or incoming_mesh.is_own(obj) != (changer is None)
+              or runtime.stack != incoming_mesh.stack_fingerprint(obj))
+    if changer is not None and not edited and (in_render or runtime.tried == arriving):
+        raise engine.UserError(f"{obj.name}: \"{changer.name}\" or another modifier in front of {nodes_mod.name} makes "
+                               f"another number of vertices here than at rest in the viewport ({own}): set the same "
+                               f"for viewport and renders, apply it, or move it behind {nodes_mod.name}")
+    if edited or changer is not None:
+        runtime.stale, runtime.tried = True, arriving
+        scheduler.request()
 
 
 def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameResult | engine.PreviewFrame,

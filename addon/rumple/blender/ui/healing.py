@@ -7,7 +7,7 @@ import numpy as np
 
 from ...core.healing import SENTENCES, Origin
 from .. import ui_base
-from ..objects import runtimes
+from ..objects import incoming_mesh, runtimes
 
 
 def origin_of(obj: bpy.types.Object) -> Origin | None:
@@ -59,11 +59,13 @@ def draw(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     origin = origin_of(obj)
     if origin is None:
         return
+    can_select = incoming_mesh.is_own(obj)
     for kind, note in zip(origin.kinds(), origin.notes(obj.name)):
         column = layout.column(align=True)
         for number, part in enumerate(ui_base.wrapped(note)):
             column.label(text=part, icon="INFO" if number == 0 else "BLANK1")
-        column.operator(OBJECT_OT_rumple_select_healed.bl_idname, icon="RESTRICT_SELECT_OFF").kind = kind
+        if can_select:
+            column.operator(OBJECT_OT_rumple_select_healed.bl_idname, icon="RESTRICT_SELECT_OFF").kind = kind
 
 
 register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_rumple_select_healed,))

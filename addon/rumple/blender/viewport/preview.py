@@ -21,7 +21,7 @@ import numpy as np
 from mathutils import Matrix
 
 from .. import compat, scheduler
-from ..objects import messages, modifier, runtimes
+from ..objects import incoming_mesh, messages, modifier, runtimes
 from . import gpu_arrays, preview_field, preview_paths, studio_light
 from .draw_handler import DrawHandler
 
@@ -204,8 +204,9 @@ def _update(obj: bpy.types.Object, runtime: runtimes.Runtime, on_gpu: _OnGpu) ->
 
 def _material_slots(obj: bpy.types.Object, polygons: np.ndarray) -> np.ndarray:
     """Of every triangle, (t,) int32. polygons: (t,) those that the triangles are of."""
-    slots = np.zeros(len(obj.data.polygons), np.int32)
-    obj.data.polygons.foreach_get("material_index", slots)
+    coarse = incoming_mesh.of(obj).polygons
+    slots = np.zeros(len(coarse), np.int32)
+    coarse.foreach_get("material_index", slots)
     return slots[polygons] if len(polygons) and polygons.max() < len(slots) else np.zeros(len(polygons), np.int32)
 
 
