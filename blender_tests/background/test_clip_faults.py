@@ -123,17 +123,31 @@ class Damaged(Case):
         for frame in range(1, 13):
             sleeve.at(frame)
         self.assertRegex(self.obj.rumple.message, "is missing, so live folds are shown")
+        self.assertFalse(modifier.plays_clip(modifier.find(self.obj)))
         self.assertLess(np.abs(sleeve.shown(self.obj) - self.live[12]).max(), 1e-5)
         away.rename(self.clip())
         sleeve.at(8)
         sleeve.at(9)
         self.assertEqual(self.obj.rumple.message, "")
+        self.assertTrue(modifier.plays_clip(modifier.find(self.obj)))
         handlers.unregister()
         try:
             sleeve.at(8)
             np.testing.assert_allclose(sleeve.shown(self.obj), self.live[8], atol=1e-6)
         finally:
             handlers.register()
+
+    def test_a_clip_that_is_lost_can_be_baked_again_or_freed(self):
+        for button in (bpy.ops.object.rumple_bake, bpy.ops.object.rumple_bake_free):
+            self.reopen()
+            self.clip().unlink()
+            sleeve.at(5)
+            self.assertIn("is missing", self.obj.rumple.message)
+            self.assertEqual(button(), {"FINISHED"})
+            for frame in range(1, 13):
+                sleeve.at(frame)
+            self.assertEqual(self.obj.rumple.message, "")
+            self.assertLess(np.abs(sleeve.shown(self.obj) - self.live[12]).max(), 1e-5)
 
     def test_a_manifest_of_another_make_never_breaks_a_render(self):
         # A manifest with "end": null raised when a render began, and its guard was skipped.

@@ -282,6 +282,26 @@ class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
         self.assertFalse(np.array_equal(curve_edges.seen(child)[1], before), "baked again")
         self.assertEqual([m.type for m in child.modifiers].count("MESH_CACHE"), 1)
 
+    def test_curves_that_are_damaged_or_of_another_bake_are_said(self) -> None:
+        obj, _child = curved()
+        self.save()
+        bpy.ops.object.rumple_bake()
+        sleeve.at(18)
+        self.assertEqual(obj.rumple.message, "")
+        path = clip_status.clip_path(obj).with_suffix(".curves.pc2")
+        good, other = path.read_bytes(), clip_status.clip_path(obj).read_bytes()
+        torn = good[:32] + b"\x3f" * 1000 + good[1032:]
+        for data, words in ((torn, "frame 1 of the baked clip .*curves.pc2 is damaged"), (None, "are not those"),
+                            (other, "curves.pc2 are not those of the baked clip"), (good[:99], "are not those")):
+            path.unlink() if data is None else path.write_bytes(data)
+            sleeve.at(2)
+            sleeve.at(1)
+            self.assertRegex(obj.rumple.message, f"^Sleeve: .*{words}")
+        path.write_bytes(good)
+        sleeve.at(2)
+        sleeve.at(3)
+        self.assertEqual(obj.rumple.message, "")
+
     def test_rendered_stills_and_animations_show_the_same_curves(self) -> None:
         obj = small_renders.stage("CYCLES")
         bpy.ops.object.rumple_remove()

@@ -100,14 +100,16 @@ def cannot_play(obj: bpy.types.Object, output_object: bpy.types.Object, frame: f
         return ""  # check() says so
     if about.vertices != len(output_object.data.vertices):
         return f"{obj.name}: the baked clip {clip.name} is of another fine mesh{_INSTEAD}"
+    files = [clip]
     if about.curves and any(modifier.mesh_cache(child) is not None for child in path_curves.of(obj)):
-        curves = _look(path_curves.clip_path(clip)).manifest
+        files.append(path_curves.clip_path(clip))
+        curves = _look(files[-1]).manifest
         if curves is None or clip_file.checksum(curves) != about.curves:
-            return f"{obj.name}: the path curves beside the baked clip {clip.name} are of another bake{_INSTEAD}"
-    if frame is not None:
+            return f"{obj.name}: the path curves {files[-1].name} are not those of the baked clip{_INSTEAD}"
+    for file in files if frame is not None else ():
         for sample in about.samples_around(frame):
-            if not seen.is_whole(clip, sample):
-                return (f"{obj.name}: frame {about.start + sample / about.samples:g} of the baked clip {clip.name} is "
+            if not _look(file).is_whole(file, sample):
+                return (f"{obj.name}: frame {about.start + sample / about.samples:g} of the baked clip {file.name} is "
                         f"damaged{_INSTEAD}")
     return ""
 

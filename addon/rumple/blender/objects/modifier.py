@@ -173,6 +173,12 @@ def play_clip(modifier: bpy.types.NodesModifier, playing: bool) -> bool:
     return True
 
 
+def plays_clip(modifier: bpy.types.NodesModifier) -> bool:
+    """Whether it is baked and shows its clip."""
+    output = output_object(modifier)
+    return is_baked(modifier) and (output is None or output.location.z != SHOWS_LIVE)
+
+
 def bodies(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
     """What Blender evaluates before the garment."""
     return _get(modifier, wrinkle_tree.BODY) or None, _get(modifier, wrinkle_tree.BODIES) or None

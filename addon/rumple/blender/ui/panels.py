@@ -190,7 +190,7 @@ class DATA_PT_rumple_status(Panel, bpy.types.Panel):
 def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     """(text, icon) for the Status panel."""
     runtime = runtimes.known(obj)
-    if modifier.is_baked(modifier.find(obj)):
+    if modifier.plays_clip(modifier.find(obj)):
         return [("Baked: the clip is shown, nothing is solved", "CHECKMARK")]
     if runtime is None or runtime.evaluator is None:
         return [("Nothing solved yet", "INFO")]
