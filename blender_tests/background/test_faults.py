@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from rumple.blender import handlers, scheduler
 from rumple.blender.frame import clip_status, path_curves, rebuild, solve
-from rumple.blender.objects import bodies, changes, evaluator, runtimes
+from rumple.blender.objects import bodies, changes, evaluator, modifier, runtimes
 from rumple.core.engine import UserError
 from support import sleeve
 
@@ -77,6 +77,8 @@ class Handlers(unittest.TestCase):
                 self.assertTrue(scheduler.rendering())
                 handlers._on_render_end()
                 self.assertFalse(scheduler.rendering())
+        with mock.patch.object(modifier, "wrinkled_objects", side_effect=MemoryError("on purpose")):
+            scheduler.sync_all()  # the timer of a window calls it
         sleeve.at(7)
         self.assertEqual((runtimes.of(obj).inputs.frame, obj.rumple.message), (7.0, ""))
 

@@ -25,13 +25,18 @@ def _forget_all() -> None:
     bodies.forget_all()
 
 
-def _handler(function: Callable[..., None]) -> Callable[..., None]:
-    """It stays when another file is opened, and what it throws becomes a line on the console."""
+def _guarded(function: Callable[..., None]) -> Callable[..., None]:
+    """What it throws becomes a line on the console."""
     @functools.wraps(function)
     def guarded(*arguments: Any) -> None:
         with messages.console_errors(function.__name__):
             function(*arguments)
-    return persistent(guarded)
+    return guarded
+
+
+def _handler(function: Callable[..., None]) -> Callable[..., None]:
+    """It never throws, and stays when another file is opened."""
+    return persistent(_guarded(function))
 
 
 @_handler
@@ -125,7 +130,8 @@ def _pairs() -> tuple:
 
 
 def register() -> None:
-    scheduler.set_workers(rebuild.sync_all, maps_rebuild.sync)  # in this order: Maps look at the wrinkles before them
+    # In this order: Maps look at the wrinkles before them.
+    scheduler.set_workers(_guarded(rebuild.sync_all), _guarded(maps_rebuild.sync))
     for functions, function in _pairs():
         if function not in functions:
             functions.append(function)
