@@ -21,7 +21,7 @@ _SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
     (r"polygon_start: the mesh has no faces", "its mesh has no faces: add some, or choose another object"),
     (r"positions_rest: all vertices stand at one place", "all of its vertices stand at one place: give it a shape"),
     (r"longest: ([\d.e+-]+) m needs more than (\d+) vertices",
-     r"edges of \1 m need more than \2 vertices: choose a greater Edge Length"),
+     r"edges of \1 m need more than \2 vertices: choose a greater Edge Length, or raise Most Vertices"),
     (r"rest_wrinkle: (vertex \d+) is not finite",
      r"the painted rest wrinkle of \1 is no number: press Clear in the brush's panel and paint it again"),
     (r"rest_wrinkle: (vertex \d+) has length (.*)",
