@@ -71,6 +71,13 @@ def property_column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
     return layout.column()
 
 
+def settings_column(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bpy.types.UILayout:
+    """The same of settings that a bake was made with: greyed while it is shown."""
+    column = property_column(layout)
+    column.enabled = not modifier.is_baked(modifier.find(obj))
+    return column
+
+
 def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
     """The name of a vertex group or an attribute, and the button that paints the group."""
     row = column.row(align=True)

@@ -144,7 +144,12 @@ class OBJECT_OT_rumple_bake_shape_keys(ui_base.OnWrinkled, bpy.types.Operator):
             if playback is not None:
                 playback.end_playback(restore_bake=True)
         copy = shape_keys.shape_key_object(context, obj, shapes, start)
-        self.report({"INFO"}, f"{copy.name}: {len(shapes)} shape keys")
+        obj.hide_render = True
+        obj.hide_set(True)
+        obj.select_set(False)
+        copy.select_set(True)
+        context.view_layer.objects.active = copy
+        self.report({"INFO"}, f"{copy.name}: {len(shapes)} shape keys. {obj.name} is hidden")
         return {"FINISHED"}
 
 

@@ -9,6 +9,17 @@ from ..objects import modifier
 from ..ui_base import Panel, property_column
 
 
+def draw_header(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """What is baked, and the button that frees it, above the other panels."""
+    if not modifier.is_baked(modifier.find(obj)):
+        return
+    clip = clip_status.clip_path(obj)
+    about = None if clip is None else clip_status.manifest(clip)
+    row = layout.row(align=True)
+    row.label(text="Baked" if about is None else f"Baked {about.start}\u2013{about.end}", icon="CHECKMARK")
+    row.operator("object.rumple_bake_free", text="Free")
+
+
 class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
     bl_label = "Bake"
     bl_options = {"DEFAULT_CLOSED"}

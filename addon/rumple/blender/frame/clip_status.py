@@ -106,6 +106,9 @@ def cannot_play(obj: bpy.types.Object, output_object: bpy.types.Object, frame: f
         curves = _look(files[-1]).manifest
         if curves is None or clip_file.checksum(curves) != about.curves:
             return f"{obj.name}: the path curves {files[-1].name} are not those of the baked clip{_INSTEAD}"
+    if frame is not None and not about.start - 1 < frame < about.end + 1:  # a shutter may open before, and end after
+        return (f"{obj.name}: frame {frame:g} is outside the bake ({about.start} to {about.end}), so live folds are "
+                "shown there")
     for file in files if frame is not None else ():
         for sample in about.samples_around(frame):
             if not _look(file).is_whole(file, sample):
@@ -141,8 +144,7 @@ def compare_pose(obj: bpy.types.Object, runtime: Runtime, depsgraph: bpy.types.D
         return runtime.bake_note
     sample = about.sample_of(frame)
     if sample is None:
-        outside = not about.start <= frame <= about.end
-        return f"{obj.name}: frame {frame:g} is outside the bake ({about.start} to {about.end})" if outside else ""
+        return ""
     try:
         positions = coarse_copy.posed_positions(obj, about.coarse_vertices, depsgraph)
     except mesh_reader.Reordered:  # the clip needs none of them

@@ -2,6 +2,7 @@
 """What is said of an object: kept with its runtime, read by the panel, printed once."""
 from __future__ import annotations
 
+import threading
 import traceback
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -26,22 +27,41 @@ class Messages:
 
 def set_frame_error(runtime: Messages, text: str) -> None:
     """Set the message on the current frame; a new one goes to the console once."""
-    _print_new(text, runtime.message)
+    _tell(text, runtime.message)
     runtime.message = text
 
 
 def set_build_error(runtime: Messages, text: str) -> None:
     """Set the message on the structure; empty when it is right again."""
-    _print_new(text, runtime.refusal)
+    _tell(text, runtime.refusal)
     runtime.refusal = text
 
 
 def note_unplayed(runtime: Messages, text: str, rendering: bool) -> None:
     """Set what is said of a frame that was reached by a jump; of renders a new one goes to the console."""
+    if text != runtime.unplayed:
+        redraw_panels()
     runtime.unplayed = text
     if rendering:
         _print_new(text, runtime.unplayed_in_renders)
         runtime.unplayed_in_renders = text
+
+
+def _tell(text: str, former: str) -> None:
+    _print_new(text, former)
+    if text != former:
+        redraw_panels()
+
+
+def redraw_panels() -> None:
+    """What panels say has changed. Not from the thread of a render."""
+    manager = bpy.context.window_manager
+    if manager is None or threading.current_thread() is not threading.main_thread():
+        return
+    for window in manager.windows:
+        for area in window.screen.areas:
+            if area.type in ("PROPERTIES", "VIEW_3D"):  # the sidebar has panels too
+                area.tag_redraw()
 
 
 def _print_new(text: str, former: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..objects import mesh_reader, properties
-from ..ui_base import Panel, property_column
+from ..ui_base import Panel, settings_column
 
 
 class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
@@ -13,7 +13,7 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = property_column(self.layout), context.object
+        column, obj = settings_column(self.layout, context.object), context.object
         settings = properties.group_of(obj)
         if obj.rumple.method == "MESH":
             _draw_layers(column, obj)
@@ -55,7 +55,7 @@ class DATA_PT_rumple_body(Panel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        column = property_column(self.layout)
+        column = settings_column(self.layout, context.object)
         column.prop(context.object.rumple, "body")
         column.prop(context.object.rumple, "body_collection")
         column.prop(properties.group_of(context.object), "thickness")

@@ -13,7 +13,7 @@ from ..frame import clip_status
 from ..maps import modifier as maps_modifier
 from ..nodes import field_profile
 from ..objects import changes, modifier, properties, runtimes, stack_notes
-from ..ui_base import Panel, draw_message, draw_note, named_paint, property_column
+from ..ui_base import Panel, draw_message, draw_note, named_paint, property_column, settings_column
 from . import cloth_panel, healing, paths_panel, rest_panel
 
 _ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
@@ -50,11 +50,12 @@ class DATA_PT_rumple(bpy.types.Panel):
         if system.presets:
             row.operator_menu_enum("object.rumple_preset", "preset",
                                    text=system.presets[properties.group_of(obj).preset].label)
-        _draw_first(property_column(layout), obj)
+        _draw_first(settings_column(layout, obj), obj)
         runtime = runtimes.known(obj)
         for note in runtime.notes if runtime is not None else ():
             if note.endswith(RAISE_MOST):
                 draw_note(layout, note)
+        bake_panel.draw_header(layout, obj)
         row = layout.row()
         row.operator("object.rumple_apply", text="Apply")
         row.operator("object.rumple_remove", text="Remove", icon="X")
@@ -82,7 +83,7 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
     method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = property_column(self.layout), context.object
+        column, obj = settings_column(self.layout, context.object), context.object
         settings = obj.rumple.mesh
         column.prop(settings, "source")
         if settings.source == "SUBDIVISION":
@@ -104,7 +105,7 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
     method = "FIELD"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = property_column(self.layout), context.object
+        column, obj = settings_column(self.layout, context.object), context.object
         settings = obj.rumple.field
         column.prop(settings, "output")
         if settings.output == "SHADING":
@@ -134,7 +135,7 @@ class DATA_PT_rumple_relaxation(Panel, bpy.types.Panel):
     method = "FIELD"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column = property_column(self.layout)
+        column = settings_column(self.layout, context.object)
         for name in ("rate", "rounds", "start", "start_rounds", "stateless", "weld"):
             column.prop(context.object.rumple.field, name)
 
@@ -145,7 +146,7 @@ class DATA_PT_rumple_constraints(Panel, bpy.types.Panel):
     method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = property_column(self.layout), context.object
+        column, obj = settings_column(self.layout, context.object), context.object
         settings = obj.rumple.mesh
         column.prop(settings, "attachment")
         for name in ("radius", "prestretch", "bending"):
@@ -164,7 +165,7 @@ class DATA_PT_rumple_solver(Panel, bpy.types.Panel):
     method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column = property_column(self.layout)
+        column = settings_column(self.layout, context.object)
         for name in ("iterations", "start_iterations", "damping", "stateless", "offset_space", "nudge", "seed"):
             column.prop(context.object.rumple.mesh, name)
 

@@ -6,7 +6,7 @@ import bpy
 
 from ..frame import path_curves
 from ..objects import modifier
-from ..ui_base import Panel, named_paint, property_column
+from ..ui_base import Panel, named_paint, property_column, settings_column
 
 
 class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
@@ -14,7 +14,7 @@ class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
     method = "PATHS"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = property_column(self.layout), context.object
+        column, obj = settings_column(self.layout, context.object), context.object
         settings = obj.rumple.paths
         column.prop(settings, "threshold")
         row = column.row(align=True)
@@ -36,7 +36,7 @@ class DATA_PT_rumple_persistence(Panel, bpy.types.Panel):
     method = "PATHS"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column = property_column(self.layout)
+        column = settings_column(self.layout, context.object)
         for name in ("reference", "relaxation", "growth", "window", "smoothing", "alignment", "reach", "growth_limit",
                      "fade", "hem_rings", "stateless"):
             column.prop(context.object.rumple.paths, name)

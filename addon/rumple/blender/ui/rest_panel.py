@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..objects import properties
-from ..ui_base import Panel, property_column
+from ..ui_base import Panel, settings_column
 
 
 class DATA_PT_rumple_rest(Panel, bpy.types.Panel):
@@ -13,7 +13,7 @@ class DATA_PT_rumple_rest(Panel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        column, obj = property_column(self.layout), context.object
+        column, obj = settings_column(self.layout, context.object), context.object
         settings = properties.group_of(obj)
         column.prop(settings, "rest_shape")
         if settings.rest_shape == "FRAME":
