@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/wrinkle_paths.h"
 
+#include "api/sound.h"
+
 using namespace rumple;
 using namespace rumple::api;
 using namespace rumple::wrinkle_paths;
@@ -192,6 +194,7 @@ rumple_status rumple_wrinkle_paths_state_build(const rumple_wrinkle_paths* model
         made.compression = copied(values(from.compression, from.compression_count, "compression"));
         made.paths = paths_of(from);
         made.next_id = from.next_id;
+        check(*m.model, made);
         return new rumple_wrinkle_paths_state(m.model, std::move(made));
     });
 }
@@ -218,9 +221,8 @@ rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
         static const Paint nothing;
         const auto& at = given_of_model(pose, m, "pose");
         Report how;
-        auto* out = new rumple_wrinkle_paths_state(
-            m.model, solve(*m.model, paths_settings(settings), touched ? touched->paint : nothing,
-                           input_of(at.arrays), at.pose, from ? &from->state : nullptr, how));
+        State solved = sound(solve(*m.model, paths_settings(settings), touched ? touched->paint : nothing,
+                                   input_of(at.arrays), at.pose, from ? &from->state : nullptr, how));
         if (report) {
             *report = {how.paths,
                        how.born,
@@ -232,7 +234,7 @@ rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
                        how.moved_mean,
                        how.moved_most};
         }
-        return out;
+        return new rumple_wrinkle_paths_state(m.model, std::move(solved));
     });
 }
 
@@ -245,7 +247,7 @@ rumple_status rumple_wrinkle_paths_show(const rumple_wrinkle_paths* model,
         Picture picture;
         show(*m.model, paths_settings(settings), given_of_model(pose, m, "pose").pose,
              given_of_model(state, m, "state").state, picture);
-        return new_frame(m.model, std::move(picture));
+        return new_frame(m.model, sound(std::move(picture)));
     });
 }
 

@@ -10,9 +10,11 @@ namespace {
 
 constexpr int kMostOperations = 40;
 
-const std::vector<Operation>& group(int number) {
-    const std::vector<Operation>* groups[] = {&kSurface, &kMesh, &kField, &kPaths, &kLayers, &kCloth, &kBrush, &kMaps};
-    return *groups[number];
+const std::vector<Operation>* const kGroups[] = {&kMesh,   &kField, &kPaths, &kLayers,
+                                                 &kCloth,  &kBrush, &kMaps,  &kSurface};
+
+void run_one(const std::vector<Operation>& operations, World& world, Bytes& bytes) {
+    operations[size_t(bytes.below(int(operations.size())))](world, bytes);
 }
 
 }  // namespace
@@ -21,10 +23,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     Bytes bytes(data, size);
     next_time = 0.0;
     World world;
-    kSurface[0](world, bytes);  // without a base there is little to do
+    // Without a base and a model there is little to do.
+    kSurface[0](world, bytes);
+    const int main_group = bytes.below(std::size(kGroups));
+    if (kGroups[main_group] == &kBrush) kField[0](world, bytes);
+    (*kGroups[main_group])[0](world, bytes);
     for (int i = 0; i < kMostOperations && !bytes.empty(); ++i) {
-        const std::vector<Operation>& operations = group(bytes.below(8));
-        operations[size_t(bytes.below(int(operations.size())))](world, bytes);
+        const int other = bytes.byte();
+        run_one(*kGroups[other < 192 ? main_group : other % int(std::size(kGroups))], world, bytes);
     }
     return 0;
 }

@@ -6,6 +6,7 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
+#include "surface/mesh/positions.h"
 #include "surface/output/attachments.h"
 #include "surface/query/closest_point.h"
 
@@ -138,8 +139,7 @@ bool matches(const Model& model, const State& state) {
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                std::span<const Vec3> positions, const PosedCollider* bodies, std::vector<Index>& body_hint) {
     const Surface& surface = model.surface;
-    expect_count("positions", positions.size(), surface.display.vertex_count, "vertices");
-    expect_finite("positions", positions, "vertex");
+    check_frame(surface, positions);
     const size_t vertices = surface.welded.vertex_count;
     Pose pose;
     pose.animated.resize(vertices);

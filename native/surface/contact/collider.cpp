@@ -8,6 +8,7 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
+#include "surface/mesh/positions.h"
 
 namespace rumple {
 namespace {
@@ -24,7 +25,7 @@ constexpr float kOnEdge = 1e-4f;
 
 std::vector<Vec3> checked(const Collider& collider, std::span<const Vec3> positions) {
     expect_count("body positions", positions.size(), size_t(collider.vertex_count()), "vertices");
-    expect_finite("body positions", positions, "vertex");
+    check_coordinates("body positions", positions);
     return {positions.begin(), positions.end()};
 }
 
@@ -33,7 +34,7 @@ std::vector<Vec3> checked(const Collider& collider, std::span<const Vec3> positi
 Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles)
     : vertex_count_(static_cast<Index>(positions.size())), triangles_(triangles.begin(), triangles.end()) {
     if (triangles_.empty()) throw InvalidInput("body: expected at least one triangle, got none");
-    expect_finite("body positions", positions, "vertex");
+    check_coordinates("body positions", positions);
     for (size_t t = 0; t < triangles_.size(); ++t) {
         for (const Index v : triangles_[t]) {
             if (v >= 0 && v < vertex_count_) continue;
