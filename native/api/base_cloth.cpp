@@ -185,9 +185,10 @@ rumple_status rumple_base_cloth_solve(const rumple_base_cloth* model,
         const auto options = native_of<base_cloth::Settings>(settings, "settings");
         const auto points = vectors(positions, positions_count, "positions");
         const auto worn_over = posed(bodies);
-        auto solved =
-            sound(base_cloth::solve(*m.model, options, paint_in(of_model(paint, m, "paint")), points,
-                                    worn_over ? &*worn_over : nullptr, state_in(of_model(before, m, "state"))));
+        const auto painted = paint_in(of_model(paint, m, "paint"));
+        auto solved = sound_from(state_in(of_model(before, m, "state")), [&](const base_cloth::State* from) {
+            return base_cloth::solve(*m.model, options, painted, points, worn_over ? &*worn_over : nullptr, from);
+        });
         if (report) *report = report_of(solved.report);
         return new rumple_base_cloth_state{m.model, std::move(solved)};
     });
@@ -205,9 +206,11 @@ rumple_status rumple_base_cloth_swing_solve(
         motion.placement.matrix = matrix_of(swing->matrix);
         const auto points = vectors(positions, positions_count, "positions");
         const auto worn_over = posed(bodies);
-        auto solved =
-            sound(base_cloth::swing(*m.model, options, motion, paint_in(of_model(paint, m, "paint")), points,
-                                    worn_over ? &*worn_over : nullptr, state_in(of_model(before, m, "state"))));
+        const auto painted = paint_in(of_model(paint, m, "paint"));
+        auto solved = sound_from(state_in(of_model(before, m, "state")), [&](const base_cloth::State* from) {
+            return base_cloth::swing(*m.model, options, motion, painted, points, worn_over ? &*worn_over : nullptr,
+                                     from);
+        });
         if (report) *report = report_of(solved.report);
         return new rumple_base_cloth_state{m.model, std::move(solved)};
     });

@@ -47,13 +47,29 @@ std::vector<Floats> floats_in(const std::vector<Row>& of) {
 // Throws InvalidInput.
 [[noreturn]] void refuse_unsound();
 
+template <typename T>
+bool is_sound(const T& value) {
+    for (const Floats floats : floats_in(value)) {
+        if (!all_finite(floats)) return false;
+    }
+    return true;
+}
+
 // The value itself, where it is finite.
 template <typename T>
 T sound(T value) {
-    for (const Floats floats : floats_in(value)) {
-        if (!all_finite(floats)) refuse_unsound();
-    }
+    if (!is_sound(value)) refuse_unsound();
     return value;
+}
+
+// A frame from the state before it. solve(before): NULL is the canonical start. Where a state, finite itself,
+// leads to what is not (cloth that flew away with a vertex gone astray), the frame starts anew: no state is
+// the end of all frames after it.
+template <typename State, typename Solve>
+auto sound_from(const State* before, Solve&& solve) {
+    auto solved = solve(before);
+    if (before && !is_sound(solved)) solved = solve(static_cast<const State*>(nullptr));
+    return sound(std::move(solved));
 }
 
 // What is read: throws InvalidInput, with the first element that is not within [low, high]; or, where that is

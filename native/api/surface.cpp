@@ -162,6 +162,6 @@ rumple_status rumple_frame_embed(rumple_frame* frame, const float* positions, si
         rumple_frame& f = given(frame, "frame");
         ShownFrame embedded = f.shown();  // the frame stays as it was where this is refused
         embed_frame(f.base, f.mesh, vectors(positions, positions_count, "positions"), embedded);
-        f.shown() = sound(std::move(embedded));
+        write(sound(std::move(embedded.local_offset)), std::span(f.shown().local_offset));
     });
 }

@@ -237,8 +237,10 @@ rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
         const auto* from = of_model(before, m, "state");
         const auto& at = given_of_model(pose, m, "pose");
         Report how;
-        State solved = sound(solve(*m.model, field_settings(settings), paint_in(m, paint), at.pose,
-                                   from ? &from->state : nullptr, how, at.arrays.frame_time()));
+        State solved = sound_from(from ? &from->state : nullptr, [&](const State* last) {
+            return solve(*m.model, field_settings(settings), paint_in(m, paint), at.pose, last, how,
+                         at.arrays.frame_time());
+        });
         if (report) {
             *report = {how.rounds,         how.misfit_before, how.misfit_after,
                        how.largest_change, how.wrinkled,      how.collapsed};

@@ -173,8 +173,9 @@ rumple_status rumple_wrinkle_layers_solve(const rumple_wrinkle_layers* model,
         }
         std::vector<Report> how;
         const std::vector<Paint> nothing(touched ? 0 : m.model->layers.size());
-        LayersState solved = sound(solve(*m.model, options, touched ? touched->layers : nothing, over,
-                                         from ? &from->state : nullptr, how));
+        LayersState solved = sound_from(from ? &from->state : nullptr, [&](const LayersState* last) {
+            return solve(*m.model, options, touched ? touched->layers : nothing, over, last, how);
+        });
         for (size_t k = 0; reports && k < how.size(); ++k) reports[k] = report_of(how[k]);
         return new rumple_wrinkle_layers_state{m.model, std::move(solved)};
     });

@@ -129,8 +129,10 @@ rumple_status solved(const Solve& solve, const rumple_wrinkle_mesh* model,
         const auto& at = given_of_model(pose, m, "pose");
         static const Paint nothing;
         Report how;
-        State solved = sound(solve(*m.model, mesh_settings(settings), touched ? touched->paint : nothing,
-                                   input_of(at.arrays), at.pose, from ? &from->state : nullptr, how));
+        State solved = sound_from(from ? &from->state : nullptr, [&](const State* last) {
+            return solve(*m.model, mesh_settings(settings), touched ? touched->paint : nothing,
+                         input_of(at.arrays), at.pose, last, how);
+        });
         if (report) *report = report_of(how);
         return new rumple_wrinkle_mesh_state{m.model, std::move(solved)};
     });

@@ -5,7 +5,7 @@
 namespace rumple::fuzz {
 namespace {
 
-constexpr std::int32_t kMost[] = {2000, 2000, 2000, 300, -1};
+constexpr std::int32_t kMost[] = {800, 800, 800, 300, -1};
 
 void build_model(World& world, Bytes& bytes) {
     const auto base = world.surfaces.pick(bytes);

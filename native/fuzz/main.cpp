@@ -8,7 +8,7 @@ using namespace rumple::fuzz;
 
 namespace {
 
-constexpr int kMostOperations = 40;
+constexpr int kMostOperations = 24;
 
 const std::vector<Operation>* const kGroups[] = {&kMesh,   &kField, &kPaths, &kLayers,
                                                  &kCloth,  &kBrush, &kMaps,  &kSurface};

@@ -100,7 +100,7 @@ float scale(Bytes& bytes) {
 
 Mesh mesh(Bytes& bytes) {
     Mesh out;
-    const int kind = bytes.below(8), size = 1 + bytes.below(5), width = 1 + bytes.below(5);
+    const int kind = bytes.below(8), size = 1 + bytes.below(4), width = 1 + bytes.below(4);
     switch (kind) {
         case 0:
         case 1: add_sheet(out, width, size, kind == 1, false, 0.0f); break;

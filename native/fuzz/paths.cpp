@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Wrinkle Paths.
+#include <algorithm>
+#include <cmath>
+
 #include "world.h"
 
 namespace rumple::fuzz {
 namespace {
 
-rumple_wrinkle_paths_settings paths_settings(Bytes& bytes) {
+// Folds of a width that suits the mesh: many narrow ones take seconds, and find nothing more.
+rumple_wrinkle_paths_settings paths_settings(const std::shared_ptr<const Base>& base, Bytes& bytes) {
     rumple_wrinkle_paths_settings s = CALL(rumple_wrinkle_paths_settings_default);
     s.width = 0.2f;
     bytes.vary(s.smoothing, s.threshold, s.reach, s.width, s.spacing, s.alignment, s.hem_rings, s.growth_limit,
                s.fade, s.persistent, s.seed, s.profile, s.direction, s.height, s.threads);
     if (bytes.byte() % 4 == 3) vary(s.rest, bytes);
+    float size = 0.0f;
+    for (size_t i = 0; base && i < base->rest.size(); ++i) size = std::max(size, std::abs(base->rest[i]));
+    if (s.width > 0.0f) s.width = std::max(s.width, 0.1f * size);
+    if (s.spacing > 0.0f) s.spacing = std::max(s.spacing, 0.5f);
     return s;
 }
 
@@ -64,7 +72,7 @@ void solve(World& world, Bytes& bytes) {
     const auto pose = world.paths_poses.pick_of(model.model, bytes);
     const auto paint = world.paths_paints.pick_of(model.model, bytes);
     const auto before = world.paths_states.pick_of(model.model, bytes);
-    const auto settings = paths_settings(bytes);
+    const auto settings = paths_settings(model.base, bytes);
     rumple_wrinkle_paths_report report;
     auto* state = MAKE(rumple_wrinkle_paths_state, rumple_wrinkle_paths_solve, model.handle, &settings,
                        paint.handle, pose.handle, before.handle, &report);
@@ -77,7 +85,7 @@ void show(World& world, Bytes& bytes) {
     const auto model = world.paths.pick(bytes);
     const auto pose = world.paths_poses.pick_of(model.model, bytes);
     const auto state = world.paths_states.pick_of(model.model, bytes);
-    const auto settings = paths_settings(bytes);
+    const auto settings = paths_settings(model.base, bytes);
     auto* frame =
         MAKE(rumple_frame, rumple_wrinkle_paths_show, model.handle, &settings, pose.handle, state.handle);
     expect_of_model(frame ? RUMPLE_OK : RUMPLE_INVALID, model.model, "paths", pose, state);
@@ -91,7 +99,7 @@ void trace(World& world, Bytes& bytes) {
     const auto model = world.paths.pick(bytes);
     const auto pose = world.paths_poses.pick_of(model.model, bytes);
     const auto state = world.paths_states.pick_of(model.model, bytes);
-    const auto settings = paths_settings(bytes);
+    const auto settings = paths_settings(model.base, bytes);
     const Floats animated(model.base ? pose_of(model.base->rest, bytes) : std::vector<float>(9), 3, bytes);
     rumple_curves* curves =
         bytes.byte() % 2 == 0
@@ -131,7 +139,7 @@ void draw(World& world, Bytes& bytes) {
     const auto model = world.paths.pick(bytes);
     const auto pose = world.paths_poses.pick_of(model.model, bytes);
     const auto state = world.paths_states.pick_of(model.model, bytes);
-    const auto settings = paths_settings(bytes);
+    const auto settings = paths_settings(model.base, bytes);
     rumple_drawing* made = bytes.byte() % 4 == 3 ? MAKE(rumple_drawing, rumple_wrinkle_paths_list, model.handle,
                                                         &settings, pose.handle, state.handle)
                                                  : MAKE(rumple_drawing, rumple_wrinkle_paths_draw, model.handle,
@@ -150,7 +158,7 @@ void draw(World& world, Bytes& bytes) {
     std::vector<std::int32_t> triangles;
     for (int k = 0; k < 3; ++k) triangles.push_back(bytes.whole(0, 3));
     const std::vector<float> places = values(6, 0.0f, 0.5f, bytes);
-    const auto others = paths_settings(bytes);
+    const auto others = paths_settings(model.base, bytes);
     Written out(3, 7, bytes);
     out.check(CALL(rumple_drawing_evaluate, drawing->handle, &others, triangles.data(), places.data(), 3,
                    out.pointer()),
@@ -193,7 +201,7 @@ void restore(World& world, Bytes& bytes) {
 void label(World& world, Bytes& bytes) {
     const auto model = world.paths.pick(bytes);
     const Clip clip(model.base ? *model.base : Base(), bytes);
-    const auto settings = paths_settings(bytes);
+    const auto settings = paths_settings(model.base, bytes);
     clip.check(CALL(rumple_wrinkle_paths_label_clip, model.handle, &settings, clip.times.pointer,
                     clip.times.count, clip.positions.pointer, clip.positions.count, bytes.byte() % 2 == 1,
                     clip.out(), clip.labels.size()));

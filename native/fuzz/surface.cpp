@@ -210,7 +210,7 @@ void vary(rumple_reference_settings& s, Bytes& bytes) {
 }
 
 rumple_fine_plan fine_plan(rumple_fine_plan plan, Bytes& bytes) {
-    constexpr std::int32_t kMost[] = {2000, 2000, 2000, 500, 100, 0, -1, std::numeric_limits<int32_t>::min()};
+    constexpr std::int32_t kMost[] = {800, 800, 800, 300, 100, 0, -1, std::numeric_limits<int32_t>::min()};
     plan.source = bytes.whole(0, 3);
     plan.level = bytes.whole(0, 2);
     plan.segments = bytes.whole(1, 3);

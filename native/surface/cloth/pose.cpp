@@ -70,7 +70,7 @@ Plane nearest_plane(const Model& model, const Pose& pose, const Vec3& p, Index& 
             const Vec3 w = weights_of(t);
             to = p - mix(t, w, pose.inner);
             const float squared = glm::dot(to, to);
-            if (squared >= least) continue;
+            if (!(squared < least)) continue;  // what is no number is no way: the walk ends
             least = squared;
             best = t;
             weights = w;

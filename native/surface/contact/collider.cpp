@@ -122,7 +122,7 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
     const auto counts = [&](const PosedPackets::Packet& packet) {
         return LaneMask(dot(packet.normal, facing) >= all_lanes(kFacing));
     };
-    Best best{reach * reach};
+    Best best{squared_reach(reach)};
     const auto look = [&](const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles) {
         look_at(packet, triangles, p, counts, best);
     };
@@ -144,7 +144,7 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
 }
 
 BodyAhead PosedCollider::ahead(const Vec3& p, const Vec3& normal, float reach, float behind) const {
-    Best best{reach * reach};
+    Best best{squared_reach(reach)};
     const Vec3Lanes at(p), facing(normal);
     const auto counts = [&](const PosedPackets::Packet& packet) {
         return LaneMask((dot(packet.normal, facing) <= all_lanes(kFacingNormals)) &

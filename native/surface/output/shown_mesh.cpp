@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "base/errors.h"
@@ -73,11 +74,11 @@ void refuse_too_many(double corners, const FineSource& source, Index steps) {
         expect_within("segments", source.segments, 1, kMostSegments);
         per_corner = double(source.segments) * source.segments;
     }
-    const double estimate = corners / 4.0 * per_corner * std::ldexp(1.0, 2 * steps);
+    const double estimate = std::round(corners / 4.0 * per_corner * std::ldexp(1.0, 2 * steps));
     if (estimate > source.most_vertices) {
-        throw InvalidInput("the fine mesh would have about " + short_text(estimate) + " vertices, more than " +
+        throw InvalidInput("the fine mesh would have about " + std::to_string(std::int64_t(std::min(estimate, 1e15))) + " vertices, more than " +
                            std::to_string(source.most_vertices) +
-                           ": lower its density, or raise how many are allowed");
+                           ": raise the wavelength, or lower the number of subdivisions or segments");
     }
 }
 
@@ -89,7 +90,9 @@ FineMesh refine(const Surface& base, const FineSource& source, Index steps) {
         case FineSource::Kind::kRegular:
             return refine_regular(base, source.segments);
         case FineSource::Kind::kLongestEdge:
-            return refine_longest_edge(base, source.longest_edge, source.most_vertices);
+            // The display steps come after it.
+            return refine_longest_edge(base, source.longest_edge,
+                                       Index(std::ldexp(double(source.most_vertices), -2 * steps)));
     }
     return {};
 }

@@ -58,10 +58,7 @@ void check(const Model& model, const State& state) {
         if (!(state.compression[t] > 0.0f && state.compression[t] <= kMostCompression)) refuse("compression", t);
     }
     for (size_t i = 0; i < state.paths.size(); ++i) {
-        const Path& path = state.paths[i];
-        if (!(path.fade >= 0.0f && path.fade <= 1.0f)) refuse("path_fade", i);
-        const Index least = i > 0 ? state.paths[i - 1].id + 1 : 0;
-        if (path.id < least || path.id >= state.next_id) refuse("path_id", i);
+        if (!(state.paths[i].fade >= 0.0f && state.paths[i].fade <= 1.0f)) refuse("path_fade", i);
     }
     const std::string wrong = validate(model, state.paths);
     if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
