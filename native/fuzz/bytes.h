@@ -45,10 +45,10 @@ class Bytes {
         return b >= kGood ? kHostileNumbers[b - kGood] : low + b % (high - low + 1);
     }
 
-    // Changes up to three of the fields of a struct that had its defaults.
+    // Changes up to three of the fields of a struct that had its defaults, in half of the cases.
     template <typename... Fields>
     void vary(Fields&... fields) {
-        for (int changes = below(4); changes > 0; --changes) {
+        for (int changes = below(8) - 4; changes > 0; --changes) {
             int left = below(sizeof...(fields));
             ((left-- == 0 ? change(fields) : void()), ...);
         }

@@ -137,7 +137,7 @@ rumple_bodies bodies(const World& world, std::vector<float>& keep, Bytes& bytes)
     return {collider.handle, keep.data(), keep.size() / 3 - (bytes.hostile() ? 1 : 0)};
 }
 
-const std::vector<Operation> kCloth = {build_collider, build_cloth, paint_cloth,    solve_cloth,
-                                       solve_cloth,    lift_cover,  activate_cloth, free_one};
+const std::vector<Operation> kCloth = {build_cloth, build_collider, paint_cloth,    solve_cloth,
+                                       solve_cloth, lift_cover,     activate_cloth, free_one};
 
 }  // namespace rumple::fuzz

@@ -24,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     next_time = 0.0;
     World world;
     // Without a base and a model there is little to do.
-    kSurface[0](world, bytes);
+    for (int i = 0; i < 3 && world.surfaces.empty(); ++i) kSurface[0](world, bytes);
     const int main_group = bytes.below(std::size(kGroups));
     if (kGroups[main_group] == &kBrush) kField[0](world, bytes);
     (*kGroups[main_group])[0](world, bytes);

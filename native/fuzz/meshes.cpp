@@ -139,9 +139,10 @@ std::vector<float> pose_of(const std::vector<float>& rest, Bytes& bytes) {
     }
     for (int astray = bytes.below(3); astray > 0 && !out.empty(); --astray)
         out[size_t(bytes.below(int(out.size())))] = bytes.real(-3.0f, 3.0f);
-    constexpr float kScales[] = {1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0f, 1e3f, 1e7f, 1e14f, 1e-15f};
-    const float by = kScales[bytes.below(std::size(kScales))];
-    for (float& value : out) value *= by;
+    constexpr float kWild[] = {0.0f, 1e3f, 1e7f, 1e14f, 1e-15f};
+    if (const int scaled = bytes.byte(); scaled >= 220) {
+        for (float& value : out) value *= kWild[scaled % std::size(kWild)];
+    }
     return out;
 }
 

@@ -47,6 +47,7 @@ class Pool {
         entries_.push_back({handle, std::move(base), ids, model == 0 ? -ids : model, number});
         return &entries_.back();
     }
+    bool empty() const { return entries_.empty(); }
     // One of them, or an entry without a handle: of none, and now and then.
     Entry<T> pick(Bytes& bytes) const {
         if (entries_.empty() || bytes.byte() >= 252) return {};
