@@ -52,12 +52,20 @@ class BadInput:
     def test_empty(self):
         self.refused("no faces|empty|no vert", [], [])
 
-    def test_an_edge_with_three_faces_is_named(self):
-        vertices = SQUARE + [(0, 0, 1), (1, 0, 1), (0, -1, 1), (1, -1, 1)]
-        self.refused(r"0.*1", vertices, [(0, 1, 2, 3), (1, 0, 4, 5), (0, 1, 7, 6)])
+    def healed(self, words, *arguments) -> None:
+        obj = self.handled(*arguments)
+        self.assertRegex("\n".join(runtimes.of(obj).evaluator.base.origin.notes("Rag")), words)
 
-    def test_duplicate_faces_are_named(self):
-        self.refused(r"[Ff]ace", SQUARE, [(0, 1, 2, 3), (0, 1, 2, 3)])
+    def test_an_edge_with_three_faces_is_healed_and_named(self):
+        vertices = SQUARE + [(0, 0, 1), (1, 0, 1), (0, -1, 1), (1, -1, 1)]
+        self.healed("Rag: edge 0-1 has more faces than two", vertices, [(0, 1, 2, 3), (1, 0, 4, 5), (0, 1, 7, 6)])
+
+    def test_duplicate_faces_are_healed_and_named(self):
+        self.healed("^Rag: face 1 lies on another face", SQUARE, [(0, 1, 2, 3), (0, 1, 2, 3)])
+
+    def test_a_face_that_is_turned_is_healed_and_named(self):
+        self.healed("^Rag: face 1 faces the other way", SQUARE + [(1.5, 0, 0), (1.5, 1, 0)],
+                    [(0, 1, 2, 3), (1, 2, 5, 4)])
 
     def test_a_coordinate_that_is_not_finite_is_named(self):
         self.refused(r"\b2\b", [(0, 0, 0), (1, 0, 0), (1, math.nan, 0), (0, 1, 0)], [(0, 1, 2, 3)])

@@ -157,17 +157,6 @@ class Embedding(unittest.TestCase):
         sleeve.at(10)
         self.assertEqual(obj.rumple.message, "")
 
-    def test_a_modifier_in_front_that_adds_points_is_named(self):
-        obj = sleeve.scene(wrinkles=False)
-        obj.modifiers.new("Mirror", "MIRROR")
-        compat.move_modifier(obj, 1, 0)
-        bpy.ops.object.rumple_add(method="MESH")
-        sleeve.at(8)
-        self.assertIn("Mirror", obj.rumple.message)
-        obj.modifiers["Mirror"].show_viewport = obj.modifiers["Mirror"].show_render = False
-        sleeve.at(9)
-        self.assertEqual(obj.rumple.message, "")
-
 
 class Tree(unittest.TestCase):
 

@@ -31,6 +31,7 @@ inline constexpr StructSize kStructSizes[] = {
     RUMPLE_SIZE(rumple_frame_folds_view),
     RUMPLE_SIZE(rumple_frame_view),
     RUMPLE_SIZE(rumple_frame_waves_view),
+    RUMPLE_SIZE(rumple_healed_view),
     RUMPLE_SIZE(rumple_lines_view),
     RUMPLE_SIZE(rumple_pose),
     RUMPLE_SIZE(rumple_reference_settings),

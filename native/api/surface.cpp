@@ -6,6 +6,7 @@
 #include "rumple.h"
 #include "base/expect.h"
 #include "surface/cloth/pins.h"
+#include "surface/mesh/heal.h"
 #include "surface/mesh/positions.h"
 
 using namespace rumple;
@@ -17,17 +18,62 @@ rumple_surface_plan rumple_surface_plan_default(void) {
     return plan;
 }
 
+namespace {
+
+SurfaceInput input_of(const rumple_surface_plan& plan) {
+    SurfaceInput input;
+    input.positions_rest = vectors(plan.positions_rest, plan.positions_rest_count, "positions_rest");
+    input.polygon_start = values(plan.polygon_start, plan.polygon_start_count, "polygon_start");
+    input.corner_vertex = values(plan.corner_vertex, plan.corner_vertex_count, "corner_vertex");
+    rows<std::array<Index, 3>>(plan.triangle_corner, plan.triangle_corner_count, "triangle_corner");
+    input.triangle_corner = {plan.triangle_corner, 3 * plan.triangle_corner_count};
+    input.weld_seams = plan.weld_seams;
+    check_coordinates("positions_rest", input.positions_rest);
+    return input;
+}
+
+}  // namespace
+
+struct rumple_healed {
+    HealedMesh mesh;
+};
+
+rumple_status rumple_healed_build(const rumple_surface_plan* plan, rumple_healed** healed) {
+    return made(healed, "healed",
+                [&] { return new rumple_healed{heal_mesh(input_of(given(plan, "plan")))}; });
+}
+
+void rumple_healed_free(rumple_healed* healed) {
+    delete healed;
+}
+
+rumple_status rumple_healed_get_view(const rumple_healed* healed, rumple_healed_view* view) {
+    return guarded([&] {
+        const HealedMesh& m = given(healed, "healed").mesh;
+        given(view, "view") = {m.mesh.vertex_count,
+                               m.mesh.polygons(),
+                               m.mesh.corners(),
+                               count(m.triangle_corner) / 3,
+                               count(m.turned),
+                               count(m.cut),
+                               count(m.doubled),
+                               count(m.repeated),
+                               m.mesh.polygon_start.data(),
+                               m.mesh.corner_vertex.data(),
+                               m.triangle_corner.data(),
+                               m.vertex_source.data(),
+                               m.corner_source.data(),
+                               m.polygon_source.data(),
+                               m.turned.data(),
+                               flat<int32_t>(m.cut),
+                               flat<int32_t>(m.doubled),
+                               m.repeated.data()};
+    });
+}
+
 rumple_status rumple_surface_build(const rumple_surface_plan* plan, rumple_surface** surface) {
     return made(surface, "surface", [&] {
-        const rumple_surface_plan& from = given(plan, "plan");
-        SurfaceInput input;
-        input.positions_rest = vectors(from.positions_rest, from.positions_rest_count, "positions_rest");
-        input.polygon_start = values(from.polygon_start, from.polygon_start_count, "polygon_start");
-        input.corner_vertex = values(from.corner_vertex, from.corner_vertex_count, "corner_vertex");
-        rows<std::array<Index, 3>>(from.triangle_corner, from.triangle_corner_count, "triangle_corner");
-        input.triangle_corner = {from.triangle_corner, 3 * from.triangle_corner_count};
-        input.weld_seams = from.weld_seams;
-        check_coordinates("positions_rest", input.positions_rest);
+        const SurfaceInput input = input_of(given(plan, "plan"));
         return new rumple_surface(std::make_shared<const Surface>(build_surface(input)));
     });
 }

@@ -49,6 +49,51 @@ void build_surface(World& world, Bytes& bytes) {
                  positions.data, std::int32_t(from.corner.size()));
 }
 
+// Any mesh, as it is healed: what that makes is a mesh that a surface is built from.
+void heal_mesh(World& world, Bytes& bytes) {
+    const Mesh from = mesh(bytes);
+    rumple_surface_plan plan = CALL(rumple_surface_plan_default);
+    plan.positions_rest = from.positions.data();
+    plan.positions_rest_count = from.positions.size() / 3;
+    plan.polygon_start = from.start.data();
+    plan.polygon_start_count = from.start.size();
+    plan.corner_vertex = from.corner.data();
+    plan.corner_vertex_count = from.corner.size();
+    plan.triangle_corner = from.triangle.data();
+    plan.triangle_corner_count = from.triangle.size() / 3;
+    const auto* healed = world.healed.add(
+        MAKE(rumple_healed, rumple_healed_build, bytes.hostile() ? nullptr : &plan), nullptr, 0);
+    rumple_healed_view view;
+    if (!healed || CALL(rumple_healed_get_view, healed->handle, &view) != RUMPLE_OK) return;
+    const auto vertices = std::int32_t(plan.positions_rest_count),
+               corners = std::int32_t(plan.corner_vertex_count),
+               polygons = std::int32_t(plan.polygon_start_count) - 1;
+    expect_within("vertex source", view.vertex_source, size_t(view.vertex_count), 0, vertices - 1);
+    expect_within("corner source", view.corner_source, size_t(view.corner_count), 0, corners - 1);
+    expect_within("polygon source", view.polygon_source, size_t(view.polygon_count), 0, polygons - 1);
+    expect_within("turned", view.turned, size_t(view.turned_count), 0, polygons - 1);
+    expect_within("cut", view.cut, 2 * size_t(view.cut_count), 0, vertices - 1);
+    expect_within("doubled", view.doubled, 2 * size_t(view.doubled_count), 0, polygons - 1);
+    expect_within("repeated", view.repeated, size_t(view.repeated_count), 0, polygons - 1);
+    std::vector<float> rest;
+    for (std::int32_t v = 0; v < view.vertex_count; ++v) {
+        const float* at = &from.positions[size_t(view.vertex_source[v]) * 3];
+        rest.insert(rest.end(), at, at + 3);
+    }
+    plan.positions_rest = rest.data();
+    plan.positions_rest_count = rest.size() / 3;
+    plan.polygon_start = view.polygon_start;
+    plan.polygon_start_count = size_t(view.polygon_count) + 1;
+    plan.corner_vertex = view.corner_vertex;
+    plan.corner_vertex_count = size_t(view.corner_count);
+    plan.triangle_corner = view.triangle_corner;
+    plan.triangle_corner_count = size_t(view.triangle_count);
+    rumple_surface* surface = MAKE(rumple_surface, rumple_surface_build, &plan);
+    require(surface || std::strstr(rumple_error(), "at one place") || view.polygon_count == 0, rumple_error(),
+            "rumple_healed_build");
+    keep_surface(world, surface, std::move(rest), view.corner_count);
+}
+
 void measure_surface(World& world, Bytes& bytes) {
     const auto surface = world.surfaces.pick(bytes);
     std::int32_t openings = -1;
@@ -117,11 +162,12 @@ void look_at_library(World& world, Bytes& bytes) {
 }
 
 void free_one(World& world, Bytes& bytes) {
-    switch (bytes.below(4)) {
+    switch (bytes.below(5)) {
         case 0: world.frames.free_one(bytes); break;
         case 1: world.coarses.free_one(bytes); break;
         case 2: world.meshes.free_one(bytes); break;
         case 3: world.fields.free_one(bytes); break;
+        case 4: world.healed.free_one(bytes); break;
     }
 }
 
@@ -220,7 +266,7 @@ rumple_fine_plan fine_plan(rumple_fine_plan plan, Bytes& bytes) {
     return plan;
 }
 
-const std::vector<Operation> kSurface = {build_surface, measure_surface, build_coarse,    pose_coarse,
+const std::vector<Operation> kSurface = {build_surface, heal_mesh,   measure_surface, build_coarse,    pose_coarse,
                                          embed_frame,   look_at_frame,   look_at_library, free_one};
 
 }  // namespace rumple::fuzz

@@ -80,6 +80,7 @@ class Pool {
 
 struct World {
     RUMPLE_POOL(rumple_surface, surfaces);
+    RUMPLE_POOL(rumple_healed, healed);
     RUMPLE_POOL(rumple_coarse, coarses);
     RUMPLE_POOL(rumple_frame, frames);
     RUMPLE_POOL(rumple_collider, colliders);

@@ -77,10 +77,10 @@ def mark_as_modifier(group: bpy.types.NodeTree) -> None:
 
 
 def modifier_input(modifier: bpy.types.NodesModifier, identifier: str) -> Any:
-    """Value of an input of a nodes modifier; None where it was never set."""
+    """Value of an input of a nodes modifier; None where it was never set, and of geometry."""
     if hasattr(modifier, "properties"):  # 5.2: modifier["Socket_2"] raises TypeError
         inputs = modifier.properties.inputs
-        return getattr(inputs, identifier).value if hasattr(inputs, identifier) else None
+        return getattr(getattr(inputs, identifier, None), "value", None)
     return modifier.get(identifier)
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any, Callable
 
 import numpy as np
 
 from ..native import kernels
+from .healing import Origin, origin_of
 
 
 class UserError(ValueError):
@@ -24,12 +26,31 @@ class BaseMesh:
     corner_vertex: np.ndarray  # (c,) int32
     triangle_corner: np.ndarray  # (t, 3) int32, corner indices
     uv: np.ndarray | None = None  # (c, 2) float32 of the UV map that renders use
+    origin: Origin | None = None  # of a healed mesh: where its elements come from
+
+    def healed(self, weld: bool) -> "BaseMesh":
+        """This mesh, or where it is no oriented manifold a copy that is one. Raises UserError."""
+        if self.origin is not None:
+            return self
+        healed = self._native(kernels.heal_mesh, weld)
+        origin = origin_of(healed, self.polygon_start, self.corner_vertex, len(self.positions))
+        if not origin.kinds():
+            return self
+        return BaseMesh(self.name, np.ascontiguousarray(self.positions[origin.vertex]), healed.polygon_start,
+                        healed.corner_vertex, healed.triangle_corner,
+                        None if self.uv is None else np.ascontiguousarray(self.uv[origin.corner]), origin)
 
     def surface(self, weld: bool) -> kernels.Surface:
-        """The checked native surface. Raises UserError."""
+        """The checked native surface. Raises UserError where the mesh is no oriented manifold."""
+        return self._native(kernels.build_surface, weld)
+
+    def points(self, values: np.ndarray) -> np.ndarray:
+        """(n, ...) of the artist's vertices -> of this mesh's."""
+        return values if self.origin is None else values[self.origin.vertex]
+
+    def _native(self, build: Callable[..., Any], weld: bool) -> Any:
         try:
-            return kernels.build_surface(self.positions, self.polygon_start, self.corner_vertex,
-                                         self.triangle_corner, weld)
+            return build(self.positions, self.polygon_start, self.corner_vertex, self.triangle_corner, weld)
         except ValueError as error:
             raise UserError(f"{self.name}: {error}") from error
 
@@ -45,9 +66,11 @@ class BaseMesh:
         return float(np.linalg.norm(np.ptp(self.positions, axis=0))) if len(self.positions) else 0.0
 
 
-def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[kernels.Surface, list[str]]:
-    """The native surface of a base and its warnings. unit_scale: metres per object unit. Raises UserError."""
+def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[BaseMesh, kernels.Surface, list[str]]:
+    """A base, healed where it must be (see Origin.notes()); its native surface, and its warnings. unit_scale: metres
+    per object unit. Raises UserError."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
         raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning")
+    base = base.healed(weld)
     surface = base.surface(weld)
-    return surface, [f"{base.name}: {warning}" for warning in surface.warnings]
+    return base, surface, [f"{base.name}: {warning}" for warning in surface.warnings]

@@ -74,12 +74,12 @@ class Easel:
     def __init__(self, field: WrinkleField) -> None:
         self.field = field
         self.name = field.base.name
-        self.positions: np.ndarray | None = None  # (n, 3) float32 of the pose
+        self.positions: np.ndarray | None = None  # (n, 3) float32 of the pose, of the field's base
         self._canvas: Any = None
         self._twins: Any = None
 
     def triangles(self) -> np.ndarray:
-        """(t, 3) vertices of the coarse mesh's triangles."""
+        """(t, 3) vertices of the triangles that `positions` are of."""
         return self.field.base.corner_vertex[self.field.base.triangle_corner]
 
     def pose(self, positions: np.ndarray) -> bool:
@@ -95,17 +95,26 @@ class Easel:
         """The brush set down once: painted anew. how: see rumple_native.apply_dab. Raises UserError."""
         if mirror and self._twins is None:
             self._twins = kernels.find_twins(self.field.model)
-        return self._checked(kernels.apply_dab, self.field.model, self._canvas, painted,
-                             twins=self._twins if mirror else None, **how)
+        base = self.field.base
+        before = np.ascontiguousarray(base.points(painted))
+        after = self._checked(kernels.apply_dab, self.field.model, self._canvas, before,
+                              twins=self._twins if mirror else None, **how)
+        if base.origin is None:
+            return after
+        out = after[:len(painted)].copy()
+        changed = np.flatnonzero((after != before).any(1))[::-1]  # the first copy of a vertex wins
+        out[base.origin.vertex[changed]] = after[changed]
+        return out
 
     def lines(self, painted: np.ndarray, across: bool) -> tuple[np.ndarray, np.ndarray]:
         """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises UserError."""
-        return self._checked(kernels.draw_rest_wrinkles, self.field.model, self._canvas, painted, across)
+        return self._checked(kernels.draw_rest_wrinkles, self.field.model, self._canvas,
+                             np.ascontiguousarray(self.field.base.points(painted)), across)
 
     def scatter(self, seed: int, density: float, size: float, length: float) -> np.ndarray:
         """Random wrinkles. size: metres. See rumple_native.scatter_rest_wrinkles. Raises UserError."""
         return self._checked(kernels.scatter_rest_wrinkles, self.field.model, seed, density,
-                             size / self.field.unit_scale, length)
+                             size / self.field.unit_scale, length)[:self.field.coarse_count]
 
     def _checked(self, function: Any, *arguments: Any, **keywords: Any) -> Any:
         try:

@@ -13,12 +13,36 @@ Never imports bpy.
 """
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from .healing import Origin
+
 ROWS = 4
 LEAST_ROOM, MOST_ROOM = 1 << 10, 1 << 18
+
+
+@dataclass(frozen=True)
+class CurvePoints:
+    """Curves that ride on any pose of the coarse mesh. c curves, p points."""
+
+    start: np.ndarray  # (c + 1,) first point of every curve, then p
+    id: np.ndarray  # (c,)
+    corners: np.ndarray  # (p, 3) vertices of the coarse mesh
+    weights: np.ndarray  # (p, 2) of the second and the third
+    local_offset: np.ndarray  # (p, 3) in the frame of the deformed triangle
+    width: np.ndarray  # (p,) object units
+    height: np.ndarray  # (p,) object units
+    positions: np.ndarray  # (p, 3) object space, on the mesh as it was solved
+
+    @classmethod
+    def of(cls, riding: Any, origin: Origin | None) -> "CurvePoints":
+        """riding: native. origin: of the base that it rides on."""
+        corners = riding.corners if origin is None else origin.vertex[riding.corners]
+        return cls(riding.start, riding.id, corners, riding.weights, riding.local_offset, riding.width, riding.height,
+                   riding.positions)
 
 
 def capacity_for(points: float) -> int:
@@ -26,12 +50,8 @@ def capacity_for(points: float) -> int:
     return int(min(max(2 ** np.ceil(np.log2(max(points, 1.0))), LEAST_ROOM), MOST_ROOM))
 
 
-def rows_of(curves: Any, capacity: int) -> tuple[np.ndarray, int]:
-    """(4 room, 3) float32, and how many curves at the end found no room.
-
-    curves: with start (c + 1,), id (c,), and for each of p points corners (p, 3), weights (p, 2), local_offset (p, 3),
-    width and height (p,).
-    """
+def rows_of(curves: CurvePoints, capacity: int) -> tuple[np.ndarray, int]:
+    """(4 room, 3) float32, and how many curves at the end found no room."""
     rows = np.zeros((ROWS, capacity, 3), np.float32)
     whole = int(np.searchsorted(curves.start, capacity, side="right")) - 1  # curves that fit
     starts = curves.start[:whole + 1]

@@ -20,9 +20,11 @@ from .cloth import ClothFrame, suggested_follow
 from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from .frame_cache import CachedFrame, FrameCache, digest_of
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
+from .shown_mesh import ShownMesh
 from .surroundings import Surroundings
 
 MOST_VERTICES = 4_000_000
+PROFILE = "profile"  # the paint that is a table, not a value for each vertex
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class FrameInput:
         return self.seconds, self.labels, self.next_positions, self.next_seconds
 
 
-class Wrinkles:
+class Wrinkles(ShownMesh):
     """A shown mesh bound to a base, and the frames that were solved for it.
 
     A system adds build() and the steps at the end of this class.
@@ -58,10 +60,9 @@ class Wrinkles:
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: Any, model: Any, warnings: list[str],
                  unit_scale: float) -> None:
-        """source: what the shown mesh inherits from: the base, or an artist's own mesh. surface: native, of the
-        base."""
+        """base, source: healed. surface: native, of the base."""
         self.name = base.name
-        self.base = base
+        self.base, self.source = base, source
         self.surface = surface
         self.solved_surface = surface  # what the base cloth and the system are solved on
         self.model = model
@@ -73,58 +74,9 @@ class Wrinkles:
         self._frame = self._frame_rate = math.nan  # ... and its frame, and the rate where that counts
         self._clip: dict[float, tuple[bytes, np.ndarray]] = {}  # by frame: digest of the pose, labels
         self.pose_mismatches: set[float] = set()  # frames that came with another pose than the clip that was looked at
-        self._source_vertices, self._source_corners = len(source.positions), len(source.corner_vertex)
         self._paint: Any = None
         self._stage: Stage | None = None
         self._cloth_paint: dict[str, np.ndarray] = {}
-
-    # --- the shown mesh, for the output object
-    @property
-    def vertex_count(self) -> int:
-        return self.shown.vertex_count
-
-    @property
-    def polygon_start(self) -> np.ndarray:
-        return self.shown.polygon_start
-
-    @property
-    def corner_vertex(self) -> np.ndarray:
-        return self.shown.corner_vertex
-
-    @property
-    def positions_rest(self) -> np.ndarray:
-        return self.shown.positions_rest
-
-    @property
-    def polygon_parent(self) -> np.ndarray:
-        """(q,) polygon of the source (base or own mesh) of every shown polygon."""
-        return self.shown.polygon_source
-
-    @property
-    def edges(self) -> np.ndarray:
-        """(e, 2) shown edges that lie on an edge of the source."""
-        return self.shown.edges
-
-    @property
-    def edge_parent(self) -> np.ndarray:
-        """(e, 2) vertices of that edge, ascending."""
-        return self.shown.edge_sources
-
-    @property
-    def triangle_vertex(self) -> np.ndarray:
-        return self.shown.triangle_vertex
-
-    @property
-    def barycentric(self) -> np.ndarray:
-        return self.shown.barycentric
-
-    def carry_points(self, values: np.ndarray) -> np.ndarray:
-        """(n, k) float32 values of the source's vertices -> (d, k)."""
-        return self.shown.carry_points(np.ascontiguousarray(values, np.float32), self._source_vertices)
-
-    def carry_corners(self, values: np.ndarray) -> np.ndarray:
-        """(c, k) float32 values of the source's corners -> corners of the shown mesh. Seams stay sharp."""
-        return self.shown.carry_corners(np.ascontiguousarray(values, np.float32), self._source_corners)
 
     # --- frames
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
@@ -140,10 +92,12 @@ class Wrinkles:
         PreviewFrame is enough. body: what cloth stays outside of in this frame. surroundings: what cloth that swings
         meets. Raises UserError.
         """
+        if following is not None:
+            following = following[0], self.base.points(following[1])
         try:
-            return self._solve_frame(frame, positions, settings, paint, start, world_from_object, frame_rate,
-                                     following if settings.sees_ahead and body is None else None, for_preview, body,
-                                     surroundings)
+            return self._solve_frame(frame, self.base.points(positions), settings, paint, start, world_from_object,
+                                     frame_rate, following if settings.sees_ahead and body is None else None,
+                                     for_preview, body, surroundings)
         except ValueError as error:
             raise UserError(f"{self.name}: {error}") from error
 
@@ -178,7 +132,7 @@ class Wrinkles:
         solved = time.perf_counter()
         frame_input = replace(frame_input, cloth=cloth_of(cached.state))
         show: Callable[..., Any] = self._preview if for_preview else self._show
-        over = self.solved_over(frame, positions)
+        over = self._over(frame, positions)
         if pose is None:
             pose = self._pose(over, frame_input)
         self._last_pose = (over.copy(), pose)
@@ -198,8 +152,12 @@ class Wrinkles:
         return system_state(self.state_of(frame))
 
     def solved_over(self, frame: float, positions: np.ndarray) -> np.ndarray:
-        """(n, 3) float32, object space: what the wrinkles of a stored frame lie on, the base cloth. Without one: the
-        animated positions, which are given."""
+        """Object space, of `base`, whose first vertices are the coarse ones: what the wrinkles of a stored frame lie
+        on, the base cloth. Without one: the animated positions, which are given."""
+        return self._over(frame, self.base.points(positions))
+
+    def _over(self, frame: float, positions: np.ndarray) -> np.ndarray:
+        """The same. positions: of `base`."""
         cloth = cloth_of(self.state_of(frame))
         return positions if cloth is None else cloth.positions
 
@@ -237,7 +195,7 @@ class Wrinkles:
     def suggested_follow(self, settings: Any) -> np.ndarray:
         """(n,) float32: how firmly the base cloth follows the animation while nothing is painted: what paint starts
         from."""
-        return suggested_follow(self.surface, settings.up)
+        return suggested_follow(self.surface, settings.up)[:self.coarse_count]
 
     def _result(self, shown: Any, frame_input: FrameInput, **own: np.ndarray) -> FrameResult:
         """From a native picture of a frame: what was solved over the base cloth is embedded in the animated mesh."""
@@ -262,7 +220,8 @@ class Wrinkles:
         chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
         repainted = self._paint is None or painted.digest() != self._painted
         if repainted:
-            solved = {name: self._where_solved(values) for name, values in paint.items()}
+            solved = {name: values if name == PROFILE else self._where_solved(self.base.points(values))
+                      for name, values in paint.items()}
             self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
             self._paint = self._take_paint(solved)
         # Another rate tells stored frames to be of other times.
@@ -288,10 +247,11 @@ class Wrinkles:
         times = np.array([frame / frame_rate for frame in clip], np.float64)
         try:
             labels = kernels.label_clip(self.model, self._native_settings(settings), times,
-                                        np.concatenate(list(clip.values())))
+                                        np.concatenate([self.base.points(positions) for positions in clip.values()]))
         except ValueError as error:
             raise UserError(f"{self.name}: {error}") from error
-        self._clip = {frame: (digest_of(b"", positions), row) for (frame, positions), row in zip(clip.items(), labels)}
+        self._clip = {frame: (digest_of(b"", self.base.points(positions)), row)
+                      for (frame, positions), row in zip(clip.items(), labels)}
 
     def _seen(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
         """The labels of a frame from the clip that was looked at."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..native import kernels
 from .base_mesh import BaseMesh, UserError, checked_surface
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, Wrinkles
+from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, PROFILE, Attribute, FrameInput, FrameResult, Wrinkles
 from .settings import FieldSettings
 
 # What the shader node group reads (../blender/nodes/field_shader.py).
@@ -50,7 +50,7 @@ class WrinkleField(Wrinkles):
     @classmethod
     def build(cls, base: BaseMesh, settings: FieldSettings, *, unit_scale: float = 1.0) -> "WrinkleField":
         """Bind the waves to the base. unit_scale: metres per object unit. Raises UserError."""
-        surface, warnings = checked_surface(base, settings.weld, unit_scale)
+        base, surface, warnings = checked_surface(base, settings.weld, unit_scale)
         longest = settings.wavelength / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         try:
@@ -84,9 +84,9 @@ class WrinkleField(Wrinkles):
         return settings.adapts
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        self._drawn = paint.get("profile")
+        self._drawn = paint.get(PROFILE)
         return kernels.WrinkleFieldPaint(
-            {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != "profile"})
+            {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != PROFILE})
 
     def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
         return kernels.WrinkleFieldPose.of(self.model, positions, *frame_input.in_time())
@@ -108,7 +108,7 @@ class WrinkleField(Wrinkles):
                    **dict(zip(VECTORS, shown.corner_wave_vector)),
                    U_GRADIENT: shown.corner_u_gradient, V_GRADIENT: shown.corner_v_gradient}
         # Displaced in shape, or without a UV map: nothing left for the shader to do.
-        own.update({name: values if len(values) else nothing for name, values in corners.items()})
+        own.update({name: self.on_corners(values) if len(values) else nothing for name, values in corners.items()})
         return self._result(shown, frame_input, **own)
 
     def _native_settings(self, settings: FieldSettings) -> Any:

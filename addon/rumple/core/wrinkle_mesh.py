@@ -74,7 +74,7 @@ LEAST_OPENINGS = 2  # of a garment: a head has one
 def suits_cloth(base: BaseMesh) -> bool:
     """Whether a mesh looks like a garment by its shape: it has openings to put it on through."""
     try:
-        return kernels.count_openings(base.surface(True)) >= LEAST_OPENINGS
+        return kernels.count_openings(base.healed(True).surface(True)) >= LEAST_OPENINGS
     except ValueError:
         return False  # what is wrong with it is said where it is built
 
@@ -136,8 +136,10 @@ class WrinkleMesh(Wrinkles):
         """
         if settings.source == "OBJECT" and own is None:
             raise UserError(f"{base.name}: choose your own fine mesh first")
-        surface, warnings = checked_surface(base, settings.weld, unit_scale)
-        own_surface = own.surface(False) if own is not None and settings.source == "OBJECT" else None
+        base, surface, warnings = checked_surface(base, settings.weld, unit_scale)
+        own = own.healed(False) if own is not None and settings.source == "OBJECT" else None
+        own_surface = own.surface(False) if own is not None else None
+        attached = attached if attached is None or own is None else own.points(attached)
         if settings.layered:
             return cls._build_layers(base, settings, surface, warnings, unit_scale)
         level = settings.level if settings.density == "LEVEL" else level_for(base, settings.wavelength, unit_scale)
@@ -151,11 +153,11 @@ class WrinkleMesh(Wrinkles):
         except ValueError as error:
             raise UserError(f"{base.name}: {error}") from error
         if own is not None and own_surface is not None:
+            warnings += [] if own.origin is None else own.origin.notes(own.name)
             warnings += [f"{own.name}: {w}" for w in own_surface.warnings]
             if attached is not None and not attached.all():
                 warnings.append(f"{own.name}: {int((~attached.astype(bool)).sum())} vertices are not attached")
-        source = own if own is not None and own_surface is not None else base
-        mesh = cls(base, source, surface, model, warnings, unit_scale)
+        mesh = cls(base, base if own is None else own, surface, model, warnings, unit_scale)
         mesh.edge_mean, mesh.level = float(model.local_edge.mean()) * unit_scale, level
         return mesh
 
@@ -222,8 +224,8 @@ class WrinkleMesh(Wrinkles):
         cached = self.frame_cache.get(frame)
         if cached is None or self._paint is None or isinstance(cached.state, OnCloth) or self.layer_count:
             return None
-        return kernels.measure_wrinkle_mesh(self.model, native_settings(settings), self._paint, positions,
-                                            cached.state)
+        return kernels.measure_wrinkle_mesh(self.model, native_settings(settings), self._paint,
+                                            self.base.points(positions), cached.state)
 
     def worn_surface(self, frame: float) -> Body | None:
         state = self.wrinkles_of(frame)

@@ -10,6 +10,7 @@ import numpy as np
 from ..native import kernels
 from .base_mesh import BaseMesh, UserError, checked_surface
 from .cloth import size_factor
+from .curve_rows import CurvePoints
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
 from .on_cloth import cloth_of
 from .settings import PathsSettings
@@ -53,7 +54,7 @@ class WrinklePaths(Wrinkles):
     @classmethod
     def build(cls, base: BaseMesh, settings: PathsSettings, *, unit_scale: float = 1.0) -> "WrinklePaths":
         """Make the fine mesh and bind it. unit_scale: metres per object unit. Raises UserError."""
-        surface, warnings = checked_surface(base, settings.weld, unit_scale)
+        base, surface, warnings = checked_surface(base, settings.weld, unit_scale)
         longest = settings.width / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         try:
@@ -73,9 +74,10 @@ class WrinklePaths(Wrinkles):
         return lines
 
     def curves(self, frame: float, positions: np.ndarray, settings: PathsSettings) -> Any:
-        animated = None if cloth_of(self.state_of(frame)) is None else positions
-        return kernels.ride_wrinkle_paths(self.model, self._native_settings(settings),
-                                          self._pose_of(frame, positions), self.wrinkles_of(frame), animated)
+        animated = None if cloth_of(self.state_of(frame)) is None else self.base.points(positions)
+        riding = kernels.ride_wrinkle_paths(self.model, self._native_settings(settings),
+                                            self._pose_of(frame, positions), self.wrinkles_of(frame), animated)
+        return CurvePoints.of(riding, self.base.origin)
 
     def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
@@ -116,7 +118,7 @@ class WrinklePaths(Wrinkles):
                  frame_input: FrameInput) -> PreviewFrame:
         drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
-        return PreviewFrame(drawing, drawing.proxy_offset + off)
+        return PreviewFrame(drawing, (drawing.proxy_offset + off)[:self.coarse_count])
 
     def _native_settings(self, settings: PathsSettings) -> Any:
         options = kernels.WrinklePathsSettings()

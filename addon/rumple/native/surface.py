@@ -31,6 +31,34 @@ class Surface(Handle):
         return [lib.rumple_surface_warning(self, number).decode() for number in range(self.view.warning_count)]
 
 
+class HealedMesh(Handle):
+    """A mesh that is no oriented manifold, as one that build_surface takes. Made by heal_mesh. n vertices: those of the
+    mesh, then copies; p polygons, c corners, t triangles."""
+
+    __slots__ = ()
+    POINTER, FREE = c.HealedPointer, "rumple_healed_free"
+    VIEW, LOOK = c.HealedView, "rumple_healed_get_view"
+
+    polygon_start = Array("(p + 1,) int32", INT, "polygon_count", more=1)
+    corner_vertex = Array("(c,) int32", INT, "corner_count")
+    triangle_corner = Array("(t, 3) int32", INT, "triangle_count", 3)
+    vertex_source = Array("(n,) int32: vertex of the mesh", INT, "vertex_count")
+    corner_source = Array("(c,) int32: corner of the mesh", INT, "corner_count")
+    polygon_source = Array("(p,) int32: polygon of the mesh", INT, "polygon_count")
+    turned = Array("(k,) int32: polygons of the mesh that are wound the other way", INT, "turned_count")
+    cut = Array("(k, 2) int32: edges of the mesh at which polygons were cut off", INT, "cut_count", 2)
+    doubled = Array("(k, 2) int32: a polygon that was left out, and the one it lies on", INT, "doubled_count", 2)
+    repeated = Array("(k,) int32: polygons that use a vertex twice", INT, "repeated_count")
+
+
+def heal_mesh(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray,
+              triangle_corner: np.ndarray, weld_seams: bool = True) -> HealedMesh:
+    """What build_surface takes, of any mesh. Arguments as there. Raises ValueError for what is not finite, an index out
+    of range, a polygon with fewer than three corners. Gueziec, Taubin, Lazarus and Horn 2001."""
+    return HealedMesh.made(lib.rumple_healed_build,
+                           _surface_plan(positions_rest, polygon_start, corner_vertex, triangle_corner, weld_seams))
+
+
 def build_surface(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray,
                   triangle_corner: np.ndarray, weld_seams: bool = True) -> Surface:
     """Check a polygon mesh and join its seams.
@@ -39,13 +67,20 @@ def build_surface(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_
     the number of corners. corner_vertex: (c,) int32. triangle_corner: (t, 3) int32, the corners of a triangulation of
     every polygon. weld_seams: join border vertices at one place. Raises ValueError naming the first bad element.
     """
+    return Surface.made(lib.rumple_surface_build,
+                        _surface_plan(positions_rest, polygon_start, corner_vertex, triangle_corner, weld_seams))
+
+
+def _surface_plan(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray,
+                  triangle_corner: np.ndarray, weld_seams: bool) -> Any:
+    """The arrays must outlive it."""
     plan = lib.rumple_surface_plan_default()
     fill(plan, "positions_rest", positions_rest, FLOAT, 3)
     fill(plan, "polygon_start", polygon_start, INT)
     fill(plan, "corner_vertex", corner_vertex, INT)
     fill(plan, "triangle_corner", triangle_corner, INT, 3)
     plan.weld_seams = weld_seams
-    return Surface.made(lib.rumple_surface_build, plan)
+    return plan
 
 
 def count_openings(surface: Surface) -> int:
@@ -278,5 +313,5 @@ def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarr
     return labels
 
 
-__all__ = ["CoarseMesh", "ShownFrame", "ShownMesh", "Surface", "build_coarse", "build_surface", "count_openings",
-           "embed_frame", "label_clip", "suggest_follow"]
+__all__ = ["CoarseMesh", "HealedMesh", "ShownFrame", "ShownMesh", "Surface", "build_coarse", "build_surface",
+           "count_openings", "embed_frame", "heal_mesh", "label_clip", "suggest_follow"]

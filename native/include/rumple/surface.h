@@ -29,6 +29,42 @@ typedef struct rumple_surface_plan {
 } rumple_surface_plan;
 RUMPLE_API rumple_surface_plan rumple_surface_plan_default(void);
 
+// A mesh that is no oriented manifold, as one that rumple_surface_build() takes.
+typedef struct rumple_healed rumple_healed;
+
+// Needs no more than finite positions, indices in range and polygons of three corners or more. What it does:
+// polygons that lie on others are left out; where an edge has more than two, those stay joined that continue
+// one another best, and the others are cut off (Gueziec, Taubin, Lazarus and Horn 2001); polygons are wound
+// as the larger area of their part, across seams as well where `plan` has them joined; a part with one side
+// only is cut. Cost: O(corners log corners).
+RUMPLE_API rumple_status rumple_healed_build(const rumple_surface_plan* plan, rumple_healed** healed);
+RUMPLE_API void rumple_healed_free(rumple_healed* healed);
+
+// n: its vertices: those of the mesh, then copies of some of them. p: its polygons, c: their corners.
+typedef struct rumple_healed_view {
+    int32_t vertex_count;    // n
+    int32_t polygon_count;   // p
+    int32_t corner_count;    // c
+    int32_t triangle_count;  // t
+    int32_t turned_count;
+    int32_t cut_count;
+    int32_t doubled_count;
+    int32_t repeated_count;
+
+    const int32_t* polygon_start;    // (p + 1)
+    const int32_t* corner_vertex;    // (c)
+    const int32_t* triangle_corner;  // (t, 3)
+    const int32_t* vertex_source;    // (n): vertex of the mesh
+    const int32_t* corner_source;    // (c): corner of the mesh
+    const int32_t* polygon_source;   // (p): polygon of the mesh
+
+    const int32_t* turned;    // (turned_count): polygons of the mesh that are wound the other way
+    const int32_t* cut;       // (cut_count, 2): edges of the mesh at which polygons were cut off
+    const int32_t* doubled;   // (doubled_count, 2): a polygon that was left out, and the one it lies on
+    const int32_t* repeated;  // (repeated_count): polygons that use a vertex twice
+} rumple_healed_view;
+RUMPLE_API rumple_status rumple_healed_get_view(const rumple_healed* healed, rumple_healed_view* view);
+
 // Checks a mesh, joins its seams and collects its edges. Refused, with the first bad element named: what is
 // not finite, an index out of range, no face, an edge with three polygons, neighbours of opposite winding, a
 // vertex twice in a polygon. Tolerated with a warning: loose vertices, bow ties, triangles without area.

@@ -119,7 +119,7 @@ void check_arrays(const SurfaceInput& input) {
     check_triangles(input);
 }
 
-std::pair<Index, Index> find_duplicate_polygons(const PolygonMesh& mesh) {
+std::vector<std::vector<Index>> find_equal_polygons(const PolygonMesh& mesh) {
     std::vector<Index> sorted = mesh.corner_vertex;
     const auto corners_of = [&](Index p) {
         return std::span<const Index>(sorted).subspan(mesh.polygon_start[p], mesh.polygon_size(p));
@@ -135,14 +135,22 @@ std::pair<Index, Index> find_duplicate_polygons(const PolygonMesh& mesh) {
         if (std::lexicographical_compare(y.begin(), y.end(), x.begin(), x.end())) return false;
         return p < q;
     });
-    std::pair<Index, Index> first{kNone, kNone};
-    for (std::size_t i = 0; i + 1 < order.size(); ++i) {
-        const auto x = corners_of(order[i]), y = corners_of(order[i + 1]);
-        if (!std::equal(x.begin(), x.end(), y.begin(), y.end())) continue;
-        const std::pair<Index, Index> found{order[i], order[i + 1]};
-        if (first.first == kNone || found < first) first = found;
+    std::vector<std::vector<Index>> equal;
+    for (std::size_t i = 0, end = 0; i < order.size(); i = end) {
+        const auto same = [&](Index p) {
+            const auto x = corners_of(order[i]), y = corners_of(p);
+            return std::equal(x.begin(), x.end(), y.begin(), y.end());
+        };
+        for (end = i + 1; end < order.size() && same(order[end]);) ++end;
+        if (end - i > 1) equal.emplace_back(order.begin() + i, order.begin() + end);
     }
-    return first;
+    std::sort(equal.begin(), equal.end());
+    return equal;
+}
+
+std::pair<Index, Index> find_duplicate_polygons(const PolygonMesh& mesh) {
+    const auto equal = find_equal_polygons(mesh);
+    return equal.empty() ? std::pair{kNone, kNone} : std::pair{equal[0][0], equal[0][1]};
 }
 
 void check_polygons(const PolygonMesh& mesh) {

@@ -31,6 +31,10 @@ void check_polygons(const PolygonMesh& mesh);
 // Edges used by three polygons, neighbours of opposite winding. Throws TopologyError.
 void check_edges(const PolygonMesh& mesh);
 
+// Polygons over the same vertices, whatever their order: two or more ascending in each group, groups
+// ascending.
+std::vector<std::vector<Index>> find_equal_polygons(const PolygonMesh& mesh);
+
 // The first pair (lower, higher) of polygons over the same vertices; kNone if there is none.
 std::pair<Index, Index> find_duplicate_polygons(const PolygonMesh& mesh);
 

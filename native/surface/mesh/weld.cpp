@@ -53,10 +53,6 @@ std::vector<Index> find_places(std::span<const Vec3> positions, const std::vecto
     return place;
 }
 
-struct Seam {
-    Index vertex[2][2];  // [side][end]
-};
-
 // A boundary edge from place to place, a < b among places.
 struct BoundaryEdge {
     Index a, b;
@@ -84,25 +80,21 @@ std::vector<BoundaryEdge> collect_boundary_edges(const std::vector<EdgeUse>& use
     return boundary;
 }
 
-// Boundary edges that lie on one another, in opposite directions. `refused`
-// gets a vertex of every edge that has a partner but not exactly one.
-std::vector<Seam> pair_edges(const std::vector<BoundaryEdge>& boundary, std::vector<Index>& refused) {
-    std::vector<Seam> seams;
+using SeamPair = std::array<BoundaryEdge, 2>;
+
+// Boundary edges that lie on one another, two by two. `crowded` gets a vertex of every place where more do.
+std::vector<SeamPair> pair_edges(const std::vector<BoundaryEdge>& boundary, std::vector<Index>& crowded) {
+    std::vector<SeamPair> pairs;
     for (std::size_t i = 0, end = 0; i < boundary.size(); i = end) {
         end = i + 1;
         while (end < boundary.size() && boundary[end].a == boundary[i].a &&
                boundary[end].b == boundary[i].b) {
             ++end;
         }
-        if (end - i == 1) continue;
-        const BoundaryEdge &x = boundary[i], &y = boundary[i + 1];
-        if (end - i == 2 && x.forward != y.forward) {
-            seams.push_back({{{x.vertex[0], x.vertex[1]}, {y.vertex[0], y.vertex[1]}}});
-        } else {
-            refused.push_back(std::min(x.vertex[0], x.vertex[1]));
-        }
+        if (end - i == 2) pairs.push_back({boundary[i], boundary[i + 1]});
+        if (end - i > 2) crowded.push_back(std::min(boundary[i].vertex[0], boundary[i + 1].vertex[0]));
     }
-    return seams;
+    return pairs;
 }
 
 // Classes (their lowest vertices) whose joining breaks the mesh.
@@ -146,15 +138,20 @@ std::vector<Index> find_rim(const std::vector<EdgeUse>& uses) {
     return rim;
 }
 
+std::vector<Index> places_of_rim(const std::vector<EdgeUse>& uses, std::span<const Vec3> positions) {
+    return find_places(positions, find_rim(uses), kWeldDistance * bounding_diagonal(positions));
+}
+
 // Joins the seams that touch no barred vertex. A seam is joined at both ends or
 // at none: joined at one, its faces would meet in a point.
-std::vector<Index> join_seams(const std::vector<Seam>& seams, const std::vector<bool>& barred) {
+std::vector<Index> join_seams(const std::vector<SeamPair>& seams, const std::vector<bool>& barred) {
     DisjointSets classes(static_cast<Index>(barred.size()));
-    for (const Seam& seam : seams) {
+    for (const auto& [x, y] : seams) {
         bool free = true;
-        for (const auto& side : seam.vertex) free = free && !barred[side[0]] && !barred[side[1]];
+        for (const BoundaryEdge& side : {x, y})
+            free = free && !barred[side.vertex[0]] && !barred[side.vertex[1]];
         if (!free) continue;
-        for (int end = 0; end < 2; ++end) classes.unite(seam.vertex[0][end], seam.vertex[1][end]);
+        for (int end = 0; end < 2; ++end) classes.unite(x.vertex[end], y.vertex[end]);
     }
     std::vector<Index> class_of(barred.size());
     for (std::size_t v = 0; v < class_of.size(); ++v) class_of[v] = classes.find(static_cast<Index>(v));
@@ -163,12 +160,26 @@ std::vector<Index> join_seams(const std::vector<Seam>& seams, const std::vector<
 
 }  // namespace
 
+std::vector<std::array<Index, 2>> find_seams(const PolygonMesh& mesh, std::span<const Vec3> positions) {
+    const std::vector<EdgeUse> uses = collect_edge_uses(mesh);
+    const std::vector<Index> place = places_of_rim(uses, positions);
+    std::vector<Index> crowded;
+    std::vector<std::array<Index, 2>> corners;
+    for (const auto& [x, y] : pair_edges(collect_boundary_edges(uses, place), crowded))
+        corners.push_back({x.corner, y.corner});
+    return corners;
+}
+
 Weld find_weld(const PolygonMesh& mesh, std::span<const Vec3> positions) {
     const std::vector<EdgeUse> uses = collect_edge_uses(mesh);
-    const double distance = kWeldDistance * bounding_diagonal(positions);
-    const std::vector<Index> place = find_places(positions, find_rim(uses), distance);
+    const std::vector<Index> place = places_of_rim(uses, positions);
     std::vector<Index> refused;
-    const std::vector<Seam> seams = pair_edges(collect_boundary_edges(uses, place), refused);
+    std::vector<SeamPair> seams = pair_edges(collect_boundary_edges(uses, place), refused);
+    std::erase_if(seams, [&](const SeamPair& pair) {
+        const bool overlap = pair[0].forward == pair[1].forward;
+        if (overlap) refused.push_back(std::min(pair[0].vertex[0], pair[1].vertex[0]));
+        return overlap;
+    });
 
     // Join all, then take back, class by class, what breaks the mesh. Every
     // round bars a class of two or more vertices for good, so the loop ends.

@@ -2,6 +2,7 @@
 // Joins the vertices that a game mesh was split into at its seams. Internal to surface.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct Weld {
     std::vector<Index> class_of;
     std::vector<std::string> warnings;
 };
+
+// The corners that begin two boundary edges which lie on one another, whichever way they run.
+std::vector<std::array<Index, 2>> find_seams(const PolygonMesh& mesh, std::span<const Vec3> positions);
 
 Weld find_weld(const PolygonMesh& mesh, std::span<const Vec3> positions);
 

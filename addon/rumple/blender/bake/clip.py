@@ -96,7 +96,7 @@ class ClipBake:
         manifest = clip_file.Manifest(
             object=obj.name, vertices=fine.vertex_count,
             points=clip_file.point_count(fine.vertex_count, len(fine.corner_vertex), fine.ATTRIBUTES),
-            coarse_vertices=len(obj.data.vertices), start=about.bake_start, end=about.bake_end,
+            coarse_vertices=fine.coarse_count, start=about.bake_start, end=about.bake_end,
             samples=about.bake_samples, inputs=clip_status.inputs_fingerprint(obj, context.scene))
         self.writer = clip_file.ClipWriter(path, manifest, fine.ATTRIBUTES)
         self.curves = path_curves.Recorder(obj)

@@ -11,7 +11,7 @@ from ...core.brush import Easel
 from ...core.engine import UserError
 from ...core.wrinkle_field import WrinkleField
 from .. import compat
-from ..objects import mesh_reader, modifier, runtimes
+from ..objects import incoming_mesh, mesh_reader, modifier, runtimes
 
 
 class Canvas:
@@ -61,7 +61,10 @@ def canvas_of(obj: bpy.types.Object) -> Canvas:
     runtime = runtimes.known(obj)
     if runtime is None or not isinstance(runtime.evaluator, WrinkleField):
         raise UserError(runtimes.message(obj) or f"{obj.name}: nothing is solved yet")
-    if len(runtime.evaluator.base.positions) != len(obj.data.vertices):
+    if not incoming_mesh.is_own(obj):
+        raise UserError(f"{obj.name}: a modifier in front of the wrinkles changes the number of vertices: apply it to "
+                        "paint")
+    if runtime.evaluator.coarse_count != len(obj.data.vertices):
         raise UserError(f"{obj.name}: its mesh was edited: one moment")
     if _last is None or _last.easel.field is not runtime.evaluator:
         _last = Canvas(runtime.evaluator)

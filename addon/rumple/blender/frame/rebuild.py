@@ -11,7 +11,8 @@ import bpy
 
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
-from ..objects import bodies, evaluator, kept_lists, mesh_reader, messages, modifier, output_mesh, runtimes
+from ..objects import (bodies, evaluator, incoming_mesh, kept_lists, mesh_reader, messages, modifier, output_mesh,
+                       runtimes, units)
 from ..objects.runtimes import Runtime
 from . import clip_status, path_curves
 
@@ -60,13 +61,16 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     runtime.bake_note = ""
     if method == "FIELD":
         _settle_profile(obj, runtime)
+    changed = _take_incoming(obj, runtime)
     former = runtime.evaluator
     evaluator.ensure(obj, runtime)
+    if changed:
+        runtime.notes.append(changed)
     if runtime.evaluator is not former:
         obj.update_tag()  # the output object may fit as it is, but nothing is solved by this one
     source = evaluator.source_of(obj)
     output_obj = modifier.output_object(nodes_mod)
-    count = len(obj.data.vertices)
+    count = len(incoming_mesh.of(obj).vertices)
     if output_obj is None or output_obj.type != "MESH" or not _is_local(output_obj):
         output_obj = output_mesh.make(obj, runtime.evaluator, source)
         output_obj[output_mesh.KEY] = True
@@ -78,6 +82,18 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     modifier.set_output_object(nodes_mod, output_obj, count)
     runtime.invalidate_output()
     return True
+
+
+def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:
+    """Make the incoming mesh what it should be. What to say of one that nobody edited and that has other vertices."""
+    before, stack = len(incoming_mesh.of(obj).vertices), incoming_mesh.stack_fingerprint(obj)
+    incoming_mesh.update(obj)
+    count, edited = len(incoming_mesh.of(obj).vertices), runtime.stack != stack
+    runtime.stack = stack
+    if count == before or edited or incoming_mesh.is_own(obj):
+        return ""
+    return (f"{obj.name}: \"{modifier.topology_changer_before(obj).name}\" in front of the wrinkles makes {count} "
+            f"vertices in frame {units.scene_of(obj).frame_current}, {before} before: the wrinkles begin anew there")
 
 
 def _settle_profile(obj: bpy.types.Object, runtime: Runtime) -> None:
@@ -142,6 +158,7 @@ def drop_traces(obj: bpy.types.Object) -> None:
     if obj.rumple.method == "FIELD":
         field_shader.unshade_object(obj, [o for o, _ in modifier.wrinkled_objects() if o.rumple.method == "FIELD"])
     obj.rumple.method = "NONE"
+    incoming_mesh.forget(obj)
     drop_internal_attributes(obj)
 
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from ...core import engine
 from .. import compat, scheduler
-from ..objects import bodies, evaluator, mesh_reader, messages, modifier, output_mesh, properties, runtimes, units, wind
+from ..objects import (bodies, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh, properties,
+                       runtimes, units, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -86,7 +87,7 @@ def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray 
     evaluated = obj.evaluated_get(depsgraph)
     if not evaluated.is_evaluated or obj.mode in mesh_reader.BUSY_MODES:
         return None
-    count = len(obj.data.vertices)
+    count = len(incoming_mesh.of(obj).vertices)
     found = mesh_reader.posed_positions(evaluated, count)
     return mesh_reader.plain_positions(evaluated, count) if found is None else found
 
@@ -205,20 +206,30 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
     """Coarse positions of this frame; None where the modifier is off or passed the coarse mesh through."""
     if runtime.pose is not None:
         return runtime.pose
-    count = len(runtime.evaluator.base.positions)
+    count = runtime.evaluator.coarse_count
     positions = mesh_reader.posed_positions(evaluated, count)
     shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
     if positions is not None or not shown:
         return positions
-    if len(obj.data.vertices) != count or modifier.coarse_vertices(nodes_mod) != count:
-        runtime.stale = True
-        scheduler.request()  # the topology was edited
-        return None
-    changer = modifier.topology_changer_before(obj)
-    if changer is not None:
-        raise engine.UserError(f"{obj.name}: the modifier \"{changer.name}\" in front of {nodes_mod.name} changes the "
-                               "number of vertices: apply it, or move it behind")
+    _follow_topology(obj, nodes_mod, runtime, len(evaluated.data.vertices), depsgraph.mode == "RENDER")
     return None
+
+
+def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, arriving: int,
+                     in_render: bool) -> None:
+    """Other points arrive than the wrinkles were made for: let them be made anew. Raises UserError where that was
+    tried, or cannot be. arriving: how many vertices the object has now, modifiers behind the wrinkles included."""
+    changer, own = modifier.topology_changer_before(obj), len(incoming_mesh.of(obj).vertices)
+    edited = (own != runtime.evaluator.coarse_count or modifier.coarse_vertices(nodes_mod) != own
+              or incoming_mesh.is_own(obj) != (changer is None)
+              or runtime.stack != incoming_mesh.stack_fingerprint(obj))
+    if changer is not None and not edited and (in_render or runtime.tried == arriving):
+        raise engine.UserError(f"{obj.name}: \"{changer.name}\" or another modifier in front of {nodes_mod.name} makes "
+                               f"another number of vertices here than at rest in the viewport ({own}): set the same "
+                               f"for viewport and renders, apply it, or move it behind {nodes_mod.name}")
+    if edited or changer is not None:
+        runtime.stale, runtime.tried = True, arriving
+        scheduler.request()
 
 
 def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameResult | engine.PreviewFrame,

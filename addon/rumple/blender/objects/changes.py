@@ -8,7 +8,7 @@ import numpy as np
 from .. import compat, scheduler
 from ..nodes import field_profile
 from ..scheduler import LOCK
-from . import bodies, modifier, runtimes
+from . import bodies, incoming_mesh, modifier, runtimes
 
 
 def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
@@ -46,12 +46,19 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
                 continue
             own = obj.rumple.own_mesh
             edited = compat.session_key(obj.data) in touched
+            edited = edited or _restacked(obj, runtime, touched)
             if edited or (own is not None and own.data is not None and compat.session_key(own.data) in touched):
                 runtime.stale = True
                 runtime.paint = None
                 scheduler.request(scheduler.DELAY)
             elif runtime.paint and compat.session_key(obj) in touched and not _is_playing():
                 runtime.paint = None  # vertex_group.add() from scripts tags the object only, as animation does
+
+
+def _restacked(obj: bpy.types.Object, runtime: runtimes.Runtime, touched: set[int]) -> bool:
+    """Whether modifiers in front that make the coarse mesh were changed."""
+    return (not incoming_mesh.is_own(obj) and compat.session_key(obj) in touched and not _is_playing()
+            and runtime.stack != incoming_mesh.stack_fingerprint(obj))
 
 
 def _is_playing() -> bool:

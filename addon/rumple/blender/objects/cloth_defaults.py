@@ -6,9 +6,11 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils.kdtree import KDTree
 
 from ...core import wrinkle_mesh, wrinkle_paths
-from . import mesh_reader, properties, runtimes, units
+from .. import compat
+from . import incoming_mesh, mesh_reader, properties, runtimes, units
 
 # Their result is cloth already: its small compressions are the simulation's own.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
@@ -73,6 +75,15 @@ def is_skinned(obj: bpy.types.Object) -> bool:
         obj.parent is not None and obj.parent.type == "ARMATURE" and obj.parent_type == "ARMATURE")
 
 
+def _nearest(places: np.ndarray, to: np.ndarray) -> list[int]:
+    """Of every row of `to` the nearest of the places."""
+    tree = KDTree(len(places))
+    for number, place in enumerate(places.tolist()):
+        tree.insert(place, number)
+    tree.balance()
+    return [tree.find(place)[1] for place in to.tolist()]
+
+
 def fill_follow(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> None:
     """Start a new group from where the base cloth is pinned by itself."""
     fine = runtimes.of(obj).evaluator
@@ -80,5 +91,7 @@ def fill_follow(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> None:
         return
     settings = properties.settings_of(obj, units.scene_of(obj))
     weights = np.round(fine.suggested_follow(settings) * STEPS) / STEPS
+    if not incoming_mesh.is_own(obj):  # of what modifiers in front made, to the vertices that are painted
+        weights = weights[_nearest(compat.positions(incoming_mesh.of(obj)), compat.positions(obj.data))]
     for weight in np.unique(weights):
         group.add(np.flatnonzero(weights == weight).tolist(), float(weight), "REPLACE")

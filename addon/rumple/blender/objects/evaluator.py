@@ -12,7 +12,7 @@ import numpy as np
 from ...core import engine
 from ...core.settings import FieldSettings
 from .. import compat
-from . import mesh_reader, messages, modifier, properties, units
+from . import incoming_mesh, mesh_reader, messages, modifier, properties, units
 from .runtimes import Runtime
 
 
@@ -34,7 +34,7 @@ def sources(obj: bpy.types.Object) -> Sources:
     settings = properties.settings_of(obj, scene)
     base = mesh_reader.base_mesh(obj, settings.rest_shape, obj.rumple.rest_key)
     if isinstance(settings, FieldSettings) and settings.output == "SHADING":
-        base.uv = mesh_reader.render_uv(obj.data)
+        base.uv = mesh_reader.render_uv(incoming_mesh.of(obj))
     own = _own_mesh(obj, settings)
     attached = mesh_reader.attached(obj.rumple.own_mesh) if own is not None else None
     unit_scale = units.metres_per_unit(obj, scene)
@@ -58,7 +58,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     runtime.shape, runtime.refused, runtime.paint = now.shape, "", None
     runtime.inputs = None  # solved by the former one: who draws by them must wait
     runtime.notes = list(runtime.evaluator.warnings)
-    if compat.has_custom_normals(obj.data):
+    if compat.has_custom_normals(incoming_mesh.of(obj)):
         runtime.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
     runtime.evaluator.frame_cache.limit_bytes = obj.rumple.memory_limit << 20
 
@@ -66,7 +66,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
 def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:
     more = dict(own=now.own, attached=now.attached) if now.own is not None else {}
     fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale, **more)
-    coarse = len(now.base.positions)
+    coarse = fine.coarse_count
     if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
         raise engine.UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
                                f"({coarse}): choose a denser one")

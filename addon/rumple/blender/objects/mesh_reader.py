@@ -13,6 +13,7 @@ from ...core.on_cloth import PAINTED
 from ...core.settings import FieldSettings, MeshSettings, PathsSettings
 from .. import compat
 from ..nodes import field_profile, wrinkle_tree
+from . import incoming_mesh
 
 # Paint of the Wrinkle Mesh: key of the engine -> vertex group on the coarse mesh.
 MESH_GROUPS: dict[str, str] = {
@@ -36,7 +37,7 @@ BUSY_MODES = frozenset(("EDIT", "SCULPT"))  # the mesh there is not what the obj
 
 def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.BaseMesh:
     """The coarse mesh of an object at rest. Raises engine.UserError with a sentence for the panel."""
-    mesh = obj.data
+    mesh = incoming_mesh.of(obj)
     mesh.calc_loop_triangles()
     return _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
 
@@ -78,18 +79,19 @@ def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine
 # ---------------------------------------------------------------- rest shapes
 def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.ndarray:
     """Positions that count as unwrinkled, (n, 3) float32."""
-    mesh = obj.data
+    mesh = incoming_mesh.of(obj)
     if rest_shape == "FRAME":
         attribute = mesh.attributes.get(wrinkle_tree.REST_POSITION)
         if attribute is None:
             raise engine.UserError(f"{obj.name}: no rest shape is captured yet: press Capture")
         return compat.read_attribute(attribute)
     if rest_shape == "SHAPE_KEY":
-        blocks = mesh.shape_keys.key_blocks if mesh.shape_keys else {}
+        blocks = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
         if rest_key not in blocks:
             raise engine.UserError(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at")
-        return _key_positions(blocks[rest_key])
-    return _basis_positions(mesh)
+        if incoming_mesh.is_own(obj):
+            return _key_positions(blocks[rest_key])
+    return _basis_positions(mesh)  # what modifiers made of a shape key has that shape
 
 
 def _basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
@@ -138,18 +140,19 @@ def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
     """What is painted for the solver: (n,) or (n, 3) float32 for everything that exists."""
     names = paint_groups(settings)
     keys = [key for key, name in names.items() if name in obj.vertex_groups]
-    weights = group_weights(obj, obj.data, [names[key] for key in keys]) if keys else None
+    mesh = incoming_mesh.of(obj)
+    weights = group_weights(obj, mesh, [names[key] for key in keys]) if keys else None
     painted = {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
     if isinstance(settings, MeshSettings):
         return painted
     if "wavelength" in painted:
         painted["wavelength"] = np.maximum(painted["wavelength"], np.float32(LEAST_WAVELENGTH))
     for key in names.keys() - painted.keys():
-        values = _point_attribute(obj.data, names[key], "FLOAT")
+        values = _point_attribute(mesh, names[key], "FLOAT")
         if values is not None:
             painted[key] = np.ascontiguousarray(values[:, 0])
     if isinstance(settings, FieldSettings):
-        vectors = _point_attribute(obj.data, REST_WRINKLE, "FLOAT_VECTOR")
+        vectors = _point_attribute(mesh, REST_WRINKLE, "FLOAT_VECTOR")
         if vectors is not None:
             painted["rest_wrinkle"] = vectors
         if settings.profile == "CURVE":

@@ -50,11 +50,22 @@ def changes_topology(modifier: bpy.types.Modifier) -> bool:
     return modifier.type not in NEUTRAL
 
 
+def in_front(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """The modifiers in front of the wrinkles, or of where they would stand."""
+    ours = next((index for index, m in enumerate(obj.modifiers)
+                 if wrinkle_tree.is_ours(getattr(m, "node_group", None))), None)
+    return list(obj.modifiers)[:place_behind_deforming(obj) if ours is None else ours]
+
+
 def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
     """The first modifier in front of the wrinkles (or of where they would stand) that changes the topology."""
-    nodes_mod = find(obj)
-    last = list(obj.modifiers).index(nodes_mod) if nodes_mod is not None else place_behind_deforming(obj)
-    return next((m for m in list(obj.modifiers)[:last] if changes_topology(m)), None)
+    return next((m for m in in_front(obj) if changes_topology(m)), None)
+
+
+def deforming_and_behind(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """All but those in front of the wrinkles that do not deform."""
+    front = [m for m in in_front(obj) if m.type not in DEFORMING]
+    return [m for m in obj.modifiers if m not in front]
 
 
 def depends_on(obj: bpy.types.Object, others: list[bpy.types.Object]) -> bpy.types.Object | None:

@@ -16,7 +16,7 @@ import numpy as np
 from ...core import engine
 from .. import compat
 from ..nodes import wrinkle_tree
-from . import mesh_reader
+from . import incoming_mesh, mesh_reader
 
 KEY = "rumple_carrier"  # custom property on output and cache objects: tells leftovers from the artist's objects
 CARRIED_KEY = "rumple_carried"  # custom property on the output mesh: fingerprints of what it inherited, JSON
@@ -107,7 +107,7 @@ def _write_attributes(mesh: bpy.types.Mesh, result: engine.FrameResult,
 # ---------------------------------------------------------------- carrying
 def carry(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> None:
     """Everything inherited, again: called when it changed while the topology did not."""
-    mesh, inherited = output.data, source.data
+    mesh, inherited = output.data, _inherited(obj, source)
     _drop_inherited(mesh)
     _carry_materials(mesh, source)
     _carry_faces(mesh, inherited, fine)
@@ -116,7 +116,12 @@ def carry(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles
     _carry_attributes(mesh, inherited, fine)
     compat.copy_smoothing(inherited, mesh)
     carry_vertex_groups(output, obj, fine, [group.name for group in obj.vertex_groups])
-    _note_carried(mesh, surface_fingerprint(source), group_fingerprints(obj))
+    _note_carried(mesh, surface_fingerprint(obj, source), group_fingerprints(obj))
+
+
+def _inherited(obj: bpy.types.Object, source: bpy.types.Object) -> bpy.types.Mesh:
+    """The mesh of the source that corners, faces and vertices are inherited from."""
+    return incoming_mesh.of(obj) if source == obj else source.data
 
 
 def _drop_inherited(mesh: bpy.types.Mesh) -> None:
@@ -224,7 +229,7 @@ def carry_vertex_groups(output: bpy.types.Object, obj: bpy.types.Object, fine: e
             output.vertex_groups.new(name=name)
     if not names:
         return
-    weights = _from_base(fine, mesh_reader.group_weights(obj, obj.data, names))
+    weights = _from_base(fine, mesh_reader.group_weights(obj, incoming_mesh.of(obj), names))
     for column, name in enumerate(names):
         _write_group(output.vertex_groups[name], weights[:, column])
 
@@ -252,7 +257,7 @@ def carry_changes(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.
                   source: bpy.types.Object) -> bool:
     """Carry again what differs from what the output object has. True when something did."""
     mesh = output.data
-    surface, groups = surface_fingerprint(source), group_fingerprints(obj)
+    surface, groups = surface_fingerprint(obj, source), group_fingerprints(obj)
     stored = json.loads(mesh.get(CARRIED_KEY, "{}"))
     stored_groups = stored.get("groups", {})
     changed = [name for name in groups if groups[name] != stored_groups.get(name)]
@@ -271,10 +276,10 @@ def _note_carried(mesh: bpy.types.Mesh, surface: str, groups: dict[str, str]) ->
     mesh[CARRIED_KEY] = json.dumps(dict(surface=surface, groups=groups))
 
 
-def surface_fingerprint(source: bpy.types.Object) -> str:
+def surface_fingerprint(obj: bpy.types.Object, source: bpy.types.Object) -> str:
     """Hash of all that carry() reads but the vertex groups."""
     digest = hashlib.sha1()
-    mesh = source.data
+    mesh = _inherited(obj, source)
     digest.update(repr([slot.material and slot.material.name_full for slot in source.material_slots]).encode())
     for prop, dtype in (("material_index", np.int32), ("use_smooth", bool)):
         values = np.empty(len(mesh.polygons), dtype)
@@ -295,7 +300,7 @@ def surface_fingerprint(source: bpy.types.Object) -> str:
 def group_fingerprints(obj: bpy.types.Object) -> dict[str, str]:
     """Hash of the weights of every vertex group."""
     names = [group.name for group in obj.vertex_groups]
-    weights = mesh_reader.group_weights(obj, obj.data, names)
+    weights = mesh_reader.group_weights(obj, incoming_mesh.of(obj), names)
     return {name: hashlib.sha1(weights[:, column].tobytes()).hexdigest() for column, name in enumerate(names)}
 
 

@@ -118,6 +118,8 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     mesh: bpy.props.PointerProperty(type=RUMPLE_MeshSettings, override=_OVERRIDE)
     field: bpy.props.PointerProperty(type=RUMPLE_FieldSettings, override=_OVERRIDE)
     paths: bpy.props.PointerProperty(type=RUMPLE_PathsSettings, override=_OVERRIDE)
+    incoming: bpy.props.PointerProperty(type=bpy.types.Mesh, name="Incoming Mesh", override=_OVERRIDE,
+                                        description="What modifiers in front of the wrinkles make of the mesh at rest")
     own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Custom Mesh", override=_OVERRIDE,
                                         poll=_is_own_mesh, update=_changed("MESH"),
                                         description="Your own fine mesh, in place over the undeformed coarse mesh")

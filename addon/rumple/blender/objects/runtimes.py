@@ -46,6 +46,8 @@ class Runtime(RuntimeBase):
     shape: str = ""  # fingerprint of what `evaluator` was made from
     refused: str = ""  # fingerprint of what could not be made: not tried again until it changes
     paint: dict[str, np.ndarray] | None = None  # None: read again
+    stack: str = ""  # fingerprint of the modifiers in front when the incoming mesh was last made
+    tried: int = -1  # vertices that arrived, and did not fit, when it was last made anew for that reason
     groups: list[str] | None = None  # names of the vertex groups when the output object was last checked
     inputs: Inputs | None = None
     result: engine.FrameResult | engine.PreviewFrame | None = None  # what the output object holds

@@ -18,7 +18,8 @@ from .. import compat, scheduler, ui_base
 from ..frame import rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
-from ..objects import bodies, body_search, cloth_defaults, mesh_reader, modifier, properties, runtimes, units
+from ..objects import (bodies, body_search, cloth_defaults, incoming_mesh, mesh_reader, modifier, properties, runtimes,
+                       units)
 from ..viewport import preview
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
@@ -69,7 +70,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"ERROR"}, runtimes.message(obj) or f"{obj.name}: nothing to wrinkle")
             _remove(obj)
             return {"CANCELLED"}
-        self._report(obj, nodes_mod)
+        self._report(obj)
         return {"FINISHED"}
 
     def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
@@ -81,7 +82,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                    if f.metadata["unit"] == "LENGTH" and not settings.is_property_set(name)}
         values = properties.defaults(obj, lengths)
         system = SYSTEMS[self.method].wrinkles
-        if system.SUGGESTED in lengths and len(obj.data.polygons):
+        incoming_mesh.update(obj)
+        if system.SUGGESTED in lengths and len(incoming_mesh.of(obj).polygons):
             base = mesh_reader.base_mesh(obj, "REST_POSE", "")
             values[system.SUGGESTED] = system.suggested_length(base, units.metres_per_unit(obj, context.scene))
         properties.apply_values(obj, context.scene, values)
@@ -100,15 +102,13 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                 for garment in found.garments:
                     about.body_collection.objects.link(garment)
 
-    def _report(self, obj: bpy.types.Object, nodes_mod: bpy.types.Modifier) -> None:
-        changer = modifier.topology_changer_before(obj)
-        if changer is not None:
-            self.report({"WARNING"}, f"{changer.name} stands in front of {nodes_mod.name} and changes the number of "
-                                     "vertices: apply it, or move it behind")
-            return
+    def _report(self, obj: bpy.types.Object) -> None:
         fine = runtimes.of(obj).evaluator
+        origin = fine.base.origin
+        for note in [] if origin is None else origin.notes(obj.name):
+            self.report({"INFO"}, note)
         worn_over = ", ".join(body.name for body in bodies.of(obj))
-        self.report({"INFO"}, f"{fine.vertex_count} vertices over {len(obj.data.vertices)}"
+        self.report({"INFO"}, f"{fine.vertex_count} vertices over {fine.coarse_count}"
                               + (f", body: {worn_over}" if worn_over else ""))
 
 
@@ -280,9 +280,10 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
         now = scene.frame_current, scene.frame_subframe
         scene.frame_set(obj.rumple.rest_frame)
         evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-        positions = mesh_reader.posed_positions(evaluated, len(obj.data.vertices))
+        coarse = incoming_mesh.of(obj)
+        positions = mesh_reader.posed_positions(evaluated, len(coarse.vertices))
         if positions is not None:
-            compat.write_attribute(obj.data, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
+            compat.write_attribute(coarse, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT", positions)
             properties.group_of(obj).rest_shape = "FRAME"
             runtimes.of(obj).stale = True
             scheduler.sync_all()

@@ -13,7 +13,7 @@ from ..maps import modifier as maps_modifier
 from ..nodes import field_profile
 from ..objects import changes, modifier, properties, runtimes
 from ..ui_base import Panel, draw_message, named_paint, property_column, wrapped
-from . import cloth_panel, paths_panel, rest_panel
+from . import cloth_panel, healing, paths_panel, rest_panel
 
 BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
 
@@ -182,6 +182,7 @@ class DATA_PT_rumple_status(Panel, bpy.types.Panel):
         for line, icon in status_lines(context.object):
             for number, part in enumerate(wrapped(line)):
                 column.label(text=part, icon=icon if number == 0 else "BLANK1")
+        healing.draw(column, context.object)
 
 
 def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:

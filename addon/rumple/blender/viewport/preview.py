@@ -21,7 +21,7 @@ import numpy as np
 from mathutils import Matrix
 
 from .. import compat, scheduler
-from ..objects import messages, modifier, runtimes
+from ..objects import incoming_mesh, messages, modifier, runtimes
 from . import gpu_arrays, preview_field, preview_paths, studio_light
 from .draw_handler import DrawHandler
 
@@ -195,21 +195,19 @@ def _update(obj: bpy.types.Object, runtime: runtimes.Runtime, on_gpu: _OnGpu) ->
     gpu_arrays.plain_state()
     if on_gpu.drawing is None:
         on_gpu.drawing = _DRAWINGS[obj.rumple.method](on_gpu.model)
-    slots = _material_slots(obj, len(runtime.evaluator.base.triangle_corner))
+    slots = _material_slots(obj, runtime.evaluator.coarse_triangles()[1])
     if not on_gpu.drawing.update(obj, runtime, on_gpu.inputs, slots):
         return False
     on_gpu.inputs = runtime.inputs
     return True
 
 
-def _material_slots(obj: bpy.types.Object, triangles: int) -> np.ndarray:
-    """Of every triangle, (t,) int32."""
-    slots = np.zeros(triangles, np.int32)
-    if not obj.data.loop_triangles:
-        obj.data.calc_loop_triangles()  # Blender forgets them when the mesh is touched
-    if len(obj.data.loop_triangles) == triangles:
-        obj.data.loop_triangles.foreach_get("material_index", slots)
-    return slots
+def _material_slots(obj: bpy.types.Object, polygons: np.ndarray) -> np.ndarray:
+    """Of every triangle, (t,) int32. polygons: (t,) those that the triangles are of."""
+    coarse = incoming_mesh.of(obj).polygons
+    slots = np.zeros(len(coarse), np.int32)
+    coarse.foreach_get("material_index", slots)
+    return slots[polygons] if len(polygons) and polygons.max() < len(slots) else np.zeros(len(polygons), np.int32)
 
 
 def _draw_object(obj: bpy.types.Object, on_gpu: _OnGpu, shading: bpy.types.View3DShading) -> None:

@@ -13,7 +13,7 @@ import gpu
 import numpy as np
 
 from ...core import engine
-from ..objects import mesh_reader, runtimes
+from ..objects import incoming_mesh, mesh_reader, runtimes
 from . import glsl, gpu_arrays
 from .gpu_arrays import upload
 
@@ -96,9 +96,9 @@ class Drawing:
         if not isinstance(runtime.result, engine.PreviewFrame):
             return False
         drawing = runtime.result.drawing
-        uv = mesh_reader.render_uv(obj.data)
+        uv = mesh_reader.render_uv(incoming_mesh.of(obj))
         self.has_uv = uv is not None
-        corners = runtime.evaluator.base.triangle_corner.ravel()
+        corners = runtime.evaluator.coarse_triangles()[0].ravel()
         self._profile, self._curved = PROFILES.index(runtime.inputs.settings.profile), float(drawing.curved)
         self._arrays.update(
             uvs=upload(uv[corners]) if self.has_uv else gpu_arrays.blank(),

@@ -27,6 +27,7 @@ FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
 }
 STRUCTS: dict[str, Any] = {
     "rumple_surface_plan": SurfacePlan,
+    "rumple_healed_view": HealedView,
     "rumple_surface_view": SurfaceView,
     "rumple_coarse_view": CoarseView,
     "rumple_fine_plan": FinePlan,

@@ -16,6 +16,7 @@ FINE_SOURCE = {"SUBDIVISION": 0, "REGULAR": 1, "EDGE_LENGTH": 2, "OBJECT": 3}
 ATTACHMENT = {"LINEAR": 0, "PN": 1, "LIMIT": 2}
 REFERENCE = {"REST": 0, "FIRST_FRAME": 1, "STATIC_REST": 2}
 SurfacePointer = pointer_to("rumple_surface")
+HealedPointer = pointer_to("rumple_healed")
 CoarsePointer = pointer_to("rumple_coarse")
 ShownMeshPointer = pointer_to("rumple_shown_mesh")
 FramePointer = pointer_to("rumple_frame")
@@ -37,6 +38,36 @@ class SurfacePlan(Struct):
     _fields_ = (("positions_rest", c_void_p), ("positions_rest_count", c_size_t), ("polygon_start", c_void_p),
         ("polygon_start_count", c_size_t), ("corner_vertex", c_void_p), ("corner_vertex_count", c_size_t),
         ("triangle_corner", c_void_p), ("triangle_corner_count", c_size_t), ("weld_seams", c_bool),)
+
+
+class HealedView(Struct):
+    """struct rumple_healed_view"""
+
+    __slots__ = ()
+    vertex_count: int  # n
+    polygon_count: int  # p
+    corner_count: int  # c
+    triangle_count: int  # t
+    turned_count: int
+    cut_count: int
+    doubled_count: int
+    repeated_count: int
+    polygon_start: int | None  # (p + 1)
+    corner_vertex: int | None  # (c)
+    triangle_corner: int | None  # (t, 3)
+    vertex_source: int | None  # (n): vertex of the mesh
+    corner_source: int | None  # (c): corner of the mesh
+    polygon_source: int | None  # (p): polygon of the mesh
+    turned: int | None  # (turned_count): polygons of the mesh that are wound the other way
+    cut: int | None  # (cut_count, 2): edges of the mesh at which polygons were cut off
+    doubled: int | None  # (doubled_count, 2): a polygon that was left out, and the one it lies on
+    repeated: int | None  # (repeated_count): polygons that use a vertex twice
+    _fields_ = (("vertex_count", c_int32), ("polygon_count", c_int32), ("corner_count", c_int32),
+        ("triangle_count", c_int32), ("turned_count", c_int32), ("cut_count", c_int32), ("doubled_count", c_int32),
+        ("repeated_count", c_int32), ("polygon_start", c_void_p), ("corner_vertex", c_void_p),
+        ("triangle_corner", c_void_p), ("vertex_source", c_void_p), ("corner_source", c_void_p),
+        ("polygon_source", c_void_p), ("turned", c_void_p), ("cut", c_void_p), ("doubled", c_void_p),
+        ("repeated", c_void_p),)
 
 
 class SurfaceView(Struct):
@@ -163,6 +194,9 @@ class ReferenceView(Struct):
 
 SURFACE_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_surface_plan_default": (SurfacePlan, ()),
+    "rumple_healed_build": (CHECKED, (POINTER(SurfacePlan), POINTER(HealedPointer))),
+    "rumple_healed_free": (None, (HealedPointer,)),
+    "rumple_healed_get_view": (CHECKED, (HealedPointer, POINTER(HealedView))),
     "rumple_surface_build": (CHECKED, (POINTER(SurfacePlan), POINTER(SurfacePointer))),
     "rumple_surface_free": (None, (SurfacePointer,)),
     "rumple_surface_get_view": (CHECKED, (SurfacePointer, POINTER(SurfaceView))),

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The coarse mesh as it arrives at the wrinkles, undeformed.
+
+Without modifiers in front that change the number of points it is the object's mesh. With them (Mirror, Solidify,
+Subdivision, nodes, ...) it is a mesh of its own, made by those modifiers at rest and kept with the object: what is read
+of the coarse mesh (faces, UV maps, groups, attributes, rest shape) is read of this one.
+"""
+from __future__ import annotations
+
+import hashlib
+from contextlib import contextmanager
+from typing import Iterator
+
+import bpy
+import numpy as np
+
+from .. import compat, scheduler
+from ..nodes import wrinkle_tree
+from . import modifier
+
+SUFFIX = ".incoming"
+
+
+def of(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """What is there now; see update()."""
+    kept = obj.rumple.incoming
+    return obj.data if kept is None else kept
+
+
+def is_own(obj: bpy.types.Object) -> bool:
+    """Whether it is the object's own mesh: what is selected or painted there is what arrives."""
+    return obj.rumple.incoming is None
+
+
+def update(obj: bpy.types.Object) -> None:
+    """Make it what it should be. Structural work: it makes and removes data-blocks."""
+    if not compat.is_editable(obj):
+        return
+    kept = obj.rumple.incoming
+    if modifier.topology_changer_before(obj) is None:
+        obj.rumple.incoming = None
+    else:
+        made = _evaluated_at_rest(obj)
+        if kept is not None and _content(made) == _content(kept):
+            bpy.data.meshes.remove(made)
+            return
+        _keep_captured(kept, made)
+        obj.rumple.incoming = made
+    drop(kept)
+
+
+def forget(obj: bpy.types.Object) -> None:
+    """Its wrinkles have gone."""
+    kept = obj.rumple.incoming
+    if kept is not None:
+        obj.rumple.incoming = None
+        drop(kept)
+
+
+def drop(mesh: bpy.types.Mesh | None) -> None:
+    """Remove a kept one that no object has any more."""
+    if mesh is not None and mesh.users == 0 and compat.is_editable(mesh):
+        bpy.data.meshes.remove(mesh)
+
+
+def _keep_captured(former: bpy.types.Mesh | None, mesh: bpy.types.Mesh) -> None:
+    """A captured rest shape, where it still fits."""
+    captured = None if former is None else former.attributes.get(wrinkle_tree.REST_POSITION)
+    if captured is not None and len(former.vertices) == len(mesh.vertices):
+        compat.write_attribute(mesh, wrinkle_tree.REST_POSITION, "FLOAT_VECTOR", "POINT",
+                               compat.read_attribute(captured))
+
+
+def _content(mesh: bpy.types.Mesh) -> str:
+    """Hash of its faces, positions, groups and attributes; what was captured does not count."""
+    digest = hashlib.sha1()
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    sizes = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    for values in (compat.positions(mesh), corners, sizes):
+        digest.update(values.tobytes())
+    for attribute in mesh.attributes:
+        if (attribute.data_type in compat.ATTRIBUTE_LAYOUT and not attribute.name.startswith(".")
+                and attribute.name != wrinkle_tree.REST_POSITION):
+            digest.update(attribute.name.encode() + compat.read_attribute(attribute).tobytes())
+    for layer in mesh.uv_layers:
+        uv = np.empty(len(mesh.loops) * 2, np.float32)
+        layer.data.foreach_get("uv", uv)
+        digest.update(layer.name.encode() + uv.tobytes())
+    digest.update(repr([[(group.group, group.weight) for group in vertex.groups] for vertex in mesh.vertices]).encode())
+    return digest.hexdigest()
+
+
+# ---------------------------------------------------------------- at rest
+def _evaluated_at_rest(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """What the modifiers in front make of the rest shape, without those that deform. A new mesh."""
+    with _bare_copy(obj) as bare:
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        mesh = bpy.data.meshes.new_from_object(bare.evaluated_get(depsgraph), preserve_all_data_layers=True,
+                                               depsgraph=depsgraph)
+    mesh.name = obj.name + SUFFIX
+    return mesh
+
+
+@contextmanager
+def _bare_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """The object with the modifiers in front that do not deform, at the shape key that is its rest shape, evaluated."""
+    with scheduler.suspended():
+        bare = obj.copy()
+        try:
+            for m in modifier.deforming_and_behind(bare):
+                bare.modifiers.remove(m)
+            bare.animation_data_clear()
+            bare.show_only_shape_key, bare.active_shape_key_index = True, _rest_key(obj)
+            bpy.context.scene.collection.objects.link(bare)
+            bpy.context.view_layer.update()
+            yield bare
+        finally:
+            bpy.data.objects.remove(bare)
+
+
+def _rest_key(obj: bpy.types.Object) -> int:
+    """Number of the shape key that is the rest shape; 0: the basis."""
+    keys = obj.data.shape_keys
+    settings = getattr(obj.rumple, obj.rumple.method.lower(), None)
+    if keys is None or getattr(settings, "rest_shape", "") != "SHAPE_KEY":
+        return 0
+    return max(keys.key_blocks.find(obj.rumple.rest_key), 0)
+
+
+# ---------------------------------------------------------------- changes
+def stack_fingerprint(obj: bpy.types.Object) -> str:
+    """Of the settings of the modifiers in front that count for it. Those that are animated do not."""
+    animated = _animated_paths(obj)
+    rows = []
+    for m in modifier.in_front(obj):
+        if m.type in modifier.DEFORMING:
+            continue
+        path = f'modifiers["{m.name}"]'
+        values = {name: repr(getattr(m, name)) for name in m.bl_rna.properties.keys()
+                  if f"{path}.{name}" not in animated and name not in ("execution_time", "is_active")}
+        if m.type == "NODES" and m.node_group is not None:
+            values.update({key: repr(compat.modifier_input(m, key)) for key in
+                           compat.group_sockets(m.node_group, "INPUT").values() if f'{path}["{key}"]' not in animated})
+        rows.append(sorted(values.items()))
+    return repr(rows)
+
+
+def _animated_paths(obj: bpy.types.Object) -> set[str]:
+    about = obj.animation_data
+    if about is None:
+        return set()
+    curves = [*about.drivers, *(compat.action_curves(about.action) if about.action is not None else ())]
+    return {curve.data_path for curve in curves}

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What was healed of a mesh: said in the panel, and selected for the artist to look at."""
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...core.healing import SENTENCES, Origin
+from .. import ui_base
+from ..objects import incoming_mesh, runtimes
+
+
+def origin_of(obj: bpy.types.Object) -> Origin | None:
+    """Where the elements of an object's healed mesh come from; None where nothing had to be healed."""
+    runtime = runtimes.known(obj)
+    return None if runtime is None or runtime.evaluator is None else runtime.evaluator.base.origin
+
+
+class OBJECT_OT_rumple_select_healed(ui_base.OnWrinkled, bpy.types.Operator):
+    """Select in Edit Mode what was healed for the wrinkles"""
+
+    bl_idname = "object.rumple_select_healed"
+    bl_label = "Select These"
+
+    kind: bpy.props.EnumProperty(name="Kind", items=[(kind, kind.title(), "") for kind in SENTENCES])
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.object
+        origin = origin_of(obj)
+        elements = np.empty(0, np.int32) if origin is None else origin.elements[self.kind]
+        if not len(elements):
+            self.report({"ERROR"}, f"{obj.name}: nothing of this kind had to be healed")
+            return {"CANCELLED"}
+        domain = SENTENCES[self.kind][0]
+        context.tool_settings.mesh_select_mode = (False, domain == "EDGE", domain == "FACE")
+        _select(obj.data, domain, elements)
+        bpy.ops.object.mode_set(mode="EDIT")
+        return {"FINISHED"}
+
+
+def _select(mesh: bpy.types.Mesh, domain: str, elements: np.ndarray) -> None:
+    """Nothing but these. elements: polygons, or the two vertices of edges."""
+    chosen = {"vertices": np.zeros(len(mesh.vertices), bool), "edges": np.zeros(len(mesh.edges), bool),
+              "polygons": np.zeros(len(mesh.polygons), bool)}
+    if domain == "FACE":
+        chosen["polygons"][elements] = True
+        for polygon in elements.tolist():
+            chosen["vertices"][list(mesh.polygons[polygon].vertices)] = True
+    else:
+        wanted = set(map(tuple, elements.tolist()))
+        chosen["edges"][[edge.index for edge in mesh.edges if tuple(sorted(edge.vertices)) in wanted]] = True
+        chosen["vertices"][elements.ravel()] = True
+    for name, values in chosen.items():
+        getattr(mesh, name).foreach_set("select", values)
+
+
+def draw(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """A sentence and a button for each kind."""
+    origin = origin_of(obj)
+    if origin is None:
+        return
+    can_select = incoming_mesh.is_own(obj)
+    for kind, note in zip(origin.kinds(), origin.notes(obj.name)):
+        column = layout.column(align=True)
+        for number, part in enumerate(ui_base.wrapped(note)):
+            column.label(text=part, icon="INFO" if number == 0 else "BLANK1")
+        if can_select:
+            column.operator(OBJECT_OT_rumple_select_healed.bl_idname, icon="RESTRICT_SELECT_OFF").kind = kind
+
+
+register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_rumple_select_healed,))

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes that are no oriented manifold: solved on a healed copy, shown as they are. Never imports bpy."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+# What was healed: the kind of its elements, and what to say of it. {}: how many, and which one is the first.
+TURNED, CUT, DOUBLED, REPEATED = "turned", "cut", "doubled", "repeated"
+SENTENCES: dict[str, tuple[str, str]] = {
+    TURNED: ("FACE", "{} faces the other way than those beside it: turned for the wrinkles"),
+    CUT: ("EDGE", "{} has more faces than two, or none that faces the same way: wrinkles end there"),
+    DOUBLED: ("FACE", "{} lies on another face: it gets the same wrinkles"),
+    REPEATED: ("FACE", "{} uses a vertex twice: it hangs at one corner less"),
+}
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where the elements of a healed mesh come from. n vertices, p polygons, c corners."""
+
+    vertex_count: int  # of the mesh as the artist has it: the first of the healed ones
+    corner_count: int
+    vertex: np.ndarray  # (n,) int32
+    corner: np.ndarray  # (c,) int32
+    polygon: np.ndarray  # (p,) int32
+    copies: list["Copies"]  # of faces that lie on others
+    elements: dict[str, np.ndarray] = field(default_factory=dict)  # what was healed, in the artist's numbering
+
+    def kinds(self) -> list[str]:
+        """Of what was healed."""
+        return [kind for kind in SENTENCES if len(self.elements[kind])]
+
+    def notes(self, name: str) -> list[str]:
+        """A sentence for each of the kinds. name: of the object."""
+        sentences = [(*SENTENCES[kind], self.elements[kind]) for kind in self.kinds()]
+        return [f"{name}: " + sentence.format(_counted(domain.lower(), elements))
+                for domain, sentence, elements in sentences]
+
+
+@dataclass(frozen=True)
+class Copies:
+    """Faces that lie on others, no two on the same: they show the wrinkles of those."""
+
+    corner: np.ndarray  # (c,) int32: of every healed corner the copy's corner there; where there is no copy its own
+    polygon: np.ndarray  # (k,) int32, the artist's
+    lies_on: np.ndarray  # (k,) int32, healed
+    is_turned: np.ndarray  # (k,) bool: it faces the other way
+
+
+def origin_of(healed: Any, polygon_start: np.ndarray, corner_vertex: np.ndarray, vertex_count: int) -> Origin:
+    """Of a native HealedMesh, and the mesh that it was made from."""
+    elements = {TURNED: healed.turned, CUT: healed.cut, DOUBLED: healed.doubled[:, 0], REPEATED: healed.repeated}
+    return Origin(vertex_count, len(corner_vertex), healed.vertex_source, healed.corner_source, healed.polygon_source,
+                  _copies(healed, polygon_start, corner_vertex), elements)
+
+
+def _copies(healed: Any, polygon_start: np.ndarray, corner_vertex: np.ndarray) -> list[Copies]:
+    """In as many groups as the most faces that lie on one."""
+    place = np.searchsorted(healed.polygon_source, healed.doubled[:, 1])
+    groups: list[list[tuple[int, int]]] = []
+    seen: dict[int, int] = {}
+    for (copy, original), kept in zip(healed.doubled.tolist(), place.tolist()):
+        number = seen[original] = seen.get(original, -1) + 1
+        if number == len(groups):
+            groups.append([])
+        groups[number].append((copy, kept))
+    return [_copies_of(group, healed, polygon_start, corner_vertex) for group in groups]
+
+
+def _copies_of(group: list[tuple[int, int]], healed: Any, polygon_start: np.ndarray,
+               corner_vertex: np.ndarray) -> Copies:
+    corner, turned = healed.corner_source.copy(), []
+    for copy, kept in group:
+        own = range(polygon_start[copy], polygon_start[copy + 1])
+        at = {int(corner_vertex[c]): c for c in own}
+        for c in range(healed.polygon_start[kept], healed.polygon_start[kept + 1]):
+            corner[c] = at[int(healed.vertex_source[healed.corner_vertex[c]])]
+        first = healed.polygon_start[kept]
+        turned.append(int(corner[first + 1]) != own[(corner[first] + 1 - own[0]) % len(own)])
+    copies, kept_ones = zip(*group)
+    return Copies(corner, np.array(copies, np.int32), np.array(kept_ones, np.int32), np.array(turned, bool))
+
+
+def _counted(kind: str, elements: np.ndarray) -> str:
+    """"face 7", or "each of 3 faces (the first is face 7)"."""
+    first = kind + " " + "-".join(str(number) for number in np.atleast_1d(elements[0]).tolist())
+    return first if len(elements) == 1 else f"each of {len(elements)} {kind}s (the first is {first})"

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh that is shown, in the numbering of the meshes that the artist has. Never imports bpy."""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .base_mesh import BaseMesh
+
+
+class ShownMesh:
+    """d vertices, q polygons, k corners, embedded in the triangles of the base.
+
+    Where the base, or what the mesh inherits from, was healed, that is undone here: parents are elements of the
+    artist's meshes, and faces that lie on others are shown as well.
+    """
+
+    base: BaseMesh  # healed
+    source: BaseMesh  # what it inherits from: the base, or an artist's own mesh; healed
+    shown: Any  # native
+    _copied_in: tuple[Any, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = (None, [])  # a native mesh: see _copied()
+
+    @property
+    def coarse_count(self) -> int:
+        """Vertices of the coarse mesh as the artist has it."""
+        origin = self.base.origin
+        return len(self.base.positions) if origin is None else origin.vertex_count
+
+    @property
+    def vertex_count(self) -> int:
+        return self.shown.vertex_count
+
+    @property
+    def polygon_start(self) -> np.ndarray:
+        """(q + 1,)"""
+        copied = self._copied()
+        if not copied:
+            return self.shown.polygon_start
+        sizes = np.diff(self.shown.polygon_start)
+        sizes = np.concatenate([sizes, *(sizes[rows] for rows, _, _ in copied)])
+        return np.concatenate([np.zeros(1, np.int32), np.cumsum(sizes, dtype=np.int32)])
+
+    @property
+    def corner_vertex(self) -> np.ndarray:
+        """(k,)"""
+        return self.on_corners(self.shown.corner_vertex)
+
+    @property
+    def positions_rest(self) -> np.ndarray:
+        """(d, 3) object space."""
+        return self.shown.positions_rest
+
+    @property
+    def polygon_parent(self) -> np.ndarray:
+        """(q,) polygon of the source of every shown polygon."""
+        parents = self.shown.polygon_source
+        if self.source.origin is None:
+            return parents
+        return np.concatenate([self.source.origin.polygon[parents], *(parent for _, parent, _ in self._copied())])
+
+    @property
+    def edges(self) -> np.ndarray:
+        """(e, 2) shown edges that lie on an edge of the source."""
+        return self.shown.edges
+
+    @property
+    def edge_parent(self) -> np.ndarray:
+        """(e, 2) vertices of that edge, ascending."""
+        if self.source.origin is None:
+            return self.shown.edge_sources
+        return np.sort(self.source.origin.vertex[self.shown.edge_sources], axis=1)
+
+    @property
+    def triangle_vertex(self) -> np.ndarray:
+        """(d, 3) coarse vertices that every shown vertex is embedded in."""
+        corners = self.shown.triangle_vertex
+        return corners if self.base.origin is None else self.base.origin.vertex[corners]
+
+    @property
+    def barycentric(self) -> np.ndarray:
+        """(d, 2) weights of the second and third of them."""
+        return self.shown.barycentric
+
+    def coarse_triangles(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of every solved coarse triangle its corners, (t, 3), and its polygon, (t,), as the artist has them."""
+        corners = self.base.triangle_corner
+        polygons = (np.searchsorted(self.base.polygon_start, corners[:, 0], side="right") - 1).astype(np.int32)
+        origin = self.base.origin
+        return (corners, polygons) if origin is None else (origin.corner[corners], origin.polygon[polygons])
+
+    def carry_points(self, values: np.ndarray) -> np.ndarray:
+        """(n, j) float32 values of the source's vertices -> (d, j)."""
+        healed = self.source.points(values)
+        return self.shown.carry_points(np.ascontiguousarray(healed, np.float32), len(self.source.positions))
+
+    def carry_corners(self, values: np.ndarray) -> np.ndarray:
+        """(c, j) float32 values of the source's corners -> (k, j). Seams stay sharp."""
+        origin, count = self.source.origin, len(self.source.corner_vertex)
+        if origin is None:
+            return self.shown.carry_corners(np.ascontiguousarray(values, np.float32), count)
+        if len(values) != origin.corner_count:
+            raise ValueError(f"corner values: expected {origin.corner_count} rows, got {len(values)}")
+        parts = [self.shown.carry_corners(np.ascontiguousarray(values[origin.corner], np.float32), count)]
+        for copies, (_, _, rows) in zip(origin.copies, self._copied()):
+            of_copies = np.ascontiguousarray(values[copies.corner], np.float32)
+            parts.append(self.shown.carry_corners(of_copies, count)[rows])
+        return np.concatenate(parts)
+
+    def on_corners(self, values: np.ndarray) -> np.ndarray:
+        """(corners of the solved fine mesh, ...) -> (k, ...): faces that lie on others have the values of those."""
+        copied = self._copied()
+        return np.concatenate([values, *(values[rows] for _, _, rows in copied)]) if copied else values
+
+    def _copied(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Of each group of copies: the native polygons that are shown again, their parents, and their corners."""
+        if self.source.origin is None or not self.source.origin.copies:
+            return []
+        if self._copied_in[0] is not self.shown:
+            self._copied_in = (self.shown, [self._copied_of(copies) for copies in self.source.origin.copies])
+        return self._copied_in[1]
+
+    def _copied_of(self, copies: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        start, parents = self.shown.polygon_start, self.shown.polygon_source
+        order = np.argsort(copies.lies_on)
+        place = np.searchsorted(copies.lies_on, parents, sorter=order)
+        place = order[np.minimum(place, len(order) - 1)]
+        rows = np.flatnonzero(copies.lies_on[place] == parents)
+        corners = [np.arange(start[row], start[row + 1])[::-1 if copies.is_turned[place[row]] else 1] for row in rows]
+        return rows, copies.polygon[place[rows]], np.concatenate(corners) if corners else np.empty(0, np.int64)

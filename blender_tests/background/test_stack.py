@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Modifiers in front of the wrinkles that make points are part of the coarse mesh: played, rendered, opened again."""
+from __future__ import annotations
+
+import contextlib
+import io
+import tempfile
+import unittest
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy as np
+from rumple.blender import scheduler
+from rumple.blender.objects import incoming_mesh, modifier, runtimes
+from support import sleeve, small_renders
+
+
+def in_front(obj: bpy.types.Object, kind: str, **settings) -> bpy.types.Modifier:
+    """A modifier before the Armature."""
+    made = obj.modifiers.new(kind.title(), kind)
+    for name, value in settings.items():
+        setattr(made, name, value() if callable(value) else value)
+    while list(obj.modifiers).index(made) > 0:
+        with bpy.context.temp_override(object=obj) if hasattr(bpy.context, "temp_override") else sleeve.context():
+            bpy.ops.object.modifier_move_up(modifier=made.name)
+    return obj.modifiers[kind.title()]
+
+
+def half(mesh: bpy.types.Mesh) -> None:
+    """Of the sleeve, the part with y below 0: what Mirror is there for. Only faces that lie there whole."""
+    work = bmesh.new()
+    work.from_mesh(mesh)
+    bmesh.ops.delete(work, geom=[v for v in work.verts if v.co.y > 1e-5], context="VERTS")
+    work.to_mesh(mesh)
+    work.free()
+
+
+def nodes_that_subdivide() -> bpy.types.NodeTree:
+    """A node group with Subdivide Mesh."""
+    group = bpy.data.node_groups.new("Finer", "GeometryNodeTree")
+    if hasattr(group, "interface"):
+        for way in ("INPUT", "OUTPUT"):
+            group.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    else:
+        group.inputs.new("NodeSocketGeometry", "Geometry")
+        group.outputs.new("NodeSocketGeometry", "Geometry")
+    start, finer, end = (group.nodes.new(kind) for kind in
+                         ("NodeGroupInput", "GeometryNodeSubdivideMesh", "NodeGroupOutput"))
+    group.links.new(start.outputs[0], finer.inputs[0])
+    group.links.new(finer.outputs[0], end.inputs[0])
+    return group
+
+
+class Stack(unittest.TestCase):
+    def garment(self, *fronts: tuple, method: str = "MESH", cut: bool = False) -> bpy.types.Object:
+        """The sleeve with modifiers in front of its Armature, and then wrinkles by one click."""
+        obj = sleeve.scene(wrinkles=False)
+        if cut:
+            mesh = obj.data
+            half(mesh)
+            bpy.data.objects.remove(obj)
+            obj = sleeve.skinned(mesh, bpy.data.objects["Arm"])
+        for kind, settings in reversed(fronts):
+            in_front(obj, kind, **settings)
+        obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+        sleeve.make_active(obj)
+        bpy.ops.object.rumple_add(method=method)
+        bpy.context.view_layer.update()
+        return obj
+
+    def bare(self, obj: bpy.types.Object) -> np.ndarray:
+        """What arrives at the wrinkles in this frame."""
+        nodes_mod = modifier.find(obj)
+        with scheduler.suspended():
+            nodes_mod.show_viewport = False
+            bpy.context.view_layer.update()
+            positions = sleeve.shown(obj)
+            nodes_mod.show_viewport = True
+            bpy.context.view_layer.update()
+        return positions
+
+    def check(self, obj: bpy.types.Object) -> None:
+        """It plays on what arrives, and is solved over it."""
+        self.assertEqual(obj.rumple.message, "")
+        fine = runtimes.of(obj).evaluator
+        arriving = self.bare(obj)
+        self.assertEqual(fine.coarse_count, len(arriving))
+        sleeve.play(1, 8)
+        self.assertEqual(obj.rumple.message, "")
+        np.testing.assert_array_equal(runtimes.of(obj).inputs.positions[:len(arriving)], self.bare(obj))
+        shown = sleeve.shown(obj)
+        self.assertEqual(len(shown), fine.vertex_count)
+        self.assertTrue(np.isfinite(shown).all())
+        self.assertGreater(np.abs(runtimes.of(obj).result.offset).max(), 1e-4)
+
+    def test_every_modifier_that_makes_points(self) -> None:
+        for fronts, cut in (
+                ([("MIRROR", dict(use_axis=(False, True, False)))], True),
+                ([("SOLIDIFY", dict(thickness=0.01))], False),
+                ([("SUBSURF", dict(levels=1, render_levels=1))], False),
+                ([("TRIANGULATE", {})], False),
+                ([("ARRAY", dict(count=2, relative_offset_displace=(0.0, 2.0, 0.0)))], False),
+                ([("WELD", dict(merge_threshold=1e-5))], False),
+                ([("NODES", dict(node_group=nodes_that_subdivide))], False),
+                ([("MIRROR", dict(use_axis=(False, True, False))),
+                  ("SUBSURF", dict(levels=1, render_levels=1))], True)):
+            self.check(self.garment(*fronts, cut=cut))
+            yield
+
+    def test_every_system(self) -> None:
+        for method in ("MESH", "FIELD", "PATHS"):
+            self.check_only_message(self.garment(("SUBSURF", dict(levels=1, render_levels=1)), method=method))
+            yield
+
+    def check_only_message(self, obj: bpy.types.Object) -> None:
+        sleeve.play(1, 6)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertEqual(runtimes.of(obj).evaluator.coarse_count, len(self.bare(obj)))
+
+    def test_uv_maps_materials_and_groups_are_those_of_what_arrives(self) -> None:
+        obj = self.garment(("SUBSURF", dict(levels=1, render_levels=1)))
+        mesh = sleeve.evaluated(obj).data
+        self.assertEqual([layer.name for layer in mesh.uv_layers], ["UVMap"])
+        incoming = incoming_mesh.of(obj)
+        self.assertIsNot(incoming, obj.data)
+        for number in (0, 1):
+            weights = [g.weight for v in incoming.vertices for g in v.groups if g.group == number]
+            self.assertGreater(sum(weights), 10.0)
+        slots = np.empty(len(mesh.polygons), np.int32)
+        mesh.polygons.foreach_get("material_index", slots)
+        self.assertAlmostEqual(slots.mean(), 1.0 / (sleeve.ALONG - 1), delta=0.01)
+
+    def test_a_setting_in_front_that_changes_the_number_is_followed(self) -> None:
+        obj = self.garment(("SUBSURF", dict(levels=1, render_levels=1)))
+        before = runtimes.of(obj).evaluator.coarse_count
+        obj.modifiers["Subsurf"].levels = obj.modifiers["Subsurf"].render_levels = 2
+        sleeve.at(2)
+        sleeve.at(3)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertGreater(runtimes.of(obj).evaluator.coarse_count, 3 * before)
+        obj.modifiers.remove(obj.modifiers["Subsurf"])
+        sleeve.at(4)
+        sleeve.at(5)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertEqual(runtimes.of(obj).evaluator.coarse_count, len(obj.data.vertices))
+        self.assertIsNone(obj.rumple.incoming)
+        self.assertEqual([m.name for m in bpy.data.meshes if m.name.endswith(incoming_mesh.SUFFIX)], [])
+
+    def test_a_number_that_changes_from_frame_to_frame_is_said_and_the_other_frames_are_right(self) -> None:
+        obj = self.garment(("BUILD", dict(frame_start=6.0, frame_duration=10.0, use_reverse=True)))
+        sleeve.play(1, 5)
+        self.assertEqual(obj.rumple.message, "")
+        before = sleeve.shown(obj)
+        for frame in (8, 5):
+            sleeve.at(frame)
+            self.assertEqual(obj.rumple.message, "")
+            self.assertRegex("\n".join(runtimes.of(obj).notes),
+                             f'Sleeve: "Build" .* makes \\d+ vertices in frame {frame}, \\d+ before')
+            self.assertEqual(runtimes.of(obj).evaluator.coarse_count, len(self.bare(obj)))
+        self.assertLess(np.abs(sleeve.shown(obj) - before).max(), 0.02)
+
+    def test_renders_show_it_where_they_have_the_same_points_and_say_so_where_not(self) -> None:
+        obj = small_renders.stage("CYCLES")
+        bpy.ops.object.rumple_remove()
+        in_front(obj, "SUBSURF", levels=1, render_levels=1)
+        bpy.ops.object.rumple_add(method="MESH")
+        small_renders.still(4)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertGreater(np.abs(runtimes.of(obj).result.offset).max(), 1e-4)
+        obj.modifiers["Subsurf"].render_levels = 2
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said):
+            small_renders.still(5)
+        self.assertRegex(said.getvalue(), 'Rumple: Sleeve: "Subsurf".* number of vertices .* set the same')
+
+    def test_one_that_is_switched_off_and_on_is_followed(self) -> None:
+        obj = self.garment(("MIRROR", dict(use_axis=(False, True, False))), cut=True)
+        mirror = obj.modifiers["Mirror"]
+        for frame, shown in ((2, False), (4, True)):
+            mirror.show_viewport = mirror.show_render = shown
+            sleeve.play(frame, frame + 1)
+            self.assertEqual(obj.rumple.message, "")
+            self.assertEqual(incoming_mesh.is_own(obj), not shown)
+
+    def test_it_is_kept_in_the_file_and_frames_are_the_same_bits(self) -> None:
+        obj = self.garment(("SUBSURF", dict(levels=1, render_levels=1)))
+        sleeve.play(1, 4)
+        before = sleeve.shown(obj)
+        with tempfile.TemporaryDirectory() as folder:
+            path = str(Path(folder) / "stack.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            bpy.ops.wm.open_mainfile(filepath=path)
+            obj = bpy.data.objects["Sleeve"]
+            sleeve.play(1, 4)
+            np.testing.assert_array_equal(sleeve.shown(obj), before)
+        bpy.ops.object.rumple_remove()
+        self.assertEqual([m.name for m in bpy.data.meshes if m.name.endswith(incoming_mesh.SUFFIX)], [])
+
+    def test_paint_on_the_artists_vertices_counts(self) -> None:
+        obj = self.garment(("SUBSURF", dict(levels=1, render_levels=1)))
+        bpy.ops.object.rumple_paint(group="radius")
+        group = obj.vertex_groups["Rumple Radius"]
+        group.add(range(len(obj.data.vertices)), 0.0, "REPLACE")
+        obj.data.update()
+        sleeve.play(1, 8)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertLess(np.abs(runtimes.of(obj).result.offset).max(), 1e-4)
+
+
+if __name__ == "__main__":
+    unittest.main()
