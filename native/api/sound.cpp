@@ -75,9 +75,9 @@ std::vector<Floats> floats_in(const ShownFrame& of) {
 
 std::vector<Floats> floats_in(const wrinkle_field::Picture& of) {
     std::vector<Floats> all = floats_in(static_cast<const ShownFrame&>(of));
-    append(all, {floats_of(of.amplitude), floats_of(of.direction), floats_of(of.phase),
-                 floats_of(of.corner_phase), floats_of(of.corner_weight), floats_of(of.corner_u_gradient),
-                 floats_of(of.corner_v_gradient)});
+    append(all,
+           {floats_of(of.amplitude), floats_of(of.direction), floats_of(of.phase), floats_of(of.corner_phase),
+            floats_of(of.corner_weight), floats_of(of.corner_u_gradient), floats_of(of.corner_v_gradient)});
     for (const auto& vectors : of.corner_wave_vector) all.push_back(floats_of(vectors));
     return all;
 }
@@ -89,9 +89,9 @@ std::vector<Floats> floats_in(const wrinkle_paths::Picture& of) {
 }
 
 std::vector<Floats> floats_in(const wrinkle_field::Waves& of) {
-    return {floats_of(of.positions),   floats_of(of.normals),  floats_of(of.wave_vector),
-            floats_of(of.height),      floats_of(of.fullness), floats_of(of.compression),
-            floats_of(of.gather),      floats_of(of.direction)};
+    return {floats_of(of.positions), floats_of(of.normals),  floats_of(of.wave_vector),
+            floats_of(of.height),    floats_of(of.fullness), floats_of(of.compression),
+            floats_of(of.gather),    floats_of(of.direction)};
 }
 
 std::vector<Floats> floats_in(const wrinkle_paths::Curves& of) {
@@ -123,7 +123,8 @@ void expect_range(const std::string& name, Floats values, double low, double hig
 }
 
 void expect_numbers(const std::string& name, Floats values) {
-    const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return std::isnan(value); });
+    const auto bad =
+        std::find_if(values.begin(), values.end(), [](float value) { return std::isnan(value); });
     if (bad != values.end()) {
         throw InvalidInput(name + ": number " + std::to_string(bad - values.begin()) + " is not a number");
     }

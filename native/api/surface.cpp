@@ -3,8 +3,8 @@
 
 #include "api/handles.h"
 #include "api/sound.h"
-#include "rumple.h"
 #include "base/expect.h"
+#include "rumple.h"
 #include "surface/cloth/pins.h"
 #include "surface/mesh/heal.h"
 #include "surface/mesh/positions.h"

@@ -157,7 +157,8 @@ rumple_status rumple_wrinkle_field_paint_build(const rumple_wrinkle_field* model
         const rumple_wrinkle_field_painted& from = given(painted, "painted");
         Paint made;
         made.mask = api::painted(from.mask, from.mask_count, base, "mask", kMostPainted);
-        made.wavelength = api::painted(from.wavelength, from.wavelength_count, base, "wavelength", kMostPainted);
+        made.wavelength =
+            api::painted(from.wavelength, from.wavelength_count, base, "wavelength", kMostPainted);
         made.rest_wrinkle = copied(vectors(from.rest_wrinkle, from.rest_wrinkle_count, "rest_wrinkle"));
         if (!made.rest_wrinkle.empty()) check_rest_wrinkle(*model->model, made.rest_wrinkle);
         return new rumple_wrinkle_field_paint{model->model, std::move(made)};
@@ -199,6 +200,8 @@ rumple_status rumple_wrinkle_field_state_build(const rumple_wrinkle_field* model
                    copied(rows<Vec2>(from.direction, from.direction_count, "direction")),
                    copied(values(from.solved_offset, from.solved_offset_count, "solved_offset")),
                    state_of(from.reference)};
+        expect_finite<float>("phase", read.phase, "vertex");
+        expect_finite<Vec2>("direction", read.direction, "vertex");
         expect_range("phase", read.phase, -kMostPhase, kMostPhase);
         expect_range("direction", floats_of(read.direction), -kMostDirection, kMostDirection);
         expect_numbers("solved_offset", read.solved_offset);

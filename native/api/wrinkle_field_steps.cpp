@@ -49,7 +49,8 @@ rumple_status rumple_wrinkle_field_estimate_waves(const rumple_wrinkle_field* mo
         const auto* from = of_model(before, m, "state");
         const Settings options = field_settings(settings);
         const Paint& painted = paint_in(m, paint);
-        if (!from) return new rumple_waves{m.model, sound(estimate_waves(*m.model, options, painted, at, {}))};
+        if (!from)
+            return new rumple_waves{m.model, sound(estimate_waves(*m.model, options, painted, at, {}))};
         return new rumple_waves{
             m.model, sound(estimate_waves(*m.model, options, painted, at, from->state.direction,
                                           reference_stretches(*m.model, from->state.reference, at)))};

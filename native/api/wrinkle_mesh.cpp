@@ -227,6 +227,7 @@ rumple_status rumple_wrinkle_mesh_state_build(const rumple_wrinkle_mesh* model,
         State read{copied(vectors(from.offset, from.offset_count, "offset")),
                    copied(values(from.solved_length, from.solved_length_count, "solved_length")),
                    state_of(from.reference)};
+        expect_finite<Vec3>("offset", read.offset, "vertex");
         expect_range("offset", floats_of(read.offset), -kFarthestCoordinate, kFarthestCoordinate);
         expect_numbers("solved_length", read.solved_length);
         if (!read.reference.empty()) check_reference(m.model->base, read.reference);
@@ -291,9 +292,9 @@ rumple_status rumple_wrinkle_mesh_measure(const rumple_wrinkle_mesh* model,
         const Measures found =
             measure_pose(*m.model, mesh_settings(settings), paint_in(model, paint), input_of(at.arrays),
                          at.pose, given_of_model(state, m, "state").state);
-        const float sizes[] = {found.edge_error_before_max, found.edge_error_after_max,
+        const float sizes[] = {found.edge_error_before_max,  found.edge_error_after_max,
                                found.compressed_area_before, found.compressed_area_after,
-                               found.attachment_violation, found.largest_offset};
+                               found.attachment_violation,   found.largest_offset};
         if (!all_finite(sizes) || !all_finite(floats_of(found.offsets))) refuse_unsound();
         given(measures, "measures") = {found.edge_error_before_rms,  found.edge_error_before_max,
                                        found.edge_error_after_rms,   found.edge_error_after_max,

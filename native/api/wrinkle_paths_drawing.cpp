@@ -62,9 +62,9 @@ rumple_status rumple_wrinkle_paths_ride(const rumple_wrinkle_paths* model,
     return made(ridden, "curves", [&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
-        return new rumple_curves{sound(ride(*m.model, paths_settings(settings),
-                                            given_of_model(pose, m, "pose").pose, at,
-                                            vectors(animated, animated_count, "animated")))};
+        return new rumple_curves{
+            sound(ride(*m.model, paths_settings(settings), given_of_model(pose, m, "pose").pose, at,
+                       vectors(animated, animated_count, "animated")))};
     });
 }
 

@@ -4,8 +4,8 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 
 namespace rumple::elementary {

@@ -19,9 +19,9 @@ class Team {
   public:
     explicit Team(int threads) : threads_(std::max(threads, 1)) {}
 
-    // Runs work(thread) on every member and returns when all are done. Where the system gives fewer threads than
-    // were asked for (a limit of a container, of memory), those that there are do the work of all.
-    // work must not throw.
+    // Runs work(thread) on every member and returns when all are done. Where the system gives fewer threads
+    // than were asked for (a limit of a container, of memory), those that there are do the work of all. work
+    // must not throw.
     template <typename Work>
     void run(Work&& work) {
         std::latch counted(1);  // nobody begins before it is known how many there are

@@ -50,26 +50,26 @@ Handle* unwritten() {
 }  // namespace rumple::fuzz
 
 // CALL(rumple_x, arguments...): its result.
-#define CALL(function, ...)                             \
-    ([&] {                                              \
-        static Tally& tally = tally_of(#function);      \
-        return tally.check(function(__VA_ARGS__));      \
+#define CALL(function, ...)                        \
+    ([&] {                                         \
+        static Tally& tally = tally_of(#function); \
+        return tally.check(function(__VA_ARGS__)); \
     }())
 // ... of a function that gives nothing back.
-#define RUN(function, ...)                              \
-    ([&] {                                              \
-        static Tally& tally = tally_of(#function);      \
-        function(__VA_ARGS__);                          \
-        tally.check();                                  \
+#define RUN(function, ...)                         \
+    ([&] {                                         \
+        static Tally& tally = tally_of(#function); \
+        function(__VA_ARGS__);                     \
+        tally.check();                             \
     }())
 // ... whose last argument is where a new handle goes: that handle, or NULL.
-#define MAKE(Handle, function, ...)                                                                         \
-    ([&]() -> Handle* {                                                                                     \
-        Handle* made = unwritten<Handle>();                                                                 \
-        if (CALL(function, __VA_ARGS__, &made) == RUMPLE_OK) {                                              \
-            require(made && made != unwritten<Handle>(), "no handle was made", #function);                  \
-            return made;                                                                                    \
-        }                                                                                                   \
-        require(made == unwritten<Handle>(), "a handle was written by a call that failed", #function);      \
-        return nullptr;                                                                                     \
+#define MAKE(Handle, function, ...)                                                                    \
+    ([&]() -> Handle* {                                                                                \
+        Handle* made = unwritten<Handle>();                                                            \
+        if (CALL(function, __VA_ARGS__, &made) == RUMPLE_OK) {                                         \
+            require(made&& made != unwritten<Handle>(), "no handle was made", #function);              \
+            return made;                                                                               \
+        }                                                                                              \
+        require(made == unwritten<Handle>(), "a handle was written by a call that failed", #function); \
+        return nullptr;                                                                                \
     }())

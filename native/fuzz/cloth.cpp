@@ -8,8 +8,8 @@ namespace {
 rumple_base_cloth_settings cloth_settings(Bytes& bytes) {
     rumple_base_cloth_settings s = CALL(rumple_base_cloth_settings_default);
     bytes.vary(s.stretch, s.strain_limit, s.shear, s.compression, s.compression_limit, s.folded, s.smoothing,
-               s.slack, s.follow, s.room, s.gravity, s.thickness, s.unknown, s.reach, s.depth, s.spread, s.steps,
-               s.start_steps, s.gradients);
+               s.slack, s.follow, s.room, s.gravity, s.thickness, s.unknown, s.reach, s.depth, s.spread,
+               s.steps, s.start_steps, s.gradients);
     return s;
 }
 
@@ -95,8 +95,8 @@ void solve_cloth(World& world, Bytes& bytes) {
 
 void activate_cloth(World& world, Bytes& bytes) {
     const auto state = world.cloth_states.pick(bytes);
-    world.cloth_states.add(
-        MAKE(rumple_base_cloth_state, rumple_base_cloth_state_activated, state.handle), state.base, state.model);
+    world.cloth_states.add(MAKE(rumple_base_cloth_state, rumple_base_cloth_state_activated, state.handle),
+                           state.base, state.model);
 }
 
 void lift_cover(World& world, Bytes& bytes) {
@@ -113,18 +113,26 @@ void lift_cover(World& world, Bytes& bytes) {
     for (int k = bytes.below(4); k > 0; --k) near[size_t(bytes.below(int(vertices)))] = bytes.whole(-1, 4);
     const Numbers hints(near, 1, bytes);
     Written lifts(vertices, 3, bytes);
-    lifts.check(CALL(rumple_cloth_cover_lift, cover ? cover->handle : nullptr, &settings, &worn_over,
-                     positions.pointer, positions.count, hints.pointer, hints.count, lifts.pointer(),
-                     lifts.count),
-                "lifts");
+    lifts.check(
+        CALL(rumple_cloth_cover_lift, cover ? cover->handle : nullptr, &settings, &worn_over,
+             positions.pointer, positions.count, hints.pointer, hints.count, lifts.pointer(), lifts.count),
+        "lifts");
 }
 
 void free_one(World& world, Bytes& bytes) {
     switch (bytes.below(4)) {
-        case 0: world.cloths.free_one(bytes); break;
-        case 1: world.cloth_states.free_one(bytes); break;
-        case 2: world.colliders.free_one(bytes); break;
-        case 3: world.covers.free_one(bytes); break;
+        case 0:
+            world.cloths.free_one(bytes);
+            break;
+        case 1:
+            world.cloth_states.free_one(bytes);
+            break;
+        case 2:
+            world.colliders.free_one(bytes);
+            break;
+        case 3:
+            world.covers.free_one(bytes);
+            break;
     }
 }
 

@@ -21,7 +21,8 @@ void build_model(World& world, Bytes& bytes) {
     const auto welded = size_t(view.vertex_count);
     expect_starts("neighbours", view.neighbour_start, welded + 1, view.neighbour_count);
     expect_within("neighbour", view.neighbours, size_t(view.neighbour_count), 0, view.vertex_count - 1);
-    expect_within("field triangle", view.triangles, 3 * size_t(view.triangle_count), 0, view.vertex_count - 1);
+    expect_within("field triangle", view.triangles, 3 * size_t(view.triangle_count), 0,
+                  view.vertex_count - 1);
     expect_finite("gradient", view.gradients, 2 * size_t(view.neighbour_count));
     expect_finite("tangent", view.tangent_rest, 3 * welded);
     expect_finite("bitangent", view.bitangent_rest, 3 * welded);
@@ -36,18 +37,19 @@ void build_paint(World& world, Bytes& bytes) {
                              wavelength = values(vertices, 0.5f, 2.0f, bytes),
                              wrinkle = values(3 * vertices, -0.5f, 0.5f, bytes);
     const auto count = [&] { return bytes.byte() % 2 == 0 ? 0 : bytes.hostile() ? vertices / 2 : vertices; };
-    rumple_wrinkle_field_painted painted{mask.data(), count(), wavelength.data(), count(), wrinkle.data(), count()};
+    rumple_wrinkle_field_painted painted{mask.data(), count(),        wavelength.data(),
+                                         count(),     wrinkle.data(), count()};
     world.field_paints.add(
-        MAKE(rumple_wrinkle_field_paint, rumple_wrinkle_field_paint_build, model.handle, &painted), model.base,
-        model.model);
+        MAKE(rumple_wrinkle_field_paint, rumple_wrinkle_field_paint_build, model.handle, &painted),
+        model.base, model.model);
 }
 
 void build_pose(World& world, Bytes& bytes) {
     const auto model = world.fields.pick(bytes);
     const Posed posed(model.base ? *model.base : Base(), bytes);
     world.field_poses.add(
-        MAKE(rumple_wrinkle_field_pose, rumple_wrinkle_field_pose_build, model.handle, &posed.pose), model.base,
-        model.model);
+        MAKE(rumple_wrinkle_field_pose, rumple_wrinkle_field_pose_build, model.handle, &posed.pose),
+        model.base, model.model);
 }
 
 void keep_state(World& world, rumple_wrinkle_field_state* state, const std::shared_ptr<const Base>& base,
@@ -83,8 +85,9 @@ void show(World& world, Bytes& bytes) {
     const auto settings = field_settings(bytes);
     const auto profile = field_profile(bytes);
     const Floats gap(values(model.base ? size_t(model.base->vertices) : 3, 0.0f, 0.2f, bytes), 1, bytes);
-    auto* frame = MAKE(rumple_frame, rumple_wrinkle_field_show, model.handle, &settings, &profile, paint.handle,
-                       pose.handle, gap.pointer, bytes.byte() % 2 == 1 ? gap.count : 0, state.handle);
+    auto* frame =
+        MAKE(rumple_frame, rumple_wrinkle_field_show, model.handle, &settings, &profile, paint.handle,
+             pose.handle, gap.pointer, bytes.byte() % 2 == 1 ? gap.count : 0, state.handle);
     expect_of_model(frame ? RUMPLE_OK : RUMPLE_INVALID, model.model, "field", pose, paint, state);
     rumple_frame_waves_view waves;
     if (frame && CALL(rumple_frame_get_waves, frame, &waves) == RUMPLE_OK) {
@@ -141,10 +144,18 @@ void label(World& world, Bytes& bytes) {
 
 void free_one(World& world, Bytes& bytes) {
     switch (bytes.below(4)) {
-        case 0: world.fields.free_one(bytes); break;
-        case 1: world.field_paints.free_one(bytes); break;
-        case 2: world.field_poses.free_one(bytes); break;
-        case 3: world.field_states.free_one(bytes); break;
+        case 0:
+            world.fields.free_one(bytes);
+            break;
+        case 1:
+            world.field_paints.free_one(bytes);
+            break;
+        case 2:
+            world.field_poses.free_one(bytes);
+            break;
+        case 3:
+            world.field_states.free_one(bytes);
+            break;
     }
 }
 
@@ -153,8 +164,8 @@ void free_one(World& world, Bytes& bytes) {
 rumple_wrinkle_field_settings field_settings(Bytes& bytes) {
     rumple_wrinkle_field_settings s = CALL(rumple_wrinkle_field_settings_default);
     s.wavelength = 0.3f;
-    bytes.vary(s.wavelength, s.strength, s.keep_length, s.rate, s.rounds, s.start_rounds, s.irregularity, s.seed,
-               s.aligned_start, s.threads, s.dissolve);
+    bytes.vary(s.wavelength, s.strength, s.keep_length, s.rate, s.rounds, s.start_rounds, s.irregularity,
+               s.seed, s.aligned_start, s.threads, s.dissolve);
     if (bytes.byte() % 4 == 3) vary(s.rest, bytes);
     return s;
 }

@@ -42,7 +42,8 @@ void parameters(World& world, Bytes& bytes) {
     const auto paint = world.field_paints.pick_of(model.model, bytes);
     const auto settings = field_settings(bytes);
     const size_t count = welded(model);
-    Written wavelength(count, 1, bytes), mask(count, 1, bytes), wrinkle(count, 2, bytes), turn(count, 2, bytes);
+    Written wavelength(count, 1, bytes), mask(count, 1, bytes), wrinkle(count, 2, bytes),
+        turn(count, 2, bytes);
     const rumple_wrinkle_field_wave_parameters out{wavelength.pointer(), mask.pointer(), wrinkle.pointer(),
                                                    turn.pointer(), wavelength.count};
     const rumple_status status =
@@ -78,17 +79,17 @@ void relax(World& world, Bytes& bytes) {
     expect_of_model(relaxed, model.model, "relax", waves);
     if (relaxed == RUMPLE_OK) expect_finite("relaxed", phase.data.data(), phase.count);
     float misfit = 0.0f;
-    if (CALL(rumple_wrinkle_field_misfit, model.handle, waves.handle, phase.pointer(), phase.count, &misfit) ==
-        RUMPLE_OK)
+    if (CALL(rumple_wrinkle_field_misfit, model.handle, waves.handle, phase.pointer(), phase.count,
+             &misfit) == RUMPLE_OK)
         expect_finite("misfit", &misfit, 1);
     const auto profile = field_profile(bytes);
     std::vector<std::int32_t> triangles;
     for (int k = 0; k < 3; ++k) triangles.push_back(bytes.whole(0, 3));
     const std::vector<float> places = values(6, 0.0f, 0.5f, bytes);
     Written heights(3, 1, bytes), gradients(3, 3, bytes);
-    const rumple_status status = CALL(rumple_wrinkle_field_evaluate, model.handle, waves.handle, &profile,
-                                      phase.pointer(), phase.count, triangles.data(), places.data(), 3,
-                                      heights.pointer(), gradients.pointer());
+    const rumple_status status =
+        CALL(rumple_wrinkle_field_evaluate, model.handle, waves.handle, &profile, phase.pointer(),
+             phase.count, triangles.data(), places.data(), 3, heights.pointer(), gradients.pointer());
     heights.check(status, "heights");
     gradients.check(status, "gradients");
 }
@@ -106,8 +107,8 @@ void build_canvas(World& world, Bytes& bytes) {
     const auto model = world.fields.pick(bytes);
     const Floats positions(posed(model, bytes), 3, bytes);
     world.canvases.add(
-        MAKE(rumple_canvas, rumple_canvas_build, model.handle, positions.pointer, positions.count), model.base,
-        model.model);
+        MAKE(rumple_canvas, rumple_canvas_build, model.handle, positions.pointer, positions.count),
+        model.base, model.model);
     std::int32_t found = 0;
     world.twins.add(MAKE(rumple_twins, rumple_twins_build, model.handle, &found), model.base, model.model);
 }
@@ -121,14 +122,16 @@ void dab(World& world, Bytes& bytes) {
     d.radius = 1.0f;
     bytes.vary(d.touch, d.centre, d.normal, d.view, d.direction, d.across, d.radius, d.strength, d.length,
                d.falloff);
-    std::vector<float> painted = values(canvas.base ? 3 * size_t(canvas.base->vertices) : 9, -0.3f, 0.3f, bytes);
+    std::vector<float> painted =
+        values(canvas.base ? 3 * size_t(canvas.base->vertices) : 9, -0.3f, 0.3f, bytes);
     const size_t count = painted.size() / 3 - (bytes.hostile() ? 1 : 0);
     const std::vector<float> before = painted;
-    const rumple_status status = CALL(rumple_dab_apply, canvas.handle, &d, twins.handle, painted.data(), count);
+    const rumple_status status =
+        CALL(rumple_dab_apply, canvas.handle, &d, twins.handle, painted.data(), count);
     expect_of_model(status, canvas.model, "dab", twins);
     if (status == RUMPLE_OK) expect_finite("painted", painted.data(), painted.size());
-    auto* lines = MAKE(rumple_lines, rumple_canvas_draw, canvas.handle, painted.data(), count,
-                       bytes.byte() % 2 == 1);
+    auto* lines =
+        MAKE(rumple_lines, rumple_canvas_draw, canvas.handle, painted.data(), count, bytes.byte() % 2 == 1);
     const auto* kept = world.lines.add(lines, canvas.base, canvas.model);
     rumple_lines_view view;
     if (!kept || CALL(rumple_lines_get_view, kept->handle, &view) != RUMPLE_OK) return;
@@ -147,16 +150,24 @@ void scatter(World& world, Bytes& bytes) {
 
 void free_one(World& world, Bytes& bytes) {
     switch (bytes.below(4)) {
-        case 0: world.canvases.free_one(bytes); break;
-        case 1: world.twins.free_one(bytes); break;
-        case 2: world.lines.free_one(bytes); break;
-        case 3: world.waves.free_one(bytes); break;
+        case 0:
+            world.canvases.free_one(bytes);
+            break;
+        case 1:
+            world.twins.free_one(bytes);
+            break;
+        case 2:
+            world.lines.free_one(bytes);
+            break;
+        case 3:
+            world.waves.free_one(bytes);
+            break;
     }
 }
 
 }  // namespace
 
-const std::vector<Operation> kBrush = {estimate_waves, relax, build_canvas, dab, scatter, parameters, weld, probe,
-                                       free_one};
+const std::vector<Operation> kBrush = {estimate_waves, relax, build_canvas, dab,     scatter,
+                                       parameters,     weld,  probe,        free_one};
 
 }  // namespace rumple::fuzz

@@ -45,8 +45,8 @@ void build_paint(World& world, Bytes& bytes) {
     painted.strength = of_layers.data();
     painted.strength_count = bytes.hostile() ? of_layers.size() / 2 : of_layers.size();
     world.layers_paints.add(
-        MAKE(rumple_wrinkle_layers_paint, rumple_wrinkle_layers_paint_build, model.handle, &painted), model.base,
-        model.model);
+        MAKE(rumple_wrinkle_layers_paint, rumple_wrinkle_layers_paint_build, model.handle, &painted),
+        model.base, model.model);
 }
 
 void keep_state(World& world, rumple_wrinkle_layers_state* state, const std::shared_ptr<const Base>& base,
@@ -87,8 +87,9 @@ void solve(World& world, Bytes& bytes) {
     input.body_hint_count = hints.count;
     input.thickness = bytes.real(0.0f, 0.1f);
     std::vector<rumple_wrinkle_mesh_report> reports(settings.size());
-    auto* state = MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_solve, model.handle, settings.data(),
-                       settings.size(), paint.handle, &input, before.handle, reports.data(), reports.size());
+    auto* state =
+        MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_solve, model.handle, settings.data(),
+             settings.size(), paint.handle, &input, before.handle, reports.data(), reports.size());
     expect_of_model(state ? RUMPLE_OK : RUMPLE_INVALID, model.model, "layers", paint, before);
     for (size_t k = 0; state && k < reports.size(); ++k)
         expect_finite("layer report", &reports[k].error_before, 4);
@@ -100,16 +101,15 @@ void show(World& world, Bytes& bytes) {
     const auto state = world.layers_states.pick_of(model.model, bytes);
     const std::vector<float> rest = model.base ? model.base->rest : std::vector<float>(9);
     const Floats animated(pose_of(rest, bytes), 3, bytes), positions(pose_of(rest, bytes), 3, bytes);
-    auto* frame = MAKE(rumple_frame, rumple_wrinkle_layers_show, model.handle, animated.pointer, animated.count,
-                       positions.pointer, positions.count, state.handle);
+    auto* frame = MAKE(rumple_frame, rumple_wrinkle_layers_show, model.handle, animated.pointer,
+                       animated.count, positions.pointer, positions.count, state.handle);
     expect_of_model(frame ? RUMPLE_OK : RUMPLE_INVALID, model.model, "layers", state);
     add_frame(world, frame, model.base, model.model);
 }
 
 void activate(World& world, Bytes& bytes) {
     const auto state = world.layers_states.pick(bytes);
-    keep_state(world,
-               MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_state_activated, state.handle),
+    keep_state(world, MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_state_activated, state.handle),
                state.base, state.model);
 }
 
@@ -151,18 +151,26 @@ void show_transfer(World& world, Bytes& bytes) {
     const auto model = world.transfers.pick(bytes);
     const auto state = world.layers_states.pick_of(model.model, bytes);
     const Floats animated(model.base ? pose_of(model.base->rest, bytes) : std::vector<float>(9), 3, bytes);
-    auto* frame = MAKE(rumple_frame, rumple_wrinkle_transfer_show, model.handle, animated.pointer, animated.count,
-                       state.handle);
+    auto* frame = MAKE(rumple_frame, rumple_wrinkle_transfer_show, model.handle, animated.pointer,
+                       animated.count, state.handle);
     expect_of_model(frame ? RUMPLE_OK : RUMPLE_INVALID, model.model, "transfer", state);
     add_frame(world, frame, model.base, model.model);
 }
 
 void free_one(World& world, Bytes& bytes) {
     switch (bytes.below(4)) {
-        case 0: world.layers.free_one(bytes); break;
-        case 1: world.layers_paints.free_one(bytes); break;
-        case 2: world.layers_states.free_one(bytes); break;
-        case 3: world.transfers.free_one(bytes); break;
+        case 0:
+            world.layers.free_one(bytes);
+            break;
+        case 1:
+            world.layers_paints.free_one(bytes);
+            break;
+        case 2:
+            world.layers_states.free_one(bytes);
+            break;
+        case 3:
+            world.transfers.free_one(bytes);
+            break;
     }
 }
 

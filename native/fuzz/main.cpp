@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A fuzzer of the whole C header: an input is a series of calls, in any order and with any arguments that a
-// caller can give. The library must answer or refuse with words; it must not crash, hang, read what is not its
-// own, give back what is not finite, or take a handle of another model. scripts/fuzz runs it.
+// caller can give. The library must answer or refuse with words; it must not crash, hang, read what is not
+// its own, give back what is not finite, or take a handle of another model. scripts/fuzz runs it.
 #include "world.h"
 
 using namespace rumple::fuzz;
@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kMostOperations = 24;
 
-const std::vector<Operation>* const kGroups[] = {&kMesh,   &kField, &kPaths, &kLayers,
-                                                 &kCloth,  &kBrush, &kMaps,  &kSurface};
+const std::vector<Operation>* const kGroups[] = {&kMesh,  &kField, &kPaths, &kLayers,
+                                                 &kCloth, &kBrush, &kMaps,  &kSurface};
 
 void run_one(const std::vector<Operation>& operations, World& world, Bytes& bytes) {
     operations[size_t(bytes.below(int(operations.size())))](world, bytes);

@@ -8,7 +8,8 @@ namespace {
 std::vector<float> skeleton(size_t bones, Bytes& bytes) {
     std::vector<float> out;
     for (size_t b = 0; b < bones; ++b) {
-        for (int k = 0; k < 6; ++k) out.push_back(float(b) + 0.3f * float(k) + 0.5f * float(bytes.byte() % 4));
+        for (int k = 0; k < 6; ++k)
+            out.push_back(float(b) + 0.3f * float(k) + 0.5f * float(bytes.byte() % 4));
     }
     if (bytes.hostile() && !out.empty()) out[size_t(bytes.below(int(out.size())))] = bytes.real(-2.0f, 2.0f);
     return out;
@@ -25,16 +26,17 @@ void build_model(World& world, Bytes& bytes) {
         start.push_back(std::int32_t(bone.size()));
     }
     if (bytes.hostile()) start[size_t(bytes.below(int(start.size())))] = bytes.whole(0, 9);
-    const Floats neutral(skeleton(bones, bytes), 6, bytes), weight(values(bone.size(), 0.0f, 1.0f, bytes), 1, bytes);
+    const Floats neutral(skeleton(bones, bytes), 6, bytes),
+        weight(values(bone.size(), 0.0f, 1.0f, bytes), 1, bytes);
     const Numbers bone_of(bone, 1, bytes), starts(start, 1, bytes);
     std::vector<std::vector<float>> posed;
     for (size_t o = 0; o < poses; ++o) posed.push_back(skeleton(bones, bytes));
     std::vector<rumple_wrinkle_maps_pose> reference;
     for (const auto& pose : posed) reference.push_back({"pose", pose.data(), bones});
-    const rumple_wrinkle_maps_plan plan{names.data(),   names.size(),   tracked.data(),    tracked.size(),
-                                        group.data(),   group.size(),   neutral.pointer,   neutral.count,
-                                        reference.data(), reference.size(), starts.pointer, starts.count,
-                                        bone_of.pointer, bone_of.count, weight.pointer,    weight.count};
+    const rumple_wrinkle_maps_plan plan{names.data(),     names.size(),     tracked.data(),  tracked.size(),
+                                        group.data(),     group.size(),     neutral.pointer, neutral.count,
+                                        reference.data(), reference.size(), starts.pointer,  starts.count,
+                                        bone_of.pointer,  bone_of.count,    weight.pointer,  weight.count};
     auto base = std::make_shared<Base>();
     const auto* model =
         world.maps.add(MAKE(rumple_wrinkle_maps, rumple_wrinkle_maps_build, &plan), std::move(base), 0);
@@ -59,8 +61,8 @@ void evaluate(World& world, Bytes& bytes) {
     pose.check(status, "influence");
     rest.check(status, "rest influence");
     if (bytes.hostile() && pose.count > 0) pose.data[0] = bytes.real(0.0f, 1.0f);
-    presence.check(CALL(rumple_wrinkle_maps_presence, model.handle, pose.pointer(), pose.count, rest.pointer(),
-                        rest.count, presence.pointer(), presence.count),
+    presence.check(CALL(rumple_wrinkle_maps_presence, model.handle, pose.pointer(), pose.count,
+                        rest.pointer(), rest.count, presence.pointer(), presence.count),
                    "presence");
     rumple_wrinkle_maps_settings settings = CALL(rumple_wrinkle_maps_settings_default);
     const Floats strength(values(poses, 0.0f, 1.0f, bytes), 1, bytes);
@@ -88,8 +90,8 @@ void blend(World&, Bytes& bytes) {
     const float* const wrinkles[2] = {normals.data(), bytes.hostile() ? nullptr : normals.data()};
     const float* const masks[2] = {mask.data(), mask.data()};
     Written out(3, 3, bytes);
-    out.check(CALL(rumple_wrinkle_maps_blend, bytes.whole(0, 1), neutral.pointer, neutral.count, wrinkles, masks,
-                   size_t(bytes.below(3)), out.pointer(), out.count),
+    out.check(CALL(rumple_wrinkle_maps_blend, bytes.whole(0, 1), neutral.pointer, neutral.count, wrinkles,
+                   masks, size_t(bytes.below(3)), out.pointer(), out.count),
               "blended");
 }
 

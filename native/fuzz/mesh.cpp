@@ -11,8 +11,8 @@ void build_model(World& world, Bytes& bytes) {
     plan.fine = fine_plan(plan.fine, bytes);
     plan.own = own.handle;
     const size_t vertices = own.base ? size_t(own.base->vertices) : 3;
-    const Argument<std::uint8_t> attached(std::vector<std::uint8_t>(vertices, std::uint8_t(bytes.byte() % 3)), 1,
-                                          bytes);
+    const Argument<std::uint8_t> attached(std::vector<std::uint8_t>(vertices, std::uint8_t(bytes.byte() % 3)),
+                                          1, bytes);
     plan.attached = attached.pointer;
     plan.attached_count = bytes.byte() % 2 == 1 ? attached.count : 0;
     plan.farthest = bytes.real(0.0f, 2.0f);
@@ -62,10 +62,11 @@ void solve(World& world, Bytes& bytes) {
     const auto settings = mesh_settings(bytes);
     rumple_wrinkle_mesh_report report;
     rumple_wrinkle_mesh_state* state =
-        bytes.byte() % 4 == 3 ? MAKE(rumple_wrinkle_mesh_state, rumple_wrinkle_mesh_solve_in_order, model.handle,
-                                     &settings, paint.handle, pose.handle, before.handle, &report)
-                              : MAKE(rumple_wrinkle_mesh_state, rumple_wrinkle_mesh_solve, model.handle,
-                                     &settings, paint.handle, pose.handle, before.handle, &report);
+        bytes.byte() % 4 == 3
+            ? MAKE(rumple_wrinkle_mesh_state, rumple_wrinkle_mesh_solve_in_order, model.handle, &settings,
+                   paint.handle, pose.handle, before.handle, &report)
+            : MAKE(rumple_wrinkle_mesh_state, rumple_wrinkle_mesh_solve, model.handle, &settings,
+                   paint.handle, pose.handle, before.handle, &report);
     expect_of_model(state ? RUMPLE_OK : RUMPLE_INVALID, model.model, "mesh", pose, paint, before);
     if (state) expect_finite("mesh report", &report.error_before, 4);
     keep_state(world, state, model.base, model.model);
@@ -76,7 +77,8 @@ void show(World& world, Bytes& bytes) {
     const auto pose = world.mesh_poses.pick_of(model.model, bytes);
     const auto state = world.mesh_states.pick_of(model.model, bytes);
     const auto settings = mesh_settings(bytes);
-    auto* frame = MAKE(rumple_frame, rumple_wrinkle_mesh_show, model.handle, &settings, pose.handle, state.handle);
+    auto* frame =
+        MAKE(rumple_frame, rumple_wrinkle_mesh_show, model.handle, &settings, pose.handle, state.handle);
     expect_of_model(frame ? RUMPLE_OK : RUMPLE_INVALID, model.model, "mesh", pose, state);
     add_frame(world, frame, model.base, model.model);
     rumple_wrinkle_mesh_view view{};
@@ -84,9 +86,8 @@ void show(World& world, Bytes& bytes) {
     const auto paint = world.mesh_paints.pick_of(model.model, bytes);
     rumple_wrinkle_mesh_measures measures;
     Written offsets(size_t(view.solved_vertex_count), 3, bytes);
-    const rumple_status status =
-        CALL(rumple_wrinkle_mesh_measure, model.handle, &settings, paint.handle, pose.handle, state.handle,
-             &measures, offsets.pointer(), offsets.count);
+    const rumple_status status = CALL(rumple_wrinkle_mesh_measure, model.handle, &settings, paint.handle,
+                                      pose.handle, state.handle, &measures, offsets.pointer(), offsets.count);
     offsets.check(status, "offsets");
     expect_of_model(status, model.model, "measure", pose, paint, state);
     if (status == RUMPLE_OK)
@@ -131,17 +132,25 @@ void label(World& world, Bytes& bytes) {
     const auto model = world.meshes.pick(bytes);
     const Clip clip(model.base ? *model.base : Base(), bytes);
     const auto settings = mesh_settings(bytes);
-    clip.check(CALL(rumple_wrinkle_mesh_label_clip, model.handle, &settings, clip.times.pointer, clip.times.count,
-                    clip.positions.pointer, clip.positions.count, bytes.byte() % 2 == 1, clip.out(),
-                    clip.labels.size()));
+    clip.check(CALL(rumple_wrinkle_mesh_label_clip, model.handle, &settings, clip.times.pointer,
+                    clip.times.count, clip.positions.pointer, clip.positions.count, bytes.byte() % 2 == 1,
+                    clip.out(), clip.labels.size()));
 }
 
 void free_one(World& world, Bytes& bytes) {
     switch (bytes.below(4)) {
-        case 0: world.meshes.free_one(bytes); break;
-        case 1: world.mesh_paints.free_one(bytes); break;
-        case 2: world.mesh_poses.free_one(bytes); break;
-        case 3: world.mesh_states.free_one(bytes); break;
+        case 0:
+            world.meshes.free_one(bytes);
+            break;
+        case 1:
+            world.mesh_paints.free_one(bytes);
+            break;
+        case 2:
+            world.mesh_poses.free_one(bytes);
+            break;
+        case 3:
+            world.mesh_states.free_one(bytes);
+            break;
     }
 }
 
@@ -149,15 +158,16 @@ void free_one(World& world, Bytes& bytes) {
 
 rumple_wrinkle_mesh_settings mesh_settings(Bytes& bytes) {
     rumple_wrinkle_mesh_settings s = CALL(rumple_wrinkle_mesh_settings_default);
-    bytes.vary(s.radius, s.prestretch, s.bending, s.collision, s.inside, s.stretch_relief, s.buckling_threshold,
-               s.compression_limit, s.hem_rings, s.iterations, s.start_iterations, s.damping, s.offset_space,
-               s.tangential_pull, s.normal_pull, s.slack, s.taut_range, s.apart, s.slide, s.nudge, s.seed,
-               s.threads);
+    bytes.vary(s.radius, s.prestretch, s.bending, s.collision, s.inside, s.stretch_relief,
+               s.buckling_threshold, s.compression_limit, s.hem_rings, s.iterations, s.start_iterations,
+               s.damping, s.offset_space, s.tangential_pull, s.normal_pull, s.slack, s.taut_range, s.apart,
+               s.slide, s.nudge, s.seed, s.threads);
     if (bytes.byte() % 4 == 3) vary(s.rest, bytes);
     return s;
 }
 
-rumple_wrinkle_mesh_painted mesh_painted(const Base& base, std::vector<std::vector<float>>& keep, Bytes& bytes) {
+rumple_wrinkle_mesh_painted mesh_painted(const Base& base, std::vector<std::vector<float>>& keep,
+                                         Bytes& bytes) {
     rumple_wrinkle_mesh_painted painted{};
     const auto vertices = size_t(base.vertices);
     for (int k = 0; k < 4; ++k) keep.push_back(values(vertices, 0.0f, 1.0f, bytes));
@@ -184,7 +194,7 @@ void check_mesh_state(const rumple_wrinkle_mesh_state_view& view) {
     check_reference(view.reference);
 }
 
-const std::vector<Operation> kMesh = {build_model, build_pose, solve,    solve,    show,
-                                      build_paint, restore,    activate, label,    free_one};
+const std::vector<Operation> kMesh = {build_model, build_pose, solve,    solve, show,
+                                      build_paint, restore,    activate, label, free_one};
 
 }  // namespace rumple::fuzz

@@ -73,12 +73,24 @@ void break_faces(Mesh& mesh, Bytes& bytes) {
     const auto begin = mesh.corner.begin() + mesh.start[size_t(face)],
                end = mesh.corner.begin() + mesh.start[size_t(face) + 1];
     switch (bytes.below(6)) {
-        case 0: std::reverse(begin, end); break;
-        case 1: add_face(mesh, Face(begin, end)); break;
-        case 2: *begin = bytes.whole(0, vertices - 1); break;
-        case 3: add_face(mesh, {*begin, *(begin + 1), bytes.below(vertices)}); break;
-        case 4: mesh.positions.insert(mesh.positions.end(), {1.0f, 2.0f, 3.0f}); break;
-        case 5: mesh.start[size_t(face)] = bytes.whole(0, int(mesh.corner.size())); break;
+        case 0:
+            std::reverse(begin, end);
+            break;
+        case 1:
+            add_face(mesh, Face(begin, end));
+            break;
+        case 2:
+            *begin = bytes.whole(0, vertices - 1);
+            break;
+        case 3:
+            add_face(mesh, {*begin, *(begin + 1), bytes.below(vertices)});
+            break;
+        case 4:
+            mesh.positions.insert(mesh.positions.end(), {1.0f, 2.0f, 3.0f});
+            break;
+        case 5:
+            mesh.start[size_t(face)] = bytes.whole(0, int(mesh.corner.size()));
+            break;
     }
 }
 
@@ -86,8 +98,7 @@ void fill_with_triangles(Mesh& mesh) {
     for (size_t p = 0; p + 1 < mesh.start.size(); ++p) {
         for (std::int64_t c = std::int64_t(mesh.start[p]) + 1;
              c + 1 < mesh.start[p + 1] && mesh.triangle.size() < 6000; ++c)
-            mesh.triangle.insert(mesh.triangle.end(),
-                                 {mesh.start[p], std::int32_t(c), std::int32_t(c + 1)});
+            mesh.triangle.insert(mesh.triangle.end(), {mesh.start[p], std::int32_t(c), std::int32_t(c + 1)});
     }
 }
 
@@ -103,12 +114,22 @@ Mesh mesh(Bytes& bytes) {
     const int kind = bytes.below(8), size = 1 + bytes.below(4), width = 1 + bytes.below(4);
     switch (kind) {
         case 0:
-        case 1: add_sheet(out, width, size, kind == 1, false, 0.0f); break;
+        case 1:
+            add_sheet(out, width, size, kind == 1, false, 0.0f);
+            break;
         case 2:
-        case 3: add_sheet(out, width + 3, size, kind == 3, true, 0.0f); break;
-        case 4: add_box(out); break;
-        case 5: add_fan(out, size + 2); break;
-        case 6: add_seam(out, size); break;
+        case 3:
+            add_sheet(out, width + 3, size, kind == 3, true, 0.0f);
+            break;
+        case 4:
+            add_box(out);
+            break;
+        case 5:
+            add_fan(out, size + 2);
+            break;
+        case 6:
+            add_seam(out, size);
+            break;
         case 7:
             add_sheet(out, width, size, false, false, 0.2f);
             add_sheet(out, width, size, true, false, 0.3f);

@@ -12,8 +12,8 @@ namespace {
 rumple_wrinkle_paths_settings paths_settings(const std::shared_ptr<const Base>& base, Bytes& bytes) {
     rumple_wrinkle_paths_settings s = CALL(rumple_wrinkle_paths_settings_default);
     s.width = 0.2f;
-    bytes.vary(s.smoothing, s.threshold, s.reach, s.width, s.spacing, s.alignment, s.hem_rings, s.growth_limit,
-               s.fade, s.persistent, s.seed, s.profile, s.direction, s.height, s.threads);
+    bytes.vary(s.smoothing, s.threshold, s.reach, s.width, s.spacing, s.alignment, s.hem_rings,
+               s.growth_limit, s.fade, s.persistent, s.seed, s.profile, s.direction, s.height, s.threads);
     if (bytes.byte() % 4 == 3) vary(s.rest, bytes);
     float size = 0.0f;
     for (size_t i = 0; base && i < base->rest.size(); ++i) size = std::max(size, std::abs(base->rest[i]));
@@ -39,16 +39,16 @@ void build_paint(World& world, Bytes& bytes) {
     const Floats mask(values(model.base ? size_t(model.base->vertices) : 3, 0.0f, 1.0f, bytes), 1, bytes);
     const rumple_wrinkle_paths_painted painted{mask.pointer, mask.count};
     world.paths_paints.add(
-        MAKE(rumple_wrinkle_paths_paint, rumple_wrinkle_paths_paint_build, model.handle, &painted), model.base,
-        model.model);
+        MAKE(rumple_wrinkle_paths_paint, rumple_wrinkle_paths_paint_build, model.handle, &painted),
+        model.base, model.model);
 }
 
 void build_pose(World& world, Bytes& bytes) {
     const auto model = world.paths.pick(bytes);
     const Posed posed(model.base ? *model.base : Base(), bytes);
     world.paths_poses.add(
-        MAKE(rumple_wrinkle_paths_pose, rumple_wrinkle_paths_pose_build, model.handle, &posed.pose), model.base,
-        model.model);
+        MAKE(rumple_wrinkle_paths_pose, rumple_wrinkle_paths_pose_build, model.handle, &posed.pose),
+        model.base, model.model);
 }
 
 void keep_state(World& world, rumple_wrinkle_paths_state* state, const std::shared_ptr<const Base>& base,
@@ -103,7 +103,8 @@ void trace(World& world, Bytes& bytes) {
     const Floats animated(model.base ? pose_of(model.base->rest, bytes) : std::vector<float>(9), 3, bytes);
     rumple_curves* curves =
         bytes.byte() % 2 == 0
-            ? MAKE(rumple_curves, rumple_wrinkle_paths_trace, model.handle, &settings, pose.handle, state.handle)
+            ? MAKE(rumple_curves, rumple_wrinkle_paths_trace, model.handle, &settings, pose.handle,
+                   state.handle)
             : MAKE(rumple_curves, rumple_wrinkle_paths_ride, model.handle, &settings, pose.handle,
                    animated.pointer, bytes.byte() % 2 == 1 ? animated.count : 0, state.handle);
     expect_of_model(curves ? RUMPLE_OK : RUMPLE_INVALID, model.model, "curves", pose, state);
@@ -140,10 +141,10 @@ void draw(World& world, Bytes& bytes) {
     const auto pose = world.paths_poses.pick_of(model.model, bytes);
     const auto state = world.paths_states.pick_of(model.model, bytes);
     const auto settings = paths_settings(model.base, bytes);
-    rumple_drawing* made = bytes.byte() % 4 == 3 ? MAKE(rumple_drawing, rumple_wrinkle_paths_list, model.handle,
-                                                        &settings, pose.handle, state.handle)
-                                                 : MAKE(rumple_drawing, rumple_wrinkle_paths_draw, model.handle,
-                                                        &settings, pose.handle, state.handle);
+    rumple_drawing* made = bytes.byte() % 4 == 3 ? MAKE(rumple_drawing, rumple_wrinkle_paths_list,
+                                                        model.handle, &settings, pose.handle, state.handle)
+                                                 : MAKE(rumple_drawing, rumple_wrinkle_paths_draw,
+                                                        model.handle, &settings, pose.handle, state.handle);
     expect_of_model(made ? RUMPLE_OK : RUMPLE_INVALID, model.model, "drawing", pose, state);
     const auto* drawing = world.drawings.add(made, model.base, model.model);
     rumple_drawing_view view;
@@ -209,18 +210,30 @@ void label(World& world, Bytes& bytes) {
 
 void free_one(World& world, Bytes& bytes) {
     switch (bytes.below(6)) {
-        case 0: world.paths.free_one(bytes); break;
-        case 1: world.paths_paints.free_one(bytes); break;
-        case 2: world.paths_poses.free_one(bytes); break;
-        case 3: world.paths_states.free_one(bytes); break;
-        case 4: world.curves.free_one(bytes); break;
-        case 5: world.drawings.free_one(bytes); break;
+        case 0:
+            world.paths.free_one(bytes);
+            break;
+        case 1:
+            world.paths_paints.free_one(bytes);
+            break;
+        case 2:
+            world.paths_poses.free_one(bytes);
+            break;
+        case 3:
+            world.paths_states.free_one(bytes);
+            break;
+        case 4:
+            world.curves.free_one(bytes);
+            break;
+        case 5:
+            world.drawings.free_one(bytes);
+            break;
     }
 }
 
 }  // namespace
 
-const std::vector<Operation> kPaths = {build_model, build_pose, solve,   solve, show,    trace,
+const std::vector<Operation> kPaths = {build_model, build_pose, solve,   solve, show,     trace,
                                        draw,        measure,    restore, label, free_one, build_paint};
 
 }  // namespace rumple::fuzz

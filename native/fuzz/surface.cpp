@@ -34,7 +34,8 @@ void keep_surface(World& world, rumple_surface* surface, std::vector<float> rest
 void build_surface(World& world, Bytes& bytes) {
     const Mesh from = mesh(bytes);
     const Floats positions(from.positions, 3, bytes);
-    const Numbers start(from.start, 1, bytes), corner(from.corner, 1, bytes), triangle(from.triangle, 3, bytes);
+    const Numbers start(from.start, 1, bytes), corner(from.corner, 1, bytes),
+        triangle(from.triangle, 3, bytes);
     rumple_surface_plan plan = CALL(rumple_surface_plan_default);
     plan.positions_rest = positions.pointer;
     plan.positions_rest_count = positions.count;
@@ -155,7 +156,8 @@ void look_at_frame(World& world, Bytes& bytes) {
 void look_at_library(World& world, Bytes& bytes) {
     require(std::strcmp(CALL(rumple_version), RUMPLE_VERSION) == 0, "version", "rumple_version");
     require(CALL(rumple_struct_size, "rumple_pose") == sizeof(rumple_pose), "size", "rumple_struct_size");
-    require(CALL(rumple_struct_size, bytes.hostile() ? nullptr : "rumple") == 0, "size", "rumple_struct_size");
+    require(CALL(rumple_struct_size, bytes.hostile() ? nullptr : "rumple") == 0, "size",
+            "rumple_struct_size");
     require(CALL(rumple_error) != nullptr, "NULL", "rumple_error");
     world.surfaces.free_one(bytes);
     RUN(rumple_surface_free, nullptr);
@@ -163,11 +165,21 @@ void look_at_library(World& world, Bytes& bytes) {
 
 void free_one(World& world, Bytes& bytes) {
     switch (bytes.below(5)) {
-        case 0: world.frames.free_one(bytes); break;
-        case 1: world.coarses.free_one(bytes); break;
-        case 2: world.meshes.free_one(bytes); break;
-        case 3: world.fields.free_one(bytes); break;
-        case 4: world.healed.free_one(bytes); break;
+        case 0:
+            world.frames.free_one(bytes);
+            break;
+        case 1:
+            world.coarses.free_one(bytes);
+            break;
+        case 2:
+            world.meshes.free_one(bytes);
+            break;
+        case 3:
+            world.fields.free_one(bytes);
+            break;
+        case 4:
+            world.healed.free_one(bytes);
+            break;
     }
 }
 
@@ -266,7 +278,8 @@ rumple_fine_plan fine_plan(rumple_fine_plan plan, Bytes& bytes) {
     return plan;
 }
 
-const std::vector<Operation> kSurface = {build_surface, heal_mesh,   measure_surface, build_coarse,    pose_coarse,
-                                         embed_frame,   look_at_frame,   look_at_library, free_one};
+const std::vector<Operation> kSurface = {build_surface, heal_mesh,       measure_surface,
+                                         build_coarse,  pose_coarse,     embed_frame,
+                                         look_at_frame, look_at_library, free_one};
 
 }  // namespace rumple::fuzz

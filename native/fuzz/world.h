@@ -27,7 +27,8 @@ struct Entry {
     int number = 0;
 };
 
-// Some handles of one kind. The oldest is freed where there are too many: others may still need what it holds.
+// Some handles of one kind. The oldest is freed where there are too many: others may still need what it
+// holds.
 template <typename T>
 class Pool {
   public:
@@ -75,8 +76,10 @@ class Pool {
     std::vector<Entry<T>> entries_;
 };
 
-#define RUMPLE_POOL(type, name) \
-    Pool<type> name { [](type* handle) { RUN(type##_free, handle); } }
+#define RUMPLE_POOL(type, name)                        \
+    Pool<type> name {                                  \
+        [](type* handle) { RUN(type##_free, handle); } \
+    }
 
 struct World {
     RUMPLE_POOL(rumple_surface, surfaces);
@@ -126,10 +129,18 @@ struct Argument {
         pointer = data.data();
         if (!bytes.hostile()) return;
         switch (bytes.below(4)) {
-            case 0: ++count; break;
-            case 1: count = count > 0 ? count - 1 : 0; break;
-            case 2: pointer = nullptr; break;
-            case 3: count = size_t(-1); break;
+            case 0:
+                ++count;
+                break;
+            case 1:
+                count = count > 0 ? count - 1 : 0;
+                break;
+            case 2:
+                pointer = nullptr;
+                break;
+            case 3:
+                count = size_t(-1);
+                break;
         }
     }
 };
@@ -191,7 +202,8 @@ void add_frame(World& world, rumple_frame* frame, const std::shared_ptr<const Ba
 void check_mesh_state(const rumple_wrinkle_mesh_state_view& view);
 void check_reference(const rumple_reference_view& view);
 rumple_wrinkle_mesh_settings mesh_settings(Bytes& bytes);
-rumple_wrinkle_mesh_painted mesh_painted(const Base& base, std::vector<std::vector<float>>& keep, Bytes& bytes);
+rumple_wrinkle_mesh_painted mesh_painted(const Base& base, std::vector<std::vector<float>>& keep,
+                                         Bytes& bytes);
 // A collider with its positions in this pose. keep: the positions live there.
 rumple_bodies bodies(const World& world, std::vector<float>& keep, Bytes& bytes);
 

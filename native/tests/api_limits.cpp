@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Counts, states that were stored, budgets: what a caller can get wrong is refused in words before it is used.
+// Counts, states that were stored, budgets: what a caller can get wrong is refused in words before it is
+// used.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,7 +33,9 @@ TEST(ApiLimits, AStateIsReadAsAWhole) {
     rumple_wrinkle_mesh_state* read = nullptr;
     for (const float bad : {kNone, std::numeric_limits<float>::infinity(), 1e30f}) {
         offset[5] = bad;
-        expect_refused(rumple_wrinkle_mesh_state_build(sheet.model(), &view, &read), "offset: number 5");
+        expect_refused(rumple_wrinkle_mesh_state_build(sheet.model(), &view, &read),
+                       std::isfinite(bad) ? "offset: number 5: expected -1e+08 to 1e+08, got 1e+30"
+                                          : "offset: vertex 1 is not finite");
     }
     offset[5] = 0.0f;
     length[3] = kNone;
@@ -59,7 +62,8 @@ struct Field {
         waves = owned(estimated, rumple_waves_free);
     }
     rumple_status relax(int32_t rounds) {
-        return rumple_wrinkle_field_relax(model.get(), &settings, waves.get(), rounds, false, phase.data(), 4);
+        return rumple_wrinkle_field_relax(model.get(), &settings, waves.get(), rounds, false, phase.data(),
+                                          4);
     }
 };
 
@@ -81,6 +85,32 @@ TEST(ApiLimits, RoundsAndThreadsOfTheStepsAreChecked) {
                    "waves: it was made for another model");
 }
 
+// Found by the fuzzer: what a frame is shown over was read without a look at how much of it there is.
+TEST(ApiLimits, LayersAreShownOverAsManyPositionsAsTheBaseHas) {
+    const Sheet sheet;
+    const rumple_wrinkle_layers_plan plan = rumple_wrinkle_layers_plan_default();
+    rumple_wrinkle_layers* built = nullptr;
+    ASSERT_EQ(rumple_wrinkle_layers_build(sheet.surface(), &plan, &built), RUMPLE_OK) << rumple_error();
+    const auto model = owned(built, rumple_wrinkle_layers_free);
+    const std::vector<rumple_wrinkle_mesh_settings> settings(3, rumple_wrinkle_mesh_settings_default());
+    rumple_wrinkle_layers_input input = rumple_wrinkle_layers_input_default();
+    input.positions = sheet.positions.data();
+    input.positions_count = 4;
+    rumple_wrinkle_layers_state* solved = nullptr;
+    ASSERT_EQ(
+        rumple_wrinkle_layers_solve(built, settings.data(), 3, nullptr, &input, nullptr, nullptr, 0, &solved),
+        RUMPLE_OK);
+    const auto state = owned(solved, rumple_wrinkle_layers_state_free);
+    const float* at = sheet.positions.data();
+    rumple_frame* frame = nullptr;
+    expect_refused(rumple_wrinkle_layers_show(built, at, 3, at, 4, solved, &frame),
+                   "animated: expected 4 vertices");
+    expect_refused(rumple_wrinkle_layers_show(built, at, 4, at, 3, solved, &frame),
+                   "positions: expected 4 vertices");
+    ASSERT_EQ(rumple_wrinkle_layers_show(built, at, 4, at, 4, solved, &frame), RUMPLE_OK) << rumple_error();
+    rumple_frame_free(frame);
+}
+
 // Nothing is written where one of many places is wrong.
 TEST(ApiLimits, NothingIsWrittenByACallThatIsRefused) {
     const Field field;
@@ -89,9 +119,10 @@ TEST(ApiLimits, NothingIsWrittenByACallThatIsRefused) {
     const int32_t triangles[] = {0, 2};
     const float places[] = {0.2f, 0.2f, 0.2f, 0.2f};
     float heights[] = {7.0f, 7.0f}, gradients[6] = {};
-    expect_refused(rumple_wrinkle_field_evaluate(field.model.get(), field.waves.get(), &profile,
-                                                 field.phase.data(), 4, triangles, places, 2, heights, gradients),
-                   "triangle 1: expected 0 to 1, got 2");
+    expect_refused(
+        rumple_wrinkle_field_evaluate(field.model.get(), field.waves.get(), &profile, field.phase.data(), 4,
+                                      triangles, places, 2, heights, gradients),
+        "triangle 1: expected 0 to 1, got 2");
     EXPECT_EQ(heights[0], 7.0f);
 }
 
@@ -154,7 +185,8 @@ TEST(ApiLimits, PaintAndGapsAreNumbersInTheirRange) {
         rumple_wrinkle_mesh_painted painted{};
         painted.radius = radius;
         painted.radius_count = 4;
-        expect_refused(rumple_wrinkle_mesh_paint_build(sheet.model(), &painted, &paint), "radius: number 3: ");
+        expect_refused(rumple_wrinkle_mesh_paint_build(sheet.model(), &painted, &paint),
+                       "radius: number 3: ");
     }
 }
 
@@ -169,8 +201,9 @@ TEST(ApiLimits, AMatrixWithoutAnInverseIsRefused) {
         ASSERT_EQ(rumple_wrinkle_mesh_pose_build(sheet.model(), &frame, &built), RUMPLE_OK) << rumple_error();
         const auto pose = owned(built, rumple_wrinkle_mesh_pose_free);
         rumple_wrinkle_mesh_state* state = nullptr;
-        expect_refused(rumple_wrinkle_mesh_solve(sheet.model(), &settings, nullptr, built, nullptr, nullptr, &state),
-                       "world_from_object: ");
+        expect_refused(
+            rumple_wrinkle_mesh_solve(sheet.model(), &settings, nullptr, built, nullptr, nullptr, &state),
+            "world_from_object: ");
     }
 }
 

@@ -32,8 +32,9 @@ inline rumple_pose pose_at(const std::vector<float>& positions) {
 }
 
 inline System play_mesh(const Sheet& sheet) {
-    return {"Wrinkle Mesh", [&sheet, before = std::shared_ptr<rumple_wrinkle_mesh_state>()](
-                                const std::vector<float>& positions) mutable -> std::vector<float> {
+    return {"Wrinkle Mesh",
+            [&sheet, before = std::shared_ptr<rumple_wrinkle_mesh_state>()](
+                const std::vector<float>& positions) mutable -> std::vector<float> {
                 const rumple_pose in = pose_at(positions);
                 rumple_wrinkle_mesh_pose* pose = nullptr;
                 rumple_wrinkle_mesh_state* state = nullptr;
@@ -55,9 +56,10 @@ inline System play_field(const Sheet& sheet) {
     plan.output = RUMPLE_FIELD_GEOMETRY;
     rumple_wrinkle_field* built = nullptr;
     EXPECT_EQ(rumple_wrinkle_field_build(sheet.surface(), &plan, &built), RUMPLE_OK) << rumple_error();
-    return {"Wrinkle Field", [model = owned(built, rumple_wrinkle_field_free),
-                              before = std::shared_ptr<rumple_wrinkle_field_state>()](
-                                 const std::vector<float>& positions) mutable -> std::vector<float> {
+    return {"Wrinkle Field",
+            [model = owned(built, rumple_wrinkle_field_free),
+             before = std::shared_ptr<rumple_wrinkle_field_state>()](
+                const std::vector<float>& positions) mutable -> std::vector<float> {
                 const rumple_pose in = pose_at(positions);
                 rumple_wrinkle_field_pose* pose = nullptr;
                 rumple_wrinkle_field_state* state = nullptr;
@@ -71,8 +73,8 @@ inline System play_field(const Sheet& sheet) {
                                                &state) != RUMPLE_OK)
                     return {};
                 before = owned(state, rumple_wrinkle_field_state_free);
-                if (rumple_wrinkle_field_show(model.get(), &settings, &profile, nullptr, pose, nullptr, 0, state,
-                                              &frame) != RUMPLE_OK)
+                if (rumple_wrinkle_field_show(model.get(), &settings, &profile, nullptr, pose, nullptr, 0,
+                                              state, &frame) != RUMPLE_OK)
                     return {};
                 const auto keep_frame = owned(frame, rumple_frame_free);
                 rumple_frame_view view;
@@ -85,9 +87,10 @@ inline System play_paths(const Sheet& sheet) {
     const rumple_fine_plan plan = rumple_wrinkle_paths_plan_default();
     rumple_wrinkle_paths* built = nullptr;
     EXPECT_EQ(rumple_wrinkle_paths_build(sheet.surface(), &plan, &built), RUMPLE_OK) << rumple_error();
-    return {"Wrinkle Paths", [model = owned(built, rumple_wrinkle_paths_free), time = 0.0,
-                              before = std::shared_ptr<rumple_wrinkle_paths_state>()](
-                                 const std::vector<float>& positions) mutable -> std::vector<float> {
+    return {"Wrinkle Paths",
+            [model = owned(built, rumple_wrinkle_paths_free), time = 0.0,
+             before = std::shared_ptr<rumple_wrinkle_paths_state>()](
+                const std::vector<float>& positions) mutable -> std::vector<float> {
                 rumple_pose in = pose_at(positions);
                 in.time = time;
                 rumple_wrinkle_paths_pose* pose = nullptr;
@@ -137,16 +140,18 @@ inline System play_layers(const Sheet& sheet) {
     const rumple_wrinkle_layers_plan plan = rumple_wrinkle_layers_plan_default();
     rumple_wrinkle_layers* built = nullptr;
     EXPECT_EQ(rumple_wrinkle_layers_build(sheet.surface(), &plan, &built), RUMPLE_OK) << rumple_error();
-    return {"Wrinkle Layers", [model = owned(built, rumple_wrinkle_layers_free),
-                               before = std::shared_ptr<rumple_wrinkle_layers_state>()](
-                                  const std::vector<float>& positions) mutable -> std::vector<float> {
-                const std::vector<rumple_wrinkle_mesh_settings> settings(3, rumple_wrinkle_mesh_settings_default());
+    return {"Wrinkle Layers",
+            [model = owned(built, rumple_wrinkle_layers_free),
+             before = std::shared_ptr<rumple_wrinkle_layers_state>()](
+                const std::vector<float>& positions) mutable -> std::vector<float> {
+                const std::vector<rumple_wrinkle_mesh_settings> settings(
+                    3, rumple_wrinkle_mesh_settings_default());
                 rumple_wrinkle_layers_input input = rumple_wrinkle_layers_input_default();
                 input.positions = positions.data();
                 input.positions_count = positions.size() / 3;
                 rumple_wrinkle_layers_state* state = nullptr;
-                if (rumple_wrinkle_layers_solve(model.get(), settings.data(), settings.size(), nullptr, &input,
-                                                before.get(), nullptr, 0, &state) != RUMPLE_OK)
+                if (rumple_wrinkle_layers_solve(model.get(), settings.data(), settings.size(), nullptr,
+                                                &input, before.get(), nullptr, 0, &state) != RUMPLE_OK)
                     return {};
                 before = owned(state, rumple_wrinkle_layers_state_free);
                 rumple_wrinkle_layers_state_view view;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One frame in which a simulation explodes must not be the end: it is refused with words, and the frames after
-// it are what they would have been without it. Before, a vertex at 1e20 left a state that was not finite and
-// never became so again (Wrinkle Mesh), and one at 1e14 ended the process (Wrinkle Field: a phase that is no
-// number was a place in a table).
+// One frame in which a simulation explodes must not be the end: it is refused with words, and the frames
+// after it are what they would have been without it. Before, a vertex at 1e20 left a state that was not
+// finite and never became so again (Wrinkle Mesh), and one at 1e14 ended the process (Wrinkle Field: a phase
+// that is no number was a place in a table).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,8 @@
 namespace rumple::api {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN(), kEndless = std::numeric_limits<float>::infinity();
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN(),
+                kEndless = std::numeric_limits<float>::infinity();
 
 // Of a sheet of 1 x 1: beyond a million times its size.
 constexpr float kWild[] = {kNone, kEndless, -kEndless, 1.1e6f, -1.1e6f, 1e9f, 1e14f, 1e20f, 3e38f};
@@ -94,9 +95,10 @@ TEST(ApiWildFrames, ARestShapeOrABodyThatFloatsCannotHoldIsRefused) {
     plan.triangle_corner_count = 2;
     rumple_surface* surface = nullptr;
     EXPECT_EQ(rumple_surface_build(&plan, &surface), RUMPLE_INVALID);
-    EXPECT_STREQ(rumple_error(),
-                 "positions_rest: vertex 2 is 2e+08 away from the origin, more than 1e+08: move the mesh to the "
-                 "origin, or scale it down");
+    EXPECT_STREQ(
+        rumple_error(),
+        "positions_rest: vertex 2 is 2e+08 away from the origin, more than 1e+08: move the mesh to the "
+        "origin, or scale it down");
     rumple_collider* collider = nullptr;
     EXPECT_EQ(rumple_collider_build(far, 4, triangle, 2, &collider), RUMPLE_INVALID);
     EXPECT_NE(std::string(rumple_error()).find("body positions: vertex 2"), std::string::npos);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the system gives no more threads (a container's limit, no memory for a stack), those that run did wait
-// for the others for ever. Now they do the work of all, to the same bits.
+// Where the system gives no more threads (a container's limit, no memory for a stack), those that run did
+// wait for the others for ever. Now they do the work of all, to the same bits.
 #include <gtest/gtest.h>
 
 #ifdef __GLIBC__

@@ -312,13 +312,11 @@ TEST(WrinkleFieldInput, BadInputIsNamed) {
     EXPECT_EQ(refusal([&] { field.estimate_waves(rest); }), "wavelength: expected 91 vertices, got 4");
     field.paint = {};
     field.settings.wavelength = 0.0f;
-    EXPECT_EQ(refusal([&] { field.estimate_waves(rest); }),
-              "wavelength: expected 1e-06 to 1e+06, got 0");
+    EXPECT_EQ(refusal([&] { field.estimate_waves(rest); }), "wavelength: expected 1e-06 to 1e+06, got 0");
     EXPECT_EQ(refusal([&] { drawn(std::vector<float>(3)); }), "profile: expected 65 values, got 3");
     std::vector<float> curve(65, 0.0f);
     curve[9] = 1.5f;
-    EXPECT_EQ(refusal([&] { drawn(curve); }),
-              "profile value 9: expected -1 to 1, got 1.5");
+    EXPECT_EQ(refusal([&] { drawn(curve); }), "profile value 9: expected -1 to 1, got 1.5");
     Plan plan;
     const std::vector<Vec2> uv(3);
     plan.uv = uv;

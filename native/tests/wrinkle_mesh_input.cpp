@@ -58,8 +58,8 @@ TEST(WrinkleMeshInput, ASettingOutOfItsRangeIsNamedWithItsRangeAndValue) {
             Settings settings;
             range.set(settings, value);
             const std::string begins = std::string(range.name) + ": expected ";
-            expect_refused([&] { check(settings); }, {begins, short_text(range.low),
-                                                      "got " + short_text(value)});
+            expect_refused([&] { check(settings); },
+                           {begins, short_text(range.low), "got " + short_text(value)});
             expect_refused([&] { cloth.solve(cloth.mesh.positions, settings); }, {begins});
         }
     }

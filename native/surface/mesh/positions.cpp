@@ -22,8 +22,7 @@ void refuse_beyond(const std::string& name, std::span<const Vec3> positions, flo
                    const std::string& why) {
     for (size_t v = 0; v < positions.size(); ++v) {
         const Vec3& p = positions[v];
-        if (!is_finite(p))
-            throw InvalidInput(name + ": vertex " + std::to_string(v) + " is not finite");
+        if (!is_finite(p)) throw InvalidInput(name + ": vertex " + std::to_string(v) + " is not finite");
         const float at = largest_coordinate({&p, 1});
         if (at <= farthest) continue;
         throw InvalidInput(name + ": vertex " + std::to_string(v) + " is " + short_text(at) +

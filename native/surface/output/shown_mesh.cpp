@@ -76,7 +76,8 @@ void refuse_too_many(double corners, const FineSource& source, Index steps) {
     }
     const double estimate = std::round(corners / 4.0 * per_corner * std::ldexp(1.0, 2 * steps));
     if (estimate > source.most_vertices) {
-        throw InvalidInput("the fine mesh would have about " + std::to_string(std::int64_t(std::min(estimate, 1e15))) + " vertices, more than " +
+        throw InvalidInput("the fine mesh would have about " +
+                           std::to_string(std::int64_t(std::min(estimate, 1e15))) + " vertices, more than " +
                            std::to_string(source.most_vertices) +
                            ": raise the wavelength, or lower the number of subdivisions or segments");
     }

@@ -162,7 +162,8 @@ void check_reference(const Surface& surface, const ReferenceState& state) {
         if (!state.reference[t].is_sound()) refuse("reference", t);
     }
     for (size_t i = 0; i < state.past_times.size(); ++i) {
-        if (!std::isfinite(state.past_times[i]) || !(state.past_times[i] <= state.time) || (i > 0 && state.past_times[i] < state.past_times[i - 1]))
+        if (!std::isfinite(state.past_times[i]) || !(state.past_times[i] <= state.time) ||
+            (i > 0 && state.past_times[i] < state.past_times[i - 1]))
             refuse("past_times", i);
     }
     for (size_t v = 0; v < state.past_positions.size(); ++v) {

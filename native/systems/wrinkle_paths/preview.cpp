@@ -23,7 +23,8 @@ Vec3 unit(const Vec3& v) {
 }
 
 Index power_of_two(float parts) {
-    const float whole = parts >= 1.0f ? std::min(parts, float(kMostParts)) : 1.0f;  // also of what is no number
+    const float whole =
+        parts >= 1.0f ? std::min(parts, float(kMostParts)) : 1.0f;  // also of what is no number
     return std::min(std::bit_ceil(std::uint32_t(whole + 0.999f)), std::uint32_t(kMostParts));
 }
 

@@ -55,7 +55,8 @@ void check(const Model& model, const State& state) {
     expect_count("state.shapes", state.shapes.size(), model.rest.size(), "triangles");
     for (size_t t = 0; t < state.compression.size(); ++t) {
         if (!state.shapes[t].is_sound()) refuse("shapes", t);
-        if (!(state.compression[t] > 0.0f && state.compression[t] <= kMostCompression)) refuse("compression", t);
+        if (!(state.compression[t] > 0.0f && state.compression[t] <= kMostCompression))
+            refuse("compression", t);
     }
     for (size_t i = 0; i < state.paths.size(); ++i) {
         if (!(state.paths[i].fade >= 0.0f && state.paths[i].fade <= 1.0f)) refuse("path_fade", i);
