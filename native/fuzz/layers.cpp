@@ -116,6 +116,8 @@ void activate(World& world, Bytes& bytes) {
 // The whole way: a dense mesh, a coarse one over it, layers on that.
 void build_transfer(World& world, Bytes& bytes) {
     const auto dense = world.surfaces.pick(bytes);
+    if (dense.handle && bytes.byte() < 200)
+        world.coarses.add(MAKE(rumple_coarse, rumple_coarse_build, dense.handle, 0.5f), dense.base, dense.id);
     const auto coarse = world.coarses.pick_of(dense.id, bytes);
     auto* surface = MAKE(rumple_surface, rumple_coarse_surface, coarse.handle);
     rumple_wrinkle_layers_plan layers_plan = CALL(rumple_wrinkle_layers_plan_default);
@@ -149,6 +151,7 @@ void build_transfer(World& world, Bytes& bytes) {
 
 void show_transfer(World& world, Bytes& bytes) {
     const auto model = world.transfers.pick(bytes);
+    if (bytes.byte() % 2 == 0) solve(world, bytes);
     const auto state = world.layers_states.pick_of(model.model, bytes);
     const Floats animated(model.base ? pose_of(model.base->rest, bytes) : std::vector<float>(9), 3, bytes);
     auto* frame = MAKE(rumple_frame, rumple_wrinkle_transfer_show, model.handle, animated.pointer,
