@@ -99,7 +99,7 @@ class Overlay(PathsCase):
     def test_every_face_is_there(self) -> None:
         corners = np.array([[[0, 0, 0], [3, 0, 0], [0, 4, 0]]] * 2, np.float32)
         ellipses = np.array([[1, 1, 0, 0.5, 0, 0, 0, 1, 0]] * 2, np.float32)
-        points, colours, triangles = paths_overlay.faces(corners, np.array([0, 2], np.uint8), ellipses)
+        points, colours, triangles = paths_overlay.faces(corners, np.array([0, 2], np.uint8), ellipses, 0.5)
         self.assertEqual(triangles.max(), len(points) - 1)
         self.assertEqual(len(triangles), 2 * (1 + paths_overlay.CORNERS - 2))
         a, b, c = (points[triangles[2:, k], :2] for k in range(3))

@@ -89,6 +89,13 @@ def draw_message(layout: bpy.types.UILayout, text: str) -> None:
         box.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
 
 
+def draw_note(layout: bpy.types.UILayout, text: str, icon: str = "INFO") -> None:
+    """The same, of what is not wrong."""
+    column = layout.column(align=True)
+    for number, line in enumerate(wrapped(text)):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1")
+
+
 def wrapped(text: str) -> list[str]:
     """Lines that fit the region that is drawn: Blender's labels do not wrap."""
     region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale

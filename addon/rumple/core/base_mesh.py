@@ -12,6 +12,9 @@ from ..native import kernels
 from .healing import Origin, origin_of
 
 
+RAISE_MOST = "raise Most Vertices"  # how the limit on a fine mesh is lifted
+
+
 class UserError(ValueError):
     """Bad input, in a sentence for the artist that names the object and the first bad element."""
 
@@ -61,9 +64,23 @@ class BaseMesh:
         sides = self.positions[self.corner_vertex[following]] - self.positions[self.corner_vertex]
         return float(np.linalg.norm(sides, axis=1).mean()) if len(sides) else 0.0
 
+    def level_within(self, level: int, steps: int, most_vertices: int) -> tuple[int, list[str]]:
+        """Of affordable_level(): as many subdivisions as are asked for, or fewer, and what to say then."""
+        affordable = affordable_level(len(self.corner_vertex) // 4, level, steps, most_vertices)
+        return affordable, [] if affordable == level else [
+            f"{self.name}: finer folds are asked for than {most_vertices:,} vertices allow: {RAISE_MOST}"]
+
     def diagonal(self) -> float:
         """Of the bounding box, object units."""
         return float(np.linalg.norm(np.ptp(self.positions, axis=0))) if len(self.positions) else 0.0
+
+
+def affordable_level(vertices: int, level: int, steps: int, most_vertices: int) -> int:
+    """As many subdivisions of so many vertices as are asked for, or as make no more than most_vertices. steps: what is
+    subdivided once more to be shown."""
+    while level > 0 and vertices * 4**(level + steps) > most_vertices:
+        level -= 1
+    return level
 
 
 def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[BaseMesh, kernels.Surface, list[str]]:

@@ -271,8 +271,10 @@ class Wrinkles(ShownMesh):
         raise NotImplementedError
 
     @classmethod
-    def build(cls, base: BaseMesh, settings: Any, *, unit_scale: float = 1.0) -> "Wrinkles":
-        """Make the shown mesh and bind it. unit_scale: metres per object unit. Raises UserError."""
+    def build(cls, base: BaseMesh, settings: Any, *, unit_scale: float = 1.0,
+              most_vertices: int = MOST_VERTICES) -> "Wrinkles":
+        """Make the shown mesh and bind it. unit_scale: metres per object unit. most_vertices: folds become no finer
+        than they allow. Raises UserError."""
         raise NotImplementedError
 
     def measure_frame(self, frame: float, positions: np.ndarray, settings: Any) -> Any:

@@ -26,10 +26,11 @@ class System:
 
 
 SYSTEMS: dict[str, System] = {system.method: system for system in (
-    System("MESH", "Wrinkle Mesh", "A fine mesh solved over the animated coarse one", "mesh", MeshSettings,
-           WrinkleMesh, MESH_PRESETS),
-    System("FIELD", "Wrinkle Field", "Waves on the coarse mesh itself, across the direction of compression", "field",
-           FieldSettings, WrinkleField),
-    System("PATHS", "Wrinkle Paths", "Crisp folds traced across the compression, which live from frame to frame",
-           "paths", PathsSettings, WrinklePaths, PATHS_PRESETS),
+    System("MESH", "Wrinkle Mesh", "Geometry: a fine mesh that hangs, folds and creases as cloth over the animated "
+           "one. For garments", "mesh", MeshSettings, WrinkleMesh, MESH_PRESETS),
+    System("FIELD", "Wrinkle Field", "Shading: waves across the compression, drawn by the materials, or as geometry. "
+           "Light, and painted by hand where they are there at rest", "field", FieldSettings, WrinkleField),
+    System("PATHS", "Wrinkle Paths", "Geometry: crisp folds that are traced across the compression and live from frame "
+           "to frame. For noisy motion and games, without a rest pose", "paths", PathsSettings, WrinklePaths,
+           PATHS_PRESETS),
 )}

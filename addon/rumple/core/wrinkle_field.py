@@ -48,16 +48,21 @@ class WrinkleField(Wrinkles):
     suggested_length = staticmethod(suggested_wavelength)
 
     @classmethod
-    def build(cls, base: BaseMesh, settings: FieldSettings, *, unit_scale: float = 1.0) -> "WrinkleField":
-        """Bind the waves to the base. unit_scale: metres per object unit. Raises UserError."""
+    def build(cls, base: BaseMesh, settings: FieldSettings, *, unit_scale: float = 1.0,
+              most_vertices: int = MOST_VERTICES) -> "WrinkleField":
+        """Bind the waves to the base. See Wrinkles.build()."""
         base, surface, warnings = checked_surface(base, settings.weld, unit_scale)
         longest = settings.wavelength / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
+        level = min(math.ceil(finer), MOST_LEVEL)
+        if settings.output == "GEOMETRY" and settings.source == "SUBDIVISION":
+            level, notes = base.level_within(level, 0, most_vertices)
+            warnings += notes
         try:
             model = kernels.build_wrinkle_field(
                 surface, output=settings.output, uv=base.uv if settings.output == "SHADING" else None,
-                source=settings.source, level=min(math.ceil(finer), MOST_LEVEL), longest_edge=longest / unit_scale,
-                most_vertices=MOST_VERTICES, attachment=settings.attachment)
+                source=settings.source, level=level, longest_edge=longest / unit_scale,
+                most_vertices=most_vertices, attachment=settings.attachment)
         except ValueError as error:
             raise UserError(f"{base.name}: {error}") from error
         return cls(base, base, surface, model, warnings, unit_scale)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, UserError, checked_surface
+from .base_mesh import BaseMesh, UserError, affordable_level, checked_surface
 from .body import Body
 from .cloth import length_over_cotton, size_factor
 from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
@@ -128,10 +128,10 @@ class WrinkleMesh(Wrinkles):
 
     @classmethod
     def build(cls, base: BaseMesh, settings: MeshSettings, *, unit_scale: float = 1.0, own: BaseMesh | None = None,
-              attached: np.ndarray | None = None) -> "WrinkleMesh":
-        """Make the fine mesh and bind it.
+              attached: np.ndarray | None = None, most_vertices: int = MOST_VERTICES) -> "WrinkleMesh":
+        """Make the fine mesh and bind it: see Wrinkles.build().
 
-        unit_scale: metres per object unit. own: the artist's mesh at rest, in the base's object space.
+        own: the artist's mesh at rest, in the base's object space.
         attached: (n,) bool per vertex of own. Raises UserError.
         """
         if settings.source == "OBJECT" and own is None:
@@ -141,12 +141,16 @@ class WrinkleMesh(Wrinkles):
         own_surface = own.surface(False) if own is not None else None
         attached = attached if attached is None or own is None else own.points(attached)
         if settings.layered:
-            return cls._build_layers(base, settings, surface, warnings, unit_scale)
-        level = settings.level if settings.density == "LEVEL" else level_for(base, settings.wavelength, unit_scale)
+            return cls._build_layers(base, settings, surface, warnings, unit_scale, most_vertices)
+        level = settings.level
+        if settings.density == "WAVELENGTH" and settings.source == "SUBDIVISION":
+            level, notes = base.level_within(level_for(base, settings.wavelength, unit_scale), settings.display_steps,
+                                             most_vertices)
+            warnings += notes
         try:
             model = kernels.build_wrinkle_mesh(
                 surface, source=settings.source, level=level, segments=settings.segments,
-                longest_edge=settings.edge_length / unit_scale, most_vertices=MOST_VERTICES, own=own_surface,
+                longest_edge=settings.edge_length / unit_scale, most_vertices=most_vertices, own=own_surface,
                 attached=None if attached is None else np.ascontiguousarray(attached, np.uint8),
                 farthest=FARTHEST_OWN * base.diagonal(), attachment=settings.attachment,
                 display_steps=settings.display_steps, adaptive=settings.rest_shape == "ADAPTIVE")
@@ -163,32 +167,40 @@ class WrinkleMesh(Wrinkles):
 
     @classmethod
     def _build_layers(cls, base: BaseMesh, settings: MeshSettings, surface: Any, warnings: list[str],
-                      unit_scale: float) -> "WrinkleMesh":
+                      unit_scale: float, most_vertices: int) -> "WrinkleMesh":
         """Layers over the base, or over a coarse mesh in its place where it is dense."""
         coarse = coarse_mesh(base, settings, surface, unit_scale)
         edge = (base.mean_edge() if coarse is None else coarse.mean_edge) * unit_scale
         level, share = settings.level, 1.0
         if settings.density == "WAVELENGTH":
-            level, share = layers_for(edge, settings.wavelength)
+            asked, share = layers_for(edge, settings.wavelength)
+            if coarse is None:
+                level, notes = base.level_within(asked, settings.display_steps, most_vertices)
+                warnings += notes
+            else:
+                level = affordable_level(coarse.surface.vertex_count, asked, 0, most_vertices)
+            share = share if level == asked else 1.0
         try:
             model = kernels.build_wrinkle_layers(surface if coarse is None else coarse.surface, level,
-                                                 settings.display_steps if coarse is None else 0, MOST_VERTICES)
+                                                 settings.display_steps if coarse is None else 0, most_vertices)
             mesh = cls(base, base, surface, model, warnings, unit_scale)
             if coarse is not None:
-                mesh._show_on_dense(coarse, settings)
+                mesh._show_on_dense(coarse, settings, most_vertices)
         except ValueError as error:
             raise UserError(f"{base.name}: {error}") from error
         mesh.layer_count, mesh.level, mesh.finest_share = level + 1, level, share
         mesh.edge_mean = float(model.local_edge(level).mean()) * unit_scale
         return mesh
 
-    def _show_on_dense(self, coarse: Any, settings: MeshSettings) -> None:
+    def _show_on_dense(self, coarse: Any, settings: MeshSettings, most_vertices: int) -> None:
         """What was solved on the coarse mesh moves the dense one, subdivided as far as its folds need."""
         steps = round(halvings(self.base.mean_edge() * self.unit_scale, settings.wavelength)) + settings.display_steps
+        steps, notes = self.base.level_within(max(steps, 0), 0, most_vertices)
+        self.warnings += notes
         level = max(steps - settings.display_steps, 0)
         self.coarse, self.solved_surface = coarse, coarse.surface
         build = functools.partial(kernels.build_wrinkle_transfer, self.surface, coarse, self.model, level,
-                                  most_vertices=MOST_VERTICES)
+                                  most_vertices=most_vertices)
         self.transfer = build(max(steps - level, 0))
         if self.transfer.shown.vertex_count < len(self.base.positions):
             self.transfer = build(1)  # loose vertices are not shown, and a fine mesh has as many as the base at least

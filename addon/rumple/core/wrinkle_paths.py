@@ -52,15 +52,20 @@ class WrinklePaths(Wrinkles):
     suggested_length = staticmethod(suggested_width)
 
     @classmethod
-    def build(cls, base: BaseMesh, settings: PathsSettings, *, unit_scale: float = 1.0) -> "WrinklePaths":
-        """Make the fine mesh and bind it. unit_scale: metres per object unit. Raises UserError."""
+    def build(cls, base: BaseMesh, settings: PathsSettings, *, unit_scale: float = 1.0,
+              most_vertices: int = MOST_VERTICES) -> "WrinklePaths":
+        """Make the fine mesh and bind it. See Wrinkles.build()."""
         base, surface, warnings = checked_surface(base, settings.weld, unit_scale)
         longest = settings.width / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
+        level = min(math.ceil(finer), MOST_LEVEL)
+        if settings.source == "SUBDIVISION":
+            level, notes = base.level_within(level, 0, most_vertices)
+            warnings += notes
         try:
             model = kernels.build_wrinkle_paths(
-                surface, source=settings.source, level=min(math.ceil(finer), MOST_LEVEL),
-                longest_edge=longest / unit_scale, most_vertices=MOST_VERTICES, attachment=settings.attachment)
+                surface, source=settings.source, level=level,
+                longest_edge=longest / unit_scale, most_vertices=most_vertices, attachment=settings.attachment)
         except ValueError as error:
             raise UserError(f"{base.name}: {error}") from error
         return cls(base, base, surface, model, warnings, unit_scale)

@@ -16,6 +16,9 @@ from . import incoming_mesh, mesh_reader, messages, modifier, properties, units
 from .runtimes import Runtime
 
 
+FEWEST = 6  # vertices of a fine mesh over those of the coarse one, or of an own one, that are always allowed: one step
+
+
 @dataclass
 class Sources:
     """What a fine mesh is made from."""
@@ -45,17 +48,18 @@ def sources(obj: bpy.types.Object) -> Sources:
 def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     """Make entry.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.UserError."""
     now = sources(obj)
-    if runtime.evaluator is not None and runtime.shape == now.shape:
+    wanted = now.shape, obj.rumple.most_vertices
+    if runtime.evaluator is not None and runtime.shape == wanted:
         return
-    if runtime.refused == now.shape:
+    if runtime.refused == wanted:
         raise engine.UserError(runtime.refusal)
     try:
         runtime.evaluator = _build(obj, now)
     except engine.UserError as error:
-        runtime.refused = now.shape
+        runtime.refused = wanted
         messages.set_build_error(runtime, str(error))
         raise
-    runtime.shape, runtime.refused, runtime.paint = now.shape, "", None
+    runtime.shape, runtime.refused, runtime.paint = wanted, None, None
     runtime.inputs = None  # solved by the former one: who draws by them must wait
     runtime.notes = list(runtime.evaluator.warnings)
     if compat.has_custom_normals(incoming_mesh.of(obj)):
@@ -65,7 +69,9 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
 
 def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:
     more = dict(own=now.own, attached=now.attached) if now.own is not None else {}
-    fine = modifier.system(modifier.find(obj)).wrinkles.build(now.base, now.settings, unit_scale=now.unit_scale, **more)
+    least = FEWEST * max(len(mesh.positions) for mesh in (now.base, now.own) if mesh is not None)
+    fine = modifier.system(modifier.find(obj)).wrinkles.build(
+        now.base, now.settings, unit_scale=now.unit_scale, most_vertices=max(obj.rumple.most_vertices, least), **more)
     coarse = fine.coarse_count
     if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
         raise engine.UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "

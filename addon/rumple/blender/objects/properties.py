@@ -7,11 +7,13 @@ from typing import Any, Callable, Iterable
 
 import bpy
 
+from ...core import engine
 from ...core.systems import SYSTEMS, System
 from . import bodies, changes, runtimes, units
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
+DEFAULT_MOST_VERTICES = 250_000  # made in about two seconds
 DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}  # else a linked character's garments could not be tuned
@@ -48,7 +50,9 @@ def _property(f: Field) -> Any:
         if about[key] is not None:
             common.update({name: about[key] for name in names})
     if about["unit"] == "LENGTH":  # kept in the scene's unit, which may be a millimetre or a kilometre
-        common.setdefault("soft_max", common["max"])
+        # Blender drags by a thousandth of the soft range a pixel: a tenth of a millimetre or two of a fold.
+        length: float = f.default  # type: ignore[assignment]
+        common.update(soft_min=length / 20.0 if common["min"] > 0.0 else 0.0, soft_max=5.0 * length, step=5.0 * length)
         common.update(min=common["min"] / 1000.0, max=1000.0 * common["max"])
     if isinstance(f.default, int):
         return bpy.props.IntProperty(**common)
@@ -93,7 +97,10 @@ RUMPLE_PathsSettings = _settings_group("PATHS", gpu_preview=_gpu_preview(
     show_overlay=bpy.props.BoolProperty(
         name="Labels & Ellipses", options=set(), override=_OVERRIDE, update=_redraw,
         description="Draw over the coarse triangles what folds go by: blue is being compressed, red stretched, green "
-                    "at rest. The ellipses were circles before the cloth was stretched"))
+                    "at rest. The ellipses were circles before the cloth was stretched"),
+    overlay_opacity=bpy.props.FloatProperty(
+        name="Opacity", default=0.3, min=0.0, max=1.0, subtype="FACTOR", options=set(), override=_OVERRIDE,
+        update=_redraw, description="Of the labels; the ellipses have twice as much"))
 
 
 def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
@@ -136,6 +143,11 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                        description="The shape key that is the unwrinkled cloth")
     rest_frame: bpy.props.IntProperty(name="Rest Frame", default=1, options=set(), override=_OVERRIDE,
                                       description="The frame whose shape Capture takes as the unwrinkled cloth")
+    most_vertices: bpy.props.IntProperty(name="Most Vertices", default=DEFAULT_MOST_VERTICES, min=1000,
+                                         soft_max=2_000_000, max=engine.MOST_VERTICES, options=set(),
+                                         override=_OVERRIDE, update=_changed("MESH"),
+                                         description="Folds become no finer than so many vertices allow, however short "
+                                                     "the wavelength: a dragged slider never stops Blender")
     memory_limit: bpy.props.IntProperty(name="Memory Limit", default=DEFAULT_MEMORY, min=16, soft_max=8192, max=1 << 20,
                                         subtype="NONE", options=set(), override=_OVERRIDE, update=_changed("SHOW"),
                                         description="Most memory for stored frames, in megabytes. The farthest frames "

@@ -43,8 +43,8 @@ class Runtime(RuntimeBase):
     """One wrinkled object."""
 
     evaluator: engine.Wrinkles | None = None
-    shape: str = ""  # fingerprint of what `evaluator` was made from
-    refused: str = ""  # fingerprint of what could not be made: not tried again until it changes
+    shape: tuple[str, int] | None = None  # fingerprint of what `evaluator` was made from, and Most Vertices
+    refused: tuple[str, int] | None = None  # the same of what could not be made: not tried again until it changes
     paint: dict[str, np.ndarray] | None = None  # None: read again
     stack: str = ""  # fingerprint of the modifiers in front when the incoming mesh was last made
     tried: int = -1  # vertices that arrived, and did not fit, when it was last made anew for that reason

@@ -61,11 +61,9 @@ def draw(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         return
     can_select = incoming_mesh.is_own(obj)
     for kind, note in zip(origin.kinds(), origin.notes(obj.name)):
-        column = layout.column(align=True)
-        for number, part in enumerate(ui_base.wrapped(note)):
-            column.label(text=part, icon="INFO" if number == 0 else "BLANK1")
+        ui_base.draw_note(layout, note)
         if can_select:
-            column.operator(OBJECT_OT_rumple_select_healed.bl_idname, icon="RESTRICT_SELECT_OFF").kind = kind
+            layout.operator(OBJECT_OT_rumple_select_healed.bl_idname, icon="RESTRICT_SELECT_OFF").kind = kind
 
 
 register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_rumple_select_healed,))

@@ -38,6 +38,11 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                                   description="Wrinkle Field: let the materials of the object draw the waves")
 
     @classmethod
+    def description(cls, _context: bpy.types.Context, chosen: bpy.types.OperatorProperties) -> str:
+        """The tooltip of the method that is chosen."""
+        return next(tip for method, _label, tip in (*properties.METHODS, properties.MAPS) if method == chosen.method)
+
+    @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         why = ui_base.refusal(context.object, wrinkled=False)
         if why:
@@ -64,6 +69,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         context.scene.render.use_lock_interface = True
         if self.method == "FIELD" and self.shade:
             field_shader.shade_object(obj)
+        if self.method == "FIELD" and context.space_data is not None and not obj.rumple.field.is_property_set(
+                "gpu_preview"):
+            obj.rumple.field.gpu_preview = True  # else nothing is seen of it in Solid viewports
         rebuild.prepare(obj, nodes_mod)
         bodies.connect_all()
         if modifier.output_object(nodes_mod) is None:
@@ -108,8 +116,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         for note in [] if origin is None else origin.notes(obj.name):
             self.report({"INFO"}, note)
         worn_over = ", ".join(body.name for body in bodies.of(obj))
-        self.report({"INFO"}, f"{fine.vertex_count} vertices over {fine.coarse_count}"
-                              + (f", body: {worn_over}" if worn_over else ""))
+        self.report({"INFO"}, f"{properties.system_of(obj).label} added, {fine.vertex_count:,} vertices"
+                              + (f", over {worn_over}" if worn_over else ""))
 
 
 class _OnWaves(ui_base.OnWrinkled):
@@ -295,7 +303,7 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
 
 
 class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
-    """Paint where this setting acts, from nothing (0) to all of it (1), in Weight Paint mode"""
+    """Paint where this setting acts, from nothing (0) to all of it (1), in Weight Paint mode. Again: leave the mode"""
 
     bl_idname = "object.rumple_paint"
     bl_label = "Paint"
@@ -309,7 +317,12 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
         if not name:
             self.report({"ERROR"}, f"{obj.name}: its wrinkles have no {self.group} to paint")
             return {"CANCELLED"}
-        if name not in obj.vertex_groups:
+        active = obj.vertex_groups.active
+        if obj.mode == "WEIGHT_PAINT" and active is not None and active.name == name:
+            bpy.ops.object.mode_set(mode="OBJECT")
+            return {"FINISHED"}
+        is_new = name not in obj.vertex_groups
+        if is_new:
             group = obj.vertex_groups.new(name=name)
             if self.group == "follow":
                 cloth_defaults.fill_follow(obj, group)
@@ -321,7 +334,20 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
         scheduler.request()
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+        if is_new:
+            _set_brush_weight(context, 0.0)  # the new group is full already
+            self.report({"INFO"}, f"Paint with weight 0 where {self.group} fades, with 1 where it comes back")
         return {"FINISHED"}
+
+
+def _set_brush_weight(context: bpy.types.Context, weight: float) -> None:
+    """Of Weight Paint: of the brush, and where brushes share it of all of them."""
+    tools = context.tool_settings
+    shared = getattr(tools, "unified_paint_settings", None) or tools.weight_paint.unified_paint_settings  # from 5.0 on
+    shared.weight = weight
+    brush = tools.weight_paint.brush
+    if brush is not None and compat.is_editable(brush):
+        brush.weight = weight
 
 
 class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):

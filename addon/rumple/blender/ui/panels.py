@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ...core.base_mesh import RAISE_MOST
 from ...core.systems import SYSTEMS
 from .. import compat, ui_base
 from ..bake import panel as bake_panel
@@ -12,10 +13,10 @@ from ..frame import clip_status
 from ..maps import modifier as maps_modifier
 from ..nodes import field_profile
 from ..objects import changes, modifier, properties, runtimes
-from ..ui_base import Panel, draw_message, named_paint, property_column, wrapped
+from ..ui_base import Panel, draw_message, draw_note, named_paint, property_column
 from . import cloth_panel, healing, paths_panel, rest_panel
 
-BOUND = 0.5  # radius in fine edges up to which the paper's argument against self-intersection holds
+_ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
 
 
 class DATA_PT_rumple(bpy.types.Panel):
@@ -28,29 +29,54 @@ class DATA_PT_rumple(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object is not None and context.object.type == "MESH"
+        """Hidden before it is used: the Add Modifier menu has the entries."""
+        obj = context.object
+        return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        nodes_mod = modifier.find(context.object)
+        row = self.layout.row(align=True)
+        row.prop(nodes_mod, "show_viewport", text="", emboss=False)
+        row.prop(nodes_mod, "show_render", text="", emboss=False)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, context.object
-        nodes_mod = modifier.find(obj)
-        if nodes_mod is None:
-            _add_buttons(layout.column(align=True))
-            return
         draw_message(layout, runtimes.message(obj))
-        row = layout.row(align=True)
         system = properties.system_of(obj)
+        row = layout.row()
+        row.label(text=system.label, icon=_ICONS[system.method])
         if system.presets:
             row.operator_menu_enum("object.rumple_preset", "preset",
                                    text=system.presets[properties.group_of(obj).preset].label)
-        else:
-            row.label(text=system.label)
+        _draw_first(property_column(layout), obj)
+        runtime = runtimes.known(obj)
+        for note in runtime.notes if runtime is not None else ():
+            if note.endswith(RAISE_MOST):
+                draw_note(layout, note)
+        row = layout.row()
         row.operator("object.rumple_apply", text="Apply")
-        row.operator("object.rumple_remove", text="", icon="X")
+        row.operator("object.rumple_remove", text="Remove", icon="X")
         _add_maps_button(layout)
+
+
+def _draw_first(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """What artists change first; the panels below have it too, beside what it belongs to."""
+    settings = properties.group_of(obj)
+    if obj.rumple.method == "MESH" and settings.layers == "CLOTH" and settings.source == "SUBDIVISION":
+        for name in ("drape", "folds", "detail"):
+            cloth_panel.painted(column, obj, name)
+    if obj.rumple.method == "FIELD":
+        column.prop(settings, "strength")
+    if obj.rumple.method == "PATHS":
+        column.prop(settings, "width")
+        column.prop(settings, "height")
+    elif obj.rumple.method == "FIELD" or (settings.source == "SUBDIVISION" and settings.density == "WAVELENGTH"):
+        column.prop(settings, "wavelength")
 
 
 class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
     bl_label = "Fine Mesh"
+    bl_options = {"DEFAULT_CLOSED"}
     method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -67,6 +93,7 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
         else:
             column.prop(obj.rumple, "own_mesh")
         column.prop(settings, "display_steps")
+        column.prop(obj.rumple, "most_vertices")
         column.prop(settings, "weld")
 
 
@@ -86,6 +113,7 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
         else:
             for name in ("source", "detail", "attachment", "keep_length"):
                 column.prop(settings, name)
+            column.prop(obj.rumple, "most_vertices")
         column.separator()
         for name in ("wavelength", "strength", "dissolve", "irregularity", "seed", "profile"):
             column.prop(settings, name)
@@ -111,6 +139,7 @@ class DATA_PT_rumple_relaxation(Panel, bpy.types.Panel):
 
 class DATA_PT_rumple_constraints(Panel, bpy.types.Panel):
     bl_label = "Attachment & Constraints"
+    bl_options = {"DEFAULT_CLOSED"}
     method = "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -125,10 +154,6 @@ class DATA_PT_rumple_constraints(Panel, bpy.types.Panel):
         column.separator()
         for name in ("stretch_relief", "buckling_threshold", "compression_limit", "hem_rings"):
             column.prop(settings, name)
-        if settings.radius > BOUND:
-            lines = wrapped(f"Radius above {BOUND:g} fine edges: higher folds, but they may touch themselves")
-            for number, line in enumerate(lines):
-                column.label(text=line, icon="INFO" if number == 0 else "BLANK1")
 
 
 class DATA_PT_rumple_solver(Panel, bpy.types.Panel):
@@ -176,12 +201,12 @@ def ranges(frames: list[float], most: int = 6) -> str:
 
 class DATA_PT_rumple_status(Panel, bpy.types.Panel):
     bl_label = "Status"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
         for line, icon in status_lines(context.object):
-            for number, part in enumerate(wrapped(line)):
-                column.label(text=part, icon=icon if number == 0 else "BLANK1")
+            draw_note(column, line, icon)
         healing.draw(column, context.object)
 
 
@@ -205,16 +230,20 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     return lines + [(note, "INFO") for note in notes if note]
 
 
+class OBJECT_MT_rumple_add(bpy.types.Menu):
+    bl_label = "Wrinkles"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        if not ui_base.refusal(context.object, wrinkled=False):
+            for system in SYSTEMS.values():
+                self.layout.operator("object.rumple_add", text=system.label,
+                                     icon=_ICONS[system.method]).method = system.method
+        _add_maps_button(self.layout)
+
+
 def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
-    if not ui_base.refusal(context.object, wrinkled=False):
-        self.layout.separator()
-        _add_buttons(self.layout)
-
-
-def _add_buttons(layout: bpy.types.UILayout) -> None:
-    for system in SYSTEMS.values():
-        layout.operator("object.rumple_add", text=system.label, icon="MOD_CLOTH").method = system.method
-    _add_maps_button(layout)
+    if context.object is not None and context.object.type == "MESH":
+        self.layout.menu("OBJECT_MT_rumple_add", icon="MOD_CLOTH")
 
 
 def _add_maps_button(layout: bpy.types.UILayout) -> None:
@@ -228,7 +257,7 @@ CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT
            DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
            *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, rest_panel.DATA_PT_rumple_rest,
            DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
-           bake_panel.DATA_PT_rumple_bake, DATA_PT_rumple_status)
+           bake_panel.DATA_PT_rumple_bake, DATA_PT_rumple_status, OBJECT_MT_rumple_add)
 
 
 def register() -> None:

@@ -27,6 +27,7 @@ class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
         column.separator()
         for name in ("source", "detail", "attachment", "weld", "gpu_preview"):
             column.prop(settings, name)
+        column.prop(obj.rumple, "most_vertices")
 
 
 class DATA_PT_rumple_persistence(Panel, bpy.types.Panel):
@@ -53,6 +54,9 @@ class DATA_PT_rumple_show_paths(Panel, bpy.types.Panel):
         row = column.row()
         row.active = not modifier.is_baked(modifier.find(obj))  # a clip knows neither
         row.prop(obj.rumple.paths, "show_overlay")
+        row = column.row()
+        row.active = obj.rumple.paths.show_overlay
+        row.prop(obj.rumple.paths, "overlay_opacity")
 
 
 CLASSES = (DATA_PT_rumple_folds, DATA_PT_rumple_persistence, DATA_PT_rumple_show_paths)

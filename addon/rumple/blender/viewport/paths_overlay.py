@@ -20,11 +20,11 @@ from .draw_handler import DrawHandler
 # By label: being compressed, at rest, being stretched.
 COLOURS = np.array(((0.10, 0.30, 1.0), (0.10, 0.65, 0.20), (1.0, 0.12, 0.10)), np.float32)
 PALE = 0.6  # share of white in the ellipses
-FACE_ALPHA, ELLIPSE_ALPHA = 0.5, 0.9
+ELLIPSE_OVER_FACE = 2.0  # opacity of the ellipses over that of the triangles
 CORNERS = 16  # of an ellipse
 NEARER = 0.02  # share of the way to the viewer that it is drawn nearer, so that folds do not hide it
 
-_drawn: dict[int, tuple[runtimes.Inputs, Any]] = {}  # by session key: what the batch was made from, the batch
+_drawn: dict[int, tuple[runtimes.Inputs, float, Any]] = {}  # by session key: what the batch was made from, the batch
 _complaint = ""
 
 
@@ -40,18 +40,20 @@ def shown_objects() -> Iterator[tuple[bpy.types.Object, runtimes.Runtime]]:
             yield obj, runtime
 
 
-def faces(corners: np.ndarray, labels: np.ndarray, ellipses: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def faces(corners: np.ndarray, labels: np.ndarray, ellipses: np.ndarray,
+          opacity: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(points (v, 3), colours (v, 4), triangles (f, 3)): the triangles, and before them their ellipses.
 
-    corners: (t, 3, 3); labels: (t,); ellipses: (t, 9), centre and two semi-axes.
+    corners: (t, 3, 3); labels: (t,); ellipses: (t, 9), centre and two semi-axes. opacity: of the triangles, 0 to 1.
     """
     count = len(corners)
     centre, short, long = (ellipses[:, k:k + 3] for k in (0, 3, 6))
     angle = np.linspace(0.0, 2.0 * np.pi, CORNERS, endpoint=False, dtype=np.float32)[:, None, None]
     rim = (centre + np.cos(angle) * short + np.sin(angle) * long).swapaxes(0, 1)  # (t, CORNERS, 3)
     points = np.concatenate([corners.reshape(-1, 3), rim.reshape(-1, 3)])
-    colours = np.concatenate([_repeated(COLOURS, FACE_ALPHA, labels, 3),
-                              _repeated(COLOURS + PALE * (1.0 - COLOURS), ELLIPSE_ALPHA, labels, CORNERS)])
+    colours = np.concatenate([_repeated(COLOURS, opacity, labels, 3),
+                              _repeated(COLOURS + PALE * (1.0 - COLOURS), min(ELLIPSE_OVER_FACE * opacity, 1.0), labels,
+                                        CORNERS)])
     fan = np.stack([np.zeros(CORNERS - 2), np.arange(1, CORNERS - 1), np.arange(2, CORNERS)], 1).astype(np.int32)
     fans = 3 * count + CORNERS * np.arange(count, dtype=np.int32)[:, None, None] + fan
     triangles = np.concatenate([np.arange(3 * count, dtype=np.int32).reshape(-1, 3), fans.reshape(-1, 3)])
@@ -79,7 +81,7 @@ def _draw_guarded() -> None:
             del _drawn[key]
         for key, (obj, runtime) in shown.items():
             if obj.visible_get(viewport=space):
-                _draw(obj, _batch(key, runtime))
+                _draw(obj, _batch(key, runtime, obj.rumple.paths.overlay_opacity))
         _complaint = ""
     except Exception as error:
         text = f"Rumple: the overlay of the paths cannot be drawn: {error!r}"
@@ -90,20 +92,20 @@ def _draw_guarded() -> None:
         scheduler.LOCK.release()
 
 
-def _batch(key: int, runtime: runtimes.Runtime) -> Any:
+def _batch(key: int, runtime: runtimes.Runtime, opacity: float) -> Any:
     """Of the frame that was solved last; made anew when that is another."""
     inputs = runtime.inputs
     drawn = _drawn.get(key)
-    if drawn is None or drawn[0] is not inputs:
+    if drawn is None or drawn[0] is not inputs or drawn[1] != opacity:
         import gpu  # not at the top: it needs a window in 3.4
         from gpu_extras.batch import batch_for_shader
         fine = runtime.evaluator
         assert isinstance(fine, WrinklePaths)
-        points, colours, triangles = faces(*fine.labels_and_ellipses(inputs.frame, inputs.positions))
+        points, colours, triangles = faces(*fine.labels_and_ellipses(inputs.frame, inputs.positions), opacity)
         shader = gpu.shader.from_builtin(compat.SMOOTH_COLOR_SHADER)
-        drawn = _drawn[key] = inputs, batch_for_shader(shader, "TRIS", dict(pos=points, color=colours),
-                                                       indices=triangles)
-    return drawn[1]
+        drawn = _drawn[key] = inputs, opacity, batch_for_shader(shader, "TRIS", dict(pos=points, color=colours),
+                                                                indices=triangles)
+    return drawn[2]
 
 
 def _draw(obj: bpy.types.Object, batch: Any) -> None:

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist expects of any panel in Blender: no slider stops it, buttons say what they do, nothing stands in the
+way before it is used."""
+from __future__ import annotations
+
+import unittest
+
+import bpy
+import numpy as np
+from rumple.blender.objects import properties, runtimes
+from rumple.blender.ui import panels
+from rumple.core.settings import MeshSettings
+from rumple.core.systems import SYSTEMS
+from support import sleeve
+
+
+class Budget(unittest.TestCase):
+    """The first drag of Wavelength froze Blender for two minutes: 12 pixels to the left asked for three million
+    vertices."""
+
+    def garment(self, method: str) -> bpy.types.Object:
+        obj = sleeve.scene(wrinkles=False)
+        obj.rumple.most_vertices = 10_000
+        bpy.ops.object.rumple_add(method=method)
+        return obj
+
+    def dragged_to_the_end(self, obj: bpy.types.Object, name: str) -> int:
+        settings = properties.group_of(obj)
+        setattr(settings, name, settings.bl_rna.properties[name].hard_min)
+        sleeve.at(2)
+        sleeve.at(3)
+        return runtimes.of(obj).evaluator.vertex_count
+
+    def test_folds_become_as_fine_as_it_allows_and_it_is_said(self) -> None:
+        for method, name in (("MESH", "wavelength"), ("PATHS", "width")):
+            obj = self.garment(method)
+            count = self.dragged_to_the_end(obj, name)
+            self.assertLessEqual(count, 10_000 * 1.1)
+            self.assertGreater(count, 10_000 / 5)
+            self.assertEqual(obj.rumple.message, "")
+            self.assertIn("raise Most Vertices", " ".join(line for line, _icon in panels.status_lines(obj)))
+            obj.rumple.most_vertices = 50_000
+            sleeve.at(4)
+            sleeve.at(5)
+            self.assertGreater(runtimes.of(obj).evaluator.vertex_count, 3 * count)
+
+    def test_layers_over_a_base_cloth_too(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        obj.rumple.mesh.property_unset("base_cloth")
+        obj.rumple.most_vertices = 10_000
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertEqual(obj.rumple.mesh.layers, "CLOTH")
+        self.assertLessEqual(self.dragged_to_the_end(obj, "wavelength"), 10_000 * 1.1)
+
+    def test_a_density_that_is_set_by_hand_is_refused_and_the_last_mesh_stays(self) -> None:
+        obj = self.garment("MESH")
+        before = sleeve.shown(obj)
+        obj.rumple.mesh.density, obj.rumple.mesh.level = "LEVEL", 5
+        sleeve.at(1)
+        sleeve.at(1)
+        self.assertRegex(obj.rumple.message, "^Sleeve: .* vertices, more than")
+        self.assertEqual(len(sleeve.shown(obj)), len(before))
+        obj.rumple.mesh.level = 1
+        sleeve.at(2)
+        sleeve.at(3)
+        self.assertEqual(obj.rumple.message, "")
+
+    def test_one_step_is_always_allowed(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        obj.rumple.most_vertices = 1000
+        obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertEqual(obj.rumple.message, "")
+        self.assertGreater(runtimes.of(obj).evaluator.vertex_count, 3 * len(obj.data.vertices))
+
+
+class Sliders(unittest.TestCase):
+    def test_a_length_can_be_dragged(self) -> None:
+        """Blender drags by a thousandth of the soft range a pixel."""
+        for system in SYSTEMS.values():
+            group = getattr(bpy.data.objects.new("Any", None).rumple, system.group)
+            for name, about in group.bl_rna.properties.items():
+                if getattr(about, "unit", "") != "LENGTH":
+                    continue
+                self.assertLess((about.soft_max - about.soft_min) / 1000.0, 0.01 * about.default, name)
+                self.assertLessEqual(about.soft_min, about.default / 10.0, name)
+        wavelength = bpy.data.objects.new("Any", None).rumple.mesh.bl_rna.properties["wavelength"]
+        self.assertAlmostEqual((wavelength.soft_max - wavelength.soft_min) / 1000.0, MeshSettings.wavelength / 200.0, 5)
+
+
+class Words(unittest.TestCase):
+    def test_every_method_has_a_tooltip_of_its_own(self) -> None:
+        class Chosen:
+            method = ""
+        tips = set()
+        for method in (*SYSTEMS, "MAPS"):
+            Chosen.method = method
+            tips.add(bpy.types.OBJECT_OT_rumple_add.description(bpy.context, Chosen))
+        self.assertEqual(len(tips), len(SYSTEMS) + 1)
+
+    def test_the_panel_is_hidden_before_it_is_used(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        self.assertFalse(panels.DATA_PT_rumple.poll(bpy.context))
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertTrue(panels.DATA_PT_rumple.poll(bpy.context))
+        self.assertEqual(bpy.context.object, obj)
+
+
+class Paint(unittest.TestCase):
+    def test_a_new_group_is_full_and_the_brush_takes_away(self) -> None:
+        obj = sleeve.scene()
+        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")  # has a brush from then on
+        bpy.ops.object.mode_set(mode="OBJECT")
+        bpy.ops.object.rumple_paint(group="radius")
+        tools = bpy.context.tool_settings
+        shared = getattr(tools, "unified_paint_settings", None) or tools.weight_paint.unified_paint_settings
+        self.assertEqual(shared.weight, 0.0)
+        weights = np.array([obj.vertex_groups["Rumple Radius"].weight(v.index) for v in obj.data.vertices])
+        self.assertTrue((weights == 1.0).all())
+        shared.weight = 0.5
+        bpy.ops.object.rumple_paint(group="radius")  # it is there already: the brush is the artist's
+        self.assertEqual(shared.weight, 0.5)
+
+    def test_the_button_leaves_the_mode_again(self) -> None:
+        obj = sleeve.scene()
+        bpy.ops.object.rumple_paint(group="radius")
+        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+        bpy.ops.object.rumple_paint(group="bending")
+        self.assertEqual((obj.mode, obj.vertex_groups.active.name), ("WEIGHT_PAINT", "Rumple Bending"))
+        bpy.ops.object.rumple_paint(group="bending")
+        self.assertEqual(obj.mode, "OBJECT")
+
+
+if __name__ == "__main__":
+    unittest.main()
