@@ -155,6 +155,7 @@ class Healing(unittest.TestCase):
             mesh: Wrinkles = system.build(base, settings)
             frame = mesh.solve_frame(1.0, posed, settings, paint if system is not WrinkleMesh else {}, start=1)
             self.assertEqual(len(frame.positions), mesh.vertex_count)
+            self.assertTrue(np.isfinite(frame.positions).all())
             self.assertLess(mesh.triangle_vertex.max(), len(base.positions))
             self.assertLess(mesh.edge_parent.max(), len(base.positions))
             self.assertEqual(mesh.coarse_count, len(base.positions))

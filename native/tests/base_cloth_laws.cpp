@@ -181,6 +181,22 @@ TEST(BaseClothLaws, AtRestNoVertexIsBetterOffElsewhere) {
     }
 }
 
+// One vertex without a face, left behind by an edit, made every position of a garment NaN: it has no area, so
+// neither weight nor force.
+TEST(BaseClothLaws, ALooseVertexChangesNothingAndStays) {
+    for (const MeshData& mesh : meshes()) {
+        MeshData loose = mesh;
+        loose.positions.push_back(0.5f * (mesh.positions.front() + mesh.positions.back()));
+        const Garment garment(mesh), other(loose);
+        const Points pose = other.crumpled(0.93f, 1.5f, 0.05f);
+        const Result expected = garment.solve({}, {pose.begin(), pose.end() - 1});
+        const Result result = other.solve({}, pose);
+        EXPECT_TRUE(
+            std::equal(expected.positions.begin(), expected.positions.end(), result.positions.begin()));
+        EXPECT_EQ(result.positions.back(), pose.back());
+    }
+}
+
 TEST(BaseClothLaws, PinnedVerticesStay) {
     // A few rows below one pinned row: it gives way by what hangs on it (base_cloth_exact.cpp).
     const MeshData mesh = grid(6, 4, 0.04f);

@@ -56,6 +56,13 @@ struct Hessian {
     std::vector<glm::mat3> inverse_diagonal;  // preconditioner: of the 3x3 blocks
 };
 
+// A vertex without area, of no polygon or of flat ones, has neither weight nor force: it stays.
+glm::mat3 inverse_or_nothing(const glm::mat3& block) {
+    const glm::mat3 inverse = glm::inverse(block);
+    const Vec3 sum = inverse[0] + inverse[1] + inverse[2];
+    return std::isfinite(sum.x + sum.y + sum.z) ? inverse : glm::mat3(0.0f);
+}
+
 // The forces at x; the Hessian too, where one is asked for.
 void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, Hessian* hessian) {
     const auto& [model, settings, pose, planes, inertia] = cloth;
@@ -99,7 +106,7 @@ void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, He
         hessian->inverse_diagonal[b] += block;
     }
     if (hessian) {
-        for (glm::mat3& block : hessian->inverse_diagonal) block = glm::inverse(block);
+        for (glm::mat3& block : hessian->inverse_diagonal) block = inverse_or_nothing(block);
     }
 }
 

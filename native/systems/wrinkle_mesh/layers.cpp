@@ -30,6 +30,16 @@ std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
     return gap;
 }
 
+// Of the base's vertices -> of those that its layer solves: the welded ones that a polygon has.
+std::vector<Index> hints_of_solved(const Surface& base, std::span<const Index> hint) {
+    std::vector<bool> used(base.welded.vertex_count, false);
+    for (const Index w : base.welded.corner_vertex) used[w] = true;
+    std::vector<Index> out;
+    for (Index w = 0; w < base.welded.vertex_count; ++w)
+        if (used[w]) out.push_back(hint[base.representative[w]]);
+    return out;
+}
+
 // The input of every layer, one after the other.
 class Chain {
   public:
@@ -41,13 +51,15 @@ class Chain {
     void set_threads(int threads) { input_.threads = threads; }
 
     // Goes on from a layer's solved positions.
-    void ride_on(const Pose& pose, std::vector<Vec3> solved) {
+    void ride_on(const Surface& base, const Pose& pose, std::vector<Vec3> solved) {
         gap_ = gap_left(pose, solved);
         positions_ = std::move(solved);
         if (input_.bodies) {
             body_hint_ = pose.body;
-            input_.body_hint = body_hint_;
+        } else if (bodies_) {
+            body_hint_ = hints_of_solved(base, input_.body_hint);
         }
+        input_.body_hint = body_hint_;
         input_.positions = positions_;
         input_.gap = gap_;
         input_.bodies = bodies_;
@@ -196,6 +208,9 @@ LayersState activated(const LayersState& state) {
 LayersState solve(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
                   const Input& input, const LayersState* state, std::vector<Report>& reports) {
     check_counts(layers, settings.size(), paint.size());
+    if (input.bodies)
+        expect_count("body_hint", input.body_hint.size(), layers.layers[0]->base.display.vertex_count,
+                     "values");
     if (!fits(layers, state)) state = nullptr;
     reports.assign(layers.layers.size(), {});
     LayersState out;
@@ -213,7 +228,8 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
             look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, body_ahead, pose);
         out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,
                                         state ? &state->layers[k] : nullptr, reports[k]));
-        chain.ride_on(pose, solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]));
+        chain.ride_on(layer.base, pose,
+                      solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]));
     }
     out.solved = chain.take_positions();
     return out;

@@ -10,6 +10,7 @@ from ..ui_base import Panel, property_column
 
 class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
     bl_label = "Cloth"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = property_column(self.layout), context.object
@@ -33,14 +34,11 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
 
 
 def _draw_layers(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """Of the Wrinkle Mesh."""
+    """Of the Wrinkle Mesh. How much of each there is stands above: panels.py."""
     settings = obj.rumple.mesh
     column.prop(settings, "layers")
-    if settings.layers == "CLOTH":
-        for name in ("drape", "folds", "detail"):
-            painted(column, obj, name)
-        if settings.source != "SUBDIVISION" or settings.rest_shape == "ADAPTIVE":
-            column.label(text="Layers need Subdivision and a rest shape that stays", icon="INFO")
+    if settings.layers == "CLOTH" and (settings.source != "SUBDIVISION" or settings.rest_shape == "ADAPTIVE"):
+        column.label(text="Layers need Subdivision and a rest shape that stays", icon="INFO")
 
 
 def _draw_swing(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
@@ -54,6 +52,7 @@ def _draw_swing(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -
 
 class DATA_PT_rumple_body(Panel, bpy.types.Panel):
     bl_label = "Body"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         column = property_column(self.layout)

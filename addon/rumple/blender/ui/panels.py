@@ -60,7 +60,7 @@ class DATA_PT_rumple(bpy.types.Panel):
 
 
 def _draw_first(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """What artists change first; the panels below have it too, beside what it belongs to."""
+    """What artists change first."""
     settings = properties.group_of(obj)
     if obj.rumple.method == "MESH" and settings.layers == "CLOTH" and settings.source == "SUBDIVISION":
         for name in ("drape", "folds", "detail"):
