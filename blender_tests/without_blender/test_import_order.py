@@ -18,7 +18,7 @@ BLENDER = ["compat", "scheduler", "nodes", "objects", "viewport", "frame", "ui_b
 # Folders of native/, lowest first, in the same way. The systems stand side by side: none includes another.
 SYSTEMS = ["systems/wrinkle_maps", "systems/wrinkle_mesh", "systems/wrinkle_field", "systems/wrinkle_paths"]
 NATIVE = ["include/rumple", "include", "base", "surface/query", "surface/mesh", "surface/refine", "surface/contact",
-          "surface/strain", "surface/output", "surface/cloth", *SYSTEMS, "api", "tests", "benchmarks"]
+          "surface/strain", "surface/output", "surface/cloth", *SYSTEMS, "api", "fuzz", "tests", "benchmarks"]
 SEARCHED = [ROOT / "native", ROOT / "shaders", ROOT / "native" / "include"]  # as CMakeLists.txt has it
 HOST = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "bl_ui", "bpy_extras", "addon_utils"}
 

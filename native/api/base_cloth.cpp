@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/handles.h"
+#include "api/sound.h"
 #include "rumple.h"
 #include "surface/cloth/cover.h"
 #include "surface/cloth/swing.h"
@@ -184,12 +185,13 @@ rumple_status rumple_base_cloth_solve(const rumple_base_cloth* model,
         const auto options = native_of<base_cloth::Settings>(settings, "settings");
         const auto points = vectors(positions, positions_count, "positions");
         const auto worn_over = posed(bodies);
-        auto* out = new rumple_base_cloth_state{
-            m.model,
-            base_cloth::solve(*m.model, options, paint_in(of_model(paint, m, "paint")), points,
-                              worn_over ? &*worn_over : nullptr, state_in(of_model(before, m, "state")))};
-        if (report) *report = report_of(out->result.report);
-        return out;
+        const auto painted = paint_in(of_model(paint, m, "paint"));
+        auto solved = sound_from(state_in(of_model(before, m, "state")), [&](const base_cloth::State* from) {
+            return base_cloth::solve(*m.model, options, painted, points, worn_over ? &*worn_over : nullptr,
+                                     from);
+        });
+        if (report) *report = report_of(solved.report);
+        return new rumple_base_cloth_state{m.model, std::move(solved)};
     });
 }
 
@@ -205,12 +207,13 @@ rumple_status rumple_base_cloth_swing_solve(
         motion.placement.matrix = matrix_of(swing->matrix);
         const auto points = vectors(positions, positions_count, "positions");
         const auto worn_over = posed(bodies);
-        auto* out = new rumple_base_cloth_state{
-            m.model,
-            base_cloth::swing(*m.model, options, motion, paint_in(of_model(paint, m, "paint")), points,
-                              worn_over ? &*worn_over : nullptr, state_in(of_model(before, m, "state")))};
-        if (report) *report = report_of(out->result.report);
-        return out;
+        const auto painted = paint_in(of_model(paint, m, "paint"));
+        auto solved = sound_from(state_in(of_model(before, m, "state")), [&](const base_cloth::State* from) {
+            return base_cloth::swing(*m.model, options, motion, painted, points,
+                                     worn_over ? &*worn_over : nullptr, from);
+        });
+        if (report) *report = report_of(solved.report);
+        return new rumple_base_cloth_state{m.model, std::move(solved)};
     });
 }
 
@@ -244,6 +247,6 @@ rumple_status rumple_cloth_cover_lift(const rumple_cloth_cover* cover,
         const auto points = vectors(positions, positions_count, "positions");
         const auto near = values(hints, hints_count, "hints");
         const auto out = output<Vec3>(lifts, lifts_count, points.size(), "lifts");
-        write(lifts_over(c.surface, c.cover, options, *worn_over, points, near), out);
+        write(sound(lifts_over(c.surface, c.cover, options, *worn_over, points, near)), out);
     });
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/coarse.h"
 
+#include "api/sound.h"
+
 using namespace rumple;
 using namespace rumple::api;
 
@@ -34,6 +36,7 @@ rumple_status rumple_coarse_positions(const rumple_coarse* coarse, const float* 
     return guarded([&] {
         const rumple_coarse& c = given(coarse, "coarse");
         const auto to = output<Vec3>(out, out_count, c.mesh->dense_vertex.size(), "out");
-        write(coarse_positions(*c.mesh, *c.dense, vectors(positions, positions_count, "positions")), to);
+        write(sound(coarse_positions(*c.mesh, *c.dense, vectors(positions, positions_count, "positions"))),
+              to);
     });
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "api/sound.h"
 #include "base/expect.h"
 
 using namespace rumple;
@@ -85,9 +86,11 @@ glm::mat3 matrix_of(const float (&rows)[9]) {
     return matrix;
 }
 
-std::vector<float> painted(const float* data, size_t count, const Surface& base, const char* name) {
+std::vector<float> painted(const float* data, size_t count, const Surface& base, const char* name,
+                           double most) {
     const std::span<const float> from = values(data, count, name);
     if (!from.empty()) expect_count(name, from.size(), size_t(base.display.vertex_count), "values");
+    expect_range(name, from, 0.0, most);
     return copied(from);
 }
 

@@ -2,9 +2,12 @@
 #include <algorithm>
 
 #include "api/handles.h"
+#include "api/sound.h"
+#include "base/expect.h"
 #include "rumple.h"
 #include "surface/cloth/pins.h"
 #include "surface/mesh/heal.h"
+#include "surface/mesh/positions.h"
 
 using namespace rumple;
 using namespace rumple::api;
@@ -25,6 +28,7 @@ SurfaceInput input_of(const rumple_surface_plan& plan) {
     rows<std::array<Index, 3>>(plan.triangle_corner, plan.triangle_corner_count, "triangle_corner");
     input.triangle_corner = {plan.triangle_corner, 3 * plan.triangle_corner_count};
     input.weld_seams = plan.weld_seams;
+    check_coordinates("positions_rest", input.positions_rest);
     return input;
 }
 
@@ -100,6 +104,7 @@ rumple_status rumple_surface_suggest_follow(const rumple_surface* surface, const
     return guarded([&] {
         const Surface& s = given(surface, "surface").surface;
         given(up, "up");
+        expect_within("length of up", glm::length(Vec3(up[0], up[1], up[2])), 0.5, 2.0);
         const auto out = output<float>(follow, follow_count, size_t(s.display.vertex_count), "follow");
         write(suggest_follow(s, {up[0], up[1], up[2]}), out);
     });
@@ -201,6 +206,8 @@ rumple_status rumple_frame_get_view(const rumple_frame* frame, rumple_frame_view
 rumple_status rumple_frame_embed(rumple_frame* frame, const float* positions, size_t positions_count) {
     return guarded([&] {
         rumple_frame& f = given(frame, "frame");
-        embed_frame(f.base, f.mesh, vectors(positions, positions_count, "positions"), f.shown());
+        ShownFrame embedded = f.shown();  // the frame stays as it was where this is refused
+        embed_frame(f.base, f.mesh, vectors(positions, positions_count, "positions"), embedded);
+        write(sound(std::move(embedded.local_offset)), std::span(f.shown().local_offset));
     });
 }

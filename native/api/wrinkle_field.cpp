@@ -3,11 +3,19 @@
 
 #include <algorithm>
 
+#include "api/sound.h"
 #include "base/expect.h"
+#include "base/tolerances.h"
 
 using namespace rumple;
 using namespace rumple::api;
 using namespace rumple::wrinkle_field;
+
+// Of a state that is read. Those that are solved have phases of half a turn and unit directions.
+constexpr double kMostPhase = 1e3;
+constexpr double kMostDirection = 2.0;
+
+constexpr double kMostPainted = 1e3;
 
 static_assert(kProfileIntervals == RUMPLE_PROFILE_INTERVALS);
 static_assert(sizeof(Profile) == sizeof(rumple_wrinkle_field_profile));
@@ -53,6 +61,8 @@ Profile profile_in(const rumple_wrinkle_field_profile* profile) {
     Profile out;
     std::copy_n(given(profile, "profile").height, out.height.size(), out.height.begin());
     std::copy_n(profile->slope, out.slope.size(), out.slope.begin());
+    expect_range("profile height", out.height, -1.001, 1.001);  // 1, and what rounding made of it
+    expect_range("profile slope", out.slope, -1e3, 1e3);
     return out;
 }
 
@@ -146,8 +156,9 @@ rumple_status rumple_wrinkle_field_paint_build(const rumple_wrinkle_field* model
         const Surface& base = given(model, "model").model->base;
         const rumple_wrinkle_field_painted& from = given(painted, "painted");
         Paint made;
-        made.mask = api::painted(from.mask, from.mask_count, base, "mask");
-        made.wavelength = api::painted(from.wavelength, from.wavelength_count, base, "wavelength");
+        made.mask = api::painted(from.mask, from.mask_count, base, "mask", kMostPainted);
+        made.wavelength =
+            api::painted(from.wavelength, from.wavelength_count, base, "wavelength", kMostPainted);
         made.rest_wrinkle = copied(vectors(from.rest_wrinkle, from.rest_wrinkle_count, "rest_wrinkle"));
         if (!made.rest_wrinkle.empty()) check_rest_wrinkle(*model->model, made.rest_wrinkle);
         return new rumple_wrinkle_field_paint{model->model, std::move(made)};
@@ -185,14 +196,17 @@ rumple_status rumple_wrinkle_field_state_build(const rumple_wrinkle_field* model
         expect_rows("phase", from.phase_count, m.model->base.positions_rest.size());
         expect_rows("direction", from.direction_count, m.model->base.positions_rest.size());
         expect_rows_or_none("solved_offset", from.solved_offset_count, m.neighbours.size());
-        expect_finite("phase", values(from.phase, from.phase_count, "phase"), "vertex");
-        expect_finite("direction", rows<Vec2>(from.direction, from.direction_count, "direction"), "vertex");
-        return new rumple_wrinkle_field_state{
-            m.model,
-            {copied(values(from.phase, from.phase_count, "phase")),
-             copied(rows<Vec2>(from.direction, from.direction_count, "direction")),
-             copied(values(from.solved_offset, from.solved_offset_count, "solved_offset")),
-             state_of(from.reference)}};
+        State read{copied(values(from.phase, from.phase_count, "phase")),
+                   copied(rows<Vec2>(from.direction, from.direction_count, "direction")),
+                   copied(values(from.solved_offset, from.solved_offset_count, "solved_offset")),
+                   state_of(from.reference)};
+        expect_finite<float>("phase", read.phase, "vertex");
+        expect_finite<Vec2>("direction", read.direction, "vertex");
+        expect_range("phase", read.phase, -kMostPhase, kMostPhase);
+        expect_range("direction", floats_of(read.direction), -kMostDirection, kMostDirection);
+        expect_numbers("solved_offset", read.solved_offset);
+        if (!read.reference.empty()) check_reference(m.model->base, read.reference);
+        return new rumple_wrinkle_field_state{m.model, std::move(read)};
     });
 }
 
@@ -226,14 +240,15 @@ rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
         const auto* from = of_model(before, m, "state");
         const auto& at = given_of_model(pose, m, "pose");
         Report how;
-        auto* out = new rumple_wrinkle_field_state{
-            m.model, solve(*m.model, field_settings(settings), paint_in(m, paint), at.pose,
-                           from ? &from->state : nullptr, how, at.arrays.frame_time())};
+        State solved = sound_from(from ? &from->state : nullptr, [&](const State* last) {
+            return solve(*m.model, field_settings(settings), paint_in(m, paint), at.pose, last, how,
+                         at.arrays.frame_time());
+        });
         if (report) {
             *report = {how.rounds,         how.misfit_before, how.misfit_after,
                        how.largest_change, how.wrinkled,      how.collapsed};
         }
-        return out;
+        return new rumple_wrinkle_field_state{m.model, std::move(solved)};
     });
 }
 
@@ -247,10 +262,11 @@ rumple_status rumple_wrinkle_field_show(const rumple_wrinkle_field* model,
     return made(frame, "frame", [&] {
         const rumple_wrinkle_field& m = given(model, "model");
         const auto& at = given_of_model(pose, m, "pose");
-        return new_frame(m.model,
-                         show(*m.model, field_settings(settings), profile_in(profile), paint_in(m, paint),
-                              at.arrays.positions, at.pose, given_of_model(state, m, "state").state,
-                              values(gap, gap_count, "gap")));
+        const auto inwards = values(gap, gap_count, "gap");
+        expect_range("gap", inwards, 0.0, kFarthestCoordinate);
+        return new_frame(m.model, sound(show(*m.model, field_settings(settings), profile_in(profile),
+                                             paint_in(m, paint), at.arrays.positions, at.pose,
+                                             given_of_model(state, m, "state").state, inwards)));
     });
 }
 

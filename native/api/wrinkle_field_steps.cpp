@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "api/sound.h"
 #include "api/wrinkle_field.h"
 #include "base/expect.h"
 
@@ -48,10 +49,11 @@ rumple_status rumple_wrinkle_field_estimate_waves(const rumple_wrinkle_field* mo
         const auto* from = of_model(before, m, "state");
         const Settings options = field_settings(settings);
         const Paint& painted = paint_in(m, paint);
-        if (!from) return new rumple_waves{m.model, estimate_waves(*m.model, options, painted, at, {})};
-        return new rumple_waves{m.model,
-                                estimate_waves(*m.model, options, painted, at, from->state.direction,
-                                               reference_stretches(*m.model, from->state.reference, at))};
+        if (!from)
+            return new rumple_waves{m.model, sound(estimate_waves(*m.model, options, painted, at, {}))};
+        return new rumple_waves{
+            m.model, sound(estimate_waves(*m.model, options, painted, at, from->state.direction,
+                                          reference_stretches(*m.model, from->state.reference, at)))};
     });
 }
 
@@ -65,9 +67,9 @@ rumple_status rumple_wrinkle_field_shown_waves(const rumple_wrinkle_field* model
     return made(waves, "waves", [&] {
         const rumple_wrinkle_field& m = given(model, "model");
         return new rumple_waves{
-            m.model, shown_waves(*m.model, field_settings(settings), profile_in(profile), paint_in(m, paint),
-                                 vectors(positions, positions_count, "positions"),
-                                 given_of_model(state, m, "state").state)};
+            m.model, sound(shown_waves(*m.model, field_settings(settings), profile_in(profile),
+                                       paint_in(m, paint), vectors(positions, positions_count, "positions"),
+                                       given_of_model(state, m, "state").state))};
     });
 }
 
@@ -115,7 +117,7 @@ rumple_status rumple_wrinkle_field_stretches(const rumple_wrinkle_field* model,
             reference_stretches(*m.model, given_of_model(state, m, "state").state.reference,
                                 vectors(positions, positions_count, "positions"));
         given(adapts, "adapts") = !found.empty();
-        write(found, out);
+        write(sound(found), out);
     });
 }
 
@@ -136,11 +138,14 @@ rumple_status rumple_wrinkle_field_relax(const rumple_wrinkle_field* model,
         const rumple_wrinkle_field& m = given(model, "model");
         const Waves& over = waves_in(waves, m);
         const Settings options = field_settings(settings);
+        check(options);
+        expect_within("rounds", rounds, 0, 1e6);
+        expect_finite("phase", values<float>(phase, phase_count, "phase"), "vertex");
         const auto out = output<float>(phase, phase_count, welded_count(m), "phase");
         std::vector<float> phases(out.begin(), out.end());
         if (align_first) align(*m.model, options, over, rounds, phases);
         relax(*m.model, options, over, rounds, phases);
-        write(phases, out);
+        write(sound(std::move(phases)), out);
     });
 }
 
@@ -149,7 +154,9 @@ rumple_status rumple_wrinkle_field_misfit(const rumple_wrinkle_field* model, con
     return guarded([&] {
         const rumple_wrinkle_field& m = given(model, "model");
         expect_rows("phase", phase_count, welded_count(m));
-        given(found, "misfit") = misfit(*m.model, waves_in(waves, m), values(phase, phase_count, "phase"));
+        const auto phases = values(phase, phase_count, "phase");
+        expect_finite("phase", phases, "vertex");
+        given(found, "misfit") = misfit(*m.model, waves_in(waves, m), phases);
     });
 }
 
@@ -168,9 +175,13 @@ rumple_status rumple_wrinkle_field_evaluate(const rumple_wrinkle_field* model, c
         const auto weights = rows<Vec2>(barycentric, place_count, "barycentric");
         const auto height = output<float>(heights, place_count, place_count, "heights");
         const auto gradient = output<Vec3>(gradients, place_count, place_count, "gradients");
+        expect_finite("phase", phases, "vertex");
+        expect_finite("barycentric", weights, "place");
         for (size_t i = 0; i < place_count; ++i) {
             expect_within("triangle " + std::to_string(i), which[i], 0,
                           double(m.model->base.triangles.size()) - 1.0);
+        }
+        for (size_t i = 0; i < place_count; ++i) {
             const Height at = evaluate(*m.model, over, shape, phases, {which[i], weights[i].x, weights[i].y});
             height[i] = at.height;
             gradient[i] = at.gradient;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/wrinkle_layers.h"
 
+#include "api/sound.h"
 #include "api/wrinkle_mesh.h"
+#include "base/expect.h"
+#include "base/tolerances.h"
 
 using namespace rumple;
 using namespace rumple::api;
@@ -161,6 +164,8 @@ rumple_status rumple_wrinkle_layers_solve(const rumple_wrinkle_layers* model,
         over.positions = vectors(given_input.positions, given_input.positions_count, "positions");
         over.gap = values(given_input.gap, given_input.gap_count, "gap");
         over.thickness = given_input.thickness;
+        expect_range("gap", over.gap, 0.0, kFarthestCoordinate);
+        expect_within("thickness", over.thickness, 0.0, kFarthestCoordinate);
         const auto worn_over = posed(&given_input.bodies);
         if (worn_over) {
             over.bodies = &*worn_over;
@@ -168,11 +173,11 @@ rumple_status rumple_wrinkle_layers_solve(const rumple_wrinkle_layers* model,
         }
         std::vector<Report> how;
         const std::vector<Paint> nothing(touched ? 0 : m.model->layers.size());
-        auto* out = new rumple_wrinkle_layers_state{
-            m.model, solve(*m.model, options, touched ? touched->layers : nothing, over,
-                           from ? &from->state : nullptr, how)};
+        LayersState solved = sound_from(from ? &from->state : nullptr, [&](const LayersState* last) {
+            return solve(*m.model, options, touched ? touched->layers : nothing, over, last, how);
+        });
         for (size_t k = 0; reports && k < how.size(); ++k) reports[k] = report_of(how[k]);
-        return out;
+        return new rumple_wrinkle_layers_state{m.model, std::move(solved)};
     });
 }
 
@@ -186,6 +191,6 @@ rumple_status rumple_wrinkle_layers_show(const rumple_wrinkle_layers* model, con
         const auto at = vectors(positions, positions_count, "positions");
         Picture picture;
         show(*m.model, from, at, given_of_model(state, m, "state").state, picture);
-        return new_frame(m.model, std::move(picture));
+        return new_frame(m.model, sound(std::move(picture)));
     });
 }

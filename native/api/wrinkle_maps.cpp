@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "api/call.h"
+#include "api/sound.h"
 
 using namespace rumple;
 using namespace rumple::api;
@@ -16,6 +17,13 @@ struct rumple_wrinkle_maps {
 };
 
 namespace {
+
+// Of a component of a normal that is read: a map of unit normals, with what filters made of it.
+constexpr double kMostNormal = 1e3;
+
+Floats floats_in(std::span<const Vec3> vectors) {
+    return {&vectors.data()->x, 3 * vectors.size()};
+}
 
 std::span<const Bone> bones_in(const float* data, size_t count, const char* name) {
     return rows<Bone>(data, count, name);
@@ -36,16 +44,15 @@ Rig rig_of(const rumple_wrinkle_maps_plan& plan) {
     return rig;
 }
 
-Influences influences_in(const float* pose, size_t pose_count, const float* rest, size_t rest_count) {
-    return {copied(values(pose, pose_count, "pose")), copied(values(rest, rest_count, "rest"))};
-}
-
 // Influences of this model: presence() reads them unchecked.
 Influences influences_of(const Model& model, const float* pose, size_t pose_count, const float* rest,
                          size_t rest_count) {
     expect_rows("pose", pose_count, size_t(model.bones()) * size_t(model.poses()));
     expect_rows("rest", rest_count, size_t(model.bones()));
-    return influences_in(pose, pose_count, rest, rest_count);
+    Influences at{copied(values(pose, pose_count, "pose")), copied(values(rest, rest_count, "rest"))};
+    expect_range("pose", at.pose, 0.0, 1.0);
+    expect_range("rest", at.rest, 0.0, 1.0);
+    return at;
 }
 
 }  // namespace
@@ -90,7 +97,7 @@ rumple_status rumple_bones_in_root_space(const float root[16], const float* bone
             for (int c = 0; c < 4; ++c) matrix[c][r] = root[4 * r + c];
         }
         const auto to = output<Bone>(out, out_count, bones_count, "out");
-        write(in_root_space(matrix, bones_in(bones, bones_count, "bones")), to);
+        write(sound(in_root_space(matrix, bones_in(bones, bones_count, "bones"))), to);
     });
 }
 
@@ -102,6 +109,7 @@ rumple_status rumple_wrinkle_maps_evaluate(const rumple_wrinkle_maps* model, con
         const auto to_pose = output<float>(pose, pose_count, size_t(m.bones()) * size_t(m.poses()), "pose");
         const auto to_rest = output<float>(rest, rest_count, size_t(m.bones()), "rest");
         const Influences at = evaluate(m, bones_in(bones, bones_count, "bones"));
+        if (!all_finite(at.pose) || !all_finite(at.rest)) refuse_unsound();
         write(at.pose, to_pose);
         write(at.rest, to_rest);
     });
@@ -113,7 +121,7 @@ rumple_status rumple_wrinkle_maps_presence(const rumple_wrinkle_maps* model, con
     return guarded([&] {
         const Model& m = *given(model, "model").model;
         const auto out = output<float>(presences, presence_count, size_t(m.poses()), "presence");
-        write(presence(m, influences_of(m, pose, pose_count, rest, rest_count)), out);
+        write(sound(presence(m, influences_of(m, pose, pose_count, rest, rest_count))), out);
     });
 }
 
@@ -130,7 +138,7 @@ rumple_status rumple_wrinkle_maps_masks(const rumple_wrinkle_maps* model,
         const rumple_wrinkle_maps_settings& from = given(settings, "settings");
         const Settings options{from.gain, copied(values(from.strength, from.strength_count, "strength"))};
         const auto to = output<float>(out, out_count, size_t(m.poses()) * size_t(m.vertices()), "masks");
-        write(masks(m, options, influences_of(m, pose, pose_count, rest, rest_count)), to);
+        write(sound(masks(m, options, influences_of(m, pose, pose_count, rest, rest_count))), to);
     });
 }
 
@@ -140,12 +148,14 @@ rumple_status rumple_wrinkle_maps_blend(int32_t kind, const float* neutral, size
     return guarded([&] {
         const Maps maps = choice(kind, Maps::kWrinkles, "maps");
         const auto normals = vectors(neutral, neutral_count, "neutral");
+        expect_range("neutral", floats_in(normals), -kMostNormal, kMostNormal);
         const auto to = output<Vec3>(out, out_count, neutral_count, "out");
         const auto maps_in = values(wrinkles, poses, "wrinkles"),
                    masks_in = values(masks_of_poses, poses, "masks");
         for (size_t k = 0; k < poses; ++k) {
-            vectors(maps_in[k], neutral_count, "wrinkles");
-            values(masks_in[k], neutral_count, "masks");
+            expect_range("wrinkles", floats_in(vectors(maps_in[k], neutral_count, "wrinkles")), -kMostNormal,
+                         kMostNormal);
+            expect_range("masks", values(masks_in[k], neutral_count, "masks"), 0.0, 1.0);
         }
         std::vector<Vec3> w(poses);
         std::vector<float> m(poses);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/wrinkle_mesh.h"
 
+#include "api/sound.h"
 #include "base/expect.h"
 #include "systems/wrinkle_mesh/pose.h"
 
@@ -128,11 +129,12 @@ rumple_status solved(const Solve& solve, const rumple_wrinkle_mesh* model,
         const auto& at = given_of_model(pose, m, "pose");
         static const Paint nothing;
         Report how;
-        auto* out = new rumple_wrinkle_mesh_state{
-            m.model, solve(*m.model, mesh_settings(settings), touched ? touched->paint : nothing,
-                           input_of(at.arrays), at.pose, from ? &from->state : nullptr, how)};
+        State solved = sound_from(from ? &from->state : nullptr, [&](const State* last) {
+            return solve(*m.model, mesh_settings(settings), touched ? touched->paint : nothing,
+                         input_of(at.arrays), at.pose, last, how);
+        });
         if (report) *report = report_of(how);
-        return out;
+        return new rumple_wrinkle_mesh_state{m.model, std::move(solved)};
     });
 }
 
@@ -222,12 +224,14 @@ rumple_status rumple_wrinkle_mesh_state_build(const rumple_wrinkle_mesh* model,
         expect_rows("offset", from.offset_count, size_t(m.model->solved.vertex_count));
         expect_rows_or_none("solved_length", from.solved_length_count,
                             m.model->distance.size() + m.model->bending.size());
-        expect_finite("offset", vectors(from.offset, from.offset_count, "offset"), "vertex");
-        return new rumple_wrinkle_mesh_state{
-            m.model,
-            {copied(vectors(from.offset, from.offset_count, "offset")),
-             copied(values(from.solved_length, from.solved_length_count, "solved_length")),
-             state_of(from.reference)}};
+        State read{copied(vectors(from.offset, from.offset_count, "offset")),
+                   copied(values(from.solved_length, from.solved_length_count, "solved_length")),
+                   state_of(from.reference)};
+        expect_finite<Vec3>("offset", read.offset, "vertex");
+        expect_range("offset", floats_of(read.offset), -kFarthestCoordinate, kFarthestCoordinate);
+        expect_numbers("solved_length", read.solved_length);
+        if (!read.reference.empty()) check_reference(m.model->base, read.reference);
+        return new rumple_wrinkle_mesh_state{m.model, std::move(read)};
     });
 }
 
@@ -269,7 +273,7 @@ rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,
         Picture picture;
         show_pose(*m.model, mesh_settings(settings), input_of(at.arrays), at.pose,
                   given_of_model(state, m, "state").state, picture);
-        return new_frame(m.model, std::move(picture));
+        return new_frame(m.model, sound(std::move(picture)));
     });
 }
 
@@ -288,6 +292,10 @@ rumple_status rumple_wrinkle_mesh_measure(const rumple_wrinkle_mesh* model,
         const Measures found =
             measure_pose(*m.model, mesh_settings(settings), paint_in(model, paint), input_of(at.arrays),
                          at.pose, given_of_model(state, m, "state").state);
+        const float sizes[] = {found.edge_error_before_max,  found.edge_error_after_max,
+                               found.compressed_area_before, found.compressed_area_after,
+                               found.attachment_violation,   found.largest_offset};
+        if (!all_finite(sizes) || !all_finite(floats_of(found.offsets))) refuse_unsound();
         given(measures, "measures") = {found.edge_error_before_rms,  found.edge_error_before_max,
                                        found.edge_error_after_rms,   found.edge_error_after_max,
                                        found.compressed_area_before, found.compressed_area_after,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/wrinkle_paths.h"
 
+#include "api/sound.h"
+
 using namespace rumple;
 using namespace rumple::api;
 using namespace rumple::wrinkle_paths;
@@ -90,6 +92,19 @@ std::vector<Path> paths_of(const rumple_wrinkle_paths_state_view& from) {
         paths.push_back(std::move(path));
     }
     return paths;
+}
+
+// In order of birth, and those to come are younger.
+void check_ids(const std::vector<Path>& paths, Index next_id) {
+    Index least = 0;
+    for (const Path& path : paths) {
+        if (path.id < least || path.id >= next_id) {
+            throw InvalidInput("path_id: expected " + std::to_string(least) + " to " +
+                               std::to_string(next_id - 1) + ", got " + std::to_string(path.id));
+        }
+        least = path.id + 1;
+    }
+    if (next_id < 0) throw InvalidInput("next_id: expected at least 0, got " + std::to_string(next_id));
 }
 
 }  // namespace
@@ -192,6 +207,8 @@ rumple_status rumple_wrinkle_paths_state_build(const rumple_wrinkle_paths* model
         made.compression = copied(values(from.compression, from.compression_count, "compression"));
         made.paths = paths_of(from);
         made.next_id = from.next_id;
+        check(*m.model, made);
+        check_ids(made.paths, made.next_id);
         return new rumple_wrinkle_paths_state(m.model, std::move(made));
     });
 }
@@ -218,9 +235,10 @@ rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
         static const Paint nothing;
         const auto& at = given_of_model(pose, m, "pose");
         Report how;
-        auto* out = new rumple_wrinkle_paths_state(
-            m.model, solve(*m.model, paths_settings(settings), touched ? touched->paint : nothing,
-                           input_of(at.arrays), at.pose, from ? &from->state : nullptr, how));
+        State solved = sound_from(from ? &from->state : nullptr, [&](const State* last) {
+            return solve(*m.model, paths_settings(settings), touched ? touched->paint : nothing,
+                         input_of(at.arrays), at.pose, last, how);
+        });
         if (report) {
             *report = {how.paths,
                        how.born,
@@ -232,7 +250,7 @@ rumple_status rumple_wrinkle_paths_solve(const rumple_wrinkle_paths* model,
                        how.moved_mean,
                        how.moved_most};
         }
-        return out;
+        return new rumple_wrinkle_paths_state(m.model, std::move(solved));
     });
 }
 
@@ -245,7 +263,7 @@ rumple_status rumple_wrinkle_paths_show(const rumple_wrinkle_paths* model,
         Picture picture;
         show(*m.model, paths_settings(settings), given_of_model(pose, m, "pose").pose,
              given_of_model(state, m, "state").state, picture);
-        return new_frame(m.model, std::move(picture));
+        return new_frame(m.model, sound(std::move(picture)));
     });
 }
 

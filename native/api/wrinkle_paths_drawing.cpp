@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Curves and drawings of the Wrinkle Paths.
+#include "api/sound.h"
 #include "api/wrinkle_paths.h"
 #include "base/expect.h"
 #include "systems/wrinkle_paths/curves.h"
@@ -49,7 +50,7 @@ rumple_status rumple_wrinkle_paths_trace(const rumple_wrinkle_paths* model,
         RidingCurves lines;
         static_cast<Curves&>(lines) =
             curves(*m.model, paths_settings(settings), given_of_model(pose, m, "pose").pose, at);
-        return new rumple_curves{std::move(lines)};
+        return new rumple_curves{sound(std::move(lines))};
     });
 }
 
@@ -61,9 +62,9 @@ rumple_status rumple_wrinkle_paths_ride(const rumple_wrinkle_paths* model,
     return made(ridden, "curves", [&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const State& at = given_of_model(state, m, "state").state;
-        return new rumple_curves{ride(*m.model, paths_settings(settings),
-                                      given_of_model(pose, m, "pose").pose, at,
-                                      vectors(animated, animated_count, "animated"))};
+        return new rumple_curves{
+            sound(ride(*m.model, paths_settings(settings), given_of_model(pose, m, "pose").pose, at,
+                       vectors(animated, animated_count, "animated")))};
     });
 }
 
@@ -88,8 +89,9 @@ rumple_status rumple_wrinkle_paths_ellipses(const rumple_wrinkle_paths* model,
     return guarded([&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const auto to = output<Ellipse>(out, out_count, size_t(m.model->net.triangles()), "ellipses");
-        write(ellipses(*m.model, given_of_model(pose, m, "pose").pose,
-                       given_of_model(state, m, "state").state, size),
+        expect_within("size", size, 0.0, 1e6);
+        write(sound(ellipses(*m.model, given_of_model(pose, m, "pose").pose,
+                             given_of_model(state, m, "state").state, size)),
               to);
     });
 }
@@ -131,7 +133,7 @@ rumple_status rumple_wrinkle_paths_draw(const rumple_wrinkle_paths* model,
         const State& at = given_of_model(state, m, "state").state;
         const auto& in = given_of_model(pose, m, "pose");
         return new rumple_drawing{
-            m.model, draw(*m.model, paths_settings(settings), input_of(in.arrays), in.pose, at), true};
+            m.model, sound(draw(*m.model, paths_settings(settings), input_of(in.arrays), in.pose, at)), true};
     });
 }
 
@@ -145,7 +147,7 @@ rumple_status rumple_wrinkle_paths_list(const rumple_wrinkle_paths* model,
         Drawing lists;
         lists.lists = build_triangle_lists(*m.model, paths_settings(settings),
                                            given_of_model(pose, m, "pose").pose, at);
-        return new rumple_drawing{m.model, std::move(lists), false};
+        return new rumple_drawing{m.model, sound(std::move(lists)), false};
     });
 }
 
@@ -159,9 +161,12 @@ rumple_status rumple_drawing_evaluate(const rumple_drawing* drawing,
         const auto which = values(triangles, place_count, "triangles");
         const auto weights = rows<Vec2>(barycentric, place_count, "barycentric");
         const auto to = output<std::array<float, 7>>(out, place_count, place_count, "out");
+        expect_finite("barycentric", weights, "place");
         for (size_t i = 0; i < which.size(); ++i) {
             expect_within("triangle " + std::to_string(i), which[i], 0,
                           double(d.model->net.triangles()) - 1.0);
+        }
+        for (size_t i = 0; i < which.size(); ++i) {
             const Drawn at = drawn_at(*d.model, options, d.drawing, {which[i], weights[i].x, weights[i].y});
             to[i] = {at.position.x, at.position.y, at.position.z, at.height,
                      at.normal.x,   at.normal.y,   at.normal.z};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Layers over a coarse mesh, shown on the dense one.
 #include "api/coarse.h"
+#include "api/sound.h"
 #include "api/wrinkle_layers.h"
 #include "systems/wrinkle_mesh/transfer.h"
 
@@ -55,6 +56,6 @@ rumple_status rumple_wrinkle_transfer_show(const rumple_wrinkle_transfer* model,
         Picture picture;
         show(*m.model, *m.coarse, *m.layers, vectors(animated, animated_count, "animated"), state->state,
              picture);
-        return new_frame(m.model, std::move(picture));
+        return new_frame(m.model, sound(std::move(picture)));
     });
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 
 namespace rumple::elementary {
@@ -46,7 +47,10 @@ struct Reduced {
 };
 Reduced reduced(double x) {
     constexpr double kFirst = 0x1.921fb544p+0, kSecond = 0x1.0b4611a6p-34, kThird = 0x1.3198a2e037073p-69;
-    if (std::abs(x) > 0x1p20) x = std::fmod(x, 2.0 * pi);
+    if (!(std::abs(x) <= 0x1p20)) {
+        if (!std::isfinite(x)) return {std::numeric_limits<double>::quiet_NaN(), 0};
+        x = std::fmod(x, 2.0 * pi);
+    }
     const double n = std::floor(x * (2.0 / pi) + 0.5);
     const double angle = ((x - n * kFirst) - n * kSecond) - n * kThird;
     return {angle, int(n - 4.0 * std::floor(n / 4.0))};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "base/array.h"
@@ -10,11 +11,18 @@
 
 namespace rumple {
 
+// Six digits: "0.5", "1e+06".
+inline std::string short_text(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
+}
+
 // Within [low, high]; not a number never is.
 inline void expect_within(const std::string& name, double value, double low, double high) {
     if (value >= low && value <= high) return;
-    throw InvalidInput(name + ": expected " + std::to_string(low) + " to " + std::to_string(high) + ", got " +
-                       std::to_string(value));
+    throw InvalidInput(name + ": expected " + short_text(low) + " to " + short_text(high) + ", got " +
+                       short_text(value));
 }
 
 // what: of what there are so many, e.g. "vertices".

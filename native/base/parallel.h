@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <barrier>
 #include <cstddef>
+#include <latch>
+#include <new>
+#include <optional>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -13,20 +17,29 @@ namespace rumple {
 
 class Team {
   public:
-    explicit Team(int threads) : threads_(std::max(threads, 1)), barrier_(threads_) {}
+    explicit Team(int threads) : threads_(std::max(threads, 1)) {}
 
-    // Runs work(thread) on every member and returns when all are done.
-    // work must not throw.
+    // Runs work(thread) on every member and returns when all are done. Where the system gives fewer threads
+    // than were asked for (a limit of a container, of memory), those that there are do the work of all. work
+    // must not throw.
     template <typename Work>
     void run(Work&& work) {
+        std::latch counted(1);  // nobody begins before it is known how many there are
+        const auto task = [&](int thread) {
+            counted.wait();
+            work(thread);
+        };
         Others others;
-        for (int t = 1; t < threads_; ++t) others.threads.emplace_back([&work, t] { work(t); });
+        others.start(threads_ - 1, task);
+        threads_ = 1 + static_cast<int>(others.threads.size());
+        barrier_.emplace(threads_);
+        counted.count_down();
         work(0);
     }
 
     // Everyone waits here for everyone (the wait yields the processor).
     void barrier() {
-        if (threads_ > 1) barrier_.arrive_and_wait();
+        if (threads_ > 1) barrier_->arrive_and_wait();
     }
 
     struct Range {
@@ -44,13 +57,24 @@ class Team {
     struct Others {
         std::vector<std::thread> threads;
 
+        // As many as can be started, up to `most`, which are numbered from 1.
+        template <typename Task>
+        void start(int most, const Task& task) {
+            try {
+                threads.reserve(size_t(most));
+                for (int t = 1; t <= most; ++t) threads.emplace_back([&task, t] { task(t); });
+            } catch (const std::system_error&) {
+            } catch (const std::bad_alloc&) {
+            }
+        }
+
         ~Others() {
             for (std::thread& thread : threads) thread.join();
         }
     };
 
     int threads_;
-    std::barrier<> barrier_;
+    std::optional<std::barrier<>> barrier_;  // of those that run
 };
 
 // Threads for so many items: what was asked for, or (0) one below `least_items`, else those of this machine,

@@ -10,6 +10,14 @@ namespace rumple {
 // any gap that an artist models.
 inline constexpr double kWeldDistance = 1e-6;
 
+// Unit: object units. No coordinate is larger: products of four differences of them, which squared areas
+// are, stay floats with room to be summed up. A garment in millimetres is 100 km away there.
+inline constexpr float kFarthestCoordinate = 1e8f;
+
+// Unit: largest coordinates of the rest shape. A frame with a vertex farther from the origin has exploded: a
+// float there is rounded by a twentieth of the mesh. Simulations that burst pass it within a few frames.
+inline constexpr float kExploded = 1e6f;
+
 // Unit: bounding box diagonals. An edge shorter than this has no direction worth
 // trusting in single precision. Only warned about.
 inline constexpr double kZeroLength = 1e-6;

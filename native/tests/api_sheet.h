@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One quad through the C library, for its tests.
+// One quad, of 1 x 1 times its size, through the C library, for its tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,9 +13,13 @@ namespace rumple::api {
 
 class Sheet {
   public:
-    Sheet() {
+    explicit Sheet(float size = 1.0f) {
+        std::vector<float> rest(kRest, kRest + 12);
+        for (std::vector<float>* lengths : {&rest, &positions}) {
+            for (float& x : *lengths) x *= size;
+        }
         rumple_surface_plan plan = rumple_surface_plan_default();
-        plan.positions_rest = kRest;
+        plan.positions_rest = rest.data();
         plan.positions_rest_count = 4;
         plan.polygon_start = kPolygonStart;
         plan.polygon_start_count = 2;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "base/expect.h"
 #include "tests/refusals.h"
 #include "tests/wrinkle_mesh_cloth.h"
 
@@ -57,8 +58,8 @@ TEST(WrinkleMeshInput, ASettingOutOfItsRangeIsNamedWithItsRangeAndValue) {
             Settings settings;
             range.set(settings, value);
             const std::string begins = std::string(range.name) + ": expected ";
-            expect_refused([&] { check(settings); }, {begins, std::to_string(double(range.low)),
-                                                      "got " + std::to_string(double(value))});
+            expect_refused([&] { check(settings); },
+                           {begins, short_text(range.low), "got " + short_text(value)});
             expect_refused([&] { cloth.solve(cloth.mesh.positions, settings); }, {begins});
         }
     }

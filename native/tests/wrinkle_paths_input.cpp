@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "base/expect.h"
 #include "tests/refusals.h"
 #include "tests/wrinkle_paths_cloth.h"
 
@@ -50,7 +51,7 @@ TEST(WrinklePathsInput, ASettingOutOfItsRangeIsNamedWithItsRangeAndValue) {
             PathCloth bad = cloth;
             bad.settings.*range.field = value;
             const std::string begins = std::string(range.name) + ": expected ";
-            expect_refused([&] { check(bad.settings); }, {begins, "got " + std::to_string(double(value))});
+            expect_refused([&] { check(bad.settings); }, {begins, "got " + short_text(value)});
             expect_refused([&] { bad.solve(bad.mesh.positions); }, {begins});
         }
     }

@@ -188,6 +188,7 @@ struct ProfilePlace {
 FORMULA ProfilePlace profile_place(float phase) {
     float turn = to_nearest(phase / kTwoPi);
     float x = 2.0f * abs(turn) * float(kProfileIntervals);
+    x = x >= 0.0f ? x : 0.0f;  // a phase that is no number has a place, too: int(x) of it would be any
     ProfilePlace place;
     place.index = min(int(x), kProfileIntervals - 1);
     place.fraction = x - float(place.index);

@@ -5,6 +5,7 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
+#include "surface/mesh/positions.h"
 #include "surface/output/shown_mesh.h"
 
 namespace rumple {
@@ -40,7 +41,7 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
                              std::span<const Index> hints) {
     expect_within("thickness", settings.thickness, 0.0, 1e9);
     expect_within("depth", settings.depth, 1e-9, 1e9);
-    expect_count("positions", positions.size(), surface.display.vertex_count, "vertices");
+    check_frame(surface, positions);
     expect_count("hints", hints.size(), surface.display.vertex_count, "values");
     const size_t vertices = surface.welded.vertex_count, samples = model.samples.places.size();
     std::vector<Vec3> at(vertices), normals(vertices), points(samples);

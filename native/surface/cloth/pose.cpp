@@ -6,6 +6,7 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
+#include "surface/mesh/positions.h"
 #include "surface/output/attachments.h"
 #include "surface/query/closest_point.h"
 
@@ -69,7 +70,7 @@ Plane nearest_plane(const Model& model, const Pose& pose, const Vec3& p, Index& 
             const Vec3 w = weights_of(t);
             to = p - mix(t, w, pose.inner);
             const float squared = glm::dot(to, to);
-            if (squared >= least) continue;
+            if (!(squared < least)) continue;  // what is no number is no way: the walk ends
             least = squared;
             best = t;
             weights = w;
@@ -138,8 +139,7 @@ bool matches(const Model& model, const State& state) {
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                std::span<const Vec3> positions, const PosedCollider* bodies, std::vector<Index>& body_hint) {
     const Surface& surface = model.surface;
-    expect_count("positions", positions.size(), surface.display.vertex_count, "vertices");
-    expect_finite("positions", positions, "vertex");
+    check_frame(surface, positions);
     const size_t vertices = surface.welded.vertex_count;
     Pose pose;
     pose.animated.resize(vertices);

@@ -8,6 +8,7 @@
 
 #include "base/expect.h"
 #include "base/tolerances.h"
+#include "surface/mesh/positions.h"
 
 namespace rumple {
 namespace {
@@ -24,7 +25,7 @@ constexpr float kOnEdge = 1e-4f;
 
 std::vector<Vec3> checked(const Collider& collider, std::span<const Vec3> positions) {
     expect_count("body positions", positions.size(), size_t(collider.vertex_count()), "vertices");
-    expect_finite("body positions", positions, "vertex");
+    check_coordinates("body positions", positions);
     return {positions.begin(), positions.end()};
 }
 
@@ -33,7 +34,7 @@ std::vector<Vec3> checked(const Collider& collider, std::span<const Vec3> positi
 Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles)
     : vertex_count_(static_cast<Index>(positions.size())), triangles_(triangles.begin(), triangles.end()) {
     if (triangles_.empty()) throw InvalidInput("body: expected at least one triangle, got none");
-    expect_finite("body positions", positions, "vertex");
+    check_coordinates("body positions", positions);
     for (size_t t = 0; t < triangles_.size(); ++t) {
         for (const Index v : triangles_[t]) {
             if (v >= 0 && v < vertex_count_) continue;
@@ -121,7 +122,7 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
     const auto counts = [&](const PosedPackets::Packet& packet) {
         return LaneMask(dot(packet.normal, facing) >= all_lanes(kFacing));
     };
-    Best best{reach * reach};
+    Best best{squared_reach(reach)};
     const auto look = [&](const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles) {
         look_at(packet, triangles, p, counts, best);
     };
@@ -143,7 +144,7 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
 }
 
 BodyAhead PosedCollider::ahead(const Vec3& p, const Vec3& normal, float reach, float behind) const {
-    Best best{reach * reach};
+    Best best{squared_reach(reach)};
     const Vec3Lanes at(p), facing(normal);
     const auto counts = [&](const PosedPackets::Packet& packet) {
         return LaneMask((dot(packet.normal, facing) <= all_lanes(kFacingNormals)) &

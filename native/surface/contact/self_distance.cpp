@@ -20,7 +20,7 @@ PosedOwnSurface::PosedOwnSurface(const OwnSurface& surface, std::span<const Vec3
 OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const {
     const Vec3 p = positions_[vertex], normal = normals_.of_vertex[vertex];
     const Vec3Lanes at(p), facing(normal);
-    float best = reach * reach;
+    float best = squared_reach(reach);
     found = kNone;
     Vec3 displacement(0.0f);
     const auto look_at = [&](const PosedPackets::Packet& packet,

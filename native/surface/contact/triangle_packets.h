@@ -3,6 +3,7 @@
 // boxes, or four triangles, are looked at at a time. Internal to contact.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -21,6 +22,11 @@ namespace rumple {
 inline int threads_for_queries(int asked, size_t queries) {
     constexpr size_t kQueriesForThreads = 2'000;
     return choose_threads(asked, queries, kQueriesForThreads, 8);
+}
+
+// The square of a way that is looked; below infinity, where lanes are that hold no triangle.
+inline float squared_reach(float reach) {
+    return std::min(reach * reach, std::numeric_limits<float>::max());
 }
 
 // Which triangles lie together. Built once at rest, then immutable.
@@ -136,7 +142,9 @@ void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* non
     const Vec3Lanes at(p), direction(none_faces ? none_faces->direction : Vec3(0.0f));
     while (top > 0) {
         const auto [squared, child] = stack[--top];
-        const float far = (1.0f + kPacketTieSlack) * best + always;
+        // Below infinity, where empty children are.
+        const float far =
+            std::min((1.0f + kPacketTieSlack) * best + always, std::numeric_limits<float>::max());
         if (squared > far) continue;
         if (child < 0) {
             look_at(packets_[-1 - child], hierarchy_.packets[-1 - child]);

@@ -9,6 +9,7 @@
 
 #include "base/expect.h"
 #include "surface/mesh/edge_graph.h"
+#include "surface/mesh/positions.h"
 #include "surface/output/attachments.h"
 #include "surface/refine/refinement.h"
 
@@ -171,8 +172,7 @@ std::shared_ptr<const CoarseMesh> build_coarse(const Surface& dense, float spaci
 
 std::vector<Vec3> coarse_positions(const CoarseMesh& coarse, const Surface& dense,
                                    std::span<const Vec3> positions) {
-    expect_count("positions", positions.size(), dense.display.vertex_count, "vertices");
-    expect_finite("positions", positions, "vertex");  // also where no coarse vertex is
+    check_frame(dense, positions);  // also where no coarse vertex is
     std::vector<Vec3> welded(dense.welded.vertex_count), wanted;
     weld_positions(dense, positions, welded);
     for (const Index v : coarse.dense_vertex) wanted.push_back(welded[dense.welded_of[v]]);

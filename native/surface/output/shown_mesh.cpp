@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "base/errors.h"
 #include "base/expect.h"
 #include "base/tolerances.h"
+#include "surface/mesh/positions.h"
 
 namespace rumple {
 namespace {
@@ -62,14 +64,22 @@ void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> wel
 }  // namespace
 
 void refuse_too_many(double corners, const FineSource& source, Index steps) {
+    expect_within("display_steps", steps, 0, kMostLevels);
     double per_corner = 1.0;
-    if (source.kind == FineSource::Kind::kSubdivision) per_corner = std::ldexp(1.0, 2 * source.level);
-    if (source.kind == FineSource::Kind::kRegular) per_corner = double(source.segments) * source.segments;
-    const double estimate = corners / 4.0 * per_corner * std::ldexp(1.0, 2 * steps);
+    if (source.kind == FineSource::Kind::kSubdivision) {
+        expect_within("level", source.level, 0, kMostLevels);
+        per_corner = std::ldexp(1.0, 2 * source.level);
+    }
+    if (source.kind == FineSource::Kind::kRegular) {
+        expect_within("segments", source.segments, 1, kMostSegments);
+        per_corner = double(source.segments) * source.segments;
+    }
+    const double estimate = std::round(corners / 4.0 * per_corner * std::ldexp(1.0, 2 * steps));
     if (estimate > source.most_vertices) {
         throw InvalidInput("the fine mesh would have about " +
-                           std::to_string(static_cast<long long>(estimate)) + " vertices, more than " +
-                           std::to_string(source.most_vertices));
+                           std::to_string(std::int64_t(std::min(estimate, 1e15))) + " vertices, more than " +
+                           std::to_string(source.most_vertices) +
+                           ": raise the wavelength, or lower the number of subdivisions or segments");
     }
 }
 
@@ -81,7 +91,9 @@ FineMesh refine(const Surface& base, const FineSource& source, Index steps) {
         case FineSource::Kind::kRegular:
             return refine_regular(base, source.segments);
         case FineSource::Kind::kLongestEdge:
-            return refine_longest_edge(base, source.longest_edge, source.most_vertices);
+            // The display steps come after it.
+            return refine_longest_edge(base, source.longest_edge,
+                                       Index(std::ldexp(double(source.most_vertices), -2 * steps)));
     }
     return {};
 }
@@ -170,7 +182,7 @@ ShownMesh show_triangles(const Surface& base) {
 
 void embed_frame(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> positions,
                  ShownFrame& frame) {
-    expect_count("positions", positions.size(), base.display.vertex_count, "vertices");
+    check_frame(base, positions);
     std::vector<Vec3> welded(base.welded.vertex_count);
     weld_positions(base, positions, welded);
     std::vector<TriangleFrame> frames(base.triangles.size());

@@ -7,7 +7,7 @@
 #include <queue>
 #include <string>
 
-#include "base/errors.h"
+#include "base/expect.h"
 #include "base/tolerances.h"
 #include "surface/refine/split_parts.h"
 
@@ -64,8 +64,9 @@ class Bisection {
             queue_.pop();
             if (entry.length != length(entry.line)) continue;
             if (fine_.mesh.vertex_count >= most_vertices) {
-                throw InvalidInput("longest: " + std::to_string(longest) + " m needs more than " +
-                                   std::to_string(most_vertices) + " vertices");
+                throw InvalidInput("longest: edges of at most " + short_text(longest) + " need more than " +
+                                   std::to_string(most_vertices) +
+                                   " vertices: allow longer edges (for Wrinkle Paths: wider folds)");
             }
             split(entry.line);
         }
@@ -173,7 +174,7 @@ class Bisection {
 
 FineMesh refine_longest_edge(const Surface& surface, float longest, Index most_vertices) {
     if (!(longest > 0.0f) || !std::isfinite(longest)) {
-        throw InvalidInput("longest: expected a length above 0 m, got " + std::to_string(longest));
+        throw InvalidInput("longest: expected a length above 0, got " + short_text(longest));
     }
     FineMesh fine;
     Bisection bisection(surface, fine);

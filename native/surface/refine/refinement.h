@@ -11,6 +11,9 @@ namespace rumple {
 // The most levels of subdivision: a face in 65,536 pieces.
 inline constexpr Index kMostLevels = 8;
 
+// The most segments of an edge: a triangle in a million pieces.
+inline constexpr Index kMostSegments = 1024;
+
 // limit_stencils() is exact at the vertices of so many levels.
 inline constexpr Index kExactLimitLevels = 6;
 

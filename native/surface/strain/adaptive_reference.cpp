@@ -8,6 +8,7 @@
 
 #include "base/elementary.h"
 #include "base/expect.h"
+#include "surface/mesh/positions.h"
 
 namespace rumple {
 namespace {
@@ -134,9 +135,7 @@ void check_frame_time(const Surface& surface, const FrameTime& frame_time, const
         }
     }
     if (!frame_time.next_positions.empty()) {
-        expect_count("next_positions", frame_time.next_positions.size(), size_t(surface.display.vertex_count),
-                     "vertices");
-        expect_finite("next_positions", frame_time.next_positions, "vertex");
+        check_frame(surface, frame_time.next_positions, "next_positions");
         if (!(frame_time.next_time > frame_time.time))
             throw InvalidInput("next_time: expected later than " + std::to_string(frame_time.time) +
                                " s, got " + std::to_string(frame_time.next_time));
@@ -163,7 +162,8 @@ void check_reference(const Surface& surface, const ReferenceState& state) {
         if (!state.reference[t].is_sound()) refuse("reference", t);
     }
     for (size_t i = 0; i < state.past_times.size(); ++i) {
-        if (!(state.past_times[i] <= state.time) || (i > 0 && state.past_times[i] < state.past_times[i - 1]))
+        if (!std::isfinite(state.past_times[i]) || !(state.past_times[i] <= state.time) ||
+            (i > 0 && state.past_times[i] < state.past_times[i - 1]))
             refuse("past_times", i);
     }
     for (size_t v = 0; v < state.past_positions.size(); ++v) {
@@ -271,7 +271,7 @@ Labels label_clip(const Surface& surface, const ReferenceModel& model, const Ref
                                std::to_string(times[f - 1]));
         }
         const std::span<const Vec3> frame = positions.subspan(f * vertices, vertices);
-        expect_finite("positions", frame, "vertex");
+        check_frame(surface, frame);
         std::vector<Vec3> welded(size_t(surface.welded.vertex_count));
         weld_positions(surface, frame, welded);
         if (f == 0) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/tolerances.h"
 #include "surface/strain/deformation.h"
 
 namespace rumple {
@@ -17,8 +18,11 @@ struct FlatTriangle {
 
     bool has_area() const { return y2 > 0.0f; }
     float area() const { return 0.5f * x1 * y2; }
-    // What flatten() can give: no edge of negative length, nothing that is not finite.
-    bool is_sound() const { return x1 >= 0.0f && y2 >= 0.0f && std::isfinite(x1 + x2 + y2); }
+    // What flatten() can give: no edge of negative length, nothing larger than between two coordinates.
+    bool is_sound() const {
+        const float most = 4.0f * kFarthestCoordinate;
+        return x1 >= 0.0f && x1 <= most && std::abs(x2) <= most && y2 >= 0.0f && y2 <= most;
+    }
 };
 FlatTriangle flatten(const Vec3& p0, const Vec3& p1, const Vec3& p2);
 

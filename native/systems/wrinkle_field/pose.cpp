@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One frame of the base: what solve() and show() of Loviscach 2006 both read.
-#include "base/expect.h"
+#include "surface/mesh/positions.h"
 #include "systems/wrinkle_field/frames.h"
 
 namespace rumple::wrinkle_field {
 
 Pose weld_pose(const Model& model, std::span<const Vec3> positions) {
-    expect_count("positions", positions.size(), model.base.welded_of.size(), "vertices");
-    expect_finite("positions", positions, "vertex");
+    check_frame(model.base, positions);
     Pose pose;
     pose.positions.resize(model.base.positions_rest.size());
     pose.normals.resize(model.base.positions_rest.size());

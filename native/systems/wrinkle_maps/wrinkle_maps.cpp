@@ -188,7 +188,7 @@ void find_reach(Model& model) {
     model.reach.assign(size_t(model.vertices()) * poses, 0.0f);
     for (Index v = 0; v < model.vertices(); ++v) {
         for (Index e = model.weights.start[v]; e < model.weights.start[v + 1]; ++e) {
-            const std::uint8_t* active = &model.active[size_t(model.weights.index[e]) * poses];
+            const std::uint8_t* active = model.active.data() + size_t(model.weights.index[e]) * poses;
             for (Index k = 0; k < poses; ++k) {
                 if (active[k]) model.reach[size_t(v) * poses + k] += model.weights.weight[e];
             }

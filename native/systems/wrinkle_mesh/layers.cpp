@@ -6,6 +6,7 @@
 
 #include "base/errors.h"
 #include "base/expect.h"
+#include "surface/mesh/positions.h"
 #include "systems/wrinkle_mesh/pose.h"
 
 namespace rumple::wrinkle_mesh {
@@ -236,6 +237,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
 
 std::vector<Vec3> offsets(const Layers& layers, std::span<const Vec3> animated, const LayersState& state) {
     expect_count("state", state.solved.size(), layers.layers.back()->attached.size(), "positions");
+    check_frame(layers.base, animated, "animated");
     std::vector<Vec3> bare(animated.begin(), animated.end());
     for (const auto& layer : layers.layers) bare = attached_over(*layer, bare);
     std::vector<Vec3> offset(state.solved);
@@ -245,6 +247,7 @@ std::vector<Vec3> offsets(const Layers& layers, std::span<const Vec3> animated, 
 
 void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
           const LayersState& state, Picture& picture) {
+    check_frame(layers.base, positions);
     const std::vector<Vec3> offset = offsets(layers, animated, state);
     std::vector<Vec3> base(layers.base.welded.vertex_count);
     weld_positions(layers.base, positions, base);

@@ -5,6 +5,7 @@
 
 #include "base/expect.h"
 #include "base/smooth_step.h"
+#include "surface/mesh/positions.h"
 
 namespace rumple::wrinkle_mesh {
 namespace {
@@ -101,8 +102,7 @@ void check(const Model& model, const State& state) {
 }
 
 Pose make_pose(const Model& model, const Input& input) {
-    expect_count("positions", input.positions.size(), model.base.display.vertex_count, "vertices");
-    expect_finite("positions", input.positions, "vertex");
+    check_frame(model.base, input.positions);
     Pose pose;
     pose.base.resize(model.base.welded.vertex_count);
     weld_positions(model.base, input.positions, pose.base);
@@ -134,7 +134,13 @@ OffsetFrames::OffsetFrames(const Model& model, const Settings& settings, const I
       pose_(pose),
       world_(settings.offset_space == OffsetSpace::kWorld),
       world_from_object_(input.world_from_object),
-      object_from_world_(glm::inverse(input.world_from_object)) {}
+      object_from_world_(glm::inverse(input.world_from_object)) {
+    if (!world_) return;
+    for (int column = 0; column < 3; ++column) {
+        if (!is_finite(world_from_object_[column]) || !is_finite(object_from_world_[column]))
+            throw InvalidInput("world_from_object: it has no inverse, or is not finite");
+    }
+}
 
 Vec3 OffsetFrames::stored(size_t v, const Vec3& offset) const {
     if (world_) return world_from_object_ * offset;

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <string>
 
-#include "base/errors.h"
+#include "base/expect.h"
 #include "systems/wrinkle_paths/context.h"
 
 namespace rumple::wrinkle_paths {
@@ -21,8 +21,7 @@ float quality_of(const FlatTriangle& t) {
 void check_range(const char* name, double value, double low, double high, bool low_excluded = false) {
     if (value <= high && (low_excluded ? value > low : value >= low)) return;  // false for NaN
     throw InvalidInput(std::string(name) + ": expected a value " + (low_excluded ? "above " : "from ") +
-                       std::to_string(low) + " to " + std::to_string(high) + ", got " +
-                       std::to_string(value));
+                       short_text(low) + " to " + short_text(high) + ", got " + short_text(value));
 }
 
 void sort_by_triangle(Model& model) {

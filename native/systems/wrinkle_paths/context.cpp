@@ -5,11 +5,12 @@
 #include <cmath>
 
 #include "base/tolerances.h"
+#include "surface/mesh/positions.h"
 
 namespace rumple::wrinkle_paths {
 
 Pose make_pose(const Model& model, std::span<const Vec3> positions) {
-    check_positions(model, positions, "positions");
+    check_frame(model.base, positions);
     std::vector<Vec3> welded(size_t(model.base.welded.vertex_count));
     weld_positions(model.base, positions, welded);
     return make_welded_pose(model, std::move(welded));

@@ -9,8 +9,6 @@
 
 namespace rumple::wrinkle_paths {
 
-// Throw InvalidInput when positions do not match the model or are not finite.
-void check_positions(const Model& model, std::span<const Vec3> positions, const char* name);
 Pose make_welded_pose(const Model& model, std::vector<Vec3> welded);
 
 // What paths stand on: the pose, and the compression of its triangles.

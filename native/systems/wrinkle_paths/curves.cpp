@@ -7,6 +7,7 @@
 
 #include "base/elementary.h"
 #include "base/tolerances.h"
+#include "surface/mesh/positions.h"
 #include "systems/wrinkle_paths/context.h"
 
 namespace rumple::wrinkle_paths {
@@ -91,7 +92,7 @@ RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose
     RidingCurves out{curves(model, settings, pose, state), {}, {}, {}};
     std::optional<Pose> moved;
     if (!animated.empty()) {
-        check_positions(model, animated, "animated");
+        check_frame(model.base, animated, "animated");
         moved = make_pose(model, animated);
     }
     const Pose& ridden = moved ? *moved : pose;

@@ -57,8 +57,8 @@ void smooth(const Settings& settings, const std::vector<Vec3>& points, Fold& fol
     std::vector<FoldEnd> raw;
     for (size_t i = 0; i + 1 < points.size(); ++i) {
         const float size = glm::distance(points[i], points[i + 1]);
-        const int pieces =
-            std::clamp(int(std::ceil(kPiecesPerWidth * size / settings.width)), 1, kMostPieces);
+        const float wanted = std::ceil(kPiecesPerWidth * size / settings.width);
+        const int pieces = wanted >= 1.0f ? int(std::min(wanted, float(kMostPieces))) : 1;
         fold.first.push_back(static_cast<Index>(raw.size()));
         for (int k = 0; k < pieces; ++k)
             raw.push_back({glm::mix(points[i], points[i + 1], float(k) / float(pieces)), 0.0f, {}, 0.0f});

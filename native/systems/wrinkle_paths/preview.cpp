@@ -23,8 +23,9 @@ Vec3 unit(const Vec3& v) {
 }
 
 Index power_of_two(float parts) {
-    return std::min(std::bit_ceil(std::uint32_t(std::clamp(parts, 1.0f, float(kMostParts)) + 0.999f)),
-                    std::uint32_t(kMostParts));
+    const float whole =
+        parts >= 1.0f ? std::min(parts, float(kMostParts)) : 1.0f;  // also of what is no number
+    return std::min(std::bit_ceil(std::uint32_t(whole + 0.999f)), std::uint32_t(kMostParts));
 }
 
 bool has_folds(const TriangleLists& lists, Index triangle) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/expect.h"
+#include "base/tolerances.h"
 #include "systems/wrinkle_paths/lifecycle.h"
 #include "systems/wrinkle_paths/wrinkle_paths.h"
 
@@ -19,25 +20,6 @@ void check(const Model& model, const Paint& paint) {
         throw InvalidInput("paint.mask: vertex " + std::to_string(v) + " is " +
                            std::to_string(paint.mask[v]) + ", expected 0..1");
     }
-}
-
-void check(const Model& model, const State& state) {
-    check_reference(model.base, state);
-    expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
-    const auto refuse = [](const char* name, size_t at) {
-        throw InvalidInput(std::string("state.") + name + ": number " + std::to_string(at) +
-                           " is out of range");
-    };
-    expect_count("state.shapes", state.shapes.size(), model.rest.size(), "triangles");
-    for (size_t t = 0; t < state.compression.size(); ++t) {
-        if (!state.shapes[t].is_sound()) refuse("shapes", t);
-        if (!(state.compression[t] > 0.0f) || !std::isfinite(state.compression[t])) refuse("compression", t);
-    }
-    for (size_t i = 0; i < state.paths.size(); ++i) {
-        if (!(state.paths[i].fade >= 0.0f && state.paths[i].fade <= 1.0f)) refuse("path_fade", i);
-    }
-    const std::string wrong = validate(model, state.paths);
-    if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
 }
 
 void check(const Model& model, const Input& input, const State* state) {
@@ -63,9 +45,24 @@ void follow_all(const PathContext& context, const State& state, const Settings& 
 
 }  // namespace
 
-void check_positions(const Model& model, std::span<const Vec3> positions, const char* name) {
-    expect_count(name, positions.size(), size_t(model.base.display.vertex_count), "vertices");
-    expect_finite(name, positions, "vertex");
+void check(const Model& model, const State& state) {
+    check_reference(model.base, state);
+    expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
+    const auto refuse = [](const char* name, size_t at) {
+        throw InvalidInput(std::string("state.") + name + ": number " + std::to_string(at) +
+                           " is out of range");
+    };
+    expect_count("state.shapes", state.shapes.size(), model.rest.size(), "triangles");
+    for (size_t t = 0; t < state.compression.size(); ++t) {
+        if (!state.shapes[t].is_sound()) refuse("shapes", t);
+        if (!(state.compression[t] > 0.0f && state.compression[t] <= kMostCompression))
+            refuse("compression", t);
+    }
+    for (size_t i = 0; i < state.paths.size(); ++i) {
+        if (!(state.paths[i].fade >= 0.0f && state.paths[i].fade <= 1.0f)) refuse("path_fade", i);
+    }
+    const std::string wrong = validate(model, state.paths);
+    if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
 }
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,

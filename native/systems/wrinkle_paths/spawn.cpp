@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/expect.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_paths/lifecycle.h"
 
@@ -13,6 +14,9 @@ using glm::dvec2;
 
 // Places where folds may start, to the area of spacing x spacing.
 constexpr float kSeedsPerSpacing = 4.0f;
+
+// A frame that looks at more of them takes minutes: a width in the wrong unit.
+constexpr size_t kMostSeeds = 100'000;
 
 // Uniform in 0..1; depends on the seed, the triangle and the sample only.
 float random(std::uint32_t seed, std::uint32_t triangle, std::uint32_t sample) {
@@ -41,6 +45,11 @@ std::vector<Seed> seeds(const PathContext& context, const Settings& settings) {
         auto draw = [&, n = 0u]() mutable { return random(settings.seed, std::uint32_t(t), n++); };
         const float expected = kSeedsPerSpacing * context.model.rest[t].area() / (cell * cell);
         const int count = int(std::min(expected + draw(), 1000.0f));
+        if (out.size() + size_t(count) > kMostSeeds) {
+            throw InvalidInput("width: folds of " + short_text(settings.width) + " can start at more than " +
+                               std::to_string(kMostSeeds) +
+                               " places of this mesh, and a frame would take minutes: raise the width");
+        }
         for (int i = 0; i < count; ++i) {
             float u = draw(), v = draw();
             if (u + v > 1.0f) {

@@ -122,6 +122,10 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report);
 
+// Throws InvalidInput where a state is not of the model, or holds what no solve leaves. solve() checks it,
+// too.
+void check(const Model& model, const State& state);
+
 // Empty when every path lies on the surface: each point on an edge or in a triangle, consecutive ones in one
 // triangle. Else what is wrong with the first that does not. For tests and for stored states.
 std::string validate(const Model& model, const std::vector<Path>& paths);

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the library gives back is finite, or it gives nothing back. So no frame, however wild, gets into a
+// stored state: the caller keeps the state before it, and goes on from there.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "surface/cloth/base_cloth.h"
+#include "surface/output/coarse.h"
+#include "systems/wrinkle_field/wrinkle_field.h"
+#include "systems/wrinkle_maps/wrinkle_maps.h"
+#include "systems/wrinkle_mesh/layers.h"
+#include "systems/wrinkle_paths/curves.h"
+#include "systems/wrinkle_paths/preview.h"
+
+namespace rumple::api {
+
+using Floats = std::span<const float>;
+
+template <typename Row>
+Floats floats_of(const std::vector<Row>& rows) {
+    static_assert(std::is_trivially_copyable_v<Row> && sizeof(Row) % sizeof(float) == 0);
+    return {reinterpret_cast<const float*>(rows.data()), rows.size() * sizeof(Row) / sizeof(float)};
+}
+
+bool all_finite(Floats values);
+
+// The floats of what is given back.
+std::vector<Floats> floats_in(const base_cloth::Result& of);
+std::vector<Floats> floats_in(const wrinkle_mesh::State& of);
+std::vector<Floats> floats_in(const wrinkle_mesh::LayersState& of);
+std::vector<Floats> floats_in(const wrinkle_field::State& of);
+std::vector<Floats> floats_in(const wrinkle_paths::State& of);
+std::vector<Floats> floats_in(const ShownFrame& of);
+std::vector<Floats> floats_in(const wrinkle_field::Picture& of);
+std::vector<Floats> floats_in(const wrinkle_paths::Picture& of);
+std::vector<Floats> floats_in(const wrinkle_field::Waves& of);
+std::vector<Floats> floats_in(const wrinkle_paths::Curves& of);
+std::vector<Floats> floats_in(const wrinkle_paths::RidingCurves& of);
+std::vector<Floats> floats_in(const wrinkle_paths::Drawing& of);
+template <typename Row>
+std::vector<Floats> floats_in(const std::vector<Row>& of) {
+    return {floats_of(of)};
+}
+
+// Throws InvalidInput.
+[[noreturn]] void refuse_unsound();
+
+template <typename T>
+bool is_sound(const T& value) {
+    for (const Floats floats : floats_in(value)) {
+        if (!all_finite(floats)) return false;
+    }
+    return true;
+}
+
+// The value itself, where it is finite.
+template <typename T>
+T sound(T value) {
+    if (!is_sound(value)) refuse_unsound();
+    return value;
+}
+
+// A frame from the state before it. solve(before): NULL is the canonical start. Where a state, finite itself,
+// leads to what is not (cloth that flew away with a vertex gone astray), the frame starts anew: no state is
+// the end of all frames after it.
+template <typename State, typename Solve>
+auto sound_from(const State* before, Solve&& solve) {
+    auto solved = solve(before);
+    if (before && !is_sound(solved)) solved = solve(static_cast<const State*>(nullptr));
+    return sound(std::move(solved));
+}
+
+// What is read: throws InvalidInput, with the first element that is not within [low, high]; or, where that is
+// allowed, not infinite.
+void expect_range(const std::string& name, Floats values, double low, double high);
+void expect_numbers(const std::string& name, Floats values);
+
+}  // namespace rumple::api

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bodies, the base cloth and its cover.
+#include "world.h"
+
+namespace rumple::fuzz {
+namespace {
+
+rumple_base_cloth_settings cloth_settings(Bytes& bytes) {
+    rumple_base_cloth_settings s = CALL(rumple_base_cloth_settings_default);
+    bytes.vary(s.stretch, s.strain_limit, s.shear, s.compression, s.compression_limit, s.folded, s.smoothing,
+               s.slack, s.follow, s.room, s.gravity, s.thickness, s.unknown, s.reach, s.depth, s.spread,
+               s.steps, s.start_steps, s.gradients);
+    return s;
+}
+
+rumple_base_cloth_swing cloth_swing(Bytes& bytes) {
+    rumple_base_cloth_swing s = CALL(rumple_base_cloth_swing_default);
+    bytes.vary(s.seconds, s.longest_step, s.newton_steps, s.damping, s.locomotion, s.drag, s.wind, s.shift);
+    if (bytes.byte() % 8 == 7) s.matrix[bytes.below(9)] = bytes.real(-2.0f, 2.0f);
+    return s;
+}
+
+void build_collider(World& world, Bytes& bytes) {
+    const Mesh from = mesh(bytes);
+    std::vector<std::int32_t> triangle;
+    for (const std::int32_t c : from.triangle)
+        triangle.push_back(c >= 0 && size_t(c) < from.corner.size() ? from.corner[size_t(c)] : c);
+    const Floats positions(from.positions, 3, bytes);
+    const Numbers triangles(triangle, 3, bytes);
+    auto* collider = MAKE(rumple_collider, rumple_collider_build, positions.pointer, positions.count,
+                          triangles.pointer, triangles.count);
+    auto base = std::make_shared<Base>();
+    base->rest = from.positions;
+    base->vertices = CALL(rumple_collider_vertex_count, collider);
+    base->rest.resize(size_t(base->vertices) * 3);
+    base->triangles = std::int32_t(triangles.count);
+    world.colliders.add(collider, std::move(base), 0);
+}
+
+void build_cloth(World& world, Bytes& bytes) {
+    const auto surface = world.surfaces.pick(bytes);
+    world.cloths.add(MAKE(rumple_base_cloth, rumple_base_cloth_build, surface.handle), surface.base, 0);
+}
+
+void paint_cloth(World& world, Bytes& bytes) {
+    const auto model = world.cloths.pick(bytes);
+    const size_t vertices = model.base ? size_t(model.base->vertices) : 3;
+    const Floats follow(values(vertices, 0.0f, 1.0f, bytes), 1, bytes),
+        room(values(vertices, 0.0f, 1.0f, bytes), 1, bytes);
+    const rumple_base_cloth_painted painted{follow.pointer, follow.count, room.pointer,
+                                            bytes.byte() % 2 == 1 ? room.count : 0};
+    world.cloth_paints.add(
+        MAKE(rumple_base_cloth_paint, rumple_base_cloth_paint_build, model.handle, &painted), model.base,
+        model.id ? model.model : 1);
+}
+
+void keep_state(World& world, rumple_base_cloth_state* state, const Entry<rumple_base_cloth>& model) {
+    rumple_base_cloth_state_view view;
+    const auto* kept = world.cloth_states.add(state, model.base, model.model);
+    if (!kept || CALL(rumple_base_cloth_state_get_view, kept->handle, &view) != RUMPLE_OK) return;
+    const auto vertices = size_t(view.vertex_count);
+    expect_finite("cloth positions", view.positions, 3 * vertices);
+    expect_finite("gap", view.gap, vertices);
+    expect_finite("velocity", view.velocity, 3 * size_t(view.velocity_count));
+    expect_finite("cloth offset", view.offset, 3 * size_t(view.offset_count));
+    expect_finite("clearance", view.clearance, size_t(view.clearance_count));
+    expect_within("body hint", view.body_hint, size_t(view.body_hint_count), -1, 6000);
+    require(view.vertex_count == model.base->vertices, "vertices", "rumple_base_cloth_state_get_view");
+}
+
+void solve_cloth(World& world, Bytes& bytes) {
+    const auto model = world.cloths.pick(bytes);
+    const auto settings = cloth_settings(bytes);
+    const auto swing = cloth_swing(bytes);
+    const auto paint = world.cloth_paints.pick_of(model.model, bytes);
+    const auto before = world.cloth_states.pick_of(model.model, bytes);
+    std::vector<float> keep;
+    const rumple_bodies worn_over = bodies(world, keep, bytes);
+    const Floats positions(model.base ? pose_of(model.base->rest, bytes) : std::vector<float>(9), 3, bytes);
+    rumple_base_cloth_report report;
+    rumple_base_cloth_state* state = nullptr;
+    const bool swings = bytes.byte() % 2 == 1;
+    const auto* on = bytes.byte() % 2 == 1 ? &worn_over : nullptr;
+    if (swings) {
+        state = MAKE(rumple_base_cloth_state, rumple_base_cloth_swing_solve, model.handle, &settings, &swing,
+                     paint.handle, positions.pointer, positions.count, on, before.handle, &report);
+    } else {
+        state = MAKE(rumple_base_cloth_state, rumple_base_cloth_solve, model.handle, &settings, paint.handle,
+                     positions.pointer, positions.count, on, before.handle, &report);
+    }
+    expect_of_model(state ? RUMPLE_OK : RUMPLE_INVALID, model.model, "cloth", paint, before);
+    if (state) expect_finite("cloth report", &report.moved, 6);
+    keep_state(world, state, model);
+}
+
+void activate_cloth(World& world, Bytes& bytes) {
+    const auto state = world.cloth_states.pick(bytes);
+    world.cloth_states.add(MAKE(rumple_base_cloth_state, rumple_base_cloth_state_activated, state.handle),
+                           state.base, state.model);
+}
+
+void lift_cover(World& world, Bytes& bytes) {
+    const auto surface = world.surfaces.pick(bytes);
+    const auto* cover = world.covers.add(MAKE(rumple_cloth_cover, rumple_cloth_cover_build, surface.handle),
+                                         surface.base, surface.id);
+    rumple_cloth_cover_settings settings = CALL(rumple_cloth_cover_settings_default);
+    bytes.vary(settings.thickness, settings.depth);
+    std::vector<float> keep;
+    const rumple_bodies worn_over = bodies(world, keep, bytes);
+    const size_t vertices = cover ? size_t(cover->base->vertices) : 3;
+    const Floats positions(cover ? pose_of(cover->base->rest, bytes) : std::vector<float>(9), 3, bytes);
+    std::vector<std::int32_t> near(vertices, 0);
+    for (int k = bytes.below(4); k > 0; --k) near[size_t(bytes.below(int(vertices)))] = bytes.whole(-1, 4);
+    const Numbers hints(near, 1, bytes);
+    Written lifts(vertices, 3, bytes);
+    lifts.check(
+        CALL(rumple_cloth_cover_lift, cover ? cover->handle : nullptr, &settings, &worn_over,
+             positions.pointer, positions.count, hints.pointer, hints.count, lifts.pointer(), lifts.count),
+        "lifts");
+}
+
+void free_one(World& world, Bytes& bytes) {
+    switch (bytes.below(4)) {
+        case 0:
+            world.cloths.free_one(bytes);
+            break;
+        case 1:
+            world.cloth_states.free_one(bytes);
+            break;
+        case 2:
+            world.colliders.free_one(bytes);
+            break;
+        case 3:
+            world.covers.free_one(bytes);
+            break;
+    }
+}
+
+}  // namespace
+
+rumple_bodies bodies(const World& world, std::vector<float>& keep, Bytes& bytes) {
+    const auto collider = world.colliders.pick(bytes);
+    if (!collider.handle) return {};
+    keep = pose_of(collider.base->rest, bytes);
+    return {collider.handle, keep.data(), keep.size() / 3 - (bytes.hostile() ? 1 : 0)};
+}
+
+const std::vector<Operation> kCloth = {build_cloth, build_collider, paint_cloth,    solve_cloth,
+                                       solve_cloth, lift_cover,     activate_cloth, free_one};
+
+}  // namespace rumple::fuzz

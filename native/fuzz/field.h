@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the Wrinkle Field, its steps and its brush have in common.
+#pragma once
+
+#include "world.h"
+
+namespace rumple::fuzz {
+
+rumple_wrinkle_field_settings field_settings(Bytes& bytes);
+rumple_wrinkle_field_profile field_profile(Bytes& bytes);
+
+}  // namespace rumple::fuzz

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Meshes and poses of the fuzzer, whole and broken.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bytes.h"
+
+namespace rumple::fuzz {
+
+struct Mesh {
+    std::vector<float> positions;  // (n, 3)
+    std::vector<std::int32_t> start{0};
+    std::vector<std::int32_t> corner;
+    std::vector<std::int32_t> triangle;  // (t, 3): corners
+};
+
+// A sheet, a tube, a box, a fan ...; sometimes with something wrong in it.
+Mesh mesh(Bytes& bytes);
+
+// (n, 3): a pose of positions at rest: squeezed, bent, with a vertex that went astray.
+std::vector<float> pose_of(const std::vector<float>& rest, Bytes& bytes);
+
+// So many values from low to high.
+std::vector<float> values(size_t count, float low, float high, Bytes& bytes);
+
+}  // namespace rumple::fuzz

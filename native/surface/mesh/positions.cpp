@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/mesh/positions.h"
+
+#include <algorithm>
+
+#include "base/expect.h"
+#include "base/tolerances.h"
+
+namespace rumple {
+namespace {
+
+float largest_coordinate(std::span<const Vec3> positions) {
+    float largest = 0.0f;
+    for (const Vec3& p : positions) {
+        const Vec3 size = glm::abs(p);
+        largest = std::max({largest, size.x, size.y, size.z});
+    }
+    return largest;
+}
+
+void refuse_beyond(const std::string& name, std::span<const Vec3> positions, float farthest,
+                   const std::string& why) {
+    for (size_t v = 0; v < positions.size(); ++v) {
+        const Vec3& p = positions[v];
+        if (!is_finite(p)) throw InvalidInput(name + ": vertex " + std::to_string(v) + " is not finite");
+        const float at = largest_coordinate({&p, 1});
+        if (at <= farthest) continue;
+        throw InvalidInput(name + ": vertex " + std::to_string(v) + " is " + short_text(at) +
+                           " away from the origin, more than " + short_text(farthest) + why);
+    }
+}
+
+}  // namespace
+
+void check_coordinates(const std::string& name, std::span<const Vec3> positions) {
+    refuse_beyond(name, positions, kFarthestCoordinate, ": move the mesh to the origin, or scale it down");
+}
+
+void check_frame(const Surface& surface, std::span<const Vec3> positions, const std::string& name) {
+    expect_count(name, positions.size(), surface.display.vertex_count, "vertices");
+    const float size = largest_coordinate(surface.positions_rest);
+    const float exploded = kExploded * size;
+    if (exploded >= kFarthestCoordinate) return check_coordinates(name, positions);
+    refuse_beyond(name, positions, exploded,
+                  ", which is " + short_text(kExploded) +
+                      " times the size of the mesh at rest: what moves it has exploded in this frame");
+}
+
+}  // namespace rumple

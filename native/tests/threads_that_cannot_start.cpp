@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where the system gives no more threads (a container's limit, no memory for a stack), those that run did
+// wait for the others for ever. Now they do the work of all, to the same bits.
+#include <gtest/gtest.h>
+
+#ifdef __GLIBC__
+#include <pthread.h>
+#endif
+
+#include <atomic>
+#include <vector>
+
+#include "base/parallel.h"
+
+namespace rumple {
+namespace {
+
+// Sums of neighbours, in rounds with a barrier between them: as relaxation does it.
+std::vector<float> relaxed(int threads) {
+    std::vector<float> values[2];
+    for (int i = 0; i < 100; ++i) values[0].push_back(float(i * i % 17));
+    values[1] = values[0];
+    Team team(threads);
+    team.run([&](int thread) {
+        for (int round = 0; round < 6; ++round) {
+            const Team::Range part = team.partition(1, 99, thread);
+            const std::vector<float>& from = values[round % 2];
+            for (size_t i = part.begin; i < part.end; ++i)
+                values[1 - round % 2][i] = 0.3f * (from[i - 1] + from[i] + from[i + 1]);
+            team.barrier();
+        }
+    });
+    return values[0];
+}
+
+#ifdef __GLIBC__
+// Every thread asks for a stack that no address space has.
+class NoStacks {
+  public:
+    NoStacks() {
+        pthread_getattr_default_np(&before_);
+        pthread_attr_t huge;
+        pthread_attr_init(&huge);
+        pthread_attr_setstacksize(&huge, size_t(1) << 47);
+        works_ = pthread_setattr_default_np(&huge) == 0;
+        pthread_attr_destroy(&huge);
+    }
+    ~NoStacks() {
+        pthread_setattr_default_np(&before_);
+        pthread_attr_destroy(&before_);
+    }
+    bool works() const { return works_; }
+
+  private:
+    pthread_attr_t before_;
+    bool works_ = false;
+};
+
+TEST(Threads, ThatCannotStartAreDoneWithout) {
+    const std::vector<float> expected = relaxed(1);
+    EXPECT_EQ(relaxed(4), expected);
+    const NoStacks none;
+    ASSERT_TRUE(none.works());
+    ASSERT_THROW(std::thread([] {}).join(), std::system_error);
+    EXPECT_EQ(relaxed(4), expected);
+    std::atomic<int> visits = 0;
+    for_each_index(1000, 8, [&](size_t) { ++visits; });
+    EXPECT_EQ(visits, 1000);
+}
+#endif
+
+TEST(Threads, AllTakePart) {
+    Team team(4);
+    std::atomic<int> members = 0;
+    team.run([&](int thread) { members |= 1 << thread; });
+    EXPECT_EQ(members, 15);
+}
+
+}  // namespace
+}  // namespace rumple
