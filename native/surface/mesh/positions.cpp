@@ -25,8 +25,9 @@ void refuse_beyond(const std::string& name, std::span<const Vec3> positions, flo
         if (!is_finite(p)) throw InvalidInput(name + ": vertex " + std::to_string(v) + " is not finite");
         const float at = largest_coordinate({&p, 1});
         if (at <= farthest) continue;
-        throw InvalidInput(name + ": vertex " + std::to_string(v) + " is " + short_text(at) +
-                           " away from the origin, more than " + short_text(farthest) + why);
+        std::string text = name + ": vertex " + std::to_string(v) + " is " + short_text(at);
+        text += " away from the origin, more than " + short_text(farthest);
+        throw InvalidInput(text += why);
     }
 }
 
