@@ -44,8 +44,7 @@ void expect_starts(const char* name, const std::int32_t* starts, size_t count, s
 // A handle that no call has written.
 template <typename Handle>
 Handle* unwritten() {
-    return reinterpret_cast<Handle*>(
-        std::uintptr_t(16));  // NOLINT(performance-no-int-to-ptr): never followed
+    return reinterpret_cast<Handle*>(std::uintptr_t(16));
 }
 
 }  // namespace rumple::fuzz

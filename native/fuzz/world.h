@@ -76,12 +76,10 @@ class Pool {
     std::vector<Entry<T>> entries_;
 };
 
-// NOLINTBEGIN(bugprone-macro-parentheses): they are a type and a name
 #define RUMPLE_POOL(type, name)                        \
     Pool<type> name {                                  \
         [](type* handle) { RUN(type##_free, handle); } \
     }
-// NOLINTEND(bugprone-macro-parentheses)
 
 struct World {
     RUMPLE_POOL(rumple_surface, surfaces);
