@@ -109,8 +109,9 @@ Vec3 position(const PathContext& context, const PathPoint& p) {
 }
 
 std::vector<Vec3> positions(const PathContext& context, const std::vector<PathPoint>& points) {
-    std::vector<Vec3> out;
-    for (const PathPoint& p : points) out.push_back(position(context, p));
+    std::vector<Vec3> out(points.size());
+    std::transform(points.begin(), points.end(), out.begin(),
+                   [&](const PathPoint& p) { return position(context, p); });
     return out;
 }
 
