@@ -11,7 +11,7 @@ from pathlib import Path
 import bmesh
 import bpy
 import numpy as np
-from rumple.blender import scheduler
+from rumple.blender import compat, scheduler
 from rumple.blender.objects import incoming_mesh, modifier, runtimes
 from support import sleeve, small_renders
 
@@ -37,8 +37,20 @@ def half(mesh: bpy.types.Mesh) -> None:
 
 
 def nodes_that_subdivide() -> bpy.types.NodeTree:
-    """A node group with Subdivide Mesh."""
-    group = bpy.data.node_groups.new("Finer", "GeometryNodeTree")
+    return nodes_with("GeometryNodeSubdivideMesh")
+
+
+def nodes_that_move() -> bpy.types.NodeTree:
+    """As simulation zones do: points move, faces stay."""
+    group = nodes_with("GeometryNodeSetPosition")
+    node = next(node for node in group.nodes if node.bl_idname == "GeometryNodeSetPosition")
+    node.inputs["Offset"].default_value = (0.0, 0.0, 0.25)
+    return group
+
+
+def nodes_with(kind: str) -> bpy.types.NodeTree:
+    """A node group with one node."""
+    group = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
     if hasattr(group, "interface"):
         for way in ("INPUT", "OUTPUT"):
             group.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
@@ -46,7 +58,7 @@ def nodes_that_subdivide() -> bpy.types.NodeTree:
         group.inputs.new("NodeSocketGeometry", "Geometry")
         group.outputs.new("NodeSocketGeometry", "Geometry")
     start, finer, end = (group.nodes.new(kind) for kind in
-                         ("NodeGroupInput", "GeometryNodeSubdivideMesh", "NodeGroupOutput"))
+                         ("NodeGroupInput", kind, "NodeGroupOutput"))
     group.links.new(start.outputs[0], finer.inputs[0])
     group.links.new(finer.outputs[0], end.inputs[0])
     return group
@@ -107,6 +119,18 @@ class Stack(unittest.TestCase):
                   ("SUBSURF", dict(levels=1, render_levels=1))], True)):
             self.check(self.garment(*fronts, cut=cut))
             yield
+
+    def test_nodes_that_only_move_points_deform_and_are_no_rest_shape(self) -> None:
+        obj = self.garment(("NODES", dict(node_group=nodes_that_move)))
+        sleeve.play(1, 4)
+        self.assertEqual(obj.rumple.message, "")
+        self.assertTrue(incoming_mesh.is_own(obj))
+        base = runtimes.of(obj).evaluator.base
+        np.testing.assert_array_equal(base.positions, compat.positions(obj.data))
+        self.assertGreater(runtimes.of(obj).inputs.positions[:, 2].mean(), 0.2)
+        obj = self.garment(("NODES", dict(node_group=nodes_that_move)), ("SUBSURF", dict(levels=1, render_levels=1)))
+        self.assertEqual(obj.rumple.message, "")
+        self.assertLess(abs(runtimes.of(obj).evaluator.base.positions[:, 2].mean()), 0.01)
 
     def test_every_system(self) -> None:
         for method in ("MESH", "FIELD", "PATHS"):

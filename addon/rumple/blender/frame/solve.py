@@ -255,7 +255,7 @@ def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
     tried, or cannot be. arriving: how many vertices the object has now, modifiers behind the wrinkles included."""
     changer, own = modifier.topology_changer_before(obj), len(incoming_mesh.of(obj).vertices)
     edited = (own != runtime.evaluator.coarse_count or modifier.coarse_vertices(nodes_mod) != own
-              or incoming_mesh.is_own(obj) != (changer is None)
+              or (changer is None and not incoming_mesh.is_own(obj))
               or runtime.stack != incoming_mesh.stack_fingerprint(obj))
     if changer is not None and not edited and (in_render or runtime.tried == arriving):
         raise engine.UserError(f"{obj.name}: \"{changer.name}\" or another modifier in front of {nodes_mod.name} makes "

@@ -36,16 +36,18 @@ def update(obj: bpy.types.Object) -> None:
     """Make it what it should be. Structural work: it makes and removes data-blocks."""
     if not compat.is_editable(obj):
         return
-    kept = obj.rumple.incoming
-    if modifier.topology_changer_before(obj) is None:
-        obj.rumple.incoming = None
-    else:
+    kept, made = obj.rumple.incoming, None
+    if modifier.topology_changer_before(obj) is not None:
         made = _evaluated_at_rest(obj)
-        if kept is not None and _content(made) == _content(kept):
+        if _same_faces(made, obj.data):  # a node group that only moves points, say
             bpy.data.meshes.remove(made)
-            return
+            made = None
+    if made is not None and kept is not None and _content(made) == _content(kept):
+        bpy.data.meshes.remove(made)
+        return
+    if made is not None:
         _keep_captured(kept, made)
-        obj.rumple.incoming = made
+    obj.rumple.incoming = made
     drop(kept)
 
 
@@ -71,14 +73,23 @@ def _keep_captured(former: bpy.types.Mesh | None, mesh: bpy.types.Mesh) -> None:
                                compat.read_attribute(captured))
 
 
-def _content(mesh: bpy.types.Mesh) -> str:
-    """Hash of its faces, positions, groups and attributes; what was captured does not count."""
-    digest = hashlib.sha1()
+def _faces(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """The vertices of all corners, and how many corners each face has."""
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     sizes = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_total", sizes)
-    for values in (compat.positions(mesh), corners, sizes):
+    return corners, sizes
+
+
+def _same_faces(one: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
+    return len(one.vertices) == len(other.vertices) and all(map(np.array_equal, _faces(one), _faces(other)))
+
+
+def _content(mesh: bpy.types.Mesh) -> str:
+    """Hash of its faces, positions, groups and attributes; what was captured does not count."""
+    digest = hashlib.sha1()
+    for values in (compat.positions(mesh), *_faces(mesh)):
         digest.update(values.tobytes())
     for attribute in mesh.attributes:
         if (attribute.data_type in compat.ATTRIBUTE_LAYOUT and not attribute.name.startswith(".")
@@ -94,18 +105,31 @@ def _content(mesh: bpy.types.Mesh) -> str:
 
 # ---------------------------------------------------------------- at rest
 def _evaluated_at_rest(obj: bpy.types.Object) -> bpy.types.Mesh:
-    """What the modifiers in front make of the rest shape, without those that deform. A new mesh."""
+    """What the modifiers in front make of the rest shape, without those that deform. A new mesh. A node group may do
+    either: where the faces are the same without it, it deforms."""
     with _bare_copy(obj) as bare:
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        mesh = bpy.data.meshes.new_from_object(bare.evaluated_get(depsgraph), preserve_all_data_layers=True,
-                                               depsgraph=depsgraph)
+        mesh = _evaluated(bare)
+        for nodes_mod in [m for m in bare.modifiers if m.type == "NODES"]:
+            nodes_mod.show_viewport = False
+            without = _evaluated(bare)
+            deforms = _same_faces(without, mesh)
+            nodes_mod.show_viewport = not deforms
+            bpy.data.meshes.remove(mesh if deforms else without)
+            mesh = without if deforms else mesh
     mesh.name = obj.name + SUFFIX
     return mesh
 
 
+def _evaluated(bare: bpy.types.Object) -> bpy.types.Mesh:
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return bpy.data.meshes.new_from_object(bare.evaluated_get(depsgraph), preserve_all_data_layers=True,
+                                           depsgraph=depsgraph)
+
+
 @contextmanager
 def _bare_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
-    """The object with the modifiers in front that do not deform, at the shape key that is its rest shape, evaluated."""
+    """The object with the modifiers in front that do not deform, at the shape key that is its rest shape."""
     with scheduler.suspended():
         bare = obj.copy()
         try:
@@ -114,7 +138,6 @@ def _bare_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
             bare.animation_data_clear()
             bare.show_only_shape_key, bare.active_shape_key_index = True, _rest_key(obj)
             bpy.context.scene.collection.objects.link(bare)
-            bpy.context.view_layer.update()
             yield bare
         finally:
             bpy.data.objects.remove(bare)
