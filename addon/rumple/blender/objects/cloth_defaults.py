@@ -10,11 +10,10 @@ from mathutils.kdtree import KDTree
 
 from ...core import wrinkle_mesh, wrinkle_paths
 from .. import compat
-from . import incoming_mesh, mesh_reader, properties, runtimes, units
+from . import incoming_mesh, mesh_reader, modifier, properties, runtimes, units
 
 # Their result is cloth already: its small compressions are the simulation's own.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
-SIMULATION_NODE = "GeometryNodeSimulationInput"  # the start of a simulation zone, from Blender 3.6 on
 CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "threshold")  # what is no length
 STEPS = 20  # of the weights that a group starts from
 
@@ -60,13 +59,7 @@ def is_cloth(obj: bpy.types.Object) -> bool:
 def is_simulated(obj: bpy.types.Object) -> bool:
     keys = obj.data.shape_keys
     return (keys is not None and not keys.use_relative) or any(
-        m.type in SIMULATED or (m.type == "NODES" and simulates(m.node_group)) for m in obj.modifiers)
-
-
-def simulates(group: bpy.types.NodeTree | None) -> bool:
-    """Whether a simulation zone is in a node group, or in one that it uses."""
-    return group is not None and any(node.bl_idname == SIMULATION_NODE or simulates(getattr(node, "node_tree", None))
-                                     for node in group.nodes)
+        m.type in SIMULATED or modifier.is_simulation_nodes(m) for m in obj.modifiers)
 
 
 def is_skinned(obj: bpy.types.Object) -> bool:

@@ -158,7 +158,7 @@ def stack_fingerprint(obj: bpy.types.Object) -> str:
     animated = _animated_paths(obj)
     rows = []
     for m in modifier.in_front(obj):
-        if m.type in modifier.DEFORMING:
+        if modifier.deforms(m):
             continue
         path = f'modifiers["{m.name}"]'
         values = {name: repr(getattr(m, name)) for name in m.bl_rna.properties.keys()

@@ -25,6 +25,8 @@ NEUTRAL = DEFORMING | frozenset((
     "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY", "WEIGHTED_NORMAL"))
 
 
+SIMULATION_NODE = "GeometryNodeSimulationInput"  # the start of a simulation zone, from Blender 3.6 on
+
 _WRINKLED = ModifiedObjects(wrinkle_tree.is_ours)
 
 
@@ -43,11 +45,27 @@ def wrinkled_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifi
     return iter(_WRINKLED)
 
 
+def is_simulation_nodes(modifier: bpy.types.Modifier) -> bool:
+    """Whether a simulation zone is in its nodes, as in Blender's own Cloth Dynamics."""
+    return modifier.type == "NODES" and _simulates(modifier.node_group)
+
+
+def _simulates(group: bpy.types.NodeTree | None) -> bool:
+    """Also where the zone is in a group that it uses."""
+    return group is not None and any(node.bl_idname == SIMULATION_NODE or _simulates(getattr(node, "node_tree", None))
+                                     for node in group.nodes)
+
+
+def deforms(modifier: bpy.types.Modifier) -> bool:
+    """Whether it poses the points that it is given."""
+    return modifier.type in DEFORMING or is_simulation_nodes(modifier)
+
+
 def changes_topology(modifier: bpy.types.Modifier) -> bool:
     """True where a modifier may add or remove points. Node groups may do anything; ours does not count."""
     if not (modifier.show_viewport or modifier.show_render):
         return False
-    return modifier.type not in NEUTRAL
+    return modifier.type not in NEUTRAL and not is_simulation_nodes(modifier)
 
 
 def in_front(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
@@ -64,7 +82,7 @@ def topology_changer_before(obj: bpy.types.Object) -> bpy.types.Modifier | None:
 
 def deforming_and_behind(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
     """All but those in front of the wrinkles that do not deform."""
-    front = [m for m in in_front(obj) if m.type not in DEFORMING]
+    front = [m for m in in_front(obj) if not deforms(m)]
     return [m for m in obj.modifiers if m not in front]
 
 
@@ -85,10 +103,10 @@ def depends_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
 
 
 def place_behind_deforming(obj: bpy.types.Object) -> int:
-    """Index behind the last modifier that deforms: in front of Subdivision and Solidify."""
+    """Index behind the last modifier that deforms or simulates: in front of Subdivision and Solidify."""
     place = 0
     for index, modifier in enumerate(obj.modifiers):
-        if modifier.type in DEFORMING:
+        if deforms(modifier):
             place = index + 1
     return place
 
