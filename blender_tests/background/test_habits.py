@@ -106,6 +106,32 @@ class Words(unittest.TestCase):
         self.assertEqual(bpy.context.object, obj)
 
 
+class CopyToSelected(unittest.TestCase):
+    def test_other_garments_get_fabric_and_sliders_and_keep_what_is_theirs(self) -> None:
+        obj = sleeve.scene()
+        other = sleeve.skinned(sleeve.tube("Other"), bpy.data.objects["Arm"], "Other")
+        bare = sleeve.skinned(sleeve.tube("Bare"), bpy.data.objects["Arm"], "Bare")
+        sleeve.make_active(other)
+        bpy.ops.object.rumple_add(method="MESH")
+        other.rumple.mesh.up, other.rumple.mesh.bending = "-X", 0.1
+        sleeve.make_active(obj)
+        with self.assertRaisesRegex(RuntimeError, "Select other objects"):
+            bpy.ops.object.rumple_copy_settings()
+        bpy.ops.object.rumple_preset(preset="DENIM")
+        obj.rumple.mesh.damping = 0.7
+        other.select_set(True)
+        bare.select_set(True)
+        bpy.ops.object.rumple_copy_settings()
+        ours, theirs = (properties.settings_of(o, bpy.context.scene) for o in (obj, other))
+        different = {name for name in vars(ours) if getattr(ours, name) != getattr(theirs, name)}
+        self.assertEqual(different, {"up"})
+        self.assertEqual(other.rumple.mesh.preset, "DENIM")
+        sleeve.make_active(other)
+        bpy.ops.object.rumple_preset(preset="COTTON")  # the way back is known there too
+        self.assertAlmostEqual(other.rumple.mesh.damping, 0.7, 5)
+        self.assertEqual(bare.rumple.method, "NONE")
+
+
 class Paint(unittest.TestCase):
     def test_a_new_group_is_full_and_the_brush_takes_away(self) -> None:
         obj = sleeve.scene()

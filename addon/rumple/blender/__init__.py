@@ -12,12 +12,12 @@ from .brush import operators as brush_operators
 from .maps import (bake as maps_bake, export as maps_export, operators as maps_operators, overlay as maps_overlay,
                    panel as maps_panel, pose_operators as maps_pose_operators, properties as maps_properties)
 from .objects import properties
-from .ui import healing, operators, panels, paths_operators
+from .ui import copy_settings, healing, operators, panels, paths_operators
 from .viewport import paths_overlay, preview
 
-_MODULES = (properties, maps_properties, operators, paths_operators, healing, maps_operators, maps_pose_operators,
-            maps_export, maps_bake, bake_operators, panels, maps_panel, maps_overlay, handlers, preview, paths_overlay,
-            brush_operators)  # the last three draw, each over the one before
+_MODULES = (properties, maps_properties, operators, paths_operators, healing, copy_settings, maps_operators,
+            maps_pose_operators, maps_export, maps_bake, bake_operators, panels, maps_panel, maps_overlay, handlers,
+            preview, paths_overlay, brush_operators)  # the last three draw, each over the one before
 
 
 def register() -> None:

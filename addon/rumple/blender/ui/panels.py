@@ -58,6 +58,7 @@ class DATA_PT_rumple(bpy.types.Panel):
         bake_panel.draw_header(layout, obj)
         row = layout.row()
         row.operator("object.rumple_apply", text="Apply")
+        row.operator("object.rumple_copy_settings", text="", icon="COPYDOWN")
         row.operator("object.rumple_remove", text="Remove", icon="X")
         _add_maps_button(layout)
 
