@@ -77,10 +77,21 @@ class Words(unittest.TestCase):
         def too_fine(obj):
             obj.rumple.mesh.source, obj.rumple.mesh.edge_length = "EDGE_LENGTH", 0.0001
 
-        expected = ((torn, r"^Sleeve: vertex 7 is nowhere in this frame .*: look at the shape keys"),
+        def wild(obj):
+            obj.shape_key_add(name="Basis")
+            key = obj.shape_key_add(name="Wild")
+            key.value = 1.0
+            key.data[7].co.x = 1e14
+
+        def too_many(obj):
+            obj.rumple.most_vertices, obj.rumple.mesh.level = 10_000, 5
+
+        expected = ((wild, r"^Sleeve: vertex 7 is 1e\+14 away from the origin in this frame, .* the last good frame stays"),
+                    (too_many, r"^Sleeve: the fine mesh would have about \d+ vertices, more than \d+: choose fewer"),
+                    (torn, r"^Sleeve: vertex 7 is nowhere in this frame .*: look at the shape keys"),
                     (empty, r"^Sleeve: its mesh has no faces: add some, or choose another object"),
                     (flat, r"^Sleeve: all of its vertices stand at one place: give it a shape"),
-                    (too_fine, r"^Sleeve: edges of 0.0001\d* m need more than \d+ vertices: choose a greater Edge"))
+                    (too_fine, r"^Sleeve: edges of 0.0001\d* need more than \d+ vertices: choose a greater Longest"))
         for change, words in expected:
             with self.subTest(change.__name__):
                 self.assertRegex(self.said(change), words)
