@@ -7,6 +7,7 @@ import io
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import bmesh
 import bpy
@@ -191,12 +192,85 @@ class Stack(unittest.TestCase):
         self.assertEqual(obj.rumple.message, "")
         before = sleeve.shown(obj)
         for frame in (8, 5):
-            sleeve.at(frame)
+            for _ in range(3):  # seen, made anew, evaluated with it
+                sleeve.at(frame)
             self.assertEqual(obj.rumple.message, "")
             self.assertRegex("\n".join(runtimes.of(obj).notes),
                              f'Sleeve: "Build" .* makes \\d+ vertices in frame {frame}, \\d+ before')
             self.assertEqual(runtimes.of(obj).evaluator.coarse_count, len(self.bare(obj)))
         self.assertLess(np.abs(sleeve.shown(obj) - before).max(), 0.02)
+
+    def test_after_an_edit_it_is_made_once_and_then_no_more(self) -> None:
+        """Making it touched the garment, which was taken for an edit: it was made anew in every frame."""
+        obj = self.garment(("SUBSURF", dict(levels=1, render_levels=1)))
+        sleeve.play(1, 2)
+        made = []
+        with mock.patch.object(incoming_mesh, "_evaluated", side_effect=incoming_mesh._evaluated) as evaluated:
+            sleeve.play(3, 6)
+            made.append(evaluated.call_count)
+            obj.modifiers["Subsurf"].levels = obj.modifiers["Subsurf"].render_levels = 2
+            sleeve.play(7, 10)
+            made.append(evaluated.call_count)
+        self.assertEqual(made[0], 0)
+        self.assertIn(made[1], (1, 2))
+        self.assertFalse(runtimes.of(obj).stale)
+
+    def test_a_hidden_garment_and_a_modifier_that_is_off_lose_nothing(self) -> None:
+        obj = self.garment(("SUBSURF", dict(levels=1, render_levels=1)))
+        count = len(incoming_mesh.of(obj).vertices)
+        bpy.ops.object.rumple_capture_rest(frame=6)
+        captured = compat.read_attribute(incoming_mesh.of(obj).attributes["rumple_rest_position"])
+        obj.hide_viewport = True
+        runtimes.of(obj).stale = True
+        scheduler.sync_all()
+        self.assertEqual(len(incoming_mesh.of(obj).vertices), count)
+        obj.hide_viewport = False
+        for shown in (False, True):
+            obj.modifiers["Subsurf"].show_viewport = obj.modifiers["Subsurf"].show_render = shown
+            runtimes.of(obj).stale = True
+            scheduler.sync_all()
+        now = compat.read_attribute(incoming_mesh.of(obj).attributes["rumple_rest_position"])
+        np.testing.assert_array_equal(now, captured)
+
+    def test_an_armature_as_parent_deforms_and_is_no_rest_shape(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        obj.modifiers.remove(obj.modifiers["Armature"])
+        obj.parent, obj.parent_type = bpy.data.objects["Arm"], "ARMATURE"
+        in_front(obj, "SUBSURF", levels=1, render_levels=1)
+        obj.modifiers.new("Smooth", "SMOOTH").iterations = 0
+        sleeve.at(20)
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertFalse(incoming_mesh.is_own(obj))
+        rest = compat.positions(incoming_mesh.of(obj))
+        self.assertLess(np.abs(rest[:, 1]).max(), 1.01 * sleeve.RADIUS)  # the arm bends in y
+
+    def test_a_duplicate_captures_for_itself(self) -> None:
+        obj = self.garment(("SUBSURF", dict(levels=1, render_levels=1)))
+        bpy.ops.object.rumple_capture_rest(frame=1)
+        before = compat.read_attribute(incoming_mesh.of(obj).attributes["rumple_rest_position"])
+        bpy.ops.object.duplicate()
+        scheduler.sync_all()
+        bpy.ops.object.rumple_capture_rest(frame=15)
+        self.assertIsNot(bpy.context.object, obj)
+        after = compat.read_attribute(incoming_mesh.of(obj).attributes["rumple_rest_position"])
+        np.testing.assert_array_equal(after, before)
+
+    def test_a_garment_that_is_worn_under_another_is_the_whole_of_it(self) -> None:
+        inner = self.garment(("SUBSURF", dict(levels=1, render_levels=1)), method="FIELD")
+        outer = sleeve.skinned(sleeve.tube("Outer"), bpy.data.objects["Arm"], "Outer")
+        sleeve.make_active(outer)
+        outer.rumple.body = inner
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.play(1, 2)
+        self.assertEqual(outer.rumple.message, "")
+        self.assertEqual(len(runtimes.of(outer).inputs.body.positions), len(incoming_mesh.of(inner).vertices))
+
+    def test_the_fingerprint_sees_every_setting(self) -> None:
+        obj = self.garment(("MIRROR", dict(use_axis=(False, True, False))), cut=True)
+        before = incoming_mesh.stack_fingerprint(obj)
+        self.assertEqual(before, incoming_mesh.stack_fingerprint(obj))
+        obj.modifiers["Mirror"].use_axis = (False, True, True)
+        self.assertNotEqual(before, incoming_mesh.stack_fingerprint(obj))
 
     def test_renders_show_it_where_they_have_the_same_points_and_say_so_where_not(self) -> None:
         obj = small_renders.stage("CYCLES")

@@ -22,7 +22,7 @@ namespace {
 constexpr double kMostNormal = 1e3;
 
 Floats floats_in(std::span<const Vec3> vectors) {
-    return {&vectors.data()->x, 3 * vectors.size()};
+    return {reinterpret_cast<const float*>(vectors.data()), 3 * vectors.size()};
 }
 
 std::span<const Bone> bones_in(const float* data, size_t count, const char* name) {

@@ -51,11 +51,15 @@ def allowed_now() -> bool:
 def suspended() -> Iterator[None]:
     """While an operator changes the stack: 3.4 evaluates, and calls the handlers, in the middle of it."""
     global _suspended
-    _suspended = True
+    former, _suspended = _suspended, True
     try:
         yield
     finally:
-        _suspended = False
+        _suspended = former
+
+
+def is_suspended() -> bool:
+    return _suspended
 
 
 def may_process(depsgraph: bpy.types.Depsgraph) -> bool:
@@ -101,6 +105,26 @@ def sync_all() -> None:
             worker()
 
 
+# ---------------------------------------------------------------- panels
+def redraw_panels_soon() -> None:
+    """What panels say has changed. Never while a render job runs: where an engine ends within the drawing of a panel,
+    Blender 3.4 and 4.3 forbid Python to write for good."""
+    if bpy.app.background or threading.current_thread() is not threading.main_thread():
+        return
+    if not bpy.app.timers.is_registered(_redraw_panels):
+        bpy.app.timers.register(_redraw_panels, first_interval=0.1)
+
+
+def _redraw_panels() -> float | None:
+    if _render_running or bpy.app.is_job_running("RENDER"):
+        return 0.5
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in ("PROPERTIES", "VIEW_3D"):  # the sidebar has panels too
+                area.tag_redraw()
+    return None
+
+
 # ---------------------------------------------------------------- tags
 def tag_soon(names: set[str]) -> None:
     """Let objects be evaluated once more: from where nothing may be tagged."""
@@ -119,7 +143,7 @@ def _tag_due() -> None:
 
 def stop() -> None:
     """For unregister()."""
-    for function in (_on_timer, _tag_due):
+    for function in (_on_timer, _tag_due, _redraw_panels):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)
     set_workers()

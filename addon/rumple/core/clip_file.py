@@ -210,16 +210,13 @@ def _trailer(file: BinaryIO, size: int) -> bytes | None:
 
 
 def sample_is_whole(clip: Path, manifest: Manifest, sample: int) -> bool:
-    """Whether the data of a sample is what was baked. Clips of format 3 cannot tell."""
+    """Whether the data of a sample is what was baked. Clips of format 3 cannot tell. Raises OSError."""
     if not manifest.checksums:
         return True
     length = manifest.points * 12
-    try:
-        with open(clip, "rb") as file:
-            file.seek(_HEADER.size + sample * length)
-            return zlib.crc32(file.read(length)) == manifest.checksums[sample]
-    except OSError:
-        return False
+    with open(clip, "rb") as file:
+        file.seek(_HEADER.size + sample * length)
+        return zlib.crc32(file.read(length)) == manifest.checksums[sample]
 
 
 def delete(clip: Path) -> None:

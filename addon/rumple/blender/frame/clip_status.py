@@ -50,15 +50,19 @@ class _Seen:
         self.signature = signature
         self.manifest: Manifest | None = None
         self.fault = ""
+        self.unread = False  # it is there, and could not be read: tried again
         self.whole: dict[int, bool] = {}  # by sample
         try:
             self.manifest = clip_file.read_manifest(clip)
         except ClipFault as error:
-            self.fault = str(error)
+            self.fault, self.unread = str(error), isinstance(error.__cause__, OSError)
 
     def is_whole(self, clip: Path, sample: int) -> bool:
         if sample not in self.whole:
-            self.whole[sample] = clip_file.sample_is_whole(clip, self.manifest, sample)
+            try:
+                self.whole[sample] = clip_file.sample_is_whole(clip, self.manifest, sample)
+            except OSError:  # a network disk, say: tried again at the next frame
+                return False
         return self.whole[sample]
 
 
@@ -67,7 +71,7 @@ _seen: dict[Path, _Seen] = {}
 
 def _look(clip: Path) -> _Seen:
     signature = tuple(_signature(path) for path in (clip, clip_file.manifest_path(clip)))
-    if clip not in _seen or _seen[clip].signature != signature:
+    if clip not in _seen or _seen[clip].signature != signature or _seen[clip].unread:
         _seen[clip] = _Seen(clip, signature)
     return _seen[clip]
 
@@ -106,7 +110,8 @@ def cannot_play(obj: bpy.types.Object, output_object: bpy.types.Object, frame: f
         curves = _look(files[-1]).manifest
         if curves is None or clip_file.checksum(curves) != about.curves:
             return f"{obj.name}: the path curves {files[-1].name} are not those of the baked clip{_INSTEAD}"
-    if frame is not None and not about.start - 1 < frame < about.end + 1:  # a shutter may open before, and end after
+    # A shutter may open half a frame before, and close half a frame after.
+    if frame is not None and not about.start - 0.5 <= frame <= about.end + 0.5:
         return (f"{obj.name}: frame {frame:g} is outside the bake ({about.start} to {about.end}), so live folds are "
                 "shown there")
     for file in files if frame is not None else ():

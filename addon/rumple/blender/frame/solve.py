@@ -125,17 +125,18 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
     if modifier.is_baked(nodes_mod):
         frame = float(scene.frame_current_final)
         clip_fault = clip_status.cannot_play(obj, output_obj, frame)
-        if modifier.play_clip(nodes_mod, not clip_fault):
+        if clip_fault and runtime.evaluator is None:
+            evaluator.ensure(obj, runtime)
+        can_solve = bool(clip_fault) and _fits(output_obj, runtime)  # a clip that comes back counts on it as it is
+        if modifier.play_clip(nodes_mod, not can_solve):
             runtime.stale = True
             scheduler.request()
-        if not clip_fault:
-            messages.set_frame_error(runtime, clip_status.compare_pose(obj, runtime, depsgraph, frame))
+        if not can_solve:
+            text = clip_fault or clip_status.compare_pose(obj, runtime, depsgraph, frame)
+            messages.set_frame_error(runtime, text)
             return False
     if runtime.evaluator is None:
         evaluator.ensure(obj, runtime)
-    if clip_fault and not _fits(output_obj, runtime):  # a clip that comes back counts on it as it is
-        messages.set_frame_error(runtime, clip_fault)
-        return False
     if not _fits(output_obj, runtime):
         runtime.stale = True
         scheduler.request()
@@ -177,6 +178,9 @@ def show_fine_meshes() -> None:
     with LOCK:
         for obj, nodes_mod in modifier.wrinkled_objects():
             runtime, output_obj = runtimes.known(obj), modifier.output_object(nodes_mod)
+            if modifier.is_baked(nodes_mod) and modifier.play_clip(nodes_mod, True):  # live folds need the add-on
+                scheduler.tag_soon({obj.name})
+                continue
             if output_obj is None or runtime is None or runtime.inputs is None or not runtime.inputs.uses_proxy:
                 continue
             try:
@@ -257,11 +261,11 @@ def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
     edited = (own != runtime.evaluator.coarse_count or modifier.coarse_vertices(nodes_mod) != own
               or (changer is None and not incoming_mesh.is_own(obj))
               or runtime.stack != incoming_mesh.stack_fingerprint(obj))
-    if changer is not None and not edited and (in_render or runtime.tried == arriving):
+    if changer is not None and not edited and arriving != own and (in_render or runtime.tried == arriving):
         raise engine.UserError(f"{obj.name}: \"{changer.name}\" or another modifier in front of {nodes_mod.name} makes "
                                f"another number of vertices here than at rest in the viewport ({own}): set the same "
                                f"for viewport and renders, apply it, or move it behind {nodes_mod.name}")
-    if edited or changer is not None:
+    if edited or (changer is not None and arriving != own):  # else this frame was evaluated just before
         runtime.stale, runtime.tried = True, arriving
         scheduler.request()
 

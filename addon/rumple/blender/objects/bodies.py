@@ -16,7 +16,7 @@ from ...core import engine
 from ...core.body import Body
 from .. import compat
 from ..nodes import path_curves_tree
-from . import coarse_copy, mesh_reader, modifier, runtimes
+from . import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
@@ -182,10 +182,10 @@ def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object
     mesh, positions, nodes_mod = worn.data, None, modifier.find(body)
     if nodes_mod is not None and not modifier.is_baked(nodes_mod):
         try:
-            positions = coarse_copy.posed_positions(body, len(body.data.vertices), depsgraph)
+            positions = coarse_copy.posed_positions(body, len(incoming_mesh.of(body).vertices), depsgraph)
         except mesh_reader.Reordered as error:
             raise engine.UserError(f"{body.name}: {error}") from error
-        mesh = body.data if positions is not None else mesh
+        mesh = incoming_mesh.of(body) if positions is not None else mesh
     if not len(mesh.polygons):
         raise engine.UserError(f"{obj.name}: its body {body.name} has no faces: choose another one")
     return Body(compat.positions(mesh) if positions is None else positions, _triangles(body, mesh, depsgraph.mode))
@@ -208,7 +208,7 @@ def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.nd
     key, now = (compat.session_key(body), mode), _connections(mesh)
     kept, triangles = _triangulated.get(key, (b"", None))
     if kept != now:
-        rest = body.data if _connections(body.data) == now else mesh
+        rest = next((known for known in (body.data, incoming_mesh.of(body)) if _connections(known) == now), mesh)
         rest.calc_loop_triangles()
         triangles = np.empty(len(rest.loop_triangles) * 3, np.int32)
         rest.loop_triangles.foreach_get("vertices", triangles)

@@ -9,7 +9,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from . import bodies, mesh_reader, modifier
+from . import bodies, incoming_mesh, mesh_reader, modifier
 
 SAMPLES = 500  # vertices at most that are asked what lies under them
 NEAR = 0.08  # of the diagonal of the bounding box: what is farther does not lie under the cloth
@@ -78,7 +78,7 @@ def _rest(obj: bpy.types.Object) -> np.ndarray:
 
 
 def _cloth(obj: bpy.types.Object) -> _Cloth:
-    rest, vertices = _rest(obj), obj.data.vertices
+    rest, vertices = _rest(obj), incoming_mesh.of(obj).vertices
     finite = np.flatnonzero(np.isfinite(rest).all(axis=1))
     chosen = finite[np.linspace(0, len(finite) - 1, min(SAMPLES, len(finite))).astype(int)].tolist()
     turn = obj.matrix_world.to_3x3().inverted_safe().transposed()
@@ -87,7 +87,7 @@ def _cloth(obj: bpy.types.Object) -> _Cloth:
 
 
 def _tree(obj: bpy.types.Object) -> BVHTree:
-    mesh = obj.data
+    mesh = incoming_mesh.of(obj)
     return BVHTree.FromPolygons(_rest(obj).tolist(), [tuple(polygon.vertices) for polygon in mesh.polygons])
 
 

@@ -34,7 +34,7 @@ def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> N
 # ---------------------------------------------------------------- what an update touched
 def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
     """Mark what must be read again: painted groups, edited meshes, own meshes, materials."""
-    if scheduler.rendering():
+    if scheduler.rendering() or scheduler.is_suspended():
         return
     touched = _touched_ids(depsgraph)
     if not touched:

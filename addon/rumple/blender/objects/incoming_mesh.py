@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from contextlib import contextmanager
-from typing import Iterator
+from typing import Any, Iterator
 
 import bpy
 import numpy as np
@@ -42,21 +42,24 @@ def update(obj: bpy.types.Object) -> None:
         if _same_faces(made, obj.data):  # a node group that only moves points, say
             bpy.data.meshes.remove(made)
             made = None
-    if made is not None and kept is not None and _content(made) == _content(kept):
+    if made is not None and kept is not None and kept.users == 1 and _content(made) == _content(kept):
         bpy.data.meshes.remove(made)
         return
     if made is not None:
-        _keep_captured(kept, made)
+        _keep_captured(kept if kept is not None else obj.rumple.captured, made)
     obj.rumple.incoming = made
+    if made is None and kept is not None and wrinkle_tree.REST_POSITION in kept.attributes:
+        obj.rumple.captured, kept = kept, obj.rumple.captured  # the modifier may come back
     drop(kept)
 
 
 def forget(obj: bpy.types.Object) -> None:
     """Its wrinkles have gone."""
-    kept = obj.rumple.incoming
-    if kept is not None:
-        obj.rumple.incoming = None
-        drop(kept)
+    for name in ("incoming", "captured"):
+        mesh = getattr(obj.rumple, name)
+        if mesh is not None:
+            setattr(obj.rumple, name, None)
+            drop(mesh)
 
 
 def drop(mesh: bpy.types.Mesh | None) -> None:
@@ -136,11 +139,17 @@ def _bare_copy(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
             for m in modifier.deforming_and_behind(bare):
                 bare.modifiers.remove(m)
             bare.animation_data_clear()
+            bare.hide_viewport = False  # else it is not evaluated
+            place = obj.matrix_world.copy()  # Mirror and the like look at others from there ...
+            bare.parent = None  # ... and an armature, lattice or curve as a parent deforms
+            bare.constraints.clear()
+            bare.matrix_world = place
             bare.show_only_shape_key, bare.active_shape_key_index = True, _rest_key(obj)
             bpy.context.scene.collection.objects.link(bare)
             yield bare
         finally:
             bpy.data.objects.remove(bare)
+            bpy.context.view_layer.update()  # while nobody takes what it touched for an edit
 
 
 def _rest_key(obj: bpy.types.Object) -> int:
@@ -161,13 +170,24 @@ def stack_fingerprint(obj: bpy.types.Object) -> str:
         if modifier.deforms(m):
             continue
         path = f'modifiers["{m.name}"]'
-        values = {name: repr(getattr(m, name)) for name in m.bl_rna.properties.keys()
+        values = {name: _plain(getattr(m, name)) for name in m.bl_rna.properties.keys()
                   if f"{path}.{name}" not in animated and name not in ("execution_time", "is_active")}
         if m.type == "NODES" and m.node_group is not None:
-            values.update({key: repr(compat.modifier_input(m, key)) for key in
+            values.update({key: _plain(compat.modifier_input(m, key)) for key in
                            compat.group_sockets(m.node_group, "INPUT").values() if f'{path}["{key}"]' not in animated})
         rows.append(sorted(values.items()))
     return repr(rows)
+
+
+def _plain(value: Any) -> str:
+    """In words that are the same while the value is."""
+    if isinstance(value, bpy.types.ID):
+        return value.name_full
+    if isinstance(value, bpy.types.bpy_struct):
+        return ""  # its words hold an address
+    if isinstance(value, bpy.types.bpy_prop_collection):
+        return str(len(value))
+    return repr(tuple(value) if hasattr(value, "__len__") and not isinstance(value, (str, set)) else value)
 
 
 def _animated_paths(obj: bpy.types.Object) -> set[str]:

@@ -2,7 +2,6 @@
 """What is said of an object: kept with its runtime, read by the panel, printed once."""
 from __future__ import annotations
 
-import threading
 import traceback
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -12,6 +11,7 @@ import bpy
 
 from ...core.engine import UserError
 from ...native import NativeMissing
+from .. import scheduler
 
 
 @dataclass
@@ -40,7 +40,7 @@ def set_build_error(runtime: Messages, text: str) -> None:
 def note_unplayed(runtime: Messages, text: str, rendering: bool) -> None:
     """Set what is said of a frame that was reached by a jump; of renders a new one goes to the console."""
     if text != runtime.unplayed:
-        redraw_panels()
+        scheduler.redraw_panels_soon()
     runtime.unplayed = text
     if rendering:
         _print_new(text, runtime.unplayed_in_renders)
@@ -50,18 +50,7 @@ def note_unplayed(runtime: Messages, text: str, rendering: bool) -> None:
 def _tell(text: str, former: str) -> None:
     _print_new(text, former)
     if text != former:
-        redraw_panels()
-
-
-def redraw_panels() -> None:
-    """What panels say has changed. Not from the thread of a render."""
-    manager = bpy.context.window_manager
-    if manager is None or threading.current_thread() is not threading.main_thread():
-        return
-    for window in manager.windows:
-        for area in window.screen.areas:
-            if area.type in ("PROPERTIES", "VIEW_3D"):  # the sidebar has panels too
-                area.tag_redraw()
+        scheduler.redraw_panels_soon()
 
 
 def _print_new(text: str, former: str) -> None:

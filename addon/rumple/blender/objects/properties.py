@@ -127,6 +127,9 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     paths: bpy.props.PointerProperty(type=RUMPLE_PathsSettings, override=_OVERRIDE)
     incoming: bpy.props.PointerProperty(type=bpy.types.Mesh, name="Incoming Mesh", override=_OVERRIDE,
                                         description="What modifiers in front of the wrinkles make of the mesh at rest")
+    captured: bpy.props.PointerProperty(type=bpy.types.Mesh, name="Captured Mesh", override=_OVERRIDE,
+                                        description="An incoming mesh that a rest shape was captured on, while the "
+                                                    "modifiers that made it are off")
     own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Custom Mesh", override=_OVERRIDE,
                                         poll=_is_own_mesh, update=_changed("MESH"),
                                         description="Your own fine mesh, in place over the undeformed coarse mesh")

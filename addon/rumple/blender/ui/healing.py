@@ -27,7 +27,9 @@ class OBJECT_OT_rumple_select_healed(ui_base.OnWrinkled, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
         origin = origin_of(obj)
-        elements = np.empty(0, np.int32) if origin is None else origin.elements[self.kind]
+        same = origin is not None and incoming_mesh.is_own(obj) and (origin.vertex_count, origin.corner_count) == (
+            len(obj.data.vertices), len(obj.data.loops))
+        elements = origin.elements[self.kind] if same else np.empty(0, np.int32)
         if not len(elements):
             self.report({"ERROR"}, f"{obj.name}: nothing of this kind had to be healed")
             return {"CANCELLED"}
