@@ -278,7 +278,7 @@ class Disturbed(Case):
         self.bake()
         before = self.clip().read_bytes()
         (self.folder / "plain").write_text("")
-        for folder in ("/proc/nope", str(self.folder / "plain"), "//" + "y" * 300):
+        for folder in (str(self.folder / "plain" / "under"), str(self.folder / "plain"), "//" + "y" * 300):
             with self.subTest(folder[:20]):
                 sleeve.at(7)
                 self.obj.rumple.bake_folder = folder
@@ -301,10 +301,8 @@ class Disturbed(Case):
             obj.rumple.mesh.level = 2
             scheduler.sync_all()
 
-        def load(_obj):
-            bpy.ops.wm.open_mainfile(filepath=self.blend)
-
-        for change in (delete, edit, remove, refine, load):
+        # Not: opening a file. What a script holds of the former one makes Blender 4.3 crash later.
+        for change in (delete, edit, remove, refine):
             for steps in (1, 4):
                 with self.subTest(change.__name__, steps=steps):
                     self.obj = sleeve.scene()

@@ -70,6 +70,13 @@ def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 
 @_handler
+def _before_load(*_arguments: object) -> None:
+    """While a file is read handlers are called, and modifiers of the former one are no more."""
+    scheduler.note_file()
+    kept_lists.forget_all()
+
+
+@_handler
 def _on_load(*_arguments: object) -> None:
     """Another file: nothing of the former one counts. Structural work is allowed here."""
     scheduler.set_rendering(False)
@@ -124,7 +131,7 @@ def _pairs() -> tuple:
     handlers = bpy.app.handlers
     return ((handlers.frame_change_pre, _before_frame), (handlers.frame_change_post, _on_frame),
             (handlers.depsgraph_update_post, _on_update),
-            (handlers.load_post, _on_load), (handlers.save_pre, _on_save), (handlers.undo_post, _on_undo),
+            (handlers.load_pre, _before_load), (handlers.load_post, _on_load), (handlers.save_pre, _on_save), (handlers.undo_post, _on_undo),
             (handlers.redo_post, _on_undo), (handlers.render_init, _on_render_start),
             (handlers.render_complete, _on_render_end), (handlers.render_cancel, _on_render_end))
 

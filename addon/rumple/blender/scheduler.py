@@ -21,6 +21,7 @@ DELAY = 0.25  # seconds without another change before a dragged slider or a brus
 _render_running = False
 _wanted = False
 _suspended = False
+_files = 0  # that were opened
 _due: set[str] = set()  # names of objects to tag
 _workers: tuple[Callable[[], None], ...] = ()
 
@@ -29,6 +30,17 @@ def set_workers(*workers: Callable[[], None]) -> None:
     """What sync_all() calls, in this order."""
     global _workers
     _workers = workers
+
+
+def note_file() -> None:
+    """Another file was opened: what scripts hold of the former one may not be touched."""
+    global _files
+    _files += 1
+
+
+def file_number() -> int:
+    """Another one with every file that is opened."""
+    return _files
 
 
 def rendering() -> bool:

@@ -24,7 +24,7 @@ class Playback:
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, start: int, end: int, samples: int) -> None:
         if end < start:
             raise BakeError(f"{obj.name}: the last frame ({end}) is before the first ({start}): change one of them")
-        self.scene, self.obj = context.scene, obj
+        self.scene, self.obj, self.name, self.file = context.scene, obj, obj.name, scheduler.file_number()
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
         self.pre_roll = range(min(self.scene.frame_start, start), start)
@@ -69,7 +69,13 @@ class Playback:
             raise BakeError(str(error)) from error
         runtime.invalidate_output()  # what is shown was solved as live
 
+    def _is_gone(self) -> bool:
+        """Whether the file was replaced: Blender 4.3 crashes where its scene is asked for a frame."""
+        return self.file != scheduler.file_number()
+
     def _visit(self, frame: int, subframe: float) -> runtimes.Runtime:
+        if self._is_gone():
+            raise BakeError(f"{self.name}: another file was opened while it was baked: bake again")
         with preview.paused():
             for _ in range(self.passes):
                 self.scene.frame_set(frame, subframe=subframe)
@@ -94,6 +100,8 @@ class Playback:
 
     def end_playback(self, restore_bake: bool) -> None:
         """Also where the object, or the file, has gone meanwhile: as far as it can be done."""
+        if self._is_gone():
+            return
         try:
             self._end_of_object(restore_bake)
         except ReferenceError:
