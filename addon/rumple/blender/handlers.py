@@ -131,8 +131,8 @@ def _pairs() -> tuple:
     handlers = bpy.app.handlers
     return ((handlers.frame_change_pre, _before_frame), (handlers.frame_change_post, _on_frame),
             (handlers.depsgraph_update_post, _on_update),
-            (handlers.load_pre, _before_load), (handlers.load_post, _on_load), (handlers.save_pre, _on_save), (handlers.undo_post, _on_undo),
-            (handlers.redo_post, _on_undo), (handlers.render_init, _on_render_start),
+            (handlers.load_pre, _before_load), (handlers.load_post, _on_load), (handlers.save_pre, _on_save),
+            (handlers.undo_post, _on_undo), (handlers.redo_post, _on_undo), (handlers.render_init, _on_render_start),
             (handlers.render_complete, _on_render_end), (handlers.render_cancel, _on_render_end))
 
 
