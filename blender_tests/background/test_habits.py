@@ -132,6 +132,7 @@ class CopyToSelected(unittest.TestCase):
         self.assertEqual(bare.rumple.method, "NONE")
 
 
+@unittest.skipIf(bpy.app.version[:2] == (4, 3), "Debian's 4.3 has no brushes: Weight Paint without a window breaks it")
 class Paint(unittest.TestCase):
     def test_a_new_group_is_full_and_the_brush_takes_away(self) -> None:
         obj = sleeve.scene()

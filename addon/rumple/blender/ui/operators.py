@@ -351,9 +351,11 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
 def _set_brush_weight(context: bpy.types.Context, weight: float) -> None:
     """Of Weight Paint: of the brush, and where brushes share it of all of them."""
     tools = context.tool_settings
-    shared = getattr(tools, "unified_paint_settings", None) or tools.weight_paint.unified_paint_settings  # from 5.0 on
-    shared.weight = weight
-    brush = tools.weight_paint.brush
+    paint = tools.weight_paint  # none before the mode was entered for the first time
+    shared = getattr(tools, "unified_paint_settings", None) or getattr(paint, "unified_paint_settings", None)  # 5.0
+    if shared is not None:
+        shared.weight = weight
+    brush = None if paint is None else paint.brush
     if brush is not None and compat.is_editable(brush):
         brush.weight = weight
 
