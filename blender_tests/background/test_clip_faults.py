@@ -184,6 +184,51 @@ class Damaged(Case):
         self.assertIsNone(runtimes.of(self.obj).evaluator, "it is played, not solved")
 
 
+class Outside(Case):
+    """Frames that were not baked: live there, and the clip everywhere else, also without the add-on."""
+
+    def setUp(self):
+        super().setUp()
+        self.obj.rumple.bake_start, self.obj.rumple.bake_end = 3, 6
+        self.bake()
+
+    def plays_at(self, frame, subframe=0.0):
+        sleeve.at(frame, subframe)
+        return modifier.plays_clip(modifier.find(self.obj))
+
+    def test_it_follows_the_body_there(self):
+        sleeve.play(1, 20)
+        self.assertFalse(self.plays_at(20))
+        self.assertRegex(self.obj.rumple.message, r"frame 20 is outside the bake \(3 to 6\), so live folds are shown")
+        np.testing.assert_allclose(sleeve.shown(self.obj), sleeve.picture(self.obj).positions, atol=1e-5)
+        self.assertTrue(self.plays_at(5))
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_the_shutter_of_a_frame_sees_one_of_them_only(self):
+        for frame, inside in ((2, False), (3, True), (6, True), (7, False)):
+            seen = {self.plays_at(*at) for at in ((frame - 1, 0.75), (frame, 0.0), (frame, 0.25))}
+            self.assertEqual(seen, {inside}, frame)
+
+    def test_a_file_that_is_saved_there_shows_its_clip_without_the_add_on(self):
+        sleeve.at(5)
+        baked = sleeve.shown(self.obj)
+        self.assertFalse(self.plays_at(20))
+        bpy.ops.wm.save_mainfile()
+        handlers.unregister()
+        try:
+            self.reopen()
+            sleeve.at(5)
+            np.testing.assert_allclose(sleeve.shown(self.obj), baked, atol=1e-6)
+        finally:
+            handlers.register()
+
+    def test_a_disk_that_could_not_be_read_once_is_asked_again(self):
+        with mock.patch.object(clip_file, "sample_is_whole", side_effect=OSError("away")):
+            self.assertFalse(self.plays_at(4))
+        self.plays_at(5)
+        self.assertTrue(self.plays_at(4))
+
+
 class OneName(Case):
 
     def test_two_objects_never_share_a_clip(self):

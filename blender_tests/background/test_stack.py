@@ -214,6 +214,11 @@ class Stack(unittest.TestCase):
         self.assertEqual(made[0], 0)
         self.assertIn(made[1], (1, 2))
         self.assertFalse(runtimes.of(obj).stale)
+        scheduler.sync_all()
+        runtimes.of(obj).stale = True
+        scheduler.sync_all()
+        bpy.context.view_layer.update()  # as a window does next
+        self.assertFalse(runtimes.of(obj).stale)
 
     def test_a_hidden_garment_and_a_modifier_that_is_off_lose_nothing(self) -> None:
         obj = self.garment(("SUBSURF", dict(levels=1, render_levels=1)))
@@ -263,7 +268,9 @@ class Stack(unittest.TestCase):
         bpy.ops.object.rumple_add(method="MESH")
         sleeve.play(1, 2)
         self.assertEqual(outer.rumple.message, "")
-        self.assertEqual(len(runtimes.of(outer).inputs.body.positions), len(incoming_mesh.of(inner).vertices))
+        body, count = runtimes.of(outer).inputs.body, len(incoming_mesh.of(inner).vertices)
+        self.assertEqual(len(body.positions), count)
+        self.assertEqual(sorted(set(body.triangles.ravel().tolist())), list(range(count)))
 
     def test_the_fingerprint_sees_every_setting(self) -> None:
         obj = self.garment(("MIRROR", dict(use_axis=(False, True, False))), cut=True)

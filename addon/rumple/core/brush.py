@@ -95,16 +95,10 @@ class Easel:
         """The brush set down once: painted anew. how: see rumple_native.apply_dab. Raises UserError."""
         if mirror and self._twins is None:
             self._twins = kernels.find_twins(self.field.model)
-        base = self.field.base
-        before = np.ascontiguousarray(base.points(painted))
+        before = np.ascontiguousarray(self.field.base.points(painted))
         after = self._checked(kernels.apply_dab, self.field.model, self._canvas, before,
                               twins=self._twins if mirror else None, **how)
-        if base.origin is None:
-            return after
-        out = after[:len(painted)].copy()
-        changed = np.flatnonzero((after != before).any(1))[::-1]  # the first copy of a vertex wins
-        out[base.origin.vertex[changed]] = after[changed]
-        return out
+        return after[:len(painted)]  # where a mesh was cut, copies of vertices stand at the same place
 
     def lines(self, painted: np.ndarray, across: bool) -> tuple[np.ndarray, np.ndarray]:
         """For an overlay: ends (2 m, 3) and strengths (m,). See rumple_native.draw_rest_wrinkles. Raises UserError."""

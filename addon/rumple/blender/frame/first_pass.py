@@ -46,7 +46,7 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
         for obj, nodes_mod in moving:
             output = modifier.output_object(nodes_mod)
             if output is not None and obj not in bound and _keeps_nothing_behind(obj, nodes_mod):
-                _some_away |= _moved_to(output, AWAY)
+                _some_away |= modifier.move_hidden(output, "x", AWAY)
 
 
 def show_fine(scene: bpy.types.Scene) -> None:
@@ -63,17 +63,8 @@ def show_fine(scene: bpy.types.Scene) -> None:
             elif runtime is not None and runtime.moved_in == compat.session_key(scene):
                 runtime.moved_in = 0
             if _some_away and output is not None and output.location.x == AWAY:
-                away |= not _moved_to(output, 0.0)
+                away |= not modifier.move_hidden(output, "x", 0.0)
         _some_away = away
-
-
-def _moved_to(output: bpy.types.Object, x: float) -> bool:
-    """False where Blender lets nobody write: when a render job of a window ends, it sets the frame from its thread."""
-    try:
-        output.location.x = x
-    except AttributeError:
-        return False
-    return True
 
 
 def _moved(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, scene: bpy.types.Scene) -> bool:

@@ -27,16 +27,8 @@ def settle(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     It moves the hidden output object, which copies no mesh: allowed where first_pass.py moves it.
     """
     output = modifier.output_object(nodes_mod)
-    if output is None or not compat.is_editable(output):
-        return False
     wanted = BESIDE if any(m.type != "NODES" for m in removers(obj, nodes_mod)) else 0.0
-    if output.location.y == wanted:
-        return False
-    try:
-        output.location.y = wanted
-    except AttributeError:  # the thread that ends a render job may not write
-        return False
-    return True
+    return output is not None and output.location.y != wanted and modifier.move_hidden(output, "y", wanted)
 
 
 def removers(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[bpy.types.Modifier]:

@@ -175,6 +175,18 @@ def is_baked(modifier: bpy.types.NodesModifier) -> bool:
     return bool(_get(modifier, wrinkle_tree.BAKED))
 
 
+def move_hidden(output: bpy.types.Object, axis: str, value: float) -> bool:
+    """Tell the tree by the place of the output object: moving it copies no mesh. False where nobody may write: it is
+    linked, or the thread that ends a render job of a window sets the frame."""
+    if not compat.is_editable(output):
+        return False
+    try:
+        setattr(output.location, axis, value)
+    except AttributeError:
+        return False
+    return True
+
+
 # z of the output object while live folds are shown in place of a clip; wrinkle_tree.py compares with a half
 SHOWS_LIVE = 1.0
 
@@ -182,13 +194,7 @@ SHOWS_LIVE = 1.0
 def play_clip(modifier: bpy.types.NodesModifier, playing: bool) -> bool:
     """Show the clip of a baked object, or live folds in place of one that is damaged. True when that changed."""
     output, wanted = output_object(modifier), 0.0 if playing else SHOWS_LIVE
-    if output is None or not compat.is_editable(output) or output.location.z == wanted:
-        return False
-    try:
-        output.location.z = wanted
-    except AttributeError:  # the thread that ends a render job may not write
-        return False
-    return True
+    return output is not None and output.location.z != wanted and move_hidden(output, "z", wanted)
 
 
 def plays_clip(modifier: bpy.types.NodesModifier) -> bool:
