@@ -72,8 +72,7 @@ def _draw_first(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     if obj.rumple.method == "FIELD":
         column.prop(settings, "strength")
     if obj.rumple.method == "PATHS":
-        column.prop(settings, "width")
-        column.prop(settings, "height")
+        paths_panel.draw_size(column, settings)
     elif obj.rumple.method == "FIELD" or (settings.source == "SUBDIVISION" and settings.density == "WAVELENGTH"):
         column.prop(settings, "wavelength")
 
@@ -89,7 +88,8 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
         column.prop(settings, "source")
         if settings.source == "SUBDIVISION":
             column.prop(settings, "density")
-            column.prop(settings, "wavelength" if settings.density == "WAVELENGTH" else "level")
+            if settings.density == "LEVEL":
+                column.prop(settings, "level")
         elif settings.source == "REGULAR":
             column.prop(settings, "segments")
         elif settings.source == "EDGE_LENGTH":

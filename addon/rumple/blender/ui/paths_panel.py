@@ -9,6 +9,14 @@ from ..objects import modifier
 from ..ui_base import Panel, named_paint, property_column, settings_column
 
 
+def draw_size(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    """How wide and how high folds are: above all panels."""
+    row = column.row(align=True)
+    row.prop(settings, "width")
+    row.operator("object.rumple_width_from_height", text="", icon="OUTLINER_OB_ARMATURE")
+    column.prop(settings, "height")
+
+
 class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
     bl_label = "Folds"
     method = "PATHS"
@@ -16,11 +24,7 @@ class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = settings_column(self.layout, context.object), context.object
         settings = obj.rumple.paths
-        column.prop(settings, "threshold")
-        row = column.row(align=True)
-        row.prop(settings, "width")
-        row.operator("object.rumple_width_from_height", text="", icon="OUTLINER_OB_ARMATURE")
-        for name in ("height", "direction", "profile", "spacing", "seed"):
+        for name in ("threshold", "direction", "profile", "spacing", "seed"):
             column.prop(settings, name)
         column.separator()
         named_paint(column, obj, "mask", "mask")
