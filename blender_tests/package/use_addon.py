@@ -56,6 +56,8 @@ result = bpy.ops.object.rumple_add(method="MESH")
 assert result == {"FINISHED"}, result
 bpy.context.scene.frame_set(2)
 assert evaluated_vertices(sleeve) > len(sleeve.data.vertices), "the evaluated mesh is not finer than the base"
+sleeve.rumple.bake_start, sleeve.rumple.bake_end = 1, 3
+bpy.ops.wm.save_as_mainfile(filepath=f"{HOME}/worn.blend")
 library = next(module for name, module in sys.modules.items() if name.endswith("rumple.native.library")).lib.path
 assert str(library).startswith(HOME), f"the library is not the installed one: {library}"
 shaders = next(module for name, module in sys.modules.items() if name.endswith("rumple.blender.viewport.glsl"))
@@ -63,4 +65,10 @@ assert shaders.__file__.startswith(HOME)
 assert "void main()" in shaders.source(*shaders.FORMULAS, "preview/estimate_waves")
 bpy.ops.object.rumple_remove()
 assert evaluated_vertices(sleeve) == len(sleeve.data.vertices), "removing the wrinkles left something behind"
+assert bpy.ops.wm.rumple_open_example(name="Shirt") == {"FINISHED"}
+shirt = bpy.data.objects["Shirt"]
+bpy.context.scene.frame_set(20)
+assert bpy.data.filepath == "", "the example can be overwritten"
+assert evaluated_vertices(shirt) > 4 * len(shirt.data.vertices), "the example shows no folds"
+assert not shirt.rumple.message, shirt.rumple.message
 print("RUMPLE WORKS with", library)

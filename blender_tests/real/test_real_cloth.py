@@ -65,6 +65,7 @@ class ClothClip(Clip):
         self.scene.frame_start = frames[0]
         self.scene.frame_set(frames[0])
         bpy.context.view_layer.objects.active = self.garment
+        self.garment.rumple.viewport_steps = self.garment.rumple.mesh.display_steps  # the mesh of renders is measured
         assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}, self.garment.rumple.message
         self.fine = runtimes.of(self.garment).evaluator
         self.edges = sides(self.fine.polygon_start, self.fine.corner_vertex)
@@ -222,6 +223,7 @@ class Simulated(unittest.TestCase):
         bpy.ops.wm.open_mainfile(filepath=str(DATA / f"{file}.blend"))
         self.garment = bpy.data.objects[name]
         bpy.context.view_layer.objects.active = self.garment
+        self.garment.rumple.viewport_steps = self.garment.rumple.mesh.display_steps  # the mesh of renders is measured
         self.assertEqual(bpy.ops.object.rumple_add(method="MESH"), {"FINISHED"}, self.garment.rumple.message)
         for name, value in settings.items():
             setattr(self.garment.rumple.mesh, name, value)

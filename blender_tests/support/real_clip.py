@@ -43,6 +43,7 @@ def add_wrinkles(garment: bpy.types.Object) -> None:
     bpy.context.view_layer.objects.active = garment
     garment.rumple.mesh.base_cloth = "OFF"
     garment.rumple.body = None  # set: none is looked for
+    garment.rumple.viewport_steps = garment.rumple.mesh.display_steps  # the mesh of renders is measured
     assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}, garment.rumple.message
 
 

@@ -46,6 +46,7 @@ class PlayedOnce:
             setattr(getattr(cls.garment.rumple, cls.method.lower()), name, value)
         if cls.settings.get("base_cloth") == "OFF":
             cls.garment.rumple.body = None  # set: none is looked for
+        cls.garment.rumple.viewport_steps = cls.garment.rumple.mesh.display_steps  # the mesh of renders is measured
         assert bpy.ops.object.rumple_add(method=cls.method) == {"FINISHED"}, cls.garment.rumple.message
         cls.fine = runtimes.of(cls.garment).evaluator
         cls.seen = [cls.look(frame) for frame in cls.frames]

@@ -95,11 +95,11 @@ class Formulas(WindowCase):
                               normals=normal, ranges=lists.ranges, ends=lists.ends.reshape(-1, 4))
                 probe = gpu_arrays.Pass(
                     glsl.source(*glsl.FOLDS, "preview/texels", "preview/folds") + PROBE, tuple(inputs),
-                    ("out_fold",), (("INT", "profile"),))
+                    ("out_fold",), (("INT", "profile_kind"),))
                 target = gpu_arrays.Target(len(triangle))
                 gpu_arrays.plain_state()
                 probe.run(target, {name: gpu_arrays.upload(values) for name, values in inputs.items()},
-                          profile=preview_paths.PROFILES.index(profile))
+                          profile_kind=preview_paths.PROFILES.index(profile))
                 found = target.read()
                 self.assertGreater((np.abs(expected[:, 3]) > 0.1 * WIDTH).sum(), 400)
                 self.assertEqual((expected[:, 3] < -1e-3 * WIDTH).any(), direction == "BOTH")

@@ -19,7 +19,7 @@ RANDOM = 4000
 PROBE = """
 void main() {
     int i = THIS_TEXEL(cases_0);
-    mat4 y = probe_formula(formula, mat4(TEXEL(cases_0, i), TEXEL(cases_1, i), TEXEL(cases_2, i), TEXEL(cases_3, i)));
+    mat4 y = probe_formula(probed, mat4(TEXEL(cases_0, i), TEXEL(cases_1, i), TEXEL(cases_2, i), TEXEL(cases_3, i)));
     out_0 = y[0];
     out_1 = y[1];
     out_2 = y[2];
@@ -32,11 +32,11 @@ def on_gpu(formula: int, cases: np.ndarray) -> np.ndarray:
     """(n, 16) arguments -> (n, 16) results."""
     source = glsl.source(*glsl.FORMULAS, "shared/wrinkle_field_probe", "preview/texels") + PROBE
     names = [f"cases_{i}" for i in range(4)]
-    probe = gpu_arrays.Pass(source, tuple(names), tuple(f"out_{i}" for i in range(4)), (("INT", "formula"),))
+    probe = gpu_arrays.Pass(source, tuple(names), tuple(f"out_{i}" for i in range(4)), (("INT", "probed"),))
     target = gpu_arrays.Target(len(cases), 4)
     gpu_arrays.plain_state()
     columns = cases.reshape(-1, 4, 4)
-    probe.run(target, {name: gpu_arrays.upload(columns[:, i]) for i, name in enumerate(names)}, formula=formula)
+    probe.run(target, {name: gpu_arrays.upload(columns[:, i]) for i, name in enumerate(names)}, probed=formula)
     return np.stack([target.read(i) for i in range(4)], 1).reshape(-1, 16)
 
 

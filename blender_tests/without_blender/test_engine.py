@@ -50,6 +50,25 @@ class FrameLaws(unittest.TestCase):
         for one, two in zip(fresh, self.play(other)):
             np.testing.assert_array_equal(one, two)
 
+    def test_what_viewports_show_changes_nothing_in_renders(self) -> None:
+        """In one layer, in several, and on a dense garment."""
+        dense = tube(40, 60)
+        for base, settings in ((self.base, replace(SETTINGS, layers="ONE")),
+                               (self.base, replace(SETTINGS, layers="CLOTH")),
+                               (dense, replace(MeshSettings(), layers="CLOTH", base_cloth="HANG"))):
+            poses = clip(base)
+            mesh, other = WrinkleMesh.build(base, settings, viewport_steps=0), WrinkleMesh.build(base, settings)
+            self.assertIsNone(other.in_viewport)
+            for frame in FRAMES:
+                fewer = mesh.solve_frame(float(frame), poses[frame], settings, {}, start=1, in_viewport=True)
+                self.assertEqual(len(fewer.positions), mesh.in_viewport.vertex_count)
+                self.assertLess(len(fewer.positions), mesh.vertex_count)
+            for frame in FRAMES:
+                render = mesh.solve_frame(float(frame), poses[frame], settings, {}, start=1)
+                expected = other.solve_frame(float(frame), poses[frame], settings, {}, start=1)
+                self.assertTrue(render.replayed)
+                np.testing.assert_array_equal(render.positions, expected.positions)
+
     def test_a_jump_starts_canonically_and_is_provisional(self) -> None:
         self.solve(5)
         self.assertEqual(self.mesh.frame_cache.frames(), [(5.0, False)])

@@ -62,7 +62,7 @@ static void squeeze(int frame, float positions[VERTICES][3]) {
 static void write_obj(const char* path, const rumple_wrinkle_mesh* model, const rumple_frame* frame) {
     rumple_shown_mesh_view mesh;
     rumple_frame_view shown;
-    check(rumple_shown_mesh_get_view(rumple_wrinkle_mesh_shown(model), &mesh));
+    check(rumple_shown_mesh_get_view(rumple_wrinkle_mesh_shown(model, false), &mesh));
     check(rumple_frame_get_view(frame, &shown));
     FILE* file = fopen(path, "w");
     if (!file) {
@@ -117,7 +117,7 @@ int main(int argc, char** argv) {
            (double)report.error_after);
 
     rumple_frame* frame = NULL;
-    check(rumple_wrinkle_mesh_show(model, &settings, pose, state, &frame));
+    check(rumple_wrinkle_mesh_show(model, &settings, pose, state, false, &frame));
     write_obj(argv[1], model, frame);
 
     rumple_frame_free(frame);

@@ -25,11 +25,11 @@ from rumple.core.systems import SYSTEMS  # noqa: E402
 FIRST, FRAME = 9, 59
 
 
-def look(path: Path, lens: float = 72.0) -> None:
+def look(path: Path, lens: float = 72.0, size: tuple[int, int] = (560, 560)) -> None:
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = 48, False
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 560, 560, 100
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *size, 100
     trousers = bpy.data.objects["trousers"].evaluated_get(bpy.context.evaluated_depsgraph_get())
     middle = sum((trousers.matrix_world @ Vector(corner) for corner in trousers.bound_box), Vector()) / 8.0
     camera = bpy.data.objects.new("View", bpy.data.cameras.new("View"))

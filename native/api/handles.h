@@ -49,10 +49,30 @@ struct rumple_frame {
 
 namespace rumple::api {
 
+// The shown mesh of a model, and that of viewports where it has one.
+struct ShownMeshes {
+    template <typename Model>
+    explicit ShownMeshes(const Model& model) : in_renders(model.shown) {
+        if (model.shown_in_viewport) in_viewports.emplace(*model.shown_in_viewport);
+    }
+    const rumple_shown_mesh* in(bool in_viewport) const {
+        return in_viewport && in_viewports ? &*in_viewports : &in_renders;
+    }
+
+    rumple_shown_mesh in_renders;
+    std::optional<rumple_shown_mesh> in_viewports;
+};
+
 // A frame that was made for a model, which keeps it.
 template <typename Model, typename Picture>
 rumple_frame* new_frame(const std::shared_ptr<const Model>& model, Picture&& picture) {
     return new rumple_frame{model, model->base, model->shown, std::forward<Picture>(picture)};
+}
+
+// The same of a model that has two shown meshes.
+template <typename Model>
+rumple_frame* new_frame(const std::shared_ptr<const Model>& model, ShownFrame&& frame, bool in_viewport) {
+    return new rumple_frame{model, model->base, shown_mesh(*model, in_viewport), std::move(frame)};
 }
 
 FineSource fine_source(const rumple_fine_plan& plan);

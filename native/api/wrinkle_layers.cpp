@@ -53,7 +53,7 @@ std::vector<Paint> paint_of(const Layers& model, const rumple_wrinkle_layers_pai
 }  // namespace
 
 rumple_wrinkle_layers_plan rumple_wrinkle_layers_plan_default(void) {
-    return {2, 1, FineSource{}.most_vertices};
+    return {2, 1, 1, FineSource{}.most_vertices};
 }
 
 rumple_status rumple_wrinkle_layers_build(const rumple_surface* base, const rumple_wrinkle_layers_plan* plan,
@@ -61,9 +61,10 @@ rumple_status rumple_wrinkle_layers_build(const rumple_surface* base, const rump
     return made(model, "model", [&] {
         const Surface& surface = given(base, "base").surface;
         const rumple_wrinkle_layers_plan& from = given(plan, "plan");
-        auto built = build_layers(surface, from.levels, from.display_steps, from.most_vertices);
-        const ShownMesh& shown = built->shown;
-        return new rumple_wrinkle_layers{std::move(built), rumple_shown_mesh(shown)};
+        auto built =
+            build_layers(surface, from.levels, from.display_steps, from.most_vertices, from.viewport_steps);
+        ShownMeshes shown(*built);
+        return new rumple_wrinkle_layers{std::move(built), std::move(shown)};
     });
 }
 
@@ -71,8 +72,8 @@ void rumple_wrinkle_layers_free(rumple_wrinkle_layers* model) {
     delete model;
 }
 
-const rumple_shown_mesh* rumple_wrinkle_layers_shown(const rumple_wrinkle_layers* model) {
-    return model ? &model->shown : nullptr;
+const rumple_shown_mesh* rumple_wrinkle_layers_shown(const rumple_wrinkle_layers* model, bool in_viewport) {
+    return model ? model->shown.in(in_viewport) : nullptr;
 }
 
 rumple_status rumple_wrinkle_layers_get_view(const rumple_wrinkle_layers* model,
@@ -184,13 +185,13 @@ rumple_status rumple_wrinkle_layers_solve(const rumple_wrinkle_layers* model,
 rumple_status rumple_wrinkle_layers_show(const rumple_wrinkle_layers* model, const float* animated,
                                          size_t animated_count, const float* positions,
                                          size_t positions_count, const rumple_wrinkle_layers_state* state,
-                                         rumple_frame** frame) {
+                                         bool in_viewport, rumple_frame** frame) {
     return made(frame, "frame", [&] {
         const rumple_wrinkle_layers& m = given(model, "model");
         const auto from = vectors(animated, animated_count, "animated");
         const auto at = vectors(positions, positions_count, "positions");
         Picture picture;
-        show(*m.model, from, at, given_of_model(state, m, "state").state, picture);
-        return new_frame(m.model, sound(std::move(picture)));
+        show(*m.model, from, at, given_of_model(state, m, "state").state, picture, in_viewport);
+        return new_frame(m.model, sound(std::move(picture)), in_viewport);
     });
 }

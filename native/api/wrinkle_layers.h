@@ -7,7 +7,7 @@
 
 struct rumple_wrinkle_layers {
     std::shared_ptr<const rumple::wrinkle_mesh::Layers> model;
-    rumple_shown_mesh shown;
+    rumple::api::ShownMeshes shown;
 };
 struct rumple_wrinkle_layers_paint {
     std::shared_ptr<const rumple::wrinkle_mesh::Layers> model;

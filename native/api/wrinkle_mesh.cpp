@@ -11,7 +11,7 @@ using namespace rumple::wrinkle_mesh;
 
 struct rumple_wrinkle_mesh {
     std::shared_ptr<const Model> model;
-    rumple_shown_mesh shown;
+    ShownMeshes shown;
 };
 struct rumple_wrinkle_mesh_paint {
     std::shared_ptr<const Model> model;
@@ -146,6 +146,7 @@ rumple_wrinkle_mesh_plan rumple_wrinkle_mesh_plan_default(void) {
     plan.fine = fine_plan(source);
     plan.farthest = source.farthest;
     plan.display_steps = 1;
+    plan.viewport_steps = 1;
     plan.adaptive = source.adaptive;
     return plan;
 }
@@ -155,9 +156,10 @@ rumple_status rumple_wrinkle_mesh_build(const rumple_surface* base, const rumple
     return made(model, "model", [&] {
         const Surface& surface = given(base, "base").surface;
         const Source source = source_of(given(plan, "plan"));
-        auto built = build(surface, source, attachment_kind(plan->fine), plan->display_steps);
-        const ShownMesh& shown = built->shown;
-        return new rumple_wrinkle_mesh{std::move(built), rumple_shown_mesh(shown)};
+        auto built =
+            build(surface, source, attachment_kind(plan->fine), plan->display_steps, plan->viewport_steps);
+        ShownMeshes shown(*built);
+        return new rumple_wrinkle_mesh{std::move(built), std::move(shown)};
     });
 }
 
@@ -165,8 +167,8 @@ void rumple_wrinkle_mesh_free(rumple_wrinkle_mesh* model) {
     delete model;
 }
 
-const rumple_shown_mesh* rumple_wrinkle_mesh_shown(const rumple_wrinkle_mesh* model) {
-    return model ? &model->shown : nullptr;
+const rumple_shown_mesh* rumple_wrinkle_mesh_shown(const rumple_wrinkle_mesh* model, bool in_viewport) {
+    return model ? model->shown.in(in_viewport) : nullptr;
 }
 
 rumple_status rumple_wrinkle_mesh_get_view(const rumple_wrinkle_mesh* model, rumple_wrinkle_mesh_view* view) {
@@ -266,14 +268,15 @@ rumple_status rumple_wrinkle_mesh_solve_in_order(const rumple_wrinkle_mesh* mode
 rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,
                                        const rumple_wrinkle_mesh_settings* settings,
                                        const rumple_wrinkle_mesh_pose* pose,
-                                       const rumple_wrinkle_mesh_state* state, rumple_frame** frame) {
+                                       const rumple_wrinkle_mesh_state* state, bool in_viewport,
+                                       rumple_frame** frame) {
     return made(frame, "frame", [&] {
         const rumple_wrinkle_mesh& m = given(model, "model");
         const auto& at = given_of_model(pose, m, "pose");
         Picture picture;
         show_pose(*m.model, mesh_settings(settings), input_of(at.arrays), at.pose,
-                  given_of_model(state, m, "state").state, picture);
-        return new_frame(m.model, sound(std::move(picture)));
+                  given_of_model(state, m, "state").state, picture, in_viewport);
+        return new_frame(m.model, sound(std::move(picture)), in_viewport);
     });
 }
 

@@ -11,13 +11,13 @@ using namespace rumple::wrinkle_mesh;
 
 struct rumple_wrinkle_transfer {
     std::shared_ptr<const Transfer> model;
-    rumple_shown_mesh shown;
+    ShownMeshes shown;
     std::shared_ptr<const CoarseMesh> coarse;
     std::shared_ptr<const Layers> layers;
 };
 
 rumple_wrinkle_transfer_plan rumple_wrinkle_transfer_plan_default(void) {
-    return {0, 0, FineSource{}.most_vertices};
+    return {0, 0, 0, FineSource{}.most_vertices};
 }
 
 rumple_status rumple_wrinkle_transfer_build(const rumple_surface* dense, const rumple_coarse* coarse,
@@ -31,10 +31,9 @@ rumple_status rumple_wrinkle_transfer_build(const rumple_surface* dense, const r
         const rumple_wrinkle_transfer_plan& from = given(plan, "plan");
         if (over.dense != base.shared) throw InvalidInput("coarse: it was made for another mesh");
         auto built = build_transfer(base.surface, *over.mesh, *solved.model, from.level, from.display_steps,
-                                    from.most_vertices);
-        const ShownMesh& shown = built->shown;
-        return new rumple_wrinkle_transfer{std::move(built), rumple_shown_mesh(shown), over.mesh,
-                                           solved.model};
+                                    from.most_vertices, from.viewport_steps);
+        ShownMeshes shown(*built);
+        return new rumple_wrinkle_transfer{std::move(built), std::move(shown), over.mesh, solved.model};
     });
 }
 
@@ -42,20 +41,21 @@ void rumple_wrinkle_transfer_free(rumple_wrinkle_transfer* model) {
     delete model;
 }
 
-const rumple_shown_mesh* rumple_wrinkle_transfer_shown(const rumple_wrinkle_transfer* model) {
-    return model ? &model->shown : nullptr;
+const rumple_shown_mesh* rumple_wrinkle_transfer_shown(const rumple_wrinkle_transfer* model,
+                                                       bool in_viewport) {
+    return model ? model->shown.in(in_viewport) : nullptr;
 }
 
 rumple_status rumple_wrinkle_transfer_show(const rumple_wrinkle_transfer* model, const float* animated,
                                            size_t animated_count, const rumple_wrinkle_layers_state* state,
-                                           rumple_frame** frame) {
+                                           bool in_viewport, rumple_frame** frame) {
     return made(frame, "frame", [&] {
         const rumple_wrinkle_transfer& m = given(model, "model");
         if (given(state, "state").model != m.layers)
             throw InvalidInput("state: it was made for another model");
         Picture picture;
         show(*m.model, *m.coarse, *m.layers, vectors(animated, animated_count, "animated"), state->state,
-             picture);
-        return new_frame(m.model, sound(std::move(picture)));
+             picture, in_viewport);
+        return new_frame(m.model, sound(std::move(picture)), in_viewport);
     });
 }

@@ -4,16 +4,64 @@
 #pragma once
 
 #include <algorithm>
-#include <barrier>
+#include <atomic>
+#include <condition_variable>
 #include <cstddef>
-#include <latch>
+#include <mutex>
 #include <new>
-#include <optional>
 #include <system_error>
 #include <thread>
 #include <vector>
 
 namespace rumple {
+
+// Where threads meet. Not std::barrier, nor std::latch: those of MinGW lose the call that wakes a thread, so
+// that three threads and more wait for ever.
+class Barrier {
+  public:
+    // How many they are; before, nobody passes wait_until_open().
+    void open(int members) {
+        {
+            const std::lock_guard lock(mutex_);
+            members_ = members;
+        }
+        changed_.notify_all();
+    }
+    void wait_until_open() {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return members_ > 0; });
+    }
+
+    // Everyone waits here for everyone: a moment without the system, which is often enough, then asleep.
+    void meet() {
+        const unsigned round = round_.load(std::memory_order_acquire);
+        if (arrived_.fetch_add(1, std::memory_order_acq_rel) + 1 == members_) {
+            arrived_.store(0, std::memory_order_relaxed);
+            {
+                const std::lock_guard lock(mutex_);
+                round_.store(round + 1, std::memory_order_release);
+            }
+            changed_.notify_all();
+            return;
+        }
+        const auto all_are_here = [&] { return round_.load(std::memory_order_acquire) != round; };
+        for (int i = 0; i < kYields; ++i) {
+            if (all_are_here()) return;
+            std::this_thread::yield();
+        }
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, all_are_here);
+    }
+
+  private:
+    static constexpr int kYields = 32;
+
+    int members_ = 0;
+    std::atomic<int> arrived_ = 0;
+    std::atomic<unsigned> round_ = 0;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+};
 
 class Team {
   public:
@@ -24,22 +72,22 @@ class Team {
     // must not throw.
     template <typename Work>
     void run(Work&& work) {
-        std::latch counted(1);  // nobody begins before it is known how many there are
+        Barrier barrier;
+        barrier_ = &barrier;
         const auto task = [&](int thread) {
-            counted.wait();
+            barrier.wait_until_open();  // nobody begins before it is known how many there are
             work(thread);
         };
         Others others;
         others.start(threads_ - 1, task);
         threads_ = 1 + static_cast<int>(others.threads.size());
-        barrier_.emplace(threads_);
-        counted.count_down();
+        barrier.open(threads_);
         work(0);
     }
 
-    // Everyone waits here for everyone (the wait yields the processor).
+    // Everyone waits here for everyone.
     void barrier() {
-        if (threads_ > 1) barrier_->arrive_and_wait();
+        if (threads_ > 1) barrier_->meet();
     }
 
     struct Range {
@@ -74,7 +122,7 @@ class Team {
     };
 
     int threads_;
-    std::optional<std::barrier<>> barrier_;  // of those that run
+    Barrier* barrier_ = nullptr;  // of those that run
 };
 
 // Threads for so many items: what was asked for, or (0) one below `least_items`, else those of this machine,

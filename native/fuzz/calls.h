@@ -63,13 +63,13 @@ Handle* unwritten() {
         tally.check();                             \
     }())
 // ... whose last argument is where a new handle goes: that handle, or NULL.
-#define MAKE(Handle, function, ...)                                                                    \
-    ([&]() -> Handle* {                                                                                \
-        Handle* made = unwritten<Handle>();                                                            \
-        if (CALL(function, __VA_ARGS__, &made) == RUMPLE_OK) {                                         \
-            require(made&& made != unwritten<Handle>(), "no handle was made", #function);              \
-            return made;                                                                               \
-        }                                                                                              \
-        require(made == unwritten<Handle>(), "a handle was written by a call that failed", #function); \
-        return nullptr;                                                                                \
+#define MAKE(Handle, function, ...)                                                                          \
+    ([&]() -> Handle* {                                                                                      \
+        Handle* new_handle = unwritten<Handle>();                                                            \
+        if (CALL(function, __VA_ARGS__, &new_handle) == RUMPLE_OK) {                                         \
+            require(new_handle&& new_handle != unwritten<Handle>(), "no handle was made", #function);        \
+            return new_handle;                                                                               \
+        }                                                                                                    \
+        require(new_handle == unwritten<Handle>(), "a handle was written by a call that failed", #function); \
+        return nullptr;                                                                                      \
     }())

@@ -12,6 +12,7 @@ void build_model(World& world, Bytes& bytes) {
     rumple_wrinkle_layers_plan plan = CALL(rumple_wrinkle_layers_plan_default);
     plan.levels = bytes.whole(0, 2);
     plan.display_steps = bytes.whole(0, 1);
+    plan.viewport_steps = bytes.whole(0, 1);
     plan.most_vertices = kMost[bytes.below(std::size(kMost))];
     const auto* model = world.layers.add(
         MAKE(rumple_wrinkle_layers, rumple_wrinkle_layers_build, base.handle, &plan), base.base, 0, base.id);
@@ -28,7 +29,8 @@ void build_model(World& world, Bytes& bytes) {
                           of_layer.solved_vertex_count - 1);
         }
     }
-    check_shown(CALL(rumple_wrinkle_layers_shown, model->handle), bytes);
+    for (const bool in_viewport : {false, true})
+        check_shown(CALL(rumple_wrinkle_layers_shown, model->handle, in_viewport), bytes);
 }
 
 void build_paint(World& world, Bytes& bytes) {
@@ -101,8 +103,9 @@ void show(World& world, Bytes& bytes) {
     const auto state = world.layers_states.pick_of(model.model, bytes);
     const std::vector<float> rest = model.base ? model.base->rest : std::vector<float>(9);
     const Floats animated(pose_of(rest, bytes), 3, bytes), positions(pose_of(rest, bytes), 3, bytes);
-    auto* frame = MAKE(rumple_frame, rumple_wrinkle_layers_show, model.handle, animated.pointer,
-                       animated.count, positions.pointer, positions.count, state.handle);
+    auto* frame =
+        MAKE(rumple_frame, rumple_wrinkle_layers_show, model.handle, animated.pointer, animated.count,
+             positions.pointer, positions.count, state.handle, bytes.byte() % 2 == 1);
     expect_of_model(frame ? RUMPLE_OK : RUMPLE_INVALID, model.model, "layers", state);
     add_frame(world, frame, model.base, model.model);
 }
@@ -141,12 +144,15 @@ void build_transfer(World& world, Bytes& bytes) {
     rumple_wrinkle_transfer_plan plan = CALL(rumple_wrinkle_transfer_plan_default);
     plan.level = bytes.whole(0, 1);
     plan.display_steps = bytes.whole(0, 1);
+    plan.viewport_steps = bytes.whole(0, 1);
     plan.most_vertices = kMost[bytes.below(std::size(kMost))];
     auto* made = MAKE(rumple_wrinkle_transfer, rumple_wrinkle_transfer_build, dense.handle, coarse.handle,
                       layers.handle, &plan);
     require(!made || coarse.model == dense.id, "took a coarse mesh of another one", "transfer");
     const auto* model = world.transfers.add(made, dense.base, layers.model);
-    if (model) check_shown(CALL(rumple_wrinkle_transfer_shown, model->handle), bytes);
+    for (const bool in_viewport : {false, true}) {
+        if (model) check_shown(CALL(rumple_wrinkle_transfer_shown, model->handle, in_viewport), bytes);
+    }
 }
 
 void show_transfer(World& world, Bytes& bytes) {
@@ -155,7 +161,7 @@ void show_transfer(World& world, Bytes& bytes) {
     const auto state = world.layers_states.pick_of(model.model, bytes);
     const Floats animated(model.base ? pose_of(model.base->rest, bytes) : std::vector<float>(9), 3, bytes);
     auto* frame = MAKE(rumple_frame, rumple_wrinkle_transfer_show, model.handle, animated.pointer,
-                       animated.count, state.handle);
+                       animated.count, state.handle, bytes.byte() % 2 == 1);
     expect_of_model(frame ? RUMPLE_OK : RUMPLE_INVALID, model.model, "transfer", state);
     add_frame(world, frame, model.base, model.model);
 }

@@ -17,6 +17,7 @@ void build_model(World& world, Bytes& bytes) {
     plan.attached_count = bytes.byte() % 2 == 1 ? attached.count : 0;
     plan.farthest = bytes.real(0.0f, 2.0f);
     plan.display_steps = bytes.whole(0, 1);
+    plan.viewport_steps = bytes.whole(0, 1);
     plan.adaptive = bytes.byte() % 2 == 1;
     const auto* model = world.meshes.add(
         MAKE(rumple_wrinkle_mesh, rumple_wrinkle_mesh_build, base.handle, &plan), base.base, 0);
@@ -24,7 +25,8 @@ void build_model(World& world, Bytes& bytes) {
     if (!model || CALL(rumple_wrinkle_mesh_get_view, model->handle, &view) != RUMPLE_OK) return;
     expect_finite("local edge", view.local_edge, size_t(view.solved_vertex_count));
     expect_finite("unattached", view.unattached_distance, size_t(view.unattached_count));
-    check_shown(CALL(rumple_wrinkle_mesh_shown, model->handle), bytes);
+    for (const bool in_viewport : {false, true})
+        check_shown(CALL(rumple_wrinkle_mesh_shown, model->handle, in_viewport), bytes);
 }
 
 void build_paint(World& world, Bytes& bytes) {
@@ -77,8 +79,8 @@ void show(World& world, Bytes& bytes) {
     const auto pose = world.mesh_poses.pick_of(model.model, bytes);
     const auto state = world.mesh_states.pick_of(model.model, bytes);
     const auto settings = mesh_settings(bytes);
-    auto* frame =
-        MAKE(rumple_frame, rumple_wrinkle_mesh_show, model.handle, &settings, pose.handle, state.handle);
+    auto* frame = MAKE(rumple_frame, rumple_wrinkle_mesh_show, model.handle, &settings, pose.handle,
+                       state.handle, bytes.byte() % 2 == 1);
     expect_of_model(frame ? RUMPLE_OK : RUMPLE_INVALID, model.model, "mesh", pose, state);
     add_frame(world, frame, model.base, model.model);
     rumple_wrinkle_mesh_view view{};

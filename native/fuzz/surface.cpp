@@ -217,6 +217,11 @@ void add_frame(World& world, rumple_frame* frame, const std::shared_ptr<const Ba
     expect_finite("stretch min", view.stretch_min, vertices);
     expect_finite("stretch max", view.stretch_max, vertices);
     expect_finite("stretch direction", view.stretch_direction, 3 * vertices);
+    if (base) {  // in its own rest pose: made-up calls seldom have a frame and positions that fit it
+        require(CALL(rumple_frame_embed, frame, base->rest.data(), base->rest.size() / 3) == RUMPLE_OK,
+                "embedded at rest", "frame");
+        expect_finite("embedded", view.local_offset, 3 * vertices);
+    }
     world.frames.add(frame, base, model);
 }
 

@@ -61,7 +61,7 @@ TEST(ApiErrors, NullIsRefusedByNameAndFreedForNothing) {
     EXPECT_EQ(rumple_wrinkle_mesh_build(sheet.surface(), &plan, nullptr), RUMPLE_INVALID);
     EXPECT_STREQ(rumple_error(), "model: expected a pointer, got NULL");
     EXPECT_EQ(rumple_frame_get_view(nullptr, nullptr), RUMPLE_INVALID);
-    EXPECT_EQ(rumple_wrinkle_mesh_shown(nullptr), nullptr);
+    EXPECT_EQ(rumple_wrinkle_mesh_shown(nullptr, false), nullptr);
     EXPECT_EQ(rumple_surface_warning(nullptr, 0), nullptr);
     EXPECT_EQ(rumple_surface_warning(sheet.surface(), -1), nullptr);
     EXPECT_EQ(rumple_struct_size(nullptr), 0u);

@@ -27,7 +27,7 @@ TEST(ApiHandles, AStateOfAnotherModelIsRefusedThoughItsMeshIsTheSame) {
         RUMPLE_INVALID);
     EXPECT_STREQ(rumple_error(), "state: it was made for another model");
     rumple_frame* frame = nullptr;
-    EXPECT_EQ(rumple_wrinkle_mesh_show(other.model(), &settings, other.pose(), state, &frame),
+    EXPECT_EQ(rumple_wrinkle_mesh_show(other.model(), &settings, other.pose(), state, false, &frame),
               RUMPLE_INVALID);
     EXPECT_EQ(frame, nullptr);
     rumple_wrinkle_mesh_state_free(state);
@@ -100,7 +100,8 @@ TEST(ApiHandles, AFrameAndAStateOutliveTheirModel) {
         const Sheet sheet;
         state = sheet.solve();
         const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
-        ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, sheet.pose(), state, &frame), RUMPLE_OK);
+        ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, sheet.pose(), state, false, &frame),
+                  RUMPLE_OK);
     }
     const std::vector<float> moved{0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
     rumple_frame_view before{}, after{};
@@ -138,7 +139,8 @@ TEST(ApiHandles, AFrameOfAnotherSystemHasNoWavesAndNoFolds) {
     rumple_wrinkle_mesh_state* state = sheet.solve();
     const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
     rumple_frame* frame = nullptr;
-    ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, sheet.pose(), state, &frame), RUMPLE_OK);
+    ASSERT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, sheet.pose(), state, false, &frame),
+              RUMPLE_OK);
     rumple_frame_waves_view waves{};
     rumple_frame_folds_view folds{};
     EXPECT_EQ(rumple_frame_get_waves(frame, &waves), RUMPLE_INVALID);

@@ -103,11 +103,12 @@ TEST(ApiLimits, LayersAreShownOverAsManyPositionsAsTheBaseHas) {
     const auto state = owned(solved, rumple_wrinkle_layers_state_free);
     const float* at = sheet.positions.data();
     rumple_frame* frame = nullptr;
-    expect_refused(rumple_wrinkle_layers_show(built, at, 3, at, 4, solved, &frame),
+    expect_refused(rumple_wrinkle_layers_show(built, at, 3, at, 4, solved, false, &frame),
                    "animated: expected 4 vertices");
-    expect_refused(rumple_wrinkle_layers_show(built, at, 4, at, 3, solved, &frame),
+    expect_refused(rumple_wrinkle_layers_show(built, at, 4, at, 3, solved, false, &frame),
                    "positions: expected 4 vertices");
-    ASSERT_EQ(rumple_wrinkle_layers_show(built, at, 4, at, 4, solved, &frame), RUMPLE_OK) << rumple_error();
+    ASSERT_EQ(rumple_wrinkle_layers_show(built, at, 4, at, 4, solved, false, &frame), RUMPLE_OK)
+        << rumple_error();
     rumple_frame_free(frame);
 }
 

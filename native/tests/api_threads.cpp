@@ -27,7 +27,8 @@ std::vector<float> frame_after(const Sheet& sheet, const rumple_wrinkle_mesh_sta
     rumple_wrinkle_mesh_state* state = sheet.solve(before);
     const rumple_wrinkle_mesh_settings settings = rumple_wrinkle_mesh_settings_default();
     rumple_frame* frame = nullptr;
-    EXPECT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, sheet.pose(), state, &frame), RUMPLE_OK);
+    EXPECT_EQ(rumple_wrinkle_mesh_show(sheet.model(), &settings, sheet.pose(), state, false, &frame),
+              RUMPLE_OK);
     rumple_frame_view view{};
     EXPECT_EQ(rumple_frame_get_view(frame, &view), RUMPLE_OK);
     std::vector<float> offsets(view.offset, view.offset + 3 * view.vertex_count);

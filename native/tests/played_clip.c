@@ -198,7 +198,7 @@ static void play_mesh(const char* name, const garment* g, int threads, bool adap
         check(rumple_wrinkle_mesh_solve(model, &settings, NULL, pose, state, NULL, &next));
         rumple_wrinkle_mesh_state_free(state);
         state = next;
-        check(rumple_wrinkle_mesh_show(model, &settings, pose, state, &shown));
+        check(rumple_wrinkle_mesh_show(model, &settings, pose, state, false, &shown));
         rumple_wrinkle_mesh_pose_free(pose);
         add_frame(&hash, shown);
     }

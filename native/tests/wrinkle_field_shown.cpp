@@ -54,10 +54,23 @@ double area_kept(const Field& field, const Pose3& pose, const Profile& profile) 
            area_of(field.model->shown.mesh, field.model->shown.positions_rest);
 }
 
+// The complete elliptic integral of the second kind, by the means of Gauss; libc++ has none.
+double elliptic_e(double k) {
+    double a = 1.0, b = std::sqrt(1.0 - k * k), c = k, sum = 0.0;
+    for (double power = 0.5; power < 1000.0; power *= 2.0) {
+        sum += power * c * c;
+        c = 0.5 * (a - b);
+        const double mean = 0.5 * (a + b);
+        b = std::sqrt(a * b);
+        a = mean;
+    }
+    return std::numbers::pi / (2.0 * a) * (1.0 - sum);
+}
+
 TEST(WrinkleFieldShown, TheLengthOfASineIsAnEllipticIntegral) {
     for (const double s : {0.0, 0.1, 1.0, 3.0}) {
         const double root = std::hypot(1.0, s);
-        const double exact = 2.0 / std::numbers::pi * root * std::comp_ellint_2(s / root);
+        const double exact = 2.0 / std::numbers::pi * root * elliptic_e(s / root);
         EXPECT_NEAR(length_ratio(sine(), s), exact, 3e-4 * exact);
     }
 }

@@ -289,6 +289,28 @@ TEST(WrinkleMeshLayers, EmbeddedInTheAnimatedMeshItIsWhereItWasSolved) {
     }
 }
 
+// Viewports with fewer steps show the solved vertices themselves; renders are what they are without.
+TEST(WrinkleMeshLayers, InViewportsTheFoldsAreThoseOfRenders) {
+    for (const MeshData& mesh : meshes()) {
+        const Stack stack(mesh);
+        const auto stepped = build_layers(tests::build(mesh), 2, 1, 4'000'000, 0);
+        ASSERT_TRUE(stepped->shown_in_viewport);
+        EXPECT_FALSE(stack.layers->shown_in_viewport);
+        const Pose3 pose = stack.squeezed(0.8f);
+        const LayersState state = stack.solve({pose}, alike(3));
+        const Picture render = stack.show(pose, pose, state);
+        Picture same, fewer;
+        show(*stepped, pose, pose, state, same);
+        show(*stepped, pose, pose, state, fewer, true);
+        EXPECT_EQ(same.positions, render.positions);
+        const ShownMesh& shown = *stepped->shown_in_viewport;
+        ASSERT_EQ(shown.from_solved.index.size(), fewer.positions.size());  // one solved vertex for each
+        for (size_t v = 0; v < fewer.positions.size(); ++v)
+            EXPECT_EQ(fewer.positions[v], state.solved[shown.from_solved.index[v]]) << v;
+        EXPECT_LT(3 * fewer.positions.size(), render.positions.size());
+    }
+}
+
 TEST(WrinkleMeshLayers, BadInputIsNamed) {
     const Stack stack(grid(4, 4, 0.05f));
     const Pose3& pose = stack.mesh.positions;
@@ -299,6 +321,7 @@ TEST(WrinkleMeshLayers, BadInputIsNamed) {
     expect_refused([&] { stack.solve(input, alike(3)); }, {"gap", "25", "7"});
     expect_refused([&] { build_layers(tests::build(stack.mesh), -1, 0, 1000); }, {"levels"});
     expect_refused([&] { build_layers(tests::build(stack.mesh), 6, 0, 1000); }, {"1000"});
+    expect_refused([&] { build_layers(tests::build(stack.mesh), 1, 1, 1000, -1); }, {"viewport_steps"});
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What Debian has only for its own systems, built for the others as static libraries from Debian's sources:
 # of OpenSubdiv what refines (Far, Vtr, Sdc), of OpenMesh what knows how a mesh is joined. Headers that
-# hold all of a library (GLM, maxflow) are those of this machine, alone in a folder: its other headers are not for
-# other systems. RUMPLE_SOURCES is the folder that scripts/platforms fills.
+# hold all of a library (GLM, maxflow) are Debian's, alone in a folder: the other headers of RUMPLE_HEADERS are not for
+# other systems. RUMPLE_SOURCES is the folder that scripts/platforms or scripts/test_on_mac fills.
 file(GLOB osd_folder ${RUMPLE_SOURCES}/opensubdiv-*)
 file(GLOB openmesh_folder ${RUMPLE_SOURCES}/openmesh-*)
 if(NOT IS_DIRECTORY "${osd_folder}" OR NOT IS_DIRECTORY "${openmesh_folder}")
@@ -12,7 +12,7 @@ endif()
 set(headers ${CMAKE_BINARY_DIR}/headers)
 foreach(folder glm maxflow-3.0)
     file(MAKE_DIRECTORY ${headers})
-    file(CREATE_LINK /usr/include/${folder} ${headers}/${folder} SYMBOLIC)
+    file(CREATE_LINK ${RUMPLE_HEADERS}/${folder} ${headers}/${folder} SYMBOLIC)
 endforeach()
 set(GLM_INCLUDE_DIR ${headers})
 set(MAXFLOW_INCLUDE_DIR ${headers}/maxflow-3.0)

@@ -3,8 +3,8 @@
 // out_activity: that share, in x.
 
 void main() {
-    vec4 vertex = TEXEL(vertices, THIS_TEXEL(vertices));
+    vec4 own = TEXEL(vertices, THIS_TEXEL(vertices));
     float largest = 0.0;
-    for (int i = int(vertex.x); i < int(vertex.x) + int(vertex.y); ++i) largest = max(largest, TEXEL(solved, i).y);
+    for (int i = int(own.x); i < int(own.x) + int(own.y); ++i) largest = max(largest, TEXEL(solved, i).y);
     out_activity = vec4(largest, 0.0, 0.0, 0.0);
 }

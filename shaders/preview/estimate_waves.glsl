@@ -9,26 +9,26 @@
 
 void main() {
     int v = THIS_TEXEL(vertices);
-    vec4 vertex = TEXEL(vertices, v);
+    vec4 own = TEXEL(vertices, v);
     vec3 x = TEXEL(positions, v).xyz;
     vec3 n = TEXEL(normals, v).xyz;
     out_waves = vec4(0.0);
     out_estimate = vec4(1.0, 0.0, 0.0, 1.0);
-    if (vertex.z <= 0.0 || n == vec3(0.0)) return;
-    int first = int(vertex.x);
+    if (own.z <= 0.0 || dot(n, n) == 0.0) return;
+    int first = int(own.x);
     vec3 t = tangent_towards(TEXEL(positions, int(TEXEL(neighbours, first).x)).xyz - x, n);
     vec3 b = cross(n, t);
     mat2 m = mat2(0.0);  // equation (1)
-    for (int i = first; i < first + int(vertex.y); ++i) {
+    for (int i = first; i < first + int(own.y); ++i) {
         vec4 neighbour = TEXEL(neighbours, i);
         vec3 displacement = TEXEL(positions, int(neighbour.x)).xyz - x;
-        m += outerProduct(tangent_space(displacement, t, b, true_lengths), neighbour.yz);
+        m += outer_product(tangent_space(displacement, t, b, true_lengths), neighbour.yz);
     }
     if (adaptive) m = restretched(m, TEXEL(stretches, v).xyz);
     vec4 wanted = TEXEL(wave_parameters, v);
     WaveEstimate estimate = estimate_wave(m, wanted.xy, TEXEL(before, v).xy, wanted.zw);
-    float fullness = estimate.fullness * vertex.w;
-    out_waves.xyz = (kTwoPi / vertex.z) * (estimate.k_deformed.x * t + estimate.k_deformed.y * b);
-    out_waves.w = 0.25 * vertex.z * strength * fullness;  // equation (2)
+    float fullness = estimate.fullness * own.w;
+    out_waves.xyz = (kTwoPi / own.z) * (estimate.k_deformed.x * t + estimate.k_deformed.y * b);
+    out_waves.w = 0.25 * own.z * strength * fullness;  // equation (2)
     out_estimate = vec4(estimate.k, fullness, estimate.r);
 }

@@ -18,7 +18,9 @@ void add_wave(inout Wrinkle wrinkle, float phase_here, float weight_here, vec3 w
 }
 
 void main() {
-    Wrinkle wrinkle = Wrinkle(0.0, vec3(0.0));
+    Wrinkle wrinkle;
+    wrinkle.height = 0.0;
+    wrinkle.gradient = vec3(0.0);
     add_wave(wrinkle, phase.x, weight.x, vector_a);
     add_wave(wrinkle, phase.y, weight.y, vector_b);
     add_wave(wrinkle, phase.z, weight.z, vector_c);

@@ -2,8 +2,8 @@
 // "Render" (section 6), vertex stage: triangles that share no vertex. `triangle`: the welded vertices A, B, C;
 // `corner`: which of them this is.
 
-float phase_here(vec4 wave, int vertex, vec3 x) {
-    return dot(wave.xyz, x - TEXEL(positions, vertex).xyz) + TEXEL(phases, vertex).x;
+float phase_here(vec4 wave, int at, vec3 x) {
+    return dot(wave.xyz, x - TEXEL(positions, at).xyz) + TEXEL(phases, at).x;
 }
 
 void main() {

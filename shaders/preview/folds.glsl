@@ -6,7 +6,12 @@
 
 FoldEnd fold_end(int i) {
     vec4 a = TEXEL(ends, 2 * i), b = TEXEL(ends, 2 * i + 1);
-    return FoldEnd(a.xyz, a.w, b.xyz, b.w);
+    FoldEnd end;
+    end.at = a.xyz;
+    end.width = a.w;
+    end.along = b.xyz;
+    end.height = b.w;
+    return end;
 }
 
 // list: first range of the triangle and end of its ranges. p: on the flat triangle. n, fraction: as with_fold() has them.
@@ -17,7 +22,7 @@ FoldBlend folds_at(ivec2 list, vec3 p, vec3 n, float fraction) {
         FoldEnd start = fold_end(int(range.x));
         for (int i = int(range.x); i < int(range.y); ++i) {
             FoldEnd end = fold_end(i + 1);
-            blend = with_fold(blend, fold_height(profile, start, end, p), n, fraction);
+            blend = with_fold(blend, fold_height(profile_kind, start, end, p), n, fraction);
             start = end;
         }
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 7.3: patterns of `parts` parts along an edge, laid over triangles. wrinkle_paths::drawn_at() is its twin.
-//   spot       which of the patches from `first` on, steps of 1 / parts towards corners 1 and 2
+//   spot       which of the patches from `first_patch` on, steps of 1 / parts towards corners 1 and 2
 //   patches    two texels each: triangle, its first range and the end of its ranges; parts of its edges
 //   triangles  welded vertices
 //   flats      welded vertices, w: factor on folds;  smooths, normals: Drawing of wrinkle_paths_preview.h
@@ -20,9 +20,9 @@ vec3 weights_of(ivec2 steps, ivec3 edges) {
 }
 
 void main() {
-    vec4 patch_lists = TEXEL(patches, 2 * (first + spot.x));
+    vec4 patch_lists = TEXEL(patches, 2 * (first_patch + spot.x));
     int t = int(patch_lists.x);
-    vec3 b = weights_of(spot.yz, ivec3(TEXEL(patches, 2 * (first + spot.x) + 1).xyz));
+    vec3 b = weights_of(spot.yz, ivec3(TEXEL(patches, 2 * (first_patch + spot.x) + 1).xyz));
     image_uv = b.x * TEXEL(uvs, 3 * t).xy + b.y * TEXEL(uvs, 3 * t + 1).xy + b.z * TEXEL(uvs, 3 * t + 2).xy;
 
     // In the order of their numbers: both triangles beside an edge compute its points from the same numbers in the same

@@ -61,6 +61,9 @@ struct WaveEstimate {
     vec2 k_deformed;  // k' = (L^-1)^T k of section 5.1, in the deformed frame
 };
 
+// a (x) b; Metal has no such function.
+FORMULA mat2 outer_product(vec2 a, vec2 b) { return mat2(a * b.x, a * b.y); }
+
 // M of equation (1) with another stretch: the rotation of m times `stretch` (xx, xy, yy), which is symmetric
 // and in the rest frame.
 FORMULA mat2 restretched(mat2 m, vec3 stretch) {
@@ -75,7 +78,7 @@ FORMULA mat2 restretched(mat2 m, vec3 stretch) {
 // (section 7). before: k of the frame before, or zero. turn: (cos, sin) of the angle by
 // which irregularity turns the wave away from k.
 FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn) {
-    mat2 mq = m * (mat2(1.0f) - outerProduct(q, q));  // M (E - q (x) q)
+    mat2 mq = m * (mat2(1.0f) - outer_product(q, q));  // M (E - q (x) q)
     mat2 c = transpose(mq) * mq;
     float mean = 0.5f * (c[0][0] + c[1][1]);
     float half_difference = 0.5f * (c[0][0] - c[1][1]);
@@ -119,6 +122,13 @@ struct Link {
     float flip;    // sgn(k'_n . k'_0)
     float offset;  // radians
 };
+
+FORMULA Link link_of(float flip, float offset) {
+    Link result;
+    result.flip = flip;
+    result.offset = offset;
+    return result;
+}
 
 // wave_vector: 2 pi / W k', radians per object unit. displacement: x'_n - x'_0; p = (x'_0 + x'_n) / 2.
 FORMULA Link link_waves(vec3 wave_vector, vec3 neighbour_wave_vector, vec3 displacement) {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code.
 
-Each folder imports only from those below it: ui, bake, brush, maps, ui_base.py, frame, viewport, objects, nodes,
+Each folder imports only from those below it: ui, farm, bake, brush, maps, ui_base.py, frame, viewport, objects, nodes,
 scheduler.py, compat.py (blender_tests/without_blender/test_import_order.py).
 """
 from __future__ import annotations
@@ -9,15 +9,17 @@ from __future__ import annotations
 from . import handlers, scheduler
 from .bake import operators as bake_operators
 from .brush import operators as brush_operators
+from .farm import command as farm_command
 from .maps import (bake as maps_bake, export as maps_export, operators as maps_operators, overlay as maps_overlay,
                    panel as maps_panel, pose_operators as maps_pose_operators, properties as maps_properties)
 from .objects import properties
-from .ui import copy_settings, healing, operators, panels, paths_operators
+from .ui import copy_settings, examples, healing, operators, panels, paths_operators, saved_settings
 from .viewport import paths_overlay, preview
 
-_MODULES = (properties, maps_properties, operators, paths_operators, healing, copy_settings, maps_operators,
-            maps_pose_operators, maps_export, maps_bake, bake_operators, panels, maps_panel, maps_overlay, handlers,
-            preview, paths_overlay, brush_operators)  # the last three draw, each over the one before
+_MODULES = (properties, maps_properties, operators, paths_operators, healing, copy_settings, saved_settings,
+            examples, maps_operators, maps_pose_operators, maps_export, maps_bake, bake_operators, panels, maps_panel,
+            maps_overlay, handlers, farm_command, preview, paths_overlay,
+            brush_operators)  # the last three draw, in this order
 
 
 def register() -> None:

@@ -82,6 +82,7 @@ def _on_load(*_arguments: object) -> None:
     scheduler.set_rendering(False)
     kept_lists.forget_all()
     _forget_all()
+    first_pass.read_only(None)  # a bake that was under way has ended with its file
     scheduler.sync_all()
 
 

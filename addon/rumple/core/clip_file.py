@@ -19,10 +19,11 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from . import clip_folder, clip_manifest
-from .clip_manifest import ClipFault, Manifest, pose_points
+from .clip_manifest import ClipFault, Manifest, stored_pose
 from .engine import Attribute, FrameResult
 
 _HEADER = struct.Struct("<12siiffi")  # signature, version, points, start, step, samples
+HEADER_BYTES = _HEADER.size
 _END = struct.Struct("<QI12s")  # bytes of the manifest, their CRC-32, mark
 _MARK = b"RUMPLE CLIP\0"
 _MOST_MANIFEST = 1 << 30  # bytes
@@ -74,7 +75,8 @@ def _unwrapped(angles: np.ndarray, before: np.ndarray) -> np.ndarray:
 
 
 # ---------------------------------------------------------------- writing
-def _header(manifest: Manifest) -> bytes:
+def header(manifest: Manifest) -> bytes:
+    """The first HEADER_BYTES of a clip."""
     return _HEADER.pack(b"POINTCACHE2\0", 1, manifest.points, float(manifest.start), 1.0 / manifest.samples,
                         manifest.sample_count)
 
@@ -95,9 +97,12 @@ class SampleWriter:
     def __init__(self, clip: Path, manifest: Manifest) -> None:
         clip_folder.make(clip.parent, size_of(manifest))
         self.clip, self.manifest = clip, manifest
-        self.temporary = clip_folder.temporary(clip)
+        self.temporary = self._temporary()
         self.file: BinaryIO | None = None
         self._do(self._open)
+
+    def _temporary(self) -> Path:
+        return clip_folder.temporary(self.clip)
 
     def _do(self, action: Any, *arguments: Any) -> None:
         try:
@@ -107,7 +112,7 @@ class SampleWriter:
 
     def _open(self) -> None:
         self.file = open(self.temporary, "wb")
-        self.file.write(_header(self.manifest))
+        self.file.write(header(self.manifest))
 
     def add_points(self, points: np.ndarray) -> None:
         """(points, 3) of one sample."""
@@ -155,7 +160,7 @@ class ClipWriter(SampleWriter):
         """One sample: what is shown, and the coarse pose it belongs to."""
         self.before = points_of(result, self.attributes, self.before)
         self.add_points(self.before)
-        self.manifest.poses.append([round(float(x), 6) for x in pose_points(coarse)])
+        self.manifest.poses.append(stored_pose(coarse))
 
 
 # ---------------------------------------------------------------- reading
@@ -168,7 +173,7 @@ def read_manifest(clip: Path) -> Manifest | None:
     """The manifest of a clip; None where there is none. Raises ClipFault, also where the clip is not what it says."""
     try:
         with open(clip, "rb") as file:
-            header = file.read(_HEADER.size)
+            head = file.read(_HEADER.size)
             size = file.seek(0, os.SEEK_END)
             text = _trailer(file, size)
         beside = manifest_path(clip)
@@ -176,15 +181,15 @@ def read_manifest(clip: Path) -> Manifest | None:
             text = beside.read_bytes() if beside.stat().st_size < _MOST_MANIFEST else b""
     except OSError as error:
         raise ClipFault(f"it cannot be read ({clip_folder.in_words(error, clip.parent)})") from error
-    if len(header) < _HEADER.size or header[:12] != b"POINTCACHE2\0":
+    if len(head) < _HEADER.size or head[:12] != b"POINTCACHE2\0":
         raise ClipFault("it is no PC2 file")
     if text is None:
-        _mark, _version, points, _start, _step, samples = _HEADER.unpack(header)
+        _mark, _version, points, _start, _step, samples = _HEADER.unpack(head)
         if size != _HEADER.size + points * samples * 12:
             raise ClipFault("it was cut short or written over")
         return None
     manifest = clip_manifest.read(text)
-    if header != _header(manifest):
+    if head != header(manifest):
         raise ClipFault("its header is damaged")
     end = size_of(manifest) + (len(text) + _END.size if manifest.format >= 4 else 0)
     if size != end:

@@ -15,7 +15,7 @@ from pathlib import Path
 from .clip_manifest import ClipFault
 
 LONGEST = 60  # letters of a file's or an object's name in the name of a clip
-_HOST = re.sub(r"[^A-Za-z0-9]", "_", platform.node()) or "host"
+HOST = re.sub(r"[^A-Za-z0-9]", "_", platform.node()) or "host"
 _PART = re.compile(r"\..+\.(?P<host>[A-Za-z0-9_]+)\.(?P<process>\d+)-\d+\.part")
 _numbers = itertools.count()
 
@@ -26,24 +26,25 @@ def clip_name(file: str, obj: str, place: str = "") -> str:
     file: name of the blend file, without suffix. place: what else tells files of that name apart.
     """
     digest = hashlib.blake2b(repr((file, obj, place)).encode("utf-8", "surrogatepass"), digest_size=4).hexdigest()
-    return f"{_readable(file)}-{_readable(obj)}-{digest}.pc2"
+    return f"{readable(file)}-{readable(obj)}-{digest}.pc2"
 
 
-def _readable(name: str) -> str:
+def readable(name: str) -> str:
+    """A part of a file name."""
     return re.sub(r"[^\w-]", "_", name, flags=re.ASCII)[:LONGEST]
 
 
 # ---------------------------------------------------------------- temporary files
-def temporary(clip: Path) -> Path:
+def temporary(clip: Path, suffix: str = ".part") -> Path:
     """A file beside a clip that nobody else writes."""
-    return clip.with_name(f".{clip.name}.{_HOST}.{os.getpid()}-{next(_numbers)}.part")
+    return clip.with_name(f".{clip.name}.{HOST}.{os.getpid()}-{next(_numbers)}{suffix}")
 
 
 def sweep(folder: Path) -> None:
     """Remove what bakes that were killed left behind: of processes of this machine that are gone."""
     for path in folder.glob(".*.part"):
         found = _PART.fullmatch(path.name)
-        if found is None or found["host"] != _HOST or _is_running(int(found["process"])):
+        if found is None or found["host"] != HOST or is_running(int(found["process"])):
             continue
         try:
             path.unlink()
@@ -51,7 +52,8 @@ def sweep(folder: Path) -> None:
             pass  # another one swept it, or may do so
 
 
-def _is_running(process: int) -> bool:
+def is_running(process: int) -> bool:
+    """Whether this machine has a process of that number."""
     if os.name == "nt":  # os.kill(process, 0) would end it there
         kernel = ctypes.windll.kernel32  # type: ignore[attr-defined]
         handle = kernel.OpenProcess(0x1000, False, process)  # PROCESS_QUERY_LIMITED_INFORMATION
@@ -77,11 +79,23 @@ def make(folder: Path, needed: int) -> None:
     except (OSError, ValueError) as error:
         raise ClipFault(in_words(error, folder)) from error
     if free < needed:
-        raise ClipFault(f"the bake needs {_megabytes(needed)} MB and the disk of {folder} has {_megabytes(free)} MB "
+        raise ClipFault(f"the bake needs {megabytes(needed)} MB and the disk of {folder} has {megabytes(free)} MB "
                         "left: make room, or choose another folder")
 
 
-def _megabytes(count: int) -> str:
+def can_write(folder: Path) -> bool:
+    """Tried: permissions do not say it of every disk."""
+    probe = folder / f".{HOST}.{os.getpid()}-{next(_numbers)}.part"
+    try:
+        probe.touch()
+        probe.unlink()
+    except OSError:
+        return False
+    return True
+
+
+def megabytes(count: int) -> str:
+    """For a sentence."""
     return f"{count / 2**20:.1f}" if count < 100 << 20 else f"{count >> 20}"
 
 

@@ -43,6 +43,7 @@ class Manifest:
     file: str = ""  # the blend file that it was baked from, without its folder
     checksums: list[int] = field(default_factory=list)  # CRC-32 of each sample; none before format 4
     curves: int = 0  # CRC-32 over the checksums of the clip of its path curves; 0: it has none
+    source: str = ""  # digest of the saved files that it was baked from; empty: from a window
 
     @property
     def sample_count(self) -> int:
@@ -80,6 +81,17 @@ def pose_points(positions: np.ndarray) -> np.ndarray:
     return positions[which].ravel()
 
 
+def stored_pose(positions: np.ndarray) -> list[float]:
+    """An entry of `poses`."""
+    return [round(float(x), 6) for x in pose_points(positions)]
+
+
+def is_pose(value: Any, coarse_vertices: int) -> bool:
+    """Whether it can be an entry of `poses`."""
+    numbers = 3 * min(POSE_POINTS, coarse_vertices)
+    return isinstance(value, list) and len(value) == numbers and all(_is_number(x) for x in value)
+
+
 # ---------------------------------------------------------------- reading
 def read(text: str | bytes) -> Manifest:
     """What to_json() wrote, or an older Rumple. Raises ClipFault."""
@@ -95,7 +107,7 @@ def read(text: str | bytes) -> Manifest:
     missing = {"object", "vertices", "points", "coarse_vertices", "start", "end", "samples", "inputs"} - data.keys()
     if missing or data.keys() - known.keys():
         raise ClipFault(f"its manifest is not one: {', '.join(sorted(missing or data.keys() - known.keys()))[:80]}")
-    for name in ("object", "inputs", "file"):
+    for name in ("object", "inputs", "file", "source"):
         if not isinstance(data.get(name, ""), str):
             raise ClipFault(f"its manifest is not one: {name} is no text")
     for name, (low, high) in _BOUNDS.items():
@@ -115,12 +127,10 @@ def _is_whole(value: Any) -> bool:
 
 def _check_samples(manifest: Manifest) -> None:
     """Poses and checksums: one for each sample."""
-    numbers = 3 * min(POSE_POINTS, manifest.coarse_vertices)
     checksums = manifest.format >= 4
     if not isinstance(manifest.poses, list) or len(manifest.poses) != manifest.sample_count:
         raise ClipFault("its manifest is not one: it does not have a pose for each sample")
-    if not all(isinstance(pose, list) and len(pose) == numbers and all(_is_number(x) for x in pose)
-               for pose in manifest.poses):
+    if not all(is_pose(pose, manifest.coarse_vertices) for pose in manifest.poses):
         raise ClipFault("its manifest is not one: a pose is damaged")
     if not isinstance(manifest.checksums, list) or len(manifest.checksums) != manifest.sample_count * checksums:
         raise ClipFault("its manifest is not one: it does not have a checksum for each sample")

@@ -21,7 +21,7 @@ from .cloth import ClothFrame, suggested_follow
 from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from .frame_cache import CachedFrame, FrameCache, digest_of
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
-from .shown_mesh import ShownMesh
+from .shown_mesh import ShownMesh, ViewportMesh
 from .surroundings import Surroundings
 
 MOST_VERTICES = 4_000_000
@@ -43,6 +43,7 @@ class FrameInput:
     body: Body | None = None  # what cloth stays outside of
     cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
     surroundings: Surroundings = Surroundings()  # where the system reads them
+    in_viewport: bool = False  # the mesh that viewports show is asked for: Wrinkles.in_viewport
 
     def in_time(self) -> tuple[float, np.ndarray | None, np.ndarray | None, float]:
         """As native poses take it."""
@@ -58,6 +59,7 @@ class Wrinkles(ShownMesh):
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
     SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
     HAS_CURVES = False  # whether curves() has something to say
+    in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
     _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: Any, model: Any, warnings: list[str],
@@ -84,29 +86,30 @@ class Wrinkles(ShownMesh):
     def solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray], *,
                     start: int, world_from_object: np.ndarray | None = None, frame_rate: float = 24.0,
                     following: tuple[float, np.ndarray] | None = None, for_preview: bool = False,
-                    body: Body | None = None,
-                    surroundings: Surroundings = Surroundings()) -> FrameResult | PreviewFrame:
+                    body: Body | None = None, surroundings: Surroundings = Surroundings(),
+                    in_viewport: bool = False) -> FrameResult | PreviewFrame:
         """The result of a frame: replayed when it is stored for the same input, else solved and stored.
 
         positions: (n, 3) float32, deformed base, object space. paint: values per base vertex, by name.
         start: first frame of the clip; it needs no frame before it. frame_rate: frames a second. following: frame
         and positions of the next one, where they are known: a rest shape that adapts looks ahead. for_preview: a
         PreviewFrame is enough. body: what cloth stays outside of in this frame. surroundings: what cloth that swings
-        meets. Raises UserError.
+        meets. in_viewport: the result of the mesh `in_viewport`, where there is one. Raises UserError.
         """
         if following is not None:
             following = following[0], self.base.points(following[1])
         try:
             return self._solve_frame(frame, self.base.points(positions), settings, paint, start, world_from_object,
                                      frame_rate, following if settings.sees_ahead and body is None else None,
-                                     for_preview, body, surroundings)
+                                     for_preview, body, surroundings,
+                                     in_viewport and self.in_viewport is not None)
         except ValueError as error:
             raise wording.user_error(self.name, error) from error
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
                      start: int, world_from_object: np.ndarray | None, frame_rate: float,
                      following: tuple[float, np.ndarray] | None, for_preview: bool, body: Body | None,
-                     surroundings: Surroundings) -> FrameResult | PreviewFrame:
+                     surroundings: Surroundings, in_viewport: bool) -> FrameResult | PreviewFrame:
         swings = settings.swings
         timed = swings or self._reads_time(settings)
         chosen = self._take_inputs(frame, settings, paint, start, frame_rate if timed else 0.0)
@@ -115,7 +118,7 @@ class Wrinkles(ShownMesh):
         labels = self._seen(frame, positions) if body is None else None
         coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
         frame_input = FrameInput(frame, frame / frame_rate, matrix, positions, labels, *coming, body,
-                                 surroundings=surroundings if swings else Surroundings())
+                                 surroundings=surroundings if swings else Surroundings(), in_viewport=in_viewport)
         digest = digest_of(chosen, positions, matrix, labels, frame_input.next_positions,
                            *(body.arrays() if body else ()),
                            *([surroundings.array()] if swings else ()))

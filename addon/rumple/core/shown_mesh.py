@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from .base_mesh import BaseMesh
+from .frame_result import Attribute
 
 
 class ShownMesh:
@@ -19,6 +20,7 @@ class ShownMesh:
     base: BaseMesh  # healed
     source: BaseMesh  # what it inherits from: the base, or an artist's own mesh; healed
     shown: Any  # native
+    ATTRIBUTES: tuple[Attribute, ...]  # what it carries for shaders and nodes
     _copied_in: tuple[Any, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = (None, [])  # a native mesh: see _copied()
 
     @property
@@ -128,3 +130,12 @@ class ShownMesh:
         rows = np.flatnonzero(copies.lies_on[place] == parents)
         corners = [np.arange(start[row], start[row + 1])[::-1 if copies.is_turned[place[row]] else 1] for row in rows]
         return rows, copies.polygon[place[rows]], np.concatenate(corners) if corners else np.empty(0, np.int64)
+
+
+class ViewportMesh(ShownMesh):
+    """The mesh of viewports, where it has fewer unsolved subdivisions than that of renders: the same folds on fewer
+    vertices."""
+
+    def __init__(self, base: BaseMesh, source: BaseMesh, shown: Any, attributes: tuple[Attribute, ...]) -> None:
+        """shown: native."""
+        self.base, self.source, self.shown, self.ATTRIBUTES = base, source, shown, attributes

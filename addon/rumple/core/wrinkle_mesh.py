@@ -15,9 +15,11 @@ from .cloth import length_over_cotton, size_factor
 from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
 from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
+from .shown_mesh import ViewportMesh
 from .wording import UserError, user_error
 
 MOST_LEVEL = 5
+MOST_STEPS = 2  # unsolved subdivisions
 MOST_PLAYABLE = 60_000  # solved vertices that still play live on a few cores
 EDGES_PER_WAVELENGTH = 5.0  # measured on garments with bend stiffness of 0.7 and more
 FARTHEST_OWN = 0.25  # an own mesh farther from the base than this share of the base's diagonal is refused
@@ -129,11 +131,13 @@ class WrinkleMesh(Wrinkles):
 
     @classmethod
     def build(cls, base: BaseMesh, settings: MeshSettings, *, unit_scale: float = 1.0, own: BaseMesh | None = None,
-              attached: np.ndarray | None = None, most_vertices: int = MOST_VERTICES) -> "WrinkleMesh":
+              attached: np.ndarray | None = None, most_vertices: int = MOST_VERTICES,
+              viewport_steps: int = MOST_STEPS) -> "WrinkleMesh":
         """Make the fine mesh and bind it: see Wrinkles.build().
 
         own: the artist's mesh at rest, in the base's object space.
-        attached: (n,) bool per vertex of own. Raises UserError.
+        attached: (n,) bool per vertex of own. viewport_steps: of the mesh `in_viewport`; none is made where they are
+        not fewer than the display steps. Raises UserError.
         """
         if settings.source == "OBJECT" and own is None:
             raise UserError(f"{base.name}: choose your own fine mesh first")
@@ -142,7 +146,7 @@ class WrinkleMesh(Wrinkles):
         own_surface = own.surface(False) if own is not None else None
         attached = attached if attached is None or own is None else own.points(attached)
         if settings.layered:
-            return cls._build_layers(base, settings, surface, warnings, unit_scale, most_vertices)
+            return cls._build_layers(base, settings, surface, warnings, unit_scale, most_vertices, viewport_steps)
         level = settings.level
         if settings.density == "WAVELENGTH" and settings.source == "SUBDIVISION":
             level, notes = base.level_within(level_for(base, settings.wavelength, unit_scale), settings.display_steps,
@@ -154,7 +158,8 @@ class WrinkleMesh(Wrinkles):
                 longest_edge=settings.edge_length / unit_scale, most_vertices=most_vertices, own=own_surface,
                 attached=None if attached is None else np.ascontiguousarray(attached, np.uint8),
                 farthest=FARTHEST_OWN * base.diagonal(), attachment=settings.attachment,
-                display_steps=settings.display_steps, adaptive=settings.rest_shape == "ADAPTIVE")
+                display_steps=settings.display_steps, adaptive=settings.rest_shape == "ADAPTIVE",
+                viewport_steps=viewport_steps)
         except ValueError as error:
             raise user_error(base.name, error) from error
         if own is not None and own_surface is not None:
@@ -164,11 +169,12 @@ class WrinkleMesh(Wrinkles):
                 warnings.append(f"{own.name}: {int((~attached.astype(bool)).sum())} vertices are not attached")
         mesh = cls(base, base if own is None else own, surface, model, warnings, unit_scale)
         mesh.edge_mean, mesh.level = float(model.local_edge.mean()) * unit_scale, level
+        mesh._take_viewport_mesh(model)
         return mesh
 
     @classmethod
     def _build_layers(cls, base: BaseMesh, settings: MeshSettings, surface: Any, warnings: list[str],
-                      unit_scale: float, most_vertices: int) -> "WrinkleMesh":
+                      unit_scale: float, most_vertices: int, viewport_steps: int) -> "WrinkleMesh":
         """Layers over the base, or over a coarse mesh in its place where it is dense."""
         coarse = coarse_mesh(base, settings, surface, unit_scale)
         edge = (base.mean_edge() if coarse is None else coarse.mean_edge) * unit_scale
@@ -183,17 +189,25 @@ class WrinkleMesh(Wrinkles):
             share = share if level == asked else 1.0
         try:
             model = kernels.build_wrinkle_layers(surface if coarse is None else coarse.surface, level,
-                                                 settings.display_steps if coarse is None else 0, most_vertices)
+                                                 settings.display_steps if coarse is None else 0, most_vertices,
+                                                 viewport_steps)
             mesh = cls(base, base, surface, model, warnings, unit_scale)
             if coarse is not None:
-                mesh._show_on_dense(coarse, settings, most_vertices)
+                mesh._show_on_dense(coarse, settings, most_vertices, viewport_steps)
         except ValueError as error:
             raise user_error(base.name, error) from error
         mesh.layer_count, mesh.level, mesh.finest_share = level + 1, level, share
         mesh.edge_mean = float(model.local_edge(level).mean()) * unit_scale
+        mesh._take_viewport_mesh(model if coarse is None else mesh.transfer)
         return mesh
 
-    def _show_on_dense(self, coarse: Any, settings: MeshSettings, most_vertices: int) -> None:
+    def _take_viewport_mesh(self, model: Any) -> None:
+        """Where it has fewer vertices, and as many as the coarse mesh, whose positions it brings back."""
+        count = model.shown_in_viewport.vertex_count
+        if self.coarse_count <= count < self.vertex_count:
+            self.in_viewport = ViewportMesh(self.base, self.source, model.shown_in_viewport, self.ATTRIBUTES)
+
+    def _show_on_dense(self, coarse: Any, settings: MeshSettings, most_vertices: int, viewport_steps: int) -> None:
         """What was solved on the coarse mesh moves the dense one, subdivided as far as its folds need."""
         steps = round(halvings(self.base.mean_edge() * self.unit_scale, settings.wavelength)) + settings.display_steps
         steps, notes = self.base.level_within(max(steps, 0), 0, most_vertices)
@@ -201,7 +215,7 @@ class WrinkleMesh(Wrinkles):
         level = max(steps - settings.display_steps, 0)
         self.coarse, self.solved_surface = coarse, coarse.surface
         build = functools.partial(kernels.build_wrinkle_transfer, self.surface, coarse, self.model, level,
-                                  most_vertices=most_vertices)
+                                  most_vertices=most_vertices, viewport_steps=viewport_steps)
         self.transfer = build(max(steps - level, 0))
         if self.transfer.shown.vertex_count < len(self.base.positions):
             self.transfer = build(1)  # loose vertices are not shown, and a fine mesh has as many as the base at least
@@ -300,10 +314,12 @@ class WrinkleMesh(Wrinkles):
               frame_input: FrameInput) -> FrameResult:
         if self.coarse is not None:
             return FrameResult.of(kernels.show_wrinkle_transfer(self.transfer, self.coarse, self.model,
-                                                                frame_input.animated, state))
+                                                                frame_input.animated, state, frame_input.in_viewport))
         if self.layer_count:
-            return FrameResult.of(kernels.show_wrinkle_layers(self.model, frame_input.animated, positions, state))
-        shown = kernels.show_wrinkle_mesh(self.model, native_settings(settings), pose, state)
+            return FrameResult.of(kernels.show_wrinkle_layers(self.model, frame_input.animated, positions, state,
+                                                              frame_input.in_viewport))
+        shown = kernels.show_wrinkle_mesh(self.model, native_settings(settings), pose, state,
+                                          in_viewport=frame_input.in_viewport)
         return self._result(shown, frame_input)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 FILES = {"windows": "rumple.dll", "macos": "librumple.dylib", "linux": "librumple.so"}
 SYSTEMS = {"Windows": "windows", "Darwin": "macos"}
-MADE_FOR = frozenset(("linux-x64", "windows-x64", "macos-arm64", "macos-x64"))  # or will be: docs/platforms.md
+MADE_FOR = frozenset(("linux-x64", "windows-x64", "macos-arm64", "macos-x64"))
 PROCESSORS = {"amd64": "x64", "x86_64": "x64", "aarch64": "arm64", "arm64": "arm64"}
 
 # What the systems say when they refuse a library, and what the artist can do. The first that is found counts.

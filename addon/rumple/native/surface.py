@@ -186,6 +186,22 @@ class Model(Handle):
         return ShownMesh(self, getattr(lib, self.SHOWN)(self))
 
 
+class SteppedModel(Model):
+    """A model whose shown mesh may be subdivided fewer times in viewports."""
+
+    __slots__ = ()
+
+    @property
+    def shown(self) -> ShownMesh:
+        """The mesh that is shown in renders."""
+        return ShownMesh(self, getattr(lib, self.SHOWN)(self, False))
+
+    @property
+    def shown_in_viewport(self) -> ShownMesh:
+        """The mesh that is shown in viewports; where it has no fewer steps, that of renders."""
+        return ShownMesh(self, getattr(lib, self.SHOWN)(self, True))
+
+
 F = TypeVar("F", bound="ShownFrame")
 
 

@@ -12,11 +12,11 @@ from .arrays import FLOAT, INT, checked, fill, given, lent
 from .base_cloth import Collider, bodies
 from .handle import Array, Handle, Number
 from .library import lib
-from .surface import CoarseMesh, Model, ShownFrame, Surface
+from .surface import CoarseMesh, ShownFrame, SteppedModel, Surface
 from .wrinkle_mesh import PAINTED, WrinkleMeshReport, WrinkleMeshSettings, painted_factors
 
 
-class WrinkleMeshLayers(Model):
+class WrinkleMeshLayers(SteppedModel):
     """Wrinkle Meshes, one on the other. Made by build_wrinkle_layers."""
 
     __slots__ = ("base",)
@@ -37,11 +37,13 @@ class WrinkleMeshLayers(Model):
         return lent(self, view.local_edge, FLOAT, (view.solved_vertex_count,))
 
 
-def build_wrinkle_layers(base: Surface, levels: int, display_steps: int = 1,
-                         most_vertices: int = 4_000_000) -> WrinkleMeshLayers:
-    """The base mesh and `levels` subdivisions of it, each a layer that is solved over the one before."""
+def build_wrinkle_layers(base: Surface, levels: int, display_steps: int = 1, most_vertices: int = 4_000_000,
+                         viewport_steps: int | None = None) -> WrinkleMeshLayers:
+    """The base mesh and `levels` subdivisions of it, each a layer that is solved over the one before. viewport_steps:
+    those of the mesh that viewports show; None: as display_steps."""
     plan = lib.rumple_wrinkle_layers_plan_default()
     plan.levels, plan.display_steps, plan.most_vertices = levels, display_steps, most_vertices
+    plan.viewport_steps = display_steps if viewport_steps is None else viewport_steps
     model = WrinkleMeshLayers.made(lib.rumple_wrinkle_layers_build, base, plan)
     model.base = base
     return model
@@ -119,14 +121,14 @@ def solve_wrinkle_layers(model: WrinkleMeshLayers, settings: Sequence[WrinkleMes
 
 
 def show_wrinkle_layers(model: WrinkleMeshLayers, animated: np.ndarray, positions: np.ndarray,
-                        state: WrinkleLayersState) -> ShownFrame:
+                        state: WrinkleLayersState, in_viewport: bool = False) -> ShownFrame:
     """The ShownFrame of a solved frame. animated: (n, 3) float32 of the base before it became cloth, which the shown
-    mesh is embedded in. positions: (n, 3) float32, as they were solved."""
+    mesh is embedded in. positions: (n, 3) float32, as they were solved. in_viewport: of model.shown_in_viewport."""
     return ShownFrame.of(model, lib.rumple_wrinkle_layers_show, model, *given(animated, "animated", FLOAT, 3),
-                         *given(positions, "positions", FLOAT, 3), state)
+                         *given(positions, "positions", FLOAT, 3), state, in_viewport)
 
 
-class WrinkleTransfer(Model):
+class WrinkleTransfer(SteppedModel):
     """What shows layers over a coarse mesh on the dense one. Made by build_wrinkle_transfer."""
 
     __slots__ = ("coarse", "layers")
@@ -137,24 +139,26 @@ class WrinkleTransfer(Model):
 
 
 def build_wrinkle_transfer(base: Surface, coarse: CoarseMesh, layers: WrinkleMeshLayers, level: int,
-                           display_steps: int = 0, most_vertices: int = 4_000_000) -> WrinkleTransfer:
-    """base: the dense mesh. level: its subdivisions that are moved; display_steps: of these that are shown. Raises
-    ValueError."""
+                           display_steps: int = 0, most_vertices: int = 4_000_000,
+                           viewport_steps: int | None = None) -> WrinkleTransfer:
+    """base: the dense mesh. level: its subdivisions that are moved; display_steps: of these that are shown;
+    viewport_steps: in viewports, None: as many. Raises ValueError."""
     plan = lib.rumple_wrinkle_transfer_plan_default()
     plan.level, plan.display_steps, plan.most_vertices = level, display_steps, most_vertices
+    plan.viewport_steps = display_steps if viewport_steps is None else viewport_steps
     transfer = WrinkleTransfer.made(lib.rumple_wrinkle_transfer_build, base, coarse, layers, plan)
     transfer.coarse, transfer.layers = coarse, layers
     return transfer
 
 
 def show_wrinkle_transfer(transfer: WrinkleTransfer, coarse: CoarseMesh, layers: WrinkleMeshLayers,
-                          animated: np.ndarray, state: WrinkleLayersState) -> ShownFrame:
+                          animated: np.ndarray, state: WrinkleLayersState, in_viewport: bool = False) -> ShownFrame:
     """The ShownFrame of a solved frame. animated: (n, 3) float32 of the dense mesh before it became cloth. coarse,
-    layers: those that the transfer was built with."""
+    layers: those that the transfer was built with. in_viewport: of transfer.shown_in_viewport."""
     if transfer.coarse is not coarse or transfer.layers is not layers:
         raise ValueError("transfer: it was made for another coarse mesh or other layers")
     return ShownFrame.of(transfer, lib.rumple_wrinkle_transfer_show, transfer, *given(animated, "animated", FLOAT, 3),
-                         state)
+                         state, in_viewport)
 
 
 __all__ = ["WrinkleLayersPaint", "WrinkleLayersState", "WrinkleMeshLayers", "WrinkleTransfer",

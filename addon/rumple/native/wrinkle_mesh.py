@@ -11,13 +11,13 @@ from .arrays import BYTE, FLOAT, address, checked, fill, lent, new
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice
-from .surface import (REFERENCE_ARRAYS, FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference,
+from .surface import (REFERENCE_ARRAYS, FramePose, ReferenceSettings, ShownFrame, SteppedModel, Surface, fill_reference,
                       fine_plan)
 
 PAINTED = ("radius", "prestretch", "bending", "inside")
 
 
-class WrinkleMeshModel(Model):
+class WrinkleMeshModel(SteppedModel):
     """A fine mesh attached to a base at rest. Made by build_wrinkle_mesh. v solved vertices."""
 
     __slots__ = ("base",)
@@ -36,13 +36,14 @@ class WrinkleMeshModel(Model):
 def build_wrinkle_mesh(base: Surface, source: str = "SUBDIVISION", level: int = 2, segments: int = 4,
                        longest_edge: float = 0.01, most_vertices: int = 4_000_000, own: Surface | None = None,
                        attached: np.ndarray | None = None, farthest: float = 0.0, attachment: str = "LIMIT",
-                       display_steps: int = 1, adaptive: bool = False) -> WrinkleMeshModel:
+                       display_steps: int = 1, adaptive: bool = False,
+                       viewport_steps: int | None = None) -> WrinkleMeshModel:
     """Make the fine mesh and its constraints (Mueller and Chentanez 2010, section 3).
 
     source: SUBDIVISION (level), REGULAR (segments), EDGE_LENGTH (longest_edge) or OBJECT (own: a Surface at rest in
     the base's space; attached: (vertices of own,) uint8; farthest: refuse a mesh farther away, 0 any). attachment:
     LINEAR, PN or LIMIT. display_steps: unsolved subdivisions of the shown mesh. adaptive: for settings whose reference
-    is not STATIC_REST. Raises ValueError.
+    is not STATIC_REST. viewport_steps: of the mesh that viewports show; None: as display_steps. Raises ValueError.
     """
     plan = lib.rumple_wrinkle_mesh_plan_default()
     fine_plan(plan.fine, source, level, segments, longest_edge, most_vertices, attachment, tuple(c.FINE_SOURCE))
@@ -52,6 +53,7 @@ def build_wrinkle_mesh(base: Surface, source: str = "SUBDIVISION", level: int = 
     if own is not None and attached is not None and len(attached) != own.vertex_count:
         raise ValueError(f"attached: expected {own.vertex_count} values, got {len(attached)}")
     plan.farthest, plan.display_steps, plan.adaptive = farthest, display_steps, adaptive
+    plan.viewport_steps = display_steps if viewport_steps is None else viewport_steps
     model = WrinkleMeshModel.made(lib.rumple_wrinkle_mesh_build, base, plan)
     model.base = base
     return model
@@ -178,10 +180,11 @@ def _in_world(model: WrinkleMeshModel, positions: np.ndarray | WrinkleMeshPose,
 
 def show_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings,
                       positions: np.ndarray | WrinkleMeshPose, state: WrinkleMeshState,
-                      world_from_object: np.ndarray | None = None) -> ShownFrame:
-    """The shown mesh for a frame and its state. positions: as solve_wrinkle_mesh() takes them."""
+                      world_from_object: np.ndarray | None = None, in_viewport: bool = False) -> ShownFrame:
+    """The shown mesh for a frame and its state. positions: as solve_wrinkle_mesh() takes them. in_viewport: of
+    model.shown_in_viewport."""
     return ShownFrame.of(model, lib.rumple_wrinkle_mesh_show, model, settings,
-                         _in_world(model, positions, world_from_object), state)
+                         _in_world(model, positions, world_from_object), state, in_viewport)
 
 
 def measure_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, paint: WrinkleMeshPaint | None,

@@ -15,9 +15,10 @@ extern "C" {
 typedef struct rumple_wrinkle_layers rumple_wrinkle_layers;
 
 typedef struct rumple_wrinkle_layers_plan {
-    int32_t levels;         // subdivisions of the base that are solved, >= 0; there are levels + 1 layers
-    int32_t display_steps;  // further subdivisions, of the shown mesh, that are not solved, >= 0
-    int32_t most_vertices;  // a shown mesh with more is refused
+    int32_t levels;          // subdivisions of the base that are solved, >= 0; there are levels + 1 layers
+    int32_t display_steps;   // further subdivisions, of the shown mesh, that are not solved, >= 0
+    int32_t viewport_steps;  // ... of the mesh that viewports show, >= 0; at most as many count
+    int32_t most_vertices;   // a shown mesh with more is refused
 } rumple_wrinkle_layers_plan;
 RUMPLE_API rumple_wrinkle_layers_plan rumple_wrinkle_layers_plan_default(void);
 
@@ -25,8 +26,9 @@ RUMPLE_API rumple_status rumple_wrinkle_layers_build(const rumple_surface* base,
                                                      const rumple_wrinkle_layers_plan* plan,
                                                      rumple_wrinkle_layers** model);
 RUMPLE_API void rumple_wrinkle_layers_free(rumple_wrinkle_layers* model);
-// Borrowed; NULL for NULL.
-RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_layers_shown(const rumple_wrinkle_layers* model);
+// Borrowed; NULL for NULL. in_viewport: the one of viewports, where that has fewer steps; else the same.
+RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_layers_shown(const rumple_wrinkle_layers* model,
+                                                                bool in_viewport);
 
 typedef struct rumple_wrinkle_layers_view {
     int32_t layer_count;          // levels + 1
@@ -94,12 +96,12 @@ RUMPLE_API rumple_status rumple_wrinkle_layers_solve(
     rumple_wrinkle_layers_state** state);
 
 // The shown mesh of a solved frame. animated: (n, 3) of the base before it became cloth, which the shown mesh
-// is embedded in. positions: (n, 3), as they were solved.
+// is embedded in. positions: (n, 3), as they were solved. in_viewport: as rumple_wrinkle_layers_shown().
 RUMPLE_API rumple_status rumple_wrinkle_layers_show(const rumple_wrinkle_layers* model, const float* animated,
                                                     size_t animated_count, const float* positions,
                                                     size_t positions_count,
                                                     const rumple_wrinkle_layers_state* state,
-                                                    rumple_frame** frame);
+                                                    bool in_viewport, rumple_frame** frame);
 
 // ---- layers over a coarse mesh, shown on the dense one
 
@@ -107,9 +109,10 @@ RUMPLE_API rumple_status rumple_wrinkle_layers_show(const rumple_wrinkle_layers*
 typedef struct rumple_wrinkle_transfer rumple_wrinkle_transfer;
 
 typedef struct rumple_wrinkle_transfer_plan {
-    int32_t level;          // subdivisions of the dense mesh that are moved, >= 0
-    int32_t display_steps;  // further ones that are shown, >= 0
-    int32_t most_vertices;  // a shown mesh with more is refused
+    int32_t level;           // subdivisions of the dense mesh that are moved, >= 0
+    int32_t display_steps;   // further ones that are shown, >= 0
+    int32_t viewport_steps;  // ... of the mesh that viewports show, >= 0; at most as many count
+    int32_t most_vertices;   // a shown mesh with more is refused
 } rumple_wrinkle_transfer_plan;
 RUMPLE_API rumple_wrinkle_transfer_plan rumple_wrinkle_transfer_plan_default(void);
 
@@ -120,15 +123,16 @@ RUMPLE_API rumple_status rumple_wrinkle_transfer_build(const rumple_surface* den
                                                        const rumple_wrinkle_transfer_plan* plan,
                                                        rumple_wrinkle_transfer** model);
 RUMPLE_API void rumple_wrinkle_transfer_free(rumple_wrinkle_transfer* model);
-// Borrowed; NULL for NULL.
-RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_transfer_shown(const rumple_wrinkle_transfer* model);
+// Borrowed; NULL for NULL. in_viewport: the one of viewports, where that has fewer steps; else the same.
+RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_transfer_shown(const rumple_wrinkle_transfer* model,
+                                                                  bool in_viewport);
 
 // The shown mesh of a solved frame. animated: (n, 3) of the dense mesh before it became cloth. state: of the
-// layers.
+// layers. in_viewport: as rumple_wrinkle_transfer_shown().
 RUMPLE_API rumple_status rumple_wrinkle_transfer_show(const rumple_wrinkle_transfer* model,
                                                       const float* animated, size_t animated_count,
                                                       const rumple_wrinkle_layers_state* state,
-                                                      rumple_frame** frame);
+                                                      bool in_viewport, rumple_frame** frame);
 
 #ifdef __cplusplus
 }

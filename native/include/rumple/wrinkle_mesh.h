@@ -20,9 +20,10 @@ typedef struct rumple_wrinkle_mesh_plan {
     const rumple_surface* own;  // RUMPLE_FINE_OBJECT: a mesh at rest, in the base's space; else NULL
     const uint8_t* attached;    // (vertices of own): 0 where it is not attached; or none: all are
     size_t attached_count;
-    float farthest;         // an own mesh farther than this from the base is refused, object units; 0: any
-    int32_t display_steps;  // further subdivisions, of the shown mesh, that are not solved, >= 0
-    bool adaptive;          // for settings whose reference is not RUMPLE_REFERENCE_STATIC_REST
+    float farthest;          // an own mesh farther than this from the base is refused, object units; 0: any
+    int32_t display_steps;   // further subdivisions, of the shown mesh, that are not solved, >= 0
+    int32_t viewport_steps;  // ... of the mesh that viewports show, >= 0; at most as many count
+    bool adaptive;           // for settings whose reference is not RUMPLE_REFERENCE_STATIC_REST
 } rumple_wrinkle_mesh_plan;
 RUMPLE_API rumple_wrinkle_mesh_plan rumple_wrinkle_mesh_plan_default(void);
 
@@ -32,8 +33,9 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_build(const rumple_surface* base,
                                                    const rumple_wrinkle_mesh_plan* plan,
                                                    rumple_wrinkle_mesh** model);
 RUMPLE_API void rumple_wrinkle_mesh_free(rumple_wrinkle_mesh* model);
-// Borrowed; NULL for NULL.
-RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_mesh_shown(const rumple_wrinkle_mesh* model);
+// Borrowed; NULL for NULL. in_viewport: the one of viewports, where that has fewer steps; else the same.
+RUMPLE_API const rumple_shown_mesh* rumple_wrinkle_mesh_shown(const rumple_wrinkle_mesh* model,
+                                                              bool in_viewport);
 
 typedef struct rumple_wrinkle_mesh_view {
     int32_t solved_vertex_count;       // v
@@ -165,11 +167,11 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_solve_in_order(const rumple_wrinkle
                                                             rumple_wrinkle_mesh_report* report,
                                                             rumple_wrinkle_mesh_state** state);
 
-// The shown mesh of a solved frame.
+// The shown mesh of a solved frame. in_viewport: as rumple_wrinkle_mesh_shown() has it.
 RUMPLE_API rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,
                                                   const rumple_wrinkle_mesh_settings* settings,
                                                   const rumple_wrinkle_mesh_pose* pose,
-                                                  const rumple_wrinkle_mesh_state* state,
+                                                  const rumple_wrinkle_mesh_state* state, bool in_viewport,
                                                   rumple_frame** frame);
 
 // How good a frame is: for reports and tests, not for playback.

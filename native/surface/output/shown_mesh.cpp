@@ -149,6 +149,14 @@ ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& 
     return shown;
 }
 
+std::optional<ShownMesh> show_in_viewport(const Surface& base, const Surface& source, const FineMesh& fine,
+                                          Index steps, Index viewport_steps,
+                                          std::span<const Vec3> solved_rest) {
+    expect_within("viewport_steps", viewport_steps, 0, kMostLevels);
+    if (viewport_steps >= steps) return std::nullopt;
+    return show_fine(base, source, fine, viewport_steps, solved_rest);
+}
+
 ShownMesh show_triangles(const Surface& base) {
     ShownMesh shown;
     const Index vertices = base.display.vertex_count;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "surface/mesh/topology.h"
@@ -55,6 +56,17 @@ struct ShownMesh {
 // its own that is bound to the base by closest points.
 ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& fine, Index steps,
                     std::span<const Vec3> solved_rest);
+
+// The same for viewports, with viewport_steps; none where these are not fewer than steps.
+std::optional<ShownMesh> show_in_viewport(const Surface& base, const Surface& source, const FineMesh& fine,
+                                          Index steps, Index viewport_steps,
+                                          std::span<const Vec3> solved_rest);
+
+// What a model shows: the mesh of viewports where it has one of its own.
+template <typename Model>
+const ShownMesh& shown_mesh(const Model& model, bool in_viewport) {
+    return in_viewport && model.shown_in_viewport ? *model.shown_in_viewport : model.shown;
+}
 
 // The base itself with every polygon cut into its triangles: vertex v is the
 // base's vertex v as the artist has it, loose ones included; polygon t is triangle t.

@@ -8,6 +8,7 @@
 #include <glm/gtc/noise.hpp>
 #include <utility>
 
+#include "base/elementary.h"
 #include "base/expect.h"
 #include "base/random.h"
 #include "surface/refine/triangle_tree.h"
@@ -44,10 +45,15 @@ Director director(const Vec2& v) {
     return z * z / length;
 }
 
+// The length of z in the direction of its square root, whose real part is not negative. Not std::sqrt(z): it
+// asks the system for cosines.
 Vec2 undirected(const Director& z) {
-    const float length = std::abs(z);
+    const float length = elementary::hypot(z.real(), z.imag());
     if (length == 0.0f) return Vec2(0.0f);
-    return std::sqrt(length) * Vec2(std::sqrt(z).real(), std::sqrt(z).imag());
+    const float longer = std::sqrt(0.5f * (length + std::abs(z.real())));
+    const float shorter = std::abs(0.5f * z.imag()) / longer;
+    const Vec2 root = z.real() >= 0.0f ? Vec2(longer, shorter) : Vec2(shorter, longer);
+    return std::sqrt(length) * Vec2(root.x, std::copysign(root.y, z.imag()));
 }
 
 Vec2 in_frame(const Model& model, size_t v, const Vec3& rest) {

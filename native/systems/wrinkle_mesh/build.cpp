@@ -156,7 +156,7 @@ void bind_own(Model& model, const Source& source, const FineMesh& fine, std::spa
 }  // namespace
 
 std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
-                                   Index display_steps) {
+                                   Index display_steps, Index viewport_steps) {
     auto model = std::make_shared<Model>();
     model->base = std::move(base);
     const bool own = source.own != nullptr;
@@ -201,7 +201,10 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
     model->stretch = build_stretch(model->base);
     if (source.adaptive) model->adaptive = place_pairs(*model);
     model->near = near_triangles(model->base);
-    model->shown = show_fine(model->base, own ? *source.own : model->base, fine, display_steps, rest);
+    const Surface& inherited = own ? *source.own : model->base;
+    model->shown = show_fine(model->base, inherited, fine, display_steps, rest);
+    model->shown_in_viewport =
+        show_in_viewport(model->base, inherited, fine, display_steps, viewport_steps, rest);
     return model;
 }
 

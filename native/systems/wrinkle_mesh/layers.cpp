@@ -165,7 +165,7 @@ Surface solved_surface(const Model& layer) {
 }
 
 std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps,
-                                           Index most_vertices) {
+                                           Index most_vertices, Index viewport_steps) {
     expect_within("levels", levels, 0, kMostLevels);
     auto out = std::make_shared<Layers>();
     out->base = std::move(base);
@@ -187,6 +187,8 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
     for (const auto& layer : out->layers) out->own.emplace_back(layer->positions_rest, layer->triangles);
     const Model& finest = *out->layers.back();
     out->shown = show_fine(out->base, out->base, fine, display_steps, finest.positions_rest);
+    out->shown_in_viewport =
+        show_in_viewport(out->base, out->base, fine, display_steps, viewport_steps, finest.positions_rest);
     out->stretch = build_stretch(out->base);
     return out;
 }
@@ -246,15 +248,16 @@ std::vector<Vec3> offsets(const Layers& layers, std::span<const Vec3> animated, 
 }
 
 void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
-          const LayersState& state, Picture& picture) {
+          const LayersState& state, Picture& picture, bool in_viewport) {
     check_frame(layers.base, positions);
     const std::vector<Vec3> offset = offsets(layers, animated, state);
     std::vector<Vec3> base(layers.base.welded.vertex_count);
     weld_positions(layers.base, positions, base);
     std::vector<TriangleFrame> frames(layers.base.triangles.size());
     triangle_frames(layers.base, base, frames);
-    show_frame(layers.base, layers.shown, layers.stretch, base, frames, state.solved, offset, picture);
-    embed_frame(layers.base, layers.shown, animated, picture);
+    const ShownMesh& shown = shown_mesh(layers, in_viewport);
+    show_frame(layers.base, shown, layers.stretch, base, frames, state.solved, offset, picture);
+    embed_frame(layers.base, shown, animated, picture);
 }
 
 }  // namespace rumple::wrinkle_mesh

@@ -18,13 +18,15 @@ struct Layers {
     std::vector<std::shared_ptr<const Model>> layers;  // coarse first; a layer's base is the one before it
     std::vector<OwnSurface> own;                       // the solved triangles of each layer
     ShownMesh shown;                                   // of the finest, embedded in the base
+    std::optional<ShownMesh> shown_in_viewport;        // where that is subdivided fewer times
     StretchModel stretch;
 };
 
-// levels: subdivisions of the base that are solved, 0..kMostLevels; there are levels + 1 layers. Throws
-// InvalidInput (more than most_vertices in the shown mesh). Cost: that of build() for each.
+// levels: subdivisions of the base that are solved, 0..kMostLevels; there are levels + 1 layers.
+// display_steps, viewport_steps: as build() has them. Throws InvalidInput (more than most_vertices in the
+// shown mesh). Cost: that of build() for each.
 std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps,
-                                           Index most_vertices);
+                                           Index most_vertices, Index viewport_steps = kMostLevels);
 
 // The solved mesh of a layer at rest, as the base of what lies on it.
 Surface solved_surface(const Model& layer);
@@ -48,8 +50,8 @@ std::vector<Vec3> offsets(const Layers& layers, std::span<const Vec3> animated, 
 
 // animated: of the base's vertices before they became cloth (or the positions that were solved, where they
 // did not): what the shown mesh is embedded in and what its offsets start from. positions: as they were
-// solved.
+// solved. in_viewport: the shown mesh of viewports.
 void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
-          const LayersState& state, Picture& picture);
+          const LayersState& state, Picture& picture, bool in_viewport = false);
 
 }  // namespace rumple::wrinkle_mesh

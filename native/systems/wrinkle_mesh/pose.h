@@ -36,7 +36,7 @@ State solve_pose(const Model& model, const Settings& settings, const Paint& pain
 State solve_pose_reference(const Model& model, const Settings& settings, const Paint& paint,
                            const Input& input, const Pose& pose, const State* state, Report& report);
 void show_pose(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
-               const State& state, Picture& picture);
+               const State& state, Picture& picture, bool in_viewport = false);
 Measures measure_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                       const Pose& pose, const State& state);
 

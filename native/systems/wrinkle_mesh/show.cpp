@@ -40,12 +40,12 @@ std::vector<Vec3> solved_positions(const Model& model, const Settings& settings,
 }
 
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
-          Picture& picture) {
-    show_pose(model, settings, input, make_pose(model, input), state, picture);
+          Picture& picture, bool in_viewport) {
+    show_pose(model, settings, input, make_pose(model, input), state, picture, in_viewport);
 }
 
 void show_pose(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
-               const State& state, Picture& picture) {
+               const State& state, Picture& picture, bool in_viewport) {
     check(model, state);
     const size_t vertices = pose.attachment.size();
     const OffsetFrames frames(model, settings, input, pose);
@@ -54,7 +54,8 @@ void show_pose(const Model& model, const Settings& settings, const Input& input,
         offset[v] = frames.in_object(v, state.offset[v]);
         positions[v] = pose.attachment[v] + offset[v];
     }
-    show_frame(model.base, model.shown, model.stretch, pose.base, pose.frames, positions, offset, picture);
+    show_frame(model.base, shown_mesh(model, in_viewport), model.stretch, pose.base, pose.frames, positions,
+               offset, picture);
 }
 
 Measures measure(const Model& model, const Settings& settings, const Paint& paint, const Input& input,

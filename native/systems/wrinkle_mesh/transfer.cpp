@@ -27,7 +27,8 @@ SparseRows ways_from(const Surface& finest, std::span<const Vec3> points, float 
 }  // namespace
 
 std::shared_ptr<const Transfer> build_transfer(Surface base, const CoarseMesh& coarse, const Layers& layers,
-                                               Index level, Index display_steps, Index most_vertices) {
+                                               Index level, Index display_steps, Index most_vertices,
+                                               Index viewport_steps) {
     expect_count("layers", layers.base.display.vertex_count, coarse.dense_vertex.size(), "coarse vertices");
     auto out = std::make_shared<Transfer>();
     out->base = std::move(base);
@@ -41,12 +42,14 @@ std::shared_ptr<const Transfer> build_transfer(Surface base, const CoarseMesh& c
     const std::vector<Vec3> rest = attached_at_rest(out->base, out->attachments);
     out->from_finest = ways_from(solved_surface(*layers.layers.back()), rest, coarse.mean_edge);
     out->shown = show_fine(out->base, out->base, fine, display_steps, rest);
+    out->shown_in_viewport =
+        show_in_viewport(out->base, out->base, fine, display_steps, viewport_steps, rest);
     out->stretch = build_stretch(out->base);
     return out;
 }
 
 void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& layers,
-          std::span<const Vec3> animated, const LayersState& state, Picture& picture) {
+          std::span<const Vec3> animated, const LayersState& state, Picture& picture, bool in_viewport) {
     const std::vector<Vec3> displacements =
         offsets(layers, coarse_positions(coarse, transfer.base, animated), state);
     std::vector<Vec3> base(transfer.base.welded.vertex_count);
@@ -58,7 +61,8 @@ void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& laye
     for (size_t v = 0; v < moved; ++v) solved[v] += offset[v];
     std::vector<TriangleFrame> frames(transfer.base.triangles.size());
     triangle_frames(transfer.base, base, frames);
-    show_frame(transfer.base, transfer.shown, transfer.stretch, base, frames, solved, offset, picture);
+    show_frame(transfer.base, shown_mesh(transfer, in_viewport), transfer.stretch, base, frames, solved,
+               offset, picture);
 }
 
 }  // namespace rumple::wrinkle_mesh

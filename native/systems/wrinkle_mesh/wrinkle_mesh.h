@@ -105,6 +105,7 @@ struct Model {
     NearTriangles near;
     std::optional<Adaptive> adaptive;  // where Source::adaptive asked for it
     ShownMesh shown;
+    std::optional<ShownMesh> shown_in_viewport;  // where that is subdivided fewer times
     std::vector<float> unattached_distance;  // own mesh: distance to the base at rest, per vertex; else empty
 };
 
@@ -116,9 +117,10 @@ struct Source : FineSource {
 };
 
 // Section 3. Throws InvalidInput (a fine mesh of more than most_vertices, an own
-// mesh too far away). Cost: seconds for a million fine vertices.
+// mesh too far away). display_steps: unsolved subdivisions of the shown mesh; viewport_steps: of that of
+// viewports, at most as many. Cost: seconds for a million fine vertices.
 std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
-                                   Index display_steps);
+                                   Index display_steps, Index viewport_steps = kMostLevels);
 
 // Painted values of the base's vertices (as the artist has them) -> solved vertices.
 std::vector<float> carry_paint(const Model& model, std::span<const float> base_values);
@@ -176,11 +178,11 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
 State solve_reference(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                       const State* state, Report& report);
 
-// The shown mesh for a frame and its state.
+// The shown mesh for a frame and its state; in_viewport: that of viewports.
 using Picture = ShownFrame;
 // Throws InvalidInput when positions or state do not match the model.
 void show(const Model& model, const Settings& settings, const Input& input, const State& state,
-          Picture& picture);
+          Picture& picture, bool in_viewport = false);
 
 // How good a frame is: for reports and tests, not for playback.
 struct Measures {

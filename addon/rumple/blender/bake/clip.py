@@ -139,7 +139,11 @@ class ClipBake:
             points=clip_file.point_count(fine.vertex_count, len(fine.corner_vertex), fine.ATTRIBUTES),
             coarse_vertices=fine.coarse_count, start=about.bake_start, end=about.bake_end,
             samples=about.bake_samples, inputs=clip_status.inputs_fingerprint(obj, context.scene), file=_file_name())
-        self.writer = clip_file.ClipWriter(path, manifest, fine.ATTRIBUTES)
+        self.writer = self._make_writer(path, manifest, fine.ATTRIBUTES)
+
+    def _make_writer(self, path: Path, manifest: Manifest,
+                     attributes: tuple[engine.Attribute, ...]) -> clip_file.ClipWriter:
+        return clip_file.ClipWriter(path, manifest, attributes)
 
     @contextmanager
     def _faults(self) -> Iterator[None]:

@@ -9,9 +9,8 @@ import numpy as np
 
 from ...core import engine
 from .. import scheduler
-from ..frame import clip_status
-from ..objects import modifier, runtimes
-from ..viewport import preview
+from ..frame import clip_status, first_pass
+from ..objects import modifier, runtimes, viewport_mesh
 
 
 class BakeError(RuntimeError):
@@ -29,7 +28,7 @@ class Playback:
         self.now = self.scene.frame_current, self.scene.frame_subframe
         self.pre_roll = range(min(self.scene.frame_start, start), start)
         self.analyzes = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
-        self.count = len(self.pre_roll) + (end - start) * samples + 1
+        self.count = len(self.pre_roll) + self.sample_count
         if self.analyzes:
             self.count += len(self.pre_roll) + end - start + 1
         nodes_mod = modifier.find(obj)
@@ -39,6 +38,21 @@ class Playback:
             modifier.set_baked(nodes_mod, False)
             runtimes.of(obj).stale = True
         scheduler.sync_all()
+        first_pass.read_only(obj)
+
+    @property
+    def is_independent(self) -> bool:
+        """Whether a frame is solved without those before it."""
+        return clip_status.is_independent(self.obj, self.scene)
+
+    @property
+    def sample_count(self) -> int:
+        return (self.end - self.start) * self.samples + 1
+
+    def solve_sample(self, sample: int) -> tuple[engine.FrameResult, np.ndarray]:
+        """(picture, coarse positions) of one."""
+        whole, part = divmod(sample, self.samples)
+        return self._solve(self.start + whole, part / self.samples)
 
     def samples_in_order(self) -> Iterator[tuple[bool, engine.FrameResult | None, np.ndarray | None]]:
         """(wanted, picture, coarse positions) of every sample. Not wanted: those of the pre-roll, and without a picture
@@ -48,9 +62,8 @@ class Playback:
                 yield False, None, None
         for frame in self.pre_roll:
             yield False, *self._solve(frame, 0.0)
-        for sample in range((self.end - self.start) * self.samples + 1):
-            whole, part = divmod(sample, self.samples)
-            yield True, *self._solve(self.start + whole, part / self.samples)
+        for sample in range(self.sample_count):
+            yield True, *self.solve_sample(sample)
 
     def _analyze(self) -> Iterator[None]:
         """Read the pose of every whole frame; the solver then knows the clip. Memory: 12 bytes a vertex and frame."""
@@ -76,7 +89,7 @@ class Playback:
     def _visit(self, frame: int, subframe: float) -> runtimes.Runtime:
         if self._is_gone():
             raise BakeError(f"{self.name}: another file was opened while it was baked: bake again")
-        with preview.paused():
+        with viewport_mesh.paused():
             for _ in range(self.passes):
                 self.scene.frame_set(frame, subframe=subframe)
         runtime = runtimes.of(self.obj)
@@ -100,6 +113,7 @@ class Playback:
 
     def end_playback(self, restore_bake: bool) -> None:
         """Also where the object, or the file, has gone meanwhile: as far as it can be done."""
+        first_pass.read_only(None)
         if self._is_gone():
             return
         try:

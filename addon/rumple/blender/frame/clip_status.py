@@ -28,6 +28,16 @@ def sees_ahead(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
     return properties.settings_of(obj, scene).sees_ahead and not bodies.of(obj)
 
 
+def is_independent(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
+    """Whether each of its frames is solved without those before it, and without those of other wrinkled objects."""
+    others = [other for other in (*bodies.of(obj), modifier.depends_on_wrinkled(obj)) if other is not None]
+    wrinkles = [modifier.find(other) for other in others]
+    if any(m.type in ("CLOTH", "SOFT_BODY") or modifier.is_simulation_nodes(m) for m in modifier.in_front(obj)):
+        return False
+    return properties.settings_of(obj, scene).stateless and all(modifier.plays_clip(nodes_mod) for nodes_mod in wrinkles
+                                                                if nodes_mod is not None)
+
+
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame."""
     digest = hashlib.sha1(evaluator.sources(obj).shape.encode())

@@ -213,14 +213,18 @@ class Recorder:
         if self.writer is None:
             return
         self.writer.commit()
-        about, path = self.writer.manifest, self.writer.clip
-        for child in of(self.garment):
-            if compat.is_editable(child):
-                free(child)  # of a former clip, which it played up to now
-                _set_capacity(child.data, about.points // ROWS)
-                cache = modifier.add_mesh_cache(child, about, stored_path(path))
-                cache.interpolation = "NONE"  # between two samples there may be other curves: they ride on the pose
-                compat.move_modifier(child, len(child.modifiers) - 1, 0)
+        play(self.garment, self.writer.manifest, stored_path(self.writer.clip))
+
+
+def play(garment: bpy.types.Object, about: Manifest, path: str) -> None:
+    """Let the curves of a garment play their clip. path: as a blend file names it."""
+    for child in of(garment):
+        if compat.is_editable(child):
+            free(child)  # of a former clip, which it played up to now
+            _set_capacity(child.data, about.points // ROWS)
+            cache = modifier.add_mesh_cache(child, about, path)
+            cache.interpolation = "NONE"  # between two samples there may be other curves: they ride on the pose
+            compat.move_modifier(child, len(child.modifiers) - 1, 0)
 
 
 def clip_path(clip: Path) -> Path:

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import bpy
 
+from ...core.shown_mesh import ShownMesh, ViewportMesh
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
 from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, kept_lists, mesh_reader, messages, modifier,
-                       output_mesh, runtimes, units)
+                       output_mesh, runtimes, units, viewport_mesh)
 from ..objects.runtimes import Runtime
 from . import clip_status, path_curves
 
@@ -73,20 +74,34 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
         runtime.notes.append(changed)
     if runtime.evaluator is not former:
         obj.update_tag()  # the output object may fit as it is, but nothing is solved by this one
-    source = evaluator.source_of(obj)
-    output_obj = modifier.output_object(nodes_mod)
+    former_output, former_viewport = modifier.output_object(nodes_mod), modifier.viewport_output(nodes_mod)
     count = len(incoming_mesh.of(obj).vertices)
-    if output_obj is None or output_obj.type != "MESH" or not _is_local(output_obj):
-        output_obj = output_mesh.make(obj, runtime.evaluator, source)
-        output_obj[output_mesh.KEY] = True
-    elif not output_mesh.is_embedding_of(output_obj.data, runtime.evaluator):
-        output_mesh.fill(output_obj, obj, runtime.evaluator, source)
-    elif not output_mesh.carry_changes(output_obj, obj, runtime.evaluator, source):
-        if modifier.coarse_vertices(nodes_mod) == count:
-            return False
-    modifier.set_output_object(nodes_mod, output_obj, count)
+    filled = [_filled(obj, former, fine) for former, fine in zip(
+        (former_output, former_viewport), viewport_mesh.solved_for(nodes_mod, runtime.evaluator))]
+    viewport_output = filled[1][0] if len(filled) == 2 else None
+    if (not any(changed for _, changed in filled) and modifier.coarse_vertices(nodes_mod) == count
+            and viewport_output == former_viewport):
+        return False
+    modifier.set_output_object(nodes_mod, filled[0][0], count)
+    modifier.set_viewport_output(nodes_mod, viewport_output)
     runtime.invalidate_output()
     return True
+
+
+def _filled(obj: bpy.types.Object, output_obj: bpy.types.Object | None,
+            fine: ShownMesh) -> tuple[bpy.types.Object, bool]:
+    """An output object with a fine mesh, and whether it had to be made or changed."""
+    source = evaluator.source_of(obj)
+    if output_obj is None or output_obj.type != "MESH" or not _is_local(output_obj):
+        output_obj = output_mesh.make(obj, fine, source)
+        output_obj[output_mesh.KEY] = True
+        if isinstance(fine, ViewportMesh):
+            output_obj.location.x = viewport_mesh.AWAY  # until it is known that nothing minds it
+        return output_obj, True
+    if not output_mesh.is_embedding_of(output_obj.data, fine):
+        output_mesh.fill(output_obj, obj, fine, source)
+        return output_obj, True
+    return output_obj, output_mesh.carry_changes(output_obj, obj, fine, source)
 
 
 def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:
@@ -130,13 +145,14 @@ def _split_shared_output(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifi
     if output_obj is None or output_obj.type != "MESH":
         runtimes.of(obj).stale = True
         return
-    if compat.session_key(output_obj) in seen or not _is_local(output_obj):
+    if any(compat.session_key(output) in seen or not _is_local(output) for output in modifier.outputs(nodes_mod)):
         output_obj = output_mesh.copy_for(obj, output_obj)
         output_obj[output_mesh.KEY] = True
         modifier.set_output_object(nodes_mod, output_obj, modifier.coarse_vertices(nodes_mod))
+        modifier.set_viewport_output(nodes_mod, None)  # made anew
         runtimes.of(obj).stale = True
         runtimes.of(obj).invalidate_output()
-    seen.add(compat.session_key(output_obj))
+    seen.update(compat.session_key(output) for output in modifier.outputs(nodes_mod))
 
 
 def _tidy_removed(wrinkled: set[str]) -> None:
@@ -152,7 +168,7 @@ def _tidy_removed(wrinkled: set[str]) -> None:
 
 def drop_orphan_outputs() -> None:
     """Output and cache objects without an object. Asked of the user map: 5.2's count keeps applied modifiers."""
-    hidden = (modifier.output_object, modifier.cache_object)
+    hidden = (modifier.output_object, modifier.viewport_output, modifier.cache_object)
     output_obj = {of(nodes_mod) for _, nodes_mod in modifier.wrinkled_objects() for of in hidden}
     candidates = {o for o in bpy.data.objects if output_mesh.KEY in o} - output_obj
     if not candidates:

@@ -14,11 +14,11 @@ import numpy as np
 from ...core import engine
 from .. import compat, scheduler
 from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
-                       properties, runtimes, units, wind)
+                       properties, runtimes, units, viewport_mesh, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
-from . import clip_status, path_curves
+from . import clip_status, first_pass, path_curves
 
 
 def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
@@ -26,13 +26,15 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     if not scheduler.may_process(depsgraph):
         return
     with LOCK:
-        objects = bodies.in_order(list(modifier.wrinkled_objects()))
+        objects = bodies.in_order([pair for pair in modifier.wrinkled_objects() if first_pass.is_needed(*pair)])
         late = {obj for obj, nodes_mod in objects if _is_late(obj, nodes_mod)}
         if scheduler.allowed_now() and any(_needs_structure(obj, nodes_mod) for obj, nodes_mod in objects):
             _rebuild_here(objects, depsgraph)
         outputs_seen: set[int] = set()
+        differing = viewport_mesh.may_differ(objects)
         written = [obj for obj, nodes_mod in objects
-                   if obj not in late and _process_guarded(obj, nodes_mod, scene, depsgraph, outputs_seen)]
+                   if obj not in late and _process_guarded(obj, nodes_mod, scene, depsgraph, outputs_seen,
+                                                           obj in differing)]
         for obj, _ours in objects:
             runtimes.of(obj).pose = None  # it belongs to this call only
         if written and len(objects) > 1:
@@ -99,19 +101,21 @@ def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray 
 
 
 def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, scene: bpy.types.Scene,
-                     depsgraph: bpy.types.Depsgraph, outputs_seen: set[int]) -> bool:
-    """True when the output object was written."""
+                     depsgraph: bpy.types.Depsgraph, outputs_seen: set[int], may_differ: bool) -> bool:
+    """True when an output object was written. may_differ: whether viewports may show other points than renders."""
     runtime = runtimes.of(obj)
     with messages.frame_errors(obj, runtime):
         output_obj = modifier.output_object(nodes_mod)
         if output_obj is None or output_obj.type != "MESH":
             scheduler.request()
             return False
-        key = compat.session_key(output_obj)
-        if key in outputs_seen or output_obj.library is not None or output_obj.data.library is not None:
+        keys = {compat.session_key(output) for output in modifier.outputs(nodes_mod)}
+        if keys & outputs_seen or not all(compat.is_editable(o) and compat.is_editable(o.data)
+                                          for o in modifier.outputs(nodes_mod)):
             scheduler.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
             return False
-        outputs_seen.add(key)
+        outputs_seen |= keys
+        viewport_mesh.settle(nodes_mod, may_differ)
         return _process(obj, nodes_mod, output_obj, runtime, scene, depsgraph)
     return False
 
@@ -127,7 +131,7 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         clip_fault = clip_status.cannot_play(obj, output_obj, frame)
         if clip_fault and runtime.evaluator is None:
             evaluator.ensure(obj, runtime)
-        can_solve = bool(clip_fault) and _fits(output_obj, runtime)  # a clip that comes back counts on it as it is
+        can_solve = bool(clip_fault) and _fits(nodes_mod, runtime)  # a clip that comes back counts on it as it is
         if modifier.play_clip(nodes_mod, not can_solve):
             runtime.stale = True
             scheduler.request()
@@ -137,7 +141,7 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
             return False
     if runtime.evaluator is None:
         evaluator.ensure(obj, runtime)
-    if not _fits(output_obj, runtime):
+    if not _fits(nodes_mod, runtime):
         runtime.stale = True
         scheduler.request()
         return False
@@ -148,29 +152,33 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         runtime.analyzed = inputs
         messages.set_frame_error(runtime, "")
         return False
-    if inputs.same_as(runtime.inputs) and runtime.output_key == compat.session_key(output_obj.data):
+    shown = modifier.viewport_output(nodes_mod) if inputs.in_viewport else output_obj
+    if inputs.same_as(runtime.inputs) and runtime.output_key == compat.session_key(shown.data):
         messages.set_frame_error(runtime, clip_fault)  # what was wrong in between is as it was before
         messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
         return False
-    result = _solve(runtime, inputs, scene, inputs.uses_proxy)
+    result = _solve(runtime, inputs, scene, inputs.uses_proxy, inputs.in_viewport)
     runtime.inputs = inputs
     messages.set_frame_error(runtime, clip_fault)
     unplayed = runtime.evaluator.unplayed_message(inputs.frame, scene.frame_start) if result.unplayed else ""
     messages.note_unplayed(runtime, unplayed, depsgraph.mode == "RENDER")
     if runtime.evaluator.HAS_CURVES:
         path_curves.write(obj, runtime)
-    written = _show(output_obj, runtime, result, depsgraph.mode == "VIEWPORT")
+    if not first_pass.is_shown(nodes_mod):
+        runtime.result = result
+        return False
+    written = _show(shown, runtime, result, depsgraph.mode == "VIEWPORT")
     if written:
         runtime.written_at = compat.session_key(scene), inputs.frame
     return written
 
 
-def _solve(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene,
-           for_preview: bool) -> engine.FrameResult | engine.PreviewFrame:
+def _solve(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene, for_preview: bool,
+           in_viewport: bool) -> engine.FrameResult | engine.PreviewFrame:
     return runtime.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
                                          start=scene.frame_start, world_from_object=inputs.world_from_object,
                                          frame_rate=inputs.frame_rate, for_preview=for_preview, body=inputs.body,
-                                         surroundings=inputs.surroundings)
+                                         surroundings=inputs.surroundings, in_viewport=in_viewport)
 
 
 def show_fine_meshes() -> None:
@@ -181,15 +189,22 @@ def show_fine_meshes() -> None:
             if modifier.is_baked(nodes_mod) and modifier.play_clip(nodes_mod, True):  # live folds need the add-on
                 scheduler.tag_soon({obj.name})
                 continue
-            if output_obj is None or runtime is None or runtime.inputs is None or not runtime.inputs.uses_proxy:
+            inputs = None if runtime is None else runtime.inputs
+            if output_obj is None or inputs is None or not (inputs.uses_proxy or inputs.in_viewport
+                                                            or not first_pass.is_shown(nodes_mod)):
                 continue
             try:
-                _show(output_obj, runtime, _solve(runtime, runtime.inputs, units.scene_of(obj), for_preview=False),
-                      True)
+                result = _solve(runtime, inputs, units.scene_of(obj), for_preview=False, in_viewport=False)
+                assert isinstance(result, engine.FrameResult)
+                output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
+                modifier.move_hidden(output_obj, "x", 0.0)  # a bake under way puts it away again
+                if inputs.uses_proxy:
+                    output_mesh.write_proxy(output_obj.data, None)
             except Exception as error:  # the file is saved all the same
                 print(f"Rumple: {messages.unexpected(obj, error)}")
-            runtime.invalidate_output()
-            scheduler.tag_soon({obj.name})
+            if inputs.uses_proxy:
+                runtime.invalidate_output()
+                scheduler.tag_soon({obj.name})
 
 
 def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, evaluated: bpy.types.Object,
@@ -205,17 +220,29 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
     # Lengths are in the units of the scene that the fine mesh was made for, whichever looks at it.
     settings = properties.settings_of(evaluated, units.scene_of(obj))
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
-    uses_proxy = depsgraph.mode == "VIEWPORT" and preview.uses_proxy(obj, nodes_mod)
+    for_viewport = depsgraph.mode == "VIEWPORT"
+    uses_proxy = for_viewport and preview.uses_proxy(obj, nodes_mod)
     return Inputs(float(scene.frame_current_final), settings, positions, world, runtime.paint,
-                  scene.render.fps / scene.render.fps_base, uses_proxy, body,
+                  scene.render.fps / scene.render.fps_base, uses_proxy,
+                  for_viewport and viewport_mesh.is_shown(nodes_mod), body,
                   wind.surroundings(evaluated, depsgraph, settings))
 
 
-def _fits(output_obj: bpy.types.Object, runtime: Runtime) -> bool:
-    """Whether the output object is the fine mesh that is solved. The costly comparison is made once for each."""
-    if runtime.output_key == compat.session_key(output_obj.data):
-        return len(output_obj.data.vertices) == runtime.evaluator.vertex_count
-    return output_mesh.is_embedding_of(output_obj.data, runtime.evaluator)
+def _fits(nodes_mod: bpy.types.NodesModifier, runtime: Runtime) -> bool:
+    """Whether the output objects are the meshes that are solved. The costly comparison is made once for each."""
+    meshes = [output.data for output in modifier.outputs(nodes_mod)]
+    solved = viewport_mesh.solved_for(nodes_mod, runtime.evaluator)
+    if modifier.is_baked(nodes_mod):  # its output objects stay as they are, and only the first is shown
+        meshes, solved = meshes[:1], solved[:1]
+    if len(meshes) != len(solved):
+        return False
+    keys = tuple(compat.session_key(mesh) for mesh in meshes)
+    if runtime.fitting == keys:
+        return all(len(mesh.vertices) == fine.vertex_count for mesh, fine in zip(meshes, solved))
+    if not all(output_mesh.is_embedding_of(mesh, fine) for mesh, fine in zip(meshes, solved)):
+        return False
+    runtime.fitting = keys
+    return True
 
 
 def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime,

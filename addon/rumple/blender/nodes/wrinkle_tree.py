@@ -41,7 +41,7 @@ from ...core.systems import SYSTEMS, System
 from .. import compat
 from .builder import GeometryNodes, empty_modifier_group
 
-VERSION = 7  # raise it when the nodes change: trees in older files are then rebuilt in place
+VERSION = 8  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
 METHOD_KEY = "rumple_method"
 
@@ -56,10 +56,11 @@ PROXY_OFFSET = "rumple_stand_in"
 OUTPUT_ONLY = (*CORNERS, BARYCENTRIC, LOCAL_OFFSET, SHOWS_PROXY, PROXY_OFFSET)
 
 OUTPUT, COUNT, BAKED, CACHE = "Carrier", "Coarse Vertices", "Baked", "Player"
+VIEWPORT_OUTPUT = "Viewport Carrier"  # what viewports show in place of OUTPUT
 BODY, BODIES = "Body", "Bodies"  # no node reads them: what an input names is evaluated first, also where it is hidden
 _INPUTS = (("Geometry", "NodeSocketGeometry"), (OUTPUT, "NodeSocketObject"), (COUNT, "NodeSocketInt"),
            (BAKED, "NodeSocketBool"), (CACHE, "NodeSocketObject"), (BODY, "NodeSocketObject"),
-           (BODIES, "NodeSocketCollection"))
+           (BODIES, "NodeSocketCollection"), (VIEWPORT_OUTPUT, "NodeSocketObject"))
 
 
 def is_ours(group: bpy.types.NodeTree | None) -> bool:
@@ -132,6 +133,16 @@ class _Builder(GeometryNodes):
     def store_base_position(self, geometry: bpy.types.NodeSocket, fine: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         return self.store(fine, BASE_POSITION, "FLOAT_VECTOR", self.sample(geometry, self.index()))
 
+    def shown_here(self, fine: bpy.types.NodeSocket, baked: bpy.types.NodeSocket,
+                   in_viewport: bpy.types.NodeOutputs) -> bpy.types.NodeSocket:
+        """The mesh of viewports where this is one, there is such a mesh, it is in its place and no clip is played."""
+        mesh, (away, _, _) = in_viewport["Geometry"], self.components(in_viewport["Location"])
+        here = self.node("GeometryNodeIsViewport").outputs[0]
+        for wanted in (self.element_count(mesh, "POINT"), self.math("SUBTRACT", 1.0, away),
+                       self.math("SUBTRACT", 1.0, baked)):
+            here = self.both(here, self.above(wanted, 0.5))
+        return self.switch(here, fine, mesh)
+
     def proxy(self, geometry: bpy.types.NodeSocket, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """The coarse mesh, moved by what the output object holds for its points."""
         index = self.index()
@@ -162,7 +173,7 @@ class _Builder(GeometryNodes):
     def build(self) -> None:
         inputs = self.node("NodeGroupInput").outputs
         geometry, output = inputs["Geometry"], self.object_info(inputs[OUTPUT])
-        carried = output["Geometry"]
+        carried = self.shown_here(output["Geometry"], inputs[BAKED], self.object_info(inputs[VIEWPORT_OUTPUT]))
         clip = self.mesh_of(inputs[CACHE])
         # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
         first_pass, beside, live_instead = self.components(output["Location"])

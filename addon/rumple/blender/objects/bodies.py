@@ -101,6 +101,18 @@ def in_order(wrinkled: list[Wrinkled]) -> list[Wrinkled]:
     return ordered
 
 
+def all_under(obj: bpy.types.Object) -> set[bpy.types.Object]:
+    """What a garment is worn over or follows by a modifier, and what these are worn over or follow, and so on."""
+    todo, found = [obj], {obj}
+    while todo:
+        one = todo.pop()
+        followed = modifier.depends_on_wrinkled(one)
+        below = {*of(one), *([] if followed is None else [followed])} if modifier.find(one) is not None else set()
+        todo += below - found
+        found |= below
+    return found - {obj}
+
+
 # ---------------------------------------------------------------- the dependency graph
 def _wanted(obj: bpy.types.Object) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
     """What the modifier has to name. Nothing of what is refused: it would be a circle."""

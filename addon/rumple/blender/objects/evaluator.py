@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ...core import engine
-from ...core.settings import FieldSettings
+from ...core.settings import FieldSettings, MeshSettings
 from .. import compat
 from . import incoming_mesh, mesh_reader, messages, modifier, properties, units
 from .runtimes import Runtime
@@ -48,7 +48,7 @@ def sources(obj: bpy.types.Object) -> Sources:
 def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     """Make entry.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.UserError."""
     now = sources(obj)
-    wanted = now.shape, obj.rumple.most_vertices
+    wanted = now.shape, obj.rumple.most_vertices, obj.rumple.viewport_steps
     if runtime.evaluator is not None and runtime.shape == wanted:
         return
     if runtime.refused == wanted:
@@ -68,7 +68,9 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
 
 
 def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:
-    more = dict(own=now.own, attached=now.attached) if now.own is not None else {}
+    more: dict[str, Any] = dict(own=now.own, attached=now.attached) if now.own is not None else {}
+    if isinstance(now.settings, MeshSettings):
+        more["viewport_steps"] = obj.rumple.viewport_steps
     least = FEWEST * max(len(mesh.positions) for mesh in (now.base, now.own) if mesh is not None)
     fine = modifier.system(modifier.find(obj)).wrinkles.build(
         now.base, now.settings, unit_scale=now.unit_scale, most_vertices=max(obj.rumple.most_vertices, least), **more)

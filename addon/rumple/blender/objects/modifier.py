@@ -148,6 +148,31 @@ def set_output_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object |
     modifier.id_data.update_tag()
 
 
+def viewport_output(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    """The hidden object whose mesh the modifier shows in viewports, where that is another one."""
+    found = _get(modifier, wrinkle_tree.VIEWPORT_OUTPUT)
+    return found if isinstance(found, bpy.types.Object) else None
+
+
+def can_show_in_viewport(modifier: bpy.types.NodesModifier) -> bool:
+    """Not with a node group of an older version that is linked from another file."""
+    return wrinkle_tree.VIEWPORT_OUTPUT in compat.group_sockets(modifier.node_group, "INPUT")
+
+
+def set_viewport_output(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
+    """None: viewports show what renders show."""
+    if new == viewport_output(modifier):
+        return
+    _set(modifier, wrinkle_tree.VIEWPORT_OUTPUT, new)
+    modifier.node_group = modifier.node_group  # as in set_output_object()
+    modifier.id_data.update_tag()
+
+
+def outputs(modifier: bpy.types.NodesModifier) -> list[bpy.types.Object]:
+    """Both of them, as far as they are there."""
+    return [found for found in (output_object(modifier), viewport_output(modifier)) if found is not None]
+
+
 def coarse_vertices(modifier: bpy.types.NodesModifier) -> int:
     """The number of incoming vertices that the output object was made for."""
     return int(_get(modifier, wrinkle_tree.COUNT) or 0)
@@ -255,7 +280,8 @@ def remove(obj: bpy.types.Object) -> None:
     if modifier is None:
         return
     group = modifier.node_group
-    for name in (wrinkle_tree.OUTPUT, wrinkle_tree.CACHE, wrinkle_tree.BODY, wrinkle_tree.BODIES):
+    for name in (wrinkle_tree.OUTPUT, wrinkle_tree.VIEWPORT_OUTPUT, wrinkle_tree.CACHE, wrinkle_tree.BODY,
+                 wrinkle_tree.BODIES):
         if _get(modifier, name) is not None:
             _set(modifier, name, None)
     obj.modifiers.remove(modifier)

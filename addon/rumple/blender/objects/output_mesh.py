@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from ...core import engine
+from ...core.shown_mesh import ShownMesh
 from .. import compat
 from ..nodes import wrinkle_tree
 from . import incoming_mesh, mesh_reader
@@ -21,16 +22,17 @@ from . import incoming_mesh, mesh_reader
 KEY = "rumple_carrier"  # custom property on output and cache objects: tells leftovers from the artist's objects
 CARRIED_KEY = "rumple_carried"  # custom property on the output mesh: fingerprints of what it inherited, JSON
 SUFFIX = ".wrinkles"
+WEIGHT_STEPS = 1024.0  # of the weights of vertex groups: a call for each, and thousands of them take half a second
 
 
-def make(obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> bpy.types.Object:
+def make(obj: bpy.types.Object, fine: ShownMesh, source: bpy.types.Object) -> bpy.types.Object:
     """A new output object, in no collection: the modifier's input keeps it alive."""
     output = bpy.data.objects.new(obj.name + SUFFIX, bpy.data.meshes.new(obj.name + SUFFIX))
     fill(output, obj, fine, source)
     return output
 
 
-def fill(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> None:
+def fill(output: bpy.types.Object, obj: bpy.types.Object, fine: ShownMesh, source: bpy.types.Object) -> None:
     """Give the output object the fine mesh, embedded and at rest, and everything carried.
 
     source: whose materials, UV maps and attributes it inherits: obj, or the artist's own fine mesh.
@@ -43,7 +45,7 @@ def fill(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles,
     mesh.update()
 
 
-def write_embedding(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
+def write_embedding(mesh: bpy.types.Mesh, fine: ShownMesh) -> None:
     """The attributes that the node tree reads, with no offset yet."""
     count = fine.vertex_count
     for corner, name in enumerate(wrinkle_tree.CORNERS):
@@ -57,7 +59,7 @@ def write_embedding(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
     _write_attributes(mesh, rest, fine.ATTRIBUTES)
 
 
-def is_embedding_of(mesh: bpy.types.Mesh, fine: engine.Wrinkles) -> bool:
+def is_embedding_of(mesh: bpy.types.Mesh, fine: ShownMesh) -> bool:
     """True where the output object (from a file, perhaps) already is this fine mesh, bound in this way."""
     if len(mesh.vertices) != fine.vertex_count or len(mesh.loops) != len(fine.corner_vertex):
         return False
@@ -105,7 +107,7 @@ def _write_attributes(mesh: bpy.types.Mesh, result: engine.FrameResult,
 
 
 # ---------------------------------------------------------------- carrying
-def carry(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles, source: bpy.types.Object) -> None:
+def carry(output: bpy.types.Object, obj: bpy.types.Object, fine: ShownMesh, source: bpy.types.Object) -> None:
     """Everything inherited, again: called when it changed while the topology did not."""
     mesh, inherited = output.data, _inherited(obj, source)
     _drop_inherited(mesh)
@@ -138,7 +140,7 @@ def _carry_materials(mesh: bpy.types.Mesh, source: bpy.types.Object) -> None:
         mesh.materials.append(slot.material)
 
 
-def _carry_faces(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
+def _carry_faces(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: ShownMesh) -> None:
     parents = fine.polygon_parent
     for prop, dtype in (("material_index", np.int32), ("use_smooth", bool)):
         values = np.empty(len(inherited.polygons), dtype)
@@ -166,7 +168,7 @@ def _find_edges(mesh: bpy.types.Mesh, pairs: np.ndarray) -> np.ndarray:
     return order[place]
 
 
-def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
+def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: ShownMesh) -> None:
     marks = compat.edge_marks(inherited)
     if not marks or not len(fine.edges):
         return
@@ -179,7 +181,7 @@ def _carry_edges(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.W
     compat.set_edge_marks(mesh, spread)
 
 
-def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
+def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: ShownMesh) -> None:
     active, active_render = "", ""
     for name in [layer.name for layer in inherited.uv_layers]:
         layer = inherited.uv_layers[name]
@@ -195,7 +197,7 @@ def _carry_uv_maps(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine
         mesh.uv_layers[active_render].active_render = True
 
 
-def _carry_attributes(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: engine.Wrinkles) -> None:
+def _carry_attributes(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: ShownMesh) -> None:
     for name in [attribute.name for attribute in compat.generic_attributes(inherited)]:
         attribute = inherited.attributes[name]
         domain, data_type = attribute.domain, attribute.data_type
@@ -209,7 +211,7 @@ def _carry_attributes(mesh: bpy.types.Mesh, inherited: bpy.types.Mesh, fine: eng
         target.render_color_index = target.find(colours[colours.render_color_index].name)
 
 
-def _carried_values(fine: engine.Wrinkles, domain: str, values: np.ndarray) -> np.ndarray:
+def _carried_values(fine: ShownMesh, domain: str, values: np.ndarray) -> np.ndarray:
     """Interpolated; whole numbers and switches rounded, so that a value constant around a point stays itself."""
     if domain == "FACE":
         return values[fine.polygon_parent]
@@ -218,7 +220,7 @@ def _carried_values(fine: engine.Wrinkles, domain: str, values: np.ndarray) -> n
     return result if values.dtype == np.float32 else np.rint(result).astype(values.dtype)
 
 
-def carry_vertex_groups(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles,
+def carry_vertex_groups(output: bpy.types.Object, obj: bpy.types.Object, fine: ShownMesh,
                         names: list[str]) -> None:
     """Weights of the named groups. Every group gets its name: a missing one makes a modifier act on everything."""
     wanted = [group.name for group in obj.vertex_groups]
@@ -234,7 +236,7 @@ def carry_vertex_groups(output: bpy.types.Object, obj: bpy.types.Object, fine: e
         _write_group(output.vertex_groups[name], weights[:, column])
 
 
-def _from_base(fine: engine.Wrinkles, values: np.ndarray) -> np.ndarray:
+def _from_base(fine: ShownMesh, values: np.ndarray) -> np.ndarray:
     """Point values of the coarse mesh through the embedding: an own mesh has other points than carry_points() takes."""
     weight_1, weight_2 = fine.barycentric[:, :1], fine.barycentric[:, 1:]
     corner_0, corner_1, corner_2 = (values[fine.triangle_vertex[:, corner]] for corner in range(3))
@@ -242,18 +244,18 @@ def _from_base(fine: engine.Wrinkles, values: np.ndarray) -> np.ndarray:
 
 
 def _write_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
-    """One call for all points of one weight: most are 0 or 1."""
+    """One call for all points of one weight, in steps that nobody sees: Blender takes weights in no other way."""
     inside = np.flatnonzero(weights > 0.0)
-    if not len(inside):
-        return
-    order = inside[np.argsort(weights[inside], kind="stable")]
-    starts = np.flatnonzero(np.diff(weights[order], prepend=-1.0))
-    for members in np.split(order, starts[1:]):
-        group.add(members.tolist(), float(weights[members[0]]), "REPLACE")
+    steps = np.maximum(np.rint(weights[inside] * WEIGHT_STEPS), 1.0)
+    order = np.argsort(steps, kind="stable")
+    members, values = inside[order].tolist(), steps[order]
+    starts = np.flatnonzero(np.diff(values, prepend=-1.0)).tolist()
+    for start, end in zip(starts, [*starts[1:], len(members)]):
+        group.add(members[start:end], float(values[start]) / WEIGHT_STEPS, "REPLACE")
 
 
 # ---------------------------------------------------------------- what changed
-def carry_changes(output: bpy.types.Object, obj: bpy.types.Object, fine: engine.Wrinkles,
+def carry_changes(output: bpy.types.Object, obj: bpy.types.Object, fine: ShownMesh,
                   source: bpy.types.Object) -> bool:
     """Carry again what differs from what the output object has. True when something did."""
     mesh = output.data

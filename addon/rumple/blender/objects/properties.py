@@ -146,6 +146,10 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                        description="The shape key that is the unwrinkled cloth")
     rest_frame: bpy.props.IntProperty(name="Rest Frame", default=1, options=set(), override=_OVERRIDE,
                                       description="The frame whose shape Capture takes as the unwrinkled cloth")
+    viewport_steps: bpy.props.IntProperty(name="Viewport", default=0, min=0, max=2, options=set(), override=_OVERRIDE,
+                                          update=_changed("MESH"),
+                                          description="Smoothing steps in viewports, at most those of renders. Each "
+                                                      "makes four times as many vertices, of the same folds")
     most_vertices: bpy.props.IntProperty(name="Most Vertices", default=DEFAULT_MOST_VERTICES, min=1000,
                                          soft_max=2_000_000, max=engine.MOST_VERTICES, options=set(),
                                          override=_OVERRIDE, update=_changed("MESH"),

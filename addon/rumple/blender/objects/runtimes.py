@@ -24,12 +24,14 @@ class Inputs:
     paint: dict[str, np.ndarray]
     frame_rate: float  # frames a second
     uses_proxy: bool = False  # the mesh is a proxy for depth and clicks: the viewport draws the folds (preview.py)
+    in_viewport: bool = False  # for the mesh of viewports (viewport_mesh.py)
     body: Body | None = None
     surroundings: Surroundings = Surroundings()  # read where the cloth swings
 
     def same_as(self, other: "Inputs | None") -> bool:
         return (other is not None and self.frame == other.frame and self.settings == other.settings
-                and (self.frame_rate, self.uses_proxy) == (other.frame_rate, other.uses_proxy)
+                and (self.frame_rate, self.uses_proxy, self.in_viewport) == (
+                    other.frame_rate, other.uses_proxy, other.in_viewport)
                 and self.surroundings == other.surroundings
                 and (other.body is None if self.body is None else self.body.same_as(other.body))
                 and self.paint.keys() == other.paint.keys()
@@ -43,14 +45,15 @@ class Runtime(RuntimeBase):
     """One wrinkled object."""
 
     evaluator: engine.Wrinkles | None = None
-    shape: tuple[str, int] | None = None  # fingerprint of what `evaluator` was made from, and Most Vertices
-    refused: tuple[str, int] | None = None  # the same of what could not be made: not tried again until it changes
+    shape: tuple[str, int, int] | None = None  # fingerprint of what `evaluator` was made from, and its limits
+    refused: tuple[str, int, int] | None = None  # the same of what could not be made: not tried again until it changes
     paint: dict[str, np.ndarray] | None = None  # None: read again
     stack: str = ""  # fingerprint of the modifiers in front when the incoming mesh was last made
     tried: int = -1  # vertices that arrived, and did not fit, when it was last made anew for that reason
     groups: list[str] | None = None  # names of the vertex groups when the output object was last checked
     inputs: Inputs | None = None
-    result: engine.FrameResult | engine.PreviewFrame | None = None  # what the output object holds
+    result: engine.FrameResult | engine.PreviewFrame | None = None  # what the mesh of output_key holds
+    fitting: tuple[int, ...] = ()  # the output meshes that were compared with what is solved
     written_at: tuple[int, float] | None = None  # the scene and its frame that wrote the output object last
     moved_in: int = 0  # the scene whose last frame wrote the output object: its next one will
     analyzing: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
@@ -62,6 +65,7 @@ class Runtime(RuntimeBase):
 
     def invalidate_output(self) -> None:
         self.inputs = self.result = None
+        self.fitting = ()
         super().invalidate_output()
 
     def invalidate(self) -> None:

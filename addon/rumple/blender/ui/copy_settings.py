@@ -33,6 +33,7 @@ class OBJECT_OT_rumple_copy_settings(ui_base.OnWrinkled, bpy.types.Operator):
                 if getattr(to, name) != getattr(group, name) or group.is_property_set(name):
                     setattr(to, name, getattr(group, name))
             obj.rumple.most_vertices = source.rumple.most_vertices
+            obj.rumple.viewport_steps = source.rumple.viewport_steps
         self.report({"INFO"}, f"{source.name}: settings copied to {', '.join(obj.name for obj in targets)}")
         return {"FINISHED"}
 

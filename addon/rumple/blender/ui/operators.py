@@ -19,8 +19,7 @@ from ..frame import rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
-                       properties, runtimes, stack_notes, units)
-from ..viewport import preview
+                       properties, runtimes, stack_notes, units, viewport_mesh)
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
@@ -185,7 +184,7 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
-        with preview.paused():
+        with viewport_mesh.paused():
             obj.update_tag()
             context.view_layer.update()
             mesh = evaluated_mesh(context, obj)

@@ -14,7 +14,7 @@ from ..maps import modifier as maps_modifier
 from ..nodes import field_profile
 from ..objects import changes, modifier, properties, runtimes, stack_notes
 from ..ui_base import Panel, draw_message, draw_note, named_paint, property_column, settings_column
-from . import cloth_panel, healing, paths_panel, rest_panel
+from . import cloth_panel, examples, healing, paths_panel, rest_panel, saved_settings
 
 _ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
 
@@ -38,6 +38,7 @@ class DATA_PT_rumple(bpy.types.Panel):
         row = self.layout.row(align=True)
         row.prop(nodes_mod, "show_viewport", text="", emboss=False)
         row.prop(nodes_mod, "show_render", text="", emboss=False)
+        saved_settings.DATA_PT_rumple_saved_settings.draw_panel_header(row)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, context.object
@@ -96,7 +97,9 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
             column.prop(settings, "edge_length")
         else:
             column.prop(obj.rumple, "own_mesh")
-        column.prop(settings, "display_steps")
+        steps = column.column(align=True)
+        steps.prop(obj.rumple, "viewport_steps", text="Smoothing Viewport")
+        steps.prop(settings, "display_steps", text="Render")
         column.prop(obj.rumple, "most_vertices")
         column.prop(settings, "weld")
 
@@ -225,7 +228,9 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     if runtime.inputs is not None and runtime.inputs.uses_proxy:
         lines.append((f"Drawn on the graphics card; {fine.vertex_count} vertices in renders", "SHADING_SOLID"))
     else:
-        lines.append((f"{fine.vertex_count} vertices are shown", "MESH_DATA"))
+        fewer = fine.in_viewport if runtime.inputs is not None and runtime.inputs.in_viewport else None
+        lines.append((f"{fine.vertex_count:,} vertices are shown" if fewer is None else
+                      f"{fewer.vertex_count:,} vertices are shown, {fine.vertex_count:,} in renders", "MESH_DATA"))
     if result is not None:
         times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in result.milliseconds.items())
         lines.append((f"Milliseconds: {times}" + (" (stored frame)" if result.replayed else ""), "TIME"))
@@ -243,6 +248,7 @@ class OBJECT_MT_rumple_add(bpy.types.Menu):
                 self.layout.operator("object.rumple_add", text=system.label,
                                      icon=_ICONS[system.method]).method = system.method
         _add_maps_button(self.layout)
+        examples.draw_menu(self.layout)
 
 
 def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:

@@ -11,7 +11,6 @@ fine mesh, and Blender has a coarse mesh just under the drawn surface, for depth
 """
 from __future__ import annotations
 
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Callable, Iterator, Protocol
 
@@ -21,7 +20,7 @@ import numpy as np
 from mathutils import Matrix
 
 from .. import compat, scheduler
-from ..objects import incoming_mesh, messages, modifier, runtimes
+from ..objects import incoming_mesh, messages, modifier, runtimes, viewport_mesh
 from . import gpu_arrays, preview_field, preview_paths, studio_light
 from .draw_handler import DrawHandler
 
@@ -75,7 +74,6 @@ class _OnGpu:
 
 
 _on_gpu: dict[int, _OnGpu] = {}  # by session key
-_pauses = 0
 
 
 def _clear() -> None:
@@ -110,7 +108,7 @@ def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
 
     Never in background mode; in the main thread.
     """
-    if not handler.added or _pauses or obj.rumple.method != "PATHS" or not _is_wanted(obj, nodes_mod):
+    if not handler.added or viewport_mesh.is_paused() or obj.rumple.method != "PATHS" or not _is_wanted(obj, nodes_mod):
         return False
     on_gpu = _on_gpu.get(compat.session_key(obj))
     if on_gpu is not None and on_gpu.refused:
@@ -118,17 +116,6 @@ def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
     views = [area.spaces.active for window in bpy.context.window_manager.windows for area in window.screen.areas
              if area.type == "VIEW_3D"]
     return bool(views) and all(_draws_in(space) for space in views)
-
-
-@contextmanager
-def paused() -> Iterator[None]:
-    """While somebody needs the fine mesh in a viewport's depsgraph: bakes, Apply."""
-    global _pauses
-    _pauses += 1
-    try:
-        yield
-    finally:
-        _pauses -= 1
 
 
 # ---------------------------------------------------------------- drawing

@@ -34,7 +34,7 @@ class Passes:
                                  ("out_link", "out_solved"))
         self.activity = Pass(source("activity"), ("vertices", "solved"), ("out_activity",))
         self.relax = Pass(source("relax"), ("vertices", "links", "activities", "phases"), ("out_phase",),
-                          (("FLOAT", "rate"),))
+                          (("FLOAT", "relax_rate"),))
         self.dissolve = Pass(source("dissolve"), ("vertices", "links", "waves", "phases"), ("out_waves",))
         self.unfold = Pass(source("unfold"), ("fans", "fan_corners", "positions"), ("out_u", "out_v"))
 
@@ -131,7 +131,7 @@ class GpuField:
         for _ in range(rounds):
             self._passes.relax.run(self._phases[1], {
                 "vertices": self._vertices, "links": self._links[0].textures[0],
-                "activities": self._activities.textures[0], "phases": self.phases}, rate=self._rate)
+                "activities": self._activities.textures[0], "phases": self.phases}, relax_rate=self._rate)
             self._phases.reverse()
             self._start_phase = None
 

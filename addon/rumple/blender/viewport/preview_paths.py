@@ -71,7 +71,7 @@ def _compile() -> gpu.types.GPUShader:
         between, (("IVEC3", "spot"),),
         ("triangles", "flats", "smooths", "normals", "uvs", "patches", "ranges", "ends", "image"),
         (*formulas, "preview/paths_vertex"), (*formulas, "preview/paths_fragment"),
-        (("INT", "first"), ("INT", "parts"), ("INT", "profile"), ("FLOAT", "curved")),
+        (("INT", "first_patch"), ("INT", "parts"), ("INT", "profile_kind"), ("FLOAT", "curved")),
         (("VEC4", "out_color"), ("FLOAT", "out_depth")))
 
 
@@ -148,10 +148,10 @@ class Drawing:
         self._proxy.draw(shader)
 
     def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:
-        shader.uniform_int("profile", self._profile)
+        shader.uniform_int("profile_kind", self._profile)
         shader.uniform_float("curved", self._curved)
         for parts, first, count in self._groups[slot]:
             shader.uniform_int("parts", parts)
             for start, size in runs(first, count, parts):
-                shader.uniform_int("first", start)
+                shader.uniform_int("first_patch", start)
                 gpu_arrays.kept(f"pattern {parts} {size}", lambda: _pattern(parts, size)).draw(shader)

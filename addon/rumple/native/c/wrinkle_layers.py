@@ -26,8 +26,10 @@ class WrinkleLayersPlan(Struct):
     __slots__ = ()
     levels: int  # subdivisions of the base that are solved, >= 0; there are levels + 1 layers
     display_steps: int  # further subdivisions, of the shown mesh, that are not solved, >= 0
+    viewport_steps: int  # ... of the mesh that viewports show, >= 0; at most as many count
     most_vertices: int  # a shown mesh with more is refused
-    _fields_ = (("levels", c_int32), ("display_steps", c_int32), ("most_vertices", c_int32),)
+    _fields_ = (("levels", c_int32), ("display_steps", c_int32), ("viewport_steps", c_int32),
+        ("most_vertices", c_int32),)
 
 
 class WrinkleLayersView(Struct):
@@ -85,8 +87,10 @@ class WrinkleTransferPlan(Struct):
     __slots__ = ()
     level: int  # subdivisions of the dense mesh that are moved, >= 0
     display_steps: int  # further ones that are shown, >= 0
+    viewport_steps: int  # ... of the mesh that viewports show, >= 0; at most as many count
     most_vertices: int  # a shown mesh with more is refused
-    _fields_ = (("level", c_int32), ("display_steps", c_int32), ("most_vertices", c_int32),)
+    _fields_ = (("level", c_int32), ("display_steps", c_int32), ("viewport_steps", c_int32),
+        ("most_vertices", c_int32),)
 
 
 WRINKLE_LAYERS_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -94,7 +98,7 @@ WRINKLE_LAYERS_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_wrinkle_layers_build": (CHECKED, (SurfacePointer, POINTER(WrinkleLayersPlan),
         POINTER(WrinkleLayersPointer))),
     "rumple_wrinkle_layers_free": (None, (WrinkleLayersPointer,)),
-    "rumple_wrinkle_layers_shown": (ShownMeshPointer, (WrinkleLayersPointer,)),
+    "rumple_wrinkle_layers_shown": (ShownMeshPointer, (WrinkleLayersPointer, c_bool)),
     "rumple_wrinkle_layers_get_view": (CHECKED, (WrinkleLayersPointer, POINTER(WrinkleLayersView))),
     "rumple_wrinkle_layers_get_layer": (CHECKED, (WrinkleLayersPointer, c_int32, POINTER(WrinkleMeshView))),
     "rumple_wrinkle_layers_paint_build": (CHECKED, (WrinkleLayersPointer, POINTER(WrinkleLayersPainted),
@@ -111,12 +115,12 @@ WRINKLE_LAYERS_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         WrinkleLayersPaintPointer, POINTER(WrinkleLayersInput), WrinkleLayersStatePointer, POINTER(WrinkleMeshReport),
         c_size_t, POINTER(WrinkleLayersStatePointer))),
     "rumple_wrinkle_layers_show": (CHECKED, (WrinkleLayersPointer, c_void_p, c_size_t, c_void_p, c_size_t,
-        WrinkleLayersStatePointer, POINTER(FramePointer))),
+        WrinkleLayersStatePointer, c_bool, POINTER(FramePointer))),
     "rumple_wrinkle_transfer_plan_default": (WrinkleTransferPlan, ()),
     "rumple_wrinkle_transfer_build": (CHECKED, (SurfacePointer, CoarsePointer, WrinkleLayersPointer,
         POINTER(WrinkleTransferPlan), POINTER(WrinkleTransferPointer))),
     "rumple_wrinkle_transfer_free": (None, (WrinkleTransferPointer,)),
-    "rumple_wrinkle_transfer_shown": (ShownMeshPointer, (WrinkleTransferPointer,)),
+    "rumple_wrinkle_transfer_shown": (ShownMeshPointer, (WrinkleTransferPointer, c_bool)),
     "rumple_wrinkle_transfer_show": (CHECKED, (WrinkleTransferPointer, c_void_p, c_size_t, WrinkleLayersStatePointer,
-        POINTER(FramePointer))),
+        c_bool, POINTER(FramePointer))),
 }

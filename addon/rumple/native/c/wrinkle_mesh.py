@@ -31,9 +31,10 @@ class WrinkleMeshPlan(Struct):
     attached_count: int
     farthest: float  # an own mesh farther than this from the base is refused, object units; 0: any
     display_steps: int  # further subdivisions, of the shown mesh, that are not solved, >= 0
+    viewport_steps: int  # ... of the mesh that viewports show, >= 0; at most as many count
     adaptive: bool  # for settings whose reference is not RUMPLE_REFERENCE_STATIC_REST
     _fields_ = (("fine", FinePlan), ("own", SurfacePointer), ("attached", c_void_p), ("attached_count", c_size_t),
-        ("farthest", c_float), ("display_steps", c_int32), ("adaptive", c_bool),)
+        ("farthest", c_float), ("display_steps", c_int32), ("viewport_steps", c_int32), ("adaptive", c_bool),)
 
 
 class WrinkleMeshView(Struct):
@@ -151,7 +152,7 @@ WRINKLE_MESH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_wrinkle_mesh_plan_default": (WrinkleMeshPlan, ()),
     "rumple_wrinkle_mesh_build": (CHECKED, (SurfacePointer, POINTER(WrinkleMeshPlan), POINTER(WrinkleMeshPointer))),
     "rumple_wrinkle_mesh_free": (None, (WrinkleMeshPointer,)),
-    "rumple_wrinkle_mesh_shown": (ShownMeshPointer, (WrinkleMeshPointer,)),
+    "rumple_wrinkle_mesh_shown": (ShownMeshPointer, (WrinkleMeshPointer, c_bool)),
     "rumple_wrinkle_mesh_get_view": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshView))),
     "rumple_wrinkle_mesh_settings_default": (WrinkleMeshSettings, ()),
     "rumple_wrinkle_mesh_paint_build": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshPainted),
@@ -171,7 +172,7 @@ WRINKLE_MESH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         WrinkleMeshPaintPointer, WrinkleMeshPosePointer, WrinkleMeshStatePointer, POINTER(WrinkleMeshReport),
         POINTER(WrinkleMeshStatePointer))),
     "rumple_wrinkle_mesh_show": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings), WrinkleMeshPosePointer,
-        WrinkleMeshStatePointer, POINTER(FramePointer))),
+        WrinkleMeshStatePointer, c_bool, POINTER(FramePointer))),
     "rumple_wrinkle_mesh_measure": (CHECKED, (WrinkleMeshPointer, POINTER(WrinkleMeshSettings),
         WrinkleMeshPaintPointer, WrinkleMeshPosePointer, WrinkleMeshStatePointer, POINTER(WrinkleMeshMeasures),
         c_void_p, c_size_t)),

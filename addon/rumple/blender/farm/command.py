@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: `rumple bake`, `check`, `publish`, ... A process of Blender without a window runs one of them.
+
+What it says begins with "Rumple: ", since Blender writes to the same streams; what went wrong goes to stderr.
+"""
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import signal
+import sys
+from pathlib import Path
+from typing import Any, Callable
+
+import bpy
+
+from . import bake, commands, plan
+
+
+class Usage(Exception):
+    """The command line cannot be followed."""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> Any:
+        raise Usage(f"{message} ({self.prog} --help says what there is)")
+
+
+def say(text: str) -> None:
+    print(f"Rumple: {text}", flush=True)
+
+
+def complain(text: str) -> None:
+    sys.stdout.flush()
+    print(f"Rumple: {text}", file=sys.stderr, flush=True)
+
+
+# ---------------------------------------------------------------- arguments
+def frames_of(text: str) -> tuple[int, int]:
+    """"1-250", "-5-20" or "12"."""
+    found = re.fullmatch(r"(-?\d{1,7})(?:-(-?\d{1,7}))?", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"frames are A-B, not {text}")
+    first = int(found[1])
+    last = first if found[2] is None else int(found[2])
+    if last < first:
+        raise argparse.ArgumentTypeError(f"the last frame ({last}) is before the first ({first})")
+    return first, last
+
+
+def _whole(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise ValueError
+    return value
+
+
+def parser() -> argparse.ArgumentParser:
+    top = _Parser(prog="rumple", description="Bakes wrinkles without a window. Exit codes: 0 done, 1 something failed, "
+                  "2 wrong usage, 3 nothing to do, 4 --verify found a difference, 75 another worker has it, 143 ended.")
+    kinds = top.add_subparsers(dest="command", required=True, parser_class=_Parser)
+    common = _Parser(add_help=False)
+    common.add_argument("file", type=Path, metavar="FILE.blend")
+    common.add_argument("--object", action="append", default=[], metavar="NAME", help="this one; may be given again")
+    common.add_argument("--frames", type=frames_of, metavar="A-B", help="else those that each object has")
+    common.add_argument("--out", type=Path, metavar="DIR", help="folder of the clips, else that of each object")
+    common.add_argument("--enable-autoexec", action="store_true", help="run Python drivers and scripts of the file")
+    common.add_argument("--json", action="store_true", help="the result as one line")
+    one = kinds.add_parser("bake", parents=[common], help="bake wrinkled objects into their clips")
+    one.add_argument("--resume", action="store_true",
+                     help="skip clips that are whole, go on with bakes that were ended")
+    one.add_argument("--verify", type=_whole, nargs="?", const=0, metavar="COUNT",
+                     help="bake nothing: solve so many samples again (all) and compare bits")
+    one.add_argument("--lock-age", type=float, default=600.0, metavar="SECONDS",
+                     help="a lock of another host that was not touched for so long is taken over (600)")
+    check = kinds.add_parser("check", parents=[common], help="say what this worker lacks for a file")
+    check.add_argument("--to-bake", action="store_true", help="before a bake: clips that are stale or gone are notes")
+    kinds.add_parser("list", parents=[common], help="what can be baked, in order, and what rests on what")
+    published = kinds.add_parser("publish", parents=[common], help="write baked garments as USD")
+    published.add_argument("--to", type=Path, metavar="DIR", help="folder of the files: else publish, beside the file")
+    published.add_argument("--scheme", choices=("none", "catmullClark"), default="none",
+                           help="how readers subdivide the mesh: none has normals")
+    published.add_argument("--attributes", action="store_true", help="the wrinkles' attributes, too, as primvars")
+    attach = kinds.add_parser("attach", parents=[common], help="save the file with its whole clips shown")
+    attach.add_argument("--save-as", type=Path, metavar="OTHER.blend", help="else in place")
+    return top
+
+
+# ---------------------------------------------------------------- running
+def main(words: list[str]) -> int:
+    """The exit code."""
+    try:
+        chosen = parser().parse_args(words)
+    except Usage as error:
+        complain(str(error))
+        return commands.USAGE
+    except SystemExit as ended:  # --help
+        return int(ended.code or 0)
+    try:
+        return _run(chosen)
+    except commands.Refused as error:
+        complain(str(error))
+        return error.code
+
+
+def _run(chosen: argparse.Namespace) -> int:
+    commands.open_file(chosen.file, chosen.enable_autoexec)
+    scene = bpy.context.scene
+    garments = commands.choose(scene, chosen.object)
+    chosen.restore = _override(chosen, plan.garments(scene), garments)
+    run = {"bake": _verify if getattr(chosen, "verify", None) is not None else _bake, "check": _check, "list": _list,
+           "attach": _attach, "publish": _publish}
+    outcome = run[chosen.command](chosen, garments)
+    if chosen.json:
+        say(json.dumps(outcome.data))
+    return outcome.code
+
+
+def _override(chosen: argparse.Namespace, there: list[bpy.types.Object],
+              garments: list[bpy.types.Object]) -> Callable[[], None]:
+    """What the command line says in place of the file; returns what takes it back."""
+    before = [(obj.rumple, obj.rumple.bake_start, obj.rumple.bake_end, obj.rumple.bake_folder) for obj in there]
+    for obj in garments if chosen.frames else ():
+        obj.rumple.bake_start, obj.rumple.bake_end = chosen.frames
+    for obj in there if chosen.out else ():  # what they rest on is looked for there, too
+        obj.rumple.bake_folder = os.path.abspath(chosen.out)
+
+    def restore() -> None:
+        for about, start, end, folder in before:
+            about.bake_start, about.bake_end, about.bake_folder = start, end, folder
+
+    return restore
+
+
+def _bake(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    former = signal.signal(signal.SIGTERM, lambda _signal, _frame: bake.end_soon())
+    try:
+        return commands.bake_all(garments, chosen.resume, chosen.lock_age, say, complain)
+    finally:
+        signal.signal(signal.SIGTERM, former)
+
+
+def _verify(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    return commands.verify_all(garments, chosen.verify, say, complain)
+
+
+def _check(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    return commands.check_all(garments, chosen.to_bake, say, complain)
+
+
+def _list(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    return commands.list_all(garments, say if not chosen.json else lambda text: None)
+
+
+def _publish(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    folder = (chosen.to or chosen.file.parent / "publish").absolute()
+    return commands.publish_all(garments, folder, chosen.scheme, chosen.attributes, say, complain)
+
+
+def _attach(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    return commands.attach_all(garments, chosen.save_as, chosen.restore, say, complain)
+
+
+def run_and_exit(words: list[str]) -> None:
+    """For a script that Blender runs: ends Blender."""
+    code = main(words)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)  # wm.quit_blender() and sys.exit() leave the code to Blender, which may crash on its way out
+
+
+# ---------------------------------------------------------------- blender --command rumple
+_registered: list[Any] = []
+
+
+def register() -> None:
+    """The command: Blender 4.2 and later. The property: what a queue asks for when a file is submitted."""
+    bpy.types.Scene.rumple_bake_order = bpy.props.StringProperty(get=plan.as_text, description="Garments of the scene "
+                                                                 "in the order in which they are baked")
+    if hasattr(bpy.utils, "register_cli_command"):
+        _registered.append(bpy.utils.register_cli_command("rumple", main))
+
+
+def unregister() -> None:
+    del bpy.types.Scene.rumple_bake_order
+    while _registered:
+        bpy.utils.unregister_cli_command(_registered.pop())

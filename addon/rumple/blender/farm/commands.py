@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the commands do with an open file: each garment by itself, what fails is said and the others go on."""
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable
+
+import bpy
+
+from ...core.clip_folder import in_words, megabytes
+from ...core.clip_lock import Held
+from ...core.clip_manifest import ClipFault
+from ..bake import clip
+from ..bake.playback import BakeError
+from ..objects import modifier
+from . import bake, check, plan, publish, source, verify
+
+Say = Callable[[str], None]
+DONE, FAILED, USAGE, NOTHING, DIFFERS = 0, 1, 2, 3, 4
+HELD = 75  # EX_TEMPFAIL: another worker has it, try again later
+ENDED = 143  # by SIGTERM, as shells count it
+
+
+class Refused(Exception):
+    """Nothing is done. code: what the process ends with."""
+
+    def __init__(self, text: str, code: int = USAGE) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+@dataclass
+class Outcome:
+    """code: what the process ends with. data: the same for machines."""
+
+    code: int
+    data: dict[str, Any]
+
+
+# ---------------------------------------------------------------- the file
+def open_file(file: Path, run_scripts: bool) -> None:
+    """Raises Refused."""
+    if not file.is_file():
+        raise Refused(f"there is no file {file}")
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(file.absolute()), load_ui=False, use_scripts=run_scripts)
+    except RuntimeError as error:
+        raise Refused(f"{file} cannot be opened: {str(error).strip()}") from error
+
+
+def choose(scene: bpy.types.Scene, names: list[str]) -> list[bpy.types.Object]:
+    """The garments of these names, or all, in the order in which they are baked. Raises Refused."""
+    found = plan.garments(scene)
+    there = ", ".join(sorted(obj.name for obj in found)) or "none"
+    for name in names:
+        if name not in [obj.name for obj in found]:
+            why = "is linked: it is baked in its own file, or as a library override" if _is_linked(name) else \
+                "is no wrinkled object of this scene"
+            raise Refused(f"{name!r} {why}; there is: {there}")
+    if not found:
+        raise Refused(f"{Path(bpy.data.filepath).name} has no wrinkled objects that can be baked: there is nothing to "
+                      "do", NOTHING)
+    return [obj for obj in found if not names or obj.name in names]
+
+
+def _is_linked(name: str) -> bool:
+    return any(obj.name == name and obj.library is not None for obj, _ in modifier.wrinkled_objects())
+
+
+# ---------------------------------------------------------------- bake
+def bake_all(garments: list[bpy.types.Object], resume: bool, lock_age: float, say: Say, complain: Say) -> Outcome:
+    """One after another, each behind those that it rests on."""
+    files, started = source.of_files(), time.perf_counter()
+    results: dict[str, dict[str, Any]] = {}
+    for obj in garments:
+        name = obj.name
+        failed = [other for other in plan.needs(obj) if results.get(other, {}).get("code", DONE)]
+        if failed:
+            code = results[failed[0]]["code"]
+            results[name] = dict(code=code, error=f"it rests on {failed[0]}, which was not baked")
+        else:
+            results[name] = _bake_one(obj, files, bake.Options(resume, lock_age), say)
+        if results[name]["code"]:
+            failed_or_not = "FAILED" if results[name]["code"] == FAILED else "not baked"
+            complain(f"{name} {failed_or_not}: {results[name]['error']}")
+        if results[name]["code"] == ENDED:
+            break
+    codes = [result["code"] for result in results.values()]
+    code = next((code for code in (ENDED, FAILED, HELD) if code in codes), DONE)
+    say(f"{codes.count(DONE)} of {len(codes)} baked in {time.perf_counter() - started:.1f} s")
+    return Outcome(code, dict(file=bpy.data.filepath, made_by=source.made_by(), garments=results))
+
+
+def _bake_one(obj: bpy.types.Object, files: str, options: bake.Options, say: Say) -> dict[str, Any]:
+    try:
+        live = bake.show_needed(obj, files)
+        if live:
+            say(f"{obj.name}: it rests on {', '.join(live)}, of which there is no clip of this file: solved with it")
+        done = bake.bake(bpy.context, obj, files, options, say)
+    except Held as error:
+        return dict(code=HELD, error=_bare(obj, error))
+    except bake.Ended:
+        return dict(code=ENDED, error="ended by SIGTERM; what is solved so far is kept for --resume")
+    except (BakeError, ClipFault) as error:
+        return dict(code=FAILED, error=_bare(obj, error))
+    except OSError as error:
+        return dict(code=FAILED, error=in_words(error, Path(obj.rumple.bake_folder or clip.FOLDER)))
+    except Exception as error:  # nothing that is known; the others go on all the same
+        return dict(code=FAILED, error=f"{type(error).__name__}: {error}")
+    say(done.in_words(obj.name))
+    return dict(code=DONE, clip=str(done.path), samples=done.samples, seconds=round(done.seconds, 3), bytes=done.bytes,
+                resumed=done.resumed, passed=done.passed, was_whole=done.was_whole, checksum=done.checksum)
+
+
+def _bare(obj: bpy.types.Object, error: Exception) -> str:
+    """Without the name that many messages begin with."""
+    return str(error).removeprefix(f"{obj.name}: ")
+
+
+# ---------------------------------------------------------------- the others
+def verify_all(garments: list[bpy.types.Object], most: int, say: Say, complain: Say) -> Outcome:
+    """most: samples of each, 0: all."""
+    files = source.of_files()
+    results: dict[str, dict[str, Any]] = {}
+    for obj in garments:
+        try:
+            bake.show_needed(obj, files, all_frames=False)
+            found = verify.verify(bpy.context, obj, most)
+        except (BakeError, ClipFault) as error:
+            results[obj.name] = dict(code=FAILED, error=_bare(obj, error))
+            complain(f"{obj.name} FAILED: {_bare(obj, error)}")
+            continue
+        results[obj.name] = dict(code=DONE if found.frame is None else DIFFERS, compared=found.compared,
+                                 frame=found.frame, farthest=found.farthest, damaged=found.damaged)
+        (say if found.frame is None else complain)(found.in_words(obj.name))
+    codes = [result["code"] for result in results.values()]
+    return Outcome(FAILED if FAILED in codes else max(codes), dict(file=bpy.data.filepath, garments=results))
+
+
+def check_all(garments: list[bpy.types.Object], to_bake: bool, say: Say, complain: Say) -> Outcome:
+    """What this worker lacks; to_bake: for a bake, which mends clips. Warnings do not count."""
+    findings = check.findings(garments, to_bake)
+    for finding in findings:
+        (complain if finding.lacks else say)(("" if finding.lacks else "note: ") + finding.text)
+    lacks = sum(finding.lacks for finding in findings)
+    if not lacks:
+        say(f"nothing is lacking for {len(garments)} wrinkled objects: {source.made_by()}")
+    return Outcome(FAILED if lacks else DONE, dict(file=bpy.data.filepath, made_by=source.made_by(), findings=[
+        dict(kind=finding.kind, lacks=finding.lacks, text=finding.text) for finding in findings]))
+
+
+def list_all(garments: list[bpy.types.Object], say: Say) -> Outcome:
+    """In order."""
+    rows = []
+    for obj in garments:
+        about = obj.rumple
+        rows.append(dict(name=obj.name, needs=plan.needs(obj), start=about.bake_start, end=about.bake_end,
+                         samples=about.bake_samples, bytes=plan.bytes_of(obj)))
+        rests = f", rests on {', '.join(rows[-1]['needs'])}" if rows[-1]["needs"] else ""
+        say(f"{obj.name}: frames {about.bake_start}-{about.bake_end}, about {megabytes(rows[-1]['bytes'])} MB{rests}")
+    return Outcome(DONE, dict(file=bpy.data.filepath, garments=rows))
+
+
+def publish_all(garments: list[bpy.types.Object], folder: Path, scheme: str, attributes: bool, say: Say,
+                complain: Say) -> Outcome:
+    """Each with a whole clip into a file of its own."""
+    files = source.of_files()
+    results: dict[str, dict[str, Any]] = {}
+    for obj in garments:
+        started = time.perf_counter()
+        try:
+            bake.show_needed(obj, files, all_frames=False)
+            done = publish.publish(bpy.context, obj, files, folder, scheme, attributes)
+        except (BakeError, ClipFault) as error:
+            results[obj.name] = dict(code=FAILED, error=_bare(obj, error))
+            complain(f"{obj.name} FAILED: {_bare(obj, error)}")
+            continue
+        seconds = time.perf_counter() - started
+        results[obj.name] = dict(code=DONE, file=str(done.path), frames=done.frames, vertices=done.vertices,
+                                 bytes=done.bytes, seconds=round(seconds, 3))
+        say(f"{obj.name}: {done.frames} frames of {done.vertices} points in {seconds:.1f} s, "
+            f"{megabytes(done.bytes)} MB: {done.path}")
+    codes = [result["code"] for result in results.values()]
+    return Outcome(FAILED if FAILED in codes else DONE, dict(file=bpy.data.filepath, garments=results))
+
+
+def attach_all(garments: list[bpy.types.Object], save_as: Path | None, restore: Callable[[], None], say: Say,
+               complain: Say) -> Outcome:
+    """Save the file with its whole clips shown; what has none stays as it is. restore: takes back what the command line
+    has changed of the file."""
+    files = source.of_files()
+    results: dict[str, dict[str, Any]] = {}
+    for obj in garments:
+        try:
+            bake.show_needed(obj, files, all_frames=False)
+            manifest = bake.whole_clip(obj, source.of_garment(obj, files), any_frames=True)
+        except BakeError as error:
+            raise Refused(str(error)) from error
+        if manifest is None:
+            results[obj.name] = dict(code=FAILED, error="there is no whole clip of this file")
+            complain(f"{obj.name} FAILED: there is no whole clip of this file: bake it")
+            continue
+        bake.show(obj, manifest)
+        results[obj.name] = dict(code=DONE, clip=str(clip.new_clip_path(obj)))
+        say(f"{obj.name}: shows {clip.new_clip_path(obj)}")
+    restore()
+    target = (save_as or Path(bpy.data.filepath)).absolute()
+    try:  # Blender itself writes to a file beside it and renames that
+        bpy.ops.wm.save_as_mainfile(filepath=str(target), copy=save_as is not None, check_existing=False)
+    except RuntimeError as error:
+        raise Refused(f"{target} cannot be saved: {str(error).strip()}", FAILED) from error
+    codes = [result["code"] for result in results.values()]
+    return Outcome(FAILED if FAILED in codes else DONE, dict(file=str(target), garments=results))

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What of a file can be baked, in which order, and what it takes on the disk."""
+from __future__ import annotations
+
+import graphlib
+import json
+
+import bpy
+
+from ...core import clip_file
+from .. import compat
+from ..objects import bodies, modifier
+
+_MANIFEST_BYTES = 600  # about, for a sample
+
+
+def garments(scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """The wrinkled objects of a scene that can be written, each behind those that it rests on."""
+    found = [obj for obj, _ in bodies.in_order(list(modifier.wrinkled_objects()))
+             if scene.objects.get(obj.name) == obj and compat.is_editable(obj)]
+    graph = {obj.name: needs(obj) for obj in found}
+    try:
+        order = list(graphlib.TopologicalSorter(graph).static_order())
+    except graphlib.CycleError:
+        return found  # each says by itself what is wrong with it
+    return sorted(found, key=lambda obj: order.index(obj.name))
+
+
+def needs(obj: bpy.types.Object) -> list[str]:
+    """The wrinkled objects that one rests on or follows: what is baked before it. Linked ones are baked elsewhere."""
+    others = [] if bodies.refusal(obj) else bodies.of(obj)
+    follows = modifier.depends_on_wrinkled(obj)
+    if follows is not None and follows not in others:
+        others.append(follows)
+    return [other.name for other in others if modifier.find(other) is not None and compat.is_editable(other)]
+
+
+def as_text(scene: bpy.types.Scene) -> str:
+    """Names of garments and what each rests on, in order, for the forms of queues."""
+    return json.dumps([dict(name=obj.name, needs=needs(obj)) for obj in garments(scene)])
+
+
+def bytes_of(obj: bpy.types.Object) -> int:
+    """About what its clip takes, by the shown mesh that the file has; 0 where it has none yet."""
+    nodes_mod = modifier.find(obj)
+    output = modifier.output_object(nodes_mod)
+    if output is None or output.type != "MESH":
+        return 0
+    points = clip_file.point_count(len(output.data.vertices), len(output.data.loops),
+                                   modifier.system(nodes_mod).wrinkles.ATTRIBUTES)
+    about = obj.rumple
+    samples = max(about.bake_end - about.bake_start, 0) * about.bake_samples + 1
+    return clip_file.HEADER_BYTES + samples * (12 * points + _MANIFEST_BYTES)

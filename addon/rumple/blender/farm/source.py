@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a clip is baked from, as digests: a clip, or a part of one, is used again only where all of it is the same."""
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Iterator
+
+import bpy
+
+from ...core import clip_file
+from ...core.clip_manifest import ClipFault
+from ...native import kernels
+from ..frame import clip_status
+from ..objects import modifier
+from . import plan
+
+
+def of_files() -> str:
+    """Of the saved blend file and those linked from it by what they hold, of caches by size and time."""
+    digest = hashlib.blake2b(digest_size=16)
+    for file in (bpy.data.filepath, *sorted(bpy.path.abspath(library.filepath) for library in bpy.data.libraries)):
+        digest.update(_content(Path(file)))
+    for cache in sorted(set(caches())):
+        try:
+            now = cache.stat()
+            digest.update(repr((cache.name, now.st_size, now.st_mtime_ns)).encode("utf-8", "surrogatepass"))
+        except OSError:
+            digest.update(b"none")
+    return digest.hexdigest()
+
+
+def of_garment(obj: bpy.types.Object, files: str) -> str:
+    """files: of_files(). The clips that it rests on count."""
+    digest = hashlib.blake2b(files.encode(), digest_size=16)
+    for name in plan.needs(obj):
+        digest.update(clip_digest(bpy.data.objects[name]))
+    return digest.hexdigest()
+
+
+def clip_digest(obj: bpy.types.Object) -> bytes:
+    """Of what it shows; of one that is not baked: nothing."""
+    clip = clip_status.clip_path(obj) if modifier.plays_clip(modifier.find(obj)) else None
+    if clip is None:
+        return b"live"
+    try:
+        manifest = clip_file.read_manifest(clip)
+    except ClipFault:
+        return b"live"
+    return b"" if manifest is None else clip_file.checksum(manifest).to_bytes(4, "little")
+
+
+def made_by() -> str:
+    """Whose bits are the same."""
+    return f"Rumple {kernels.__version__}, Blender {bpy.app.version_string}"
+
+
+def caches() -> Iterator[Path]:
+    """Files that animate: not the clips of wrinkles."""
+    for cache in bpy.data.cache_files:
+        yield Path(bpy.path.abspath(cache.filepath, library=cache.library))
+    for obj in bpy.data.objects:
+        for modifier_ in obj.modifiers:
+            if modifier_.type == "MESH_CACHE" and modifier_.filepath and modifier_.name != modifier.CACHE_NAME:
+                yield Path(bpy.path.abspath(modifier_.filepath, library=obj.library))
+
+
+def _content(file: Path) -> bytes:
+    digest = hashlib.blake2b(digest_size=16)
+    try:
+        with open(file, "rb") as opened:
+            while block := opened.read(1 << 20):
+                digest.update(block)
+    except OSError:
+        return b"none"
+    return digest.digest()

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh that viewports show, subdivided fewer times than that of renders: as Subdivision has two levels.
+
+The same folds are solved for both. It is another hidden output object; its place tells the node tree whether viewports
+show it: they show the mesh of renders where a bake reads that, and where something counts on the points it saw.
+"""
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import Iterator
+
+import bpy
+
+from ...core import engine
+from ...core.shown_mesh import ShownMesh
+from .. import compat
+from . import modifier
+
+AWAY = 1.0  # x of the hidden object while viewports show the mesh of renders; wrinkle_tree.py compares with a half
+
+# Modifiers behind the wrinkles that keep nothing of a mesh they saw: another number of points does not disturb them.
+_KEEP_NOTHING = frozenset((
+    "ARRAY", "BEVEL", "CAST", "DECIMATE", "DISPLACE", "EDGE_SPLIT", "MASK", "MIRROR", "NODES", "SIMPLE_DEFORM",
+    "SMOOTH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WARP", "WEIGHTED_NORMAL", "WELD", "WIREFRAME"))
+# Modifiers of other objects that count on the points of their target.
+_BOUND_TO_TARGET = frozenset(("MESH_DEFORM", "PARTICLE_INSTANCE", "SURFACE_DEFORM"))
+
+_pauses = 0
+
+
+@contextmanager
+def paused() -> Iterator[None]:
+    """While somebody needs the mesh of renders in a viewport's depsgraph: bakes, Apply."""
+    global _pauses
+    _pauses += 1
+    try:
+        yield
+    finally:
+        _pauses -= 1
+
+
+def is_paused() -> bool:
+    return _pauses > 0
+
+
+def may_differ(pairs: list[tuple[bpy.types.Object, bpy.types.NodesModifier]]) -> set[bpy.types.Object]:
+    """Those of the wrinkled objects that viewports may show with other points than renders.
+
+    Cost: about a microsecond for each modifier of the file and each node of its geometry node groups.
+    """
+    mine = [(obj, nodes_mod) for obj, nodes_mod in pairs if modifier.viewport_output(nodes_mod) is not None]
+    if not mine or is_paused() or nodes_keep_meshes():
+        return set()
+    bound = targets()
+    return {obj for obj, nodes_mod in mine
+            if obj not in bound and keeps_nothing_behind(obj, nodes_mod) and not _is_read_behind(obj, nodes_mod)}
+
+
+def _is_read_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether nodes behind the wrinkles know the mesh of renders: Wrinkle Maps."""
+    output, modifiers = modifier.output_object(nodes_mod), list(obj.modifiers)
+    behind = [m for m in modifiers[modifiers.index(nodes_mod) + 1:] if m.type == "NODES" and m.node_group is not None]
+    return any(compat.modifier_input(m, identifier) == output
+               for m in behind for identifier in compat.group_sockets(m.node_group, "INPUT").values())
+
+
+def solved_for(nodes_mod: bpy.types.NodesModifier, fine: engine.Wrinkles) -> list[ShownMesh]:
+    """The meshes that modifier.outputs() must have: that of renders, and where there is one that of viewports."""
+    in_viewport = fine.in_viewport if modifier.can_show_in_viewport(nodes_mod) else None
+    return [fine] if in_viewport is None else [fine, in_viewport]
+
+
+def settle(nodes_mod: bpy.types.NodesModifier, wanted: bool) -> None:
+    """Let viewports show it, or not. Allowed where first_pass.py moves the output object."""
+    mesh, place = modifier.viewport_output(nodes_mod), 0.0 if wanted else AWAY
+    if mesh is not None and mesh.location.x != place:
+        modifier.move_hidden(mesh, "x", place)
+
+
+def is_shown(nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether viewports show it."""
+    mesh = modifier.viewport_output(nodes_mod)
+    return mesh is not None and mesh.location.x != AWAY and not modifier.is_baked(nodes_mod)
+
+
+def keeps_nothing_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether nothing of the object itself keeps the mesh that it was shown last."""
+    modifiers = list(obj.modifiers)
+    behind = modifiers[modifiers.index(nodes_mod) + 1:]
+    return obj.rigid_body is None and all(m.type in _KEEP_NOTHING for m in behind)
+
+
+def targets() -> set[bpy.types.Object | None]:
+    """What modifiers of other objects are bound to, and what other garments follow."""
+    bound = {getattr(m, "target", None) or getattr(m, "object", None)
+             for obj in bpy.data.objects for m in obj.modifiers if m.type in _BOUND_TO_TARGET}
+    wrinkled = [obj for obj, _nodes_mod in modifier.wrinkled_objects()]
+    return bound | {modifier.depends_on(obj, wrinkled) for obj in wrinkled}
+
+
+def nodes_keep_meshes() -> bool:
+    """Whether any nodes (Blender 3.6 and later) keep a mesh that they saw."""
+    return any(node.bl_idname in ("GeometryNodeSimulationOutput", "GeometryNodeBake")
+               for group in bpy.data.node_groups if group.users and group.bl_idname == "GeometryNodeTree"
+               for node in group.nodes)

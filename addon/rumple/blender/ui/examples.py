@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes to open and play. Packages have them; in a checkout scripts/examples makes them."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+FOLDER = Path(__file__).resolve().parents[2] / "examples"
+
+
+def files() -> dict[str, Path]:
+    """By the name that is shown."""
+    return {path.stem.replace("_", " "): path for path in sorted(FOLDER.glob("*.blend"))}
+
+
+class WM_OT_rumple_open_example(bpy.types.Operator):
+    """Open a scene with wrinkles, as a new file: press Space to play it. Unsaved changes of this file are lost"""
+
+    bl_idname = "wm.rumple_open_example"
+    bl_label = "Open Example"
+
+    name: bpy.props.StringProperty(name="Example", options={"SKIP_SAVE"})
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        path = files().get(self.name or next(iter(files()), ""))  # by a search no name comes
+        if path is None:
+            known = ", ".join(files()) or "none here"
+            self.report({"ERROR"}, f"There is no example named \"{self.name}\": {known}")
+            return {"CANCELLED"}
+        return bpy.ops.wm.read_homefile(filepath=str(path), load_ui=False)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if bpy.data.is_dirty:
+            return context.window_manager.invoke_confirm(self, event)
+        return self.execute(context)
+
+
+class OBJECT_MT_rumple_examples(bpy.types.Menu):
+    bl_label = "Open Example"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        # A file cannot be read from a menu's own execution: the operator is invoked.
+        self.layout.operator_context = "INVOKE_DEFAULT"
+        for name in files():
+            self.layout.operator("wm.rumple_open_example", text=name).name = name
+
+
+def draw_menu(layout: bpy.types.UILayout) -> None:
+    """Where there are any."""
+    if files():
+        layout.separator()
+        layout.menu("OBJECT_MT_rumple_examples", icon="FILE_BLEND")
+
+
+def _help_entry(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    if files():
+        self.layout.menu("OBJECT_MT_rumple_examples", text="Wrinkles: Open Example")
+
+
+_register, _unregister = bpy.utils.register_classes_factory((WM_OT_rumple_open_example, OBJECT_MT_rumple_examples))
+
+
+def register() -> None:
+    _register()
+    bpy.types.TOPBAR_MT_help.append(_help_entry)
+
+
+def unregister() -> None:
+    bpy.types.TOPBAR_MT_help.remove(_help_entry)
+    _unregister()

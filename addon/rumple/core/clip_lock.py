@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Who bakes a clip: a file beside it, so that two workers at one clip do not harm one another. No bpy here.
+
+The file names host, process and, in a queue, the task ($RUMPLE_TASK: the same when a task is started again). Its holder
+touches it while it works: its age is what a file server says, since the clocks of two machines differ. A lock is
+taken over where nobody holds it any more: its process is gone (same host), its task was started again on another host
+(a queue gives it up before it does that), or it was not touched for OLDEST seconds (another host). Whoever lost its
+lock so stops at its next sample; until then both write files of their own.
+"""
+from __future__ import annotations
+
+import json
+import os
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from . import clip_folder
+from .clip_manifest import ClipFault
+
+OLDEST = 600.0  # seconds without a touch, for a lock of another host
+_TOUCHED = 5.0  # seconds between two touches
+
+
+class Held(ClipFault):
+    """Another worker bakes this clip."""
+
+
+@dataclass(frozen=True)
+class Holder:
+    """Who has a lock."""
+
+    host: str
+    process: int
+    started: str  # of the process, as the system counts it: numbers of processes come again
+    task: str  # of the queue; empty: none
+
+    @classmethod
+    def here(cls) -> "Holder":
+        process = os.getpid()
+        return cls(clip_folder.HOST, process, _started(process), os.environ.get("RUMPLE_TASK", ""))
+
+    @classmethod
+    def read(cls, path: Path) -> "Holder | None":
+        """None where it cannot be read: half written, say."""
+        try:
+            data = json.loads(path.read_bytes()[:4096])
+            return cls(str(data["host"]), int(data["process"]), str(data["started"]), str(data["task"]))
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+
+    def is_gone(self) -> bool:
+        """Whether it is known to work no more."""
+        here = Holder.here()
+        if self.host != here.host:
+            return self.task != "" and self.task == here.task
+        return not clip_folder.is_running(self.process) or _started(self.process) != self.started
+
+    def in_words(self) -> str:
+        return f"process {self.process} on {self.host}" + (f" (task {self.task})" if self.task else "")
+
+
+def _started(process: int) -> str:
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[19]
+    except (OSError, IndexError):
+        return ""
+
+
+class Lock:
+    """Held from its making to release(). Making it raises Held, or ClipFault where nothing can be written."""
+
+    def __init__(self, clip: Path, oldest: float = OLDEST) -> None:
+        self.path, self.clip, self.holder = clip.with_name(f".{clip.name}.lock"), clip, Holder.here()
+        self._touched = 0.0
+        try:
+            clip.parent.mkdir(parents=True, exist_ok=True)
+            for _ in range(3):  # another one may come first, and its lock be left as well
+                if self._create():
+                    return
+                self._take_over(oldest)
+            raise Held(f"others take and leave its lock {self.path.name}: try again")
+        except (OSError, ValueError) as error:
+            raise ClipFault(clip_folder.in_words(error, clip.parent)) from error
+
+    def _create(self) -> bool:
+        """Whole or not at all: a link to a file that is written already."""
+        own = clip_folder.temporary(self.path)
+        own.write_text(json.dumps(asdict(self.holder)))
+        try:
+            os.link(own, self.path)
+        except FileExistsError:
+            return False
+        except OSError:  # no links on this disk
+            return self._create_plainly()
+        finally:
+            own.unlink(missing_ok=True)
+        self._touched = time.monotonic()
+        return True
+
+    def _create_plainly(self) -> bool:
+        try:
+            with open(self.path, "x") as file:
+                file.write(json.dumps(asdict(self.holder)))
+        except FileExistsError:
+            return False
+        self._touched = time.monotonic()
+        return True
+
+    def _take_over(self, oldest: float) -> None:
+        """Away with a lock that nobody holds. Raises Held."""
+        holder = Holder.read(self.path)
+        try:
+            before = self.path.stat()
+            age = self._now() - before.st_mtime
+        except FileNotFoundError:
+            return  # released meanwhile
+        if age < oldest and not (holder is not None and holder.is_gone()):
+            who = holder.in_words() if holder is not None else "somebody"
+            raise Held(f"{self.clip.name} is being baked by {who}, last heard of {max(age, 0.0):.0f} s ago")
+        aside = clip_folder.temporary(self.path)
+        try:
+            os.rename(self.path, aside)
+        except FileNotFoundError:
+            return
+        moved = aside.stat()
+        if (moved.st_ino, moved.st_mtime_ns) != (before.st_ino, before.st_mtime_ns):  # another one's, made meanwhile
+            os.rename(aside, self.path)
+            return
+        aside.unlink(missing_ok=True)
+
+    def _now(self) -> float:
+        """By the clock of the disk."""
+        probe = clip_folder.temporary(self.path)
+        probe.touch()
+        try:
+            return probe.stat().st_mtime
+        finally:
+            probe.unlink(missing_ok=True)
+
+    def touch(self) -> None:
+        """To be called often while it is held. Raises Held where it was taken over."""
+        if time.monotonic() - self._touched < _TOUCHED:
+            return
+        self._touched = time.monotonic()
+        self.check()
+        try:
+            os.utime(self.path)
+        except OSError as error:
+            raise ClipFault(clip_folder.in_words(error, self.clip.parent)) from error
+
+    def check(self) -> None:
+        """Raises Held where it was taken over."""
+        holder = Holder.read(self.path)
+        if holder != self.holder:
+            raise Held(f"{self.clip.name} was taken over by " + (holder.in_words() if holder else "somebody"))
+
+    def release(self) -> None:
+        """Never raises."""
+        if Holder.read(self.path) == self.holder:
+            try:
+                self.path.unlink(missing_ok=True)
+            except OSError:
+                pass

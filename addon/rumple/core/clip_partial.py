@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake that can be ended at any time and goes on later. No bpy here.
+
+Beside the clip lie two files of the worker's own: the samples so far, as in the clip, and a journal, a line for each
+sample with its checksum and its pose. The first line says what is baked from what, and by what. A worker that goes on
+copies, of all such files of the clip, the most samples whose checksums hold. The clip itself appears by one rename.
+"""
+from __future__ import annotations
+
+import json
+import zlib
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import BinaryIO, Iterator, TextIO
+
+import numpy as np
+
+from . import clip_file, clip_folder, clip_manifest
+from .clip_file import ClipWriter
+from .clip_manifest import ClipFault, Manifest
+from .engine import Attribute, FrameResult
+
+_SAMPLES, _JOURNAL = ".partial", ".journal"
+
+
+@dataclass
+class _Kept:
+    """The samples of a bake that was ended."""
+
+    file: Path
+    checksums: list[int] = field(default_factory=list)
+    poses: list[list[float]] = field(default_factory=list)
+
+
+def _identity(manifest: Manifest, made_by: str) -> str:
+    """What two bakes must have in common, so that one can go on where the other was ended."""
+    return json.dumps([made_by, {**asdict(manifest), "poses": [], "checksums": []}])
+
+
+def _files(clip: Path) -> list[Path]:
+    """The samples of all bakes of a clip that were ended; sorted, so that it does not depend on the disk."""
+    start = f".{clip.name}."
+    return sorted(path for path in clip.parent.iterdir()
+                  if path.name.startswith(start) and path.name.endswith(_SAMPLES))
+
+
+def _journal(file: Path) -> Path:
+    return file.with_name(file.name.removesuffix(_SAMPLES) + _JOURNAL)
+
+
+def _read(file: Path, manifest: Manifest, made_by: str) -> _Kept | None:
+    """None where it is of another bake. A line that was cut short ends it. Raises OSError."""
+    kept = _Kept(file)
+    with open(_journal(file), encoding="ascii", errors="replace") as journal:
+        if journal.readline() != _identity(manifest, made_by) + "\n":
+            return None
+        for line in journal:
+            try:
+                checksum, pose = json.loads(line)
+                good = line.endswith("\n") and clip_manifest.is_pose(pose, manifest.coarse_vertices)
+                kept.checksums.append(int(checksum))
+            except (ValueError, TypeError):
+                break
+            if not good or len(kept.checksums) > manifest.sample_count:
+                kept.checksums.pop()
+                break
+            kept.poses.append(pose)
+    return kept
+
+
+def remove_others(clip: Path, but: Path | None = None) -> None:
+    """What ended bakes of a clip have left. Never raises."""
+    try:
+        found = [file for file in _files(clip) if file != but]
+    except OSError:
+        return
+    for file in found:
+        for path in (file, _journal(file)):
+            try:
+                path.unlink(missing_ok=True)
+            except OSError:
+                pass
+
+
+class PartialWriter(ClipWriter):
+    """A ClipWriter that goes on. Its samples so far, `kept`, are looked at again as they are given, or passed over.
+
+    Only the holder of the clip's lock makes one. resume: look for what was kept. made_by: whose bits are the same.
+    """
+
+    def __init__(self, clip: Path, manifest: Manifest, attributes: tuple[Attribute, ...], resume: bool,
+                 made_by: str) -> None:
+        self.made_by, self.resume = made_by, resume
+        self.done = 0  # samples that are known to be right
+        self.journal: TextIO | None = None
+        try:
+            super().__init__(clip, manifest, attributes)
+        except ClipFault:
+            if hasattr(self, "temporary"):  # a disk that is full by what is copied
+                self.discard()
+            raise
+
+    @property
+    def kept(self) -> int:
+        """Samples that are in the file."""
+        return len(self.manifest.checksums)
+
+    def _temporary(self) -> Path:
+        return clip_folder.temporary(self.clip, _SAMPLES)
+
+    def _open(self) -> None:
+        found = list(self._found()) if self.resume else []
+        super()._open()
+        assert self.file is not None
+        self.journal = open(_journal(self.temporary), "w", encoding="ascii")
+        self.journal.write(_identity(self.manifest, self.made_by) + "\n")
+        if found:
+            self._copy(max(found, key=lambda kept: len(kept.checksums)))
+        remove_others(self.clip, self.temporary)
+
+    def _found(self) -> Iterator[_Kept]:
+        for file in _files(self.clip):
+            try:
+                kept = _read(file, self.manifest, self.made_by)
+            except OSError:
+                continue
+            if kept is not None:
+                yield kept
+
+    def _copy(self, kept: _Kept) -> None:
+        """What of it is whole."""
+        with open(kept.file, "rb") as file:
+            if file.read(clip_file.HEADER_BYTES) != clip_file.header(self.manifest):
+                return
+            for checksum, pose in zip(kept.checksums, kept.poses):
+                data = file.read(self.manifest.points * 12)
+                if len(data) < self.manifest.points * 12 or zlib.crc32(data) != checksum:
+                    return
+                self._append(data, checksum, pose)
+
+    def _append(self, data: bytes, checksum: int, pose: list[float]) -> None:
+        assert self.file is not None and self.journal is not None
+        self.file.write(data)
+        self.file.flush()
+        self.manifest.checksums.append(checksum)
+        self.manifest.poses.append(pose)
+        self.journal.write(json.dumps([checksum, pose]) + "\n")
+        self.journal.flush()
+
+    def pass_over(self, samples: int) -> None:
+        """Take the first ones as they are kept; the next one goes on from them."""
+        assert self.file is not None
+        self.done = samples
+        self.before = points_in(self.temporary, self.manifest, samples - 1) if samples else None
+
+    def add(self, result: FrameResult, coarse: np.ndarray) -> None:
+        """As ClipWriter has it. From the first sample on that is kept and differs, nothing is kept."""
+        self.before = clip_file.points_of(result, self.attributes, self.before)
+        data = np.ascontiguousarray(self.before, "<f4").tobytes()
+        pose, checksum = clip_manifest.stored_pose(coarse), zlib.crc32(data)
+        if self.done < self.kept and (checksum, pose) != (self.manifest.checksums[self.done],
+                                                          self.manifest.poses[self.done]):
+            self.cut(self.done)
+        if self.done == self.kept:
+            self._do(self._append, data, checksum, pose)
+        self.done += 1
+
+    def cut(self, samples: int) -> None:
+        """Keep no more than the first ones."""
+        self._do(self._cut, samples)
+
+    def _cut(self, samples: int) -> None:
+        assert self.file is not None and self.journal is not None
+        del self.manifest.checksums[samples:], self.manifest.poses[samples:]
+        self.file.seek(clip_file.HEADER_BYTES + samples * self.manifest.points * 12)
+        self.file.truncate()
+        self.journal.seek(0)
+        self.journal.truncate()
+        self.journal.write(_identity(self.manifest, self.made_by) + "\n")
+        for entry in zip(self.manifest.checksums, self.manifest.poses):
+            self.journal.write(json.dumps(entry) + "\n")
+        self.journal.flush()
+        self.done = min(self.done, samples)
+
+    def seal(self) -> None:
+        super().seal()
+        self._close_journal()
+
+    def commit(self) -> None:
+        super().commit()
+        remove_others(self.clip)
+        self._remove_journal()
+
+    def keep(self) -> None:
+        """Ended: what is there is left for another one to go on. Never raises."""
+        self._close_journal()
+        try:
+            if self.file is not None:
+                self.file.close()
+        except OSError:
+            pass
+
+    def discard(self) -> None:
+        super().discard()
+        self._close_journal()
+        self._remove_journal()
+
+    def _close_journal(self) -> None:
+        try:
+            if self.journal is not None:
+                self.journal.close()
+        except OSError:
+            pass
+
+    def _remove_journal(self) -> None:
+        try:
+            _journal(self.temporary).unlink(missing_ok=True)
+        except OSError:
+            pass
+
+
+def points_in(clip: Path, manifest: Manifest, sample: int) -> np.ndarray:
+    """(points, 3) float32 of a sample in a clip, or in the samples so far of one. Raises ClipFault."""
+    try:
+        with open(clip, "rb") as file:
+            _seek(file, manifest, sample)
+            data = file.read(manifest.points * 12)
+    except OSError as error:
+        raise ClipFault(clip_folder.in_words(error, clip.parent)) from error
+    if len(data) != manifest.points * 12:
+        raise ClipFault("it was cut short")
+    return np.frombuffer(data, "<f4").reshape(-1, 3)
+
+
+def _seek(file: BinaryIO, manifest: Manifest, sample: int) -> None:
+    file.seek(clip_file.HEADER_BYTES + sample * manifest.points * 12)

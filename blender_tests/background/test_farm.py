@@ -1,0 +1,307 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command without a window: all or those that are named, ended and resumed to the bit, locked, verified."""
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+import shutil
+import tempfile
+import time
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import bpy
+from rumple.blender.farm import bake, command, commands, source
+from rumple.blender.objects import modifier
+from rumple.core import clip_file, clip_folder
+from support import farm_scene, sleeve
+
+FRAMES = 8
+
+
+class Case(unittest.TestCase):
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.blend, self.clips = self.folder / "shot.blend", self.folder / "rumple"
+        farm_scene.shot(FRAMES)
+        farm_scene.save(self.blend)
+
+    def run_command(self, *words: str) -> int:
+        """The exit code; what it said is in self.out and self.err."""
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = command.main([words[0], str(self.blend), *words[1:]])
+        self.out, self.err = out.getvalue(), err.getvalue()
+        return code
+
+    def data(self, *words: str) -> dict:
+        """What it says to machines."""
+        self.run_command(*words, "--json")
+        return json.loads(self.out.splitlines()[-1].removeprefix("Rumple: "))
+
+    def clip(self, name: str) -> Path:
+        """That of a garment: of its readable name."""
+        return next(self.clips.glob(f"shot-{clip_folder.clip_name('', name)[1:-13]}-*.pc2"))
+
+    def read_all(self, folder: Path | None = None) -> dict[str, str]:
+        """Hashes: unittest takes minutes to compare what is long and differs."""
+        return {path.name: hashlib.sha256(path.read_bytes()).hexdigest()
+                for path in sorted((folder or self.clips).iterdir())}
+
+    def end_after(self, name: str, samples: int) -> None:
+        """A bake of one garment that is ended."""
+        commands.open_file(self.blend, False)
+        obj = bpy.data.objects[name]
+        files = source.of_files()
+        bake.show_needed(obj, files)
+        running = bake.FarmBake(bpy.context, obj, source.of_garment(obj, files), False)
+        while running.partial.done < samples:
+            running.step()
+        running.stop()
+
+
+class Bakes(Case):
+
+    def test_a_garment_is_baked_after_those_it_rests_on_and_one_by_one_gives_the_same_bits(self) -> None:
+        self.assertEqual(self.run_command("bake"), 0)
+        order = [line.split(":")[1].strip() for line in self.out.splitlines() if " ms a sample" in line]
+        self.assertLess(order.index(farm_scene.INNER), order.index(farm_scene.OUTER))
+        self.assertEqual(len(order), 3)
+        self.assertEqual([row["name"] for row in json.loads(bpy.context.scene.rumple_bake_order)], order)
+        together = self.read_all()
+        self.assertEqual(len(together), 3)
+        shutil.rmtree(self.clips)
+        for name in order:
+            self.assertEqual(self.run_command("bake", "--object", name), 0)
+        self.assertEqual(self.read_all(), together)
+        self.assertEqual(self.run_command("bake", "--resume"), 0)
+        self.assertEqual(self.out.count("is whole already"), 3)
+        # The coat rests on the clip, not on live cloth: that is another surface.
+        self.clip(farm_scene.INNER).unlink()
+        self.assertEqual(self.run_command("bake", "--object", farm_scene.OUTER), 0)
+        self.assertIn("of which there is no clip", self.out)
+        self.assertNotEqual(self.read_all()[self.clip(farm_scene.OUTER).name],
+                            together[self.clip(farm_scene.OUTER).name])
+
+    def test_what_fails_is_named_what_rests_on_it_is_left_and_the_others_go_on(self) -> None:
+        farm_scene.break_garment(farm_scene.INNER)
+        farm_scene.save(self.blend)
+        self.assertEqual(self.run_command("bake"), 1)
+        self.assertIn("Sleeve FAILED: nothing is solved at frame 1: is the modifier off?", self.err)
+        self.assertIn("Coat FAILED: it rests on Sleeve, which was not baked", self.err)
+        self.assertEqual(list(self.read_all()), [self.clip(farm_scene.FREE).name])
+
+    def test_names_and_folders_lead_nowhere_else(self) -> None:
+        out = self.folder / "deep" / "x"
+        self.assertEqual(self.run_command("bake", "--out", str(out), "--frames", "2-3"), 0)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["deep", "shot.blend"])
+        self.assertEqual(len(list(out.iterdir())), 3)
+        self.assertEqual(self.data("bake", "--out", str(out), "--frames", "2-3", "--resume")["garments"]
+                         [farm_scene.FREE]["samples"], 2)
+        # Alone it finds what it rests on there, too, and no more of its frames.
+        together = self.read_all(out)
+        words = ("bake", "--out", str(out), "--object", farm_scene.OUTER, "--frames")
+        self.assertEqual(self.run_command(*words, "2-3"), 0)
+        self.assertEqual(self.read_all(out), together)
+        self.assertEqual(self.run_command(*words, "2-4"), 1)
+        self.assertIn("it rests on Sleeve, whose clip has frames 2 to 3 only", self.err)
+
+    def test_words_that_cannot_be_followed(self) -> None:
+        for code, said, words in (
+                (2, "there is no file", ["bake"]), (2, "before the first", ["bake", "--frames", "5-2"]),
+                (2, "frames are A-B, not x", ["bake", "--frames", "x"]), (2, "invalid choice", ["boil"]),
+                (2, "'X' is no wrinkled object of this scene; there is: Coat, Scarf/.. a, Sleeve",
+                 ["bake", "--object", "X"])):
+            here, self.blend = self.blend, self.folder / ("none" if "no file" in said else "shot.blend")
+            self.assertEqual(self.run_command(*words), code, words)
+            self.assertIn(said, self.err)
+            self.blend = here
+        broken = self.folder / "broken.blend"
+        broken.write_bytes(b"BLENDER-v304" + bytes(100))
+        self.blend = broken
+        self.assertEqual(self.run_command("bake"), 2)
+        sleeve.empty_file()
+        self.blend = self.folder / "bare.blend"
+        farm_scene.save(self.blend)
+        self.assertEqual(self.run_command("bake"), 3)
+        self.assertIn("no wrinkled objects", self.err)
+        self.assertFalse(self.clips.exists())
+
+    def test_a_clip_that_cannot_be_written_leaves_nothing(self) -> None:
+        taken = self.folder / "taken"
+        taken.write_text("a file")
+        self.assertEqual(self.run_command("bake", "--out", str(taken)), 1)
+        self.assertIn("is no folder, or leads through a file", self.err)
+        with mock.patch("shutil.disk_usage", return_value=shutil._ntuple_diskusage(10, 10, 1000)):
+            self.assertEqual(self.run_command("bake"), 1)
+        self.assertIn("make room, or choose another folder", self.err)
+        self.assertEqual(list(self.clips.iterdir()), [])
+
+    def test_attached_clips_are_shown_by_the_saved_file(self) -> None:
+        self.assertEqual(self.run_command("attach"), 1)
+        self.assertIn("there is no whole clip", self.err)
+        self.run_command("bake")
+        other = self.folder / "baked.blend"
+        before = self.blend.read_bytes()
+        self.assertEqual(self.run_command("attach", "--save-as", str(other)), 0)
+        self.assertTrue(self.blend.read_bytes() == before)
+        commands.open_file(other, False)
+        for name in (farm_scene.INNER, farm_scene.OUTER, farm_scene.FREE):
+            self.assertTrue(modifier.plays_clip(modifier.find(bpy.data.objects[name])))
+        # What the command line says is not saved.
+        self.assertEqual(self.run_command("bake", "--out", str(self.folder / "x"), "--frames", "2-3"), 0)
+        self.assertEqual(self.run_command("attach", "--out", str(self.folder / "x"), "--frames", "2-3"), 0)
+        about = bpy.data.objects[farm_scene.INNER].rumple
+        self.assertEqual((about.bake_start, about.bake_end, about.bake_folder), (1, FRAMES, ""))
+        self.assertEqual(self.run_command("check"), 0)
+
+
+class Ended(Case):
+    """The law: what was ended and resumed is, byte for byte, what was never ended."""
+
+    def check_resumed(self, name: str, passed: int) -> None:
+        """Ends it after five samples, with bits gone wrong in the third in a second round."""
+        self.assertEqual(self.run_command("bake"), 0)
+        clip = self.clip(name)
+        whole = clip.read_bytes()
+        for harm in (False, True):
+            clip.unlink()
+            self.end_after(name, 5)
+            partial = next(self.clips.glob(".*.partial"))
+            if harm:
+                data = bytearray(partial.read_bytes())
+                data[len(data) // 2] ^= 1
+                partial.write_bytes(data)
+            self.assertFalse(clip.exists())
+            found = self.data("bake", "--resume")["garments"][name]
+            self.assertEqual((found["resumed"], found["passed"]), (2, min(passed, 2)) if harm else (5, passed))
+            self.assertTrue(clip.read_bytes() == whole)
+            self.assertEqual(len(list(self.clips.iterdir())), 3)
+
+    def test_frames_that_depend_on_one_another(self) -> None:
+        self.check_resumed(farm_scene.OUTER, 0)
+
+    def test_independent_frames_are_not_solved_again(self) -> None:
+        self.check_resumed(farm_scene.FREE, 5)
+
+    def test_subframes_and_angles_go_on(self) -> None:
+        obj = bpy.data.objects[farm_scene.FREE]
+        bpy.ops.object.rumple_remove()
+        obj.rumple.field.stateless, obj.rumple.bake_samples = True, 2
+        sleeve.make_active(obj)
+        bpy.ops.object.rumple_add(method="FIELD")
+        obj.rumple.bake_end = FRAMES
+        farm_scene.save(self.blend)
+        self.check_resumed(farm_scene.FREE, 5)
+        self.assertEqual(self.run_command("bake", "--verify", "3", "--object", farm_scene.FREE), 0)
+
+    def test_of_another_file_nothing_is_used(self) -> None:
+        self.run_command("bake")
+        former = self.clip(farm_scene.FREE).read_bytes()
+        self.clip(farm_scene.FREE).unlink()
+        self.end_after(farm_scene.FREE, 5)
+        bpy.data.objects[farm_scene.FREE].rumple.mesh.bending = 0.1
+        farm_scene.save(self.blend)
+        self.assertEqual(self.data("bake", "--resume")["garments"][farm_scene.FREE]["resumed"], 0)
+        now = self.clip(farm_scene.FREE).read_bytes()
+        self.assertFalse(now == former)
+        self.clip(farm_scene.FREE).unlink()
+        self.run_command("bake")
+        self.assertTrue(self.clip(farm_scene.FREE).read_bytes() == now)
+
+    def test_sigterm_keeps_what_is_solved(self) -> None:
+        with mock.patch.object(bake, "_end_wanted", True):
+            self.assertEqual(self.run_command("bake", "--object", farm_scene.FREE), 143)
+        self.assertIn("kept for --resume", self.err)
+        self.assertEqual({path.suffix for path in self.clips.iterdir()}, {".partial", ".journal"})
+        self.assertEqual(self.data("bake", "--resume")["garments"][farm_scene.FREE]["resumed"], 1)
+        self.assertEqual({path.suffix for path in self.clips.iterdir()}, {".pc2"})
+
+
+class Locked(Case):
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.run_command("bake")
+        self.before = self.read_all()
+        self.lock = self.clips / f".{self.clip(farm_scene.FREE).name}.lock"
+
+    def hold(self, **holder: object) -> None:
+        self.lock.write_text(json.dumps(dict(host=clip_folder.HOST, process=os.getppid(), started="", task="")
+                                        | holder))
+
+    def test_another_worker_is_named_and_keeps_its_clip(self) -> None:
+        self.hold(host="node_7", process=4711, task="slurm 12_3")
+        with mock.patch.dict(os.environ, RUMPLE_TASK="slurm 12_4"):
+            self.assertEqual(self.run_command("bake", "--resume", "--object", farm_scene.FREE), 75)
+        self.assertRegex(self.err, r"is being baked by process 4711 on node_7 \(task slurm 12_3\), last heard of \d+ s")
+        self.lock.unlink()
+        self.assertEqual(self.read_all(), self.before)
+
+    def test_a_lock_that_nobody_holds_is_taken_over(self) -> None:
+        old = time.time() - 601.0
+        for holder, touched in ((dict(process=1 << 29), None), (dict(started="long ago"), None),
+                                (dict(host="node_7"), old), (dict(host="node_7", task="slurm 12_3"), None)):
+            self.hold(**holder)
+            if touched is not None:
+                os.utime(self.lock, (touched, touched))
+            with mock.patch.dict(os.environ, RUMPLE_TASK="slurm 12_3"):
+                self.assertEqual(self.run_command("bake", "--object", farm_scene.FREE), 0, holder)
+            self.assertEqual(self.read_all(), self.before)
+
+    def test_who_lost_its_lock_leaves_the_clip_alone(self) -> None:
+        step = bake.FarmBake.step
+
+        def lose(running: bake.FarmBake) -> bool:
+            self.hold(host="node_7")
+            return step(running)
+
+        with mock.patch.object(bake.FarmBake, "step", lose):
+            self.assertEqual(self.run_command("bake", "--object", farm_scene.FREE), 75)
+        self.assertIn("was taken over by process", self.err)
+        self.lock.unlink()
+        self.assertEqual(self.read_all(), self.before)
+
+
+class Verified(Case):
+
+    def harm(self, name: str, sample: int, checksums: bool) -> None:
+        """One bit of a sample; the checksum says so or does not."""
+        clip = self.clip(name)
+        manifest = clip_file.read_manifest(clip)
+        data = bytearray(clip.read_bytes())
+        place, length = clip_file.HEADER_BYTES + sample * manifest.points * 12, manifest.points * 12
+        data[place + 1] ^= 1
+        if checksums:
+            writer = clip_file.SampleWriter(clip, manifest)
+            manifest.checksums.clear()
+            for number in range(manifest.sample_count):
+                start = clip_file.HEADER_BYTES + number * length
+                writer.add_points(clip_file.np.frombuffer(bytes(data[start:start + length]), "<f4").reshape(-1, 3))
+            writer.seal()
+            writer.commit()
+        else:
+            clip.write_bytes(data)
+
+    def test_the_first_frame_that_differs_is_named(self) -> None:
+        self.run_command("bake")
+        self.assertEqual(self.run_command("bake", "--verify"), 0)
+        self.assertEqual(self.out.count(f"{FRAMES} samples were solved again"), 3)
+        for name in (farm_scene.OUTER, farm_scene.FREE):
+            self.harm(name, 4, True)
+            self.assertEqual(self.run_command("bake", "--verify", "--object", name), 4)
+            self.assertIn(f"{name}: frame 5 is the first that differs from the clip, by at most ", self.err)
+            self.assertEqual(self.run_command("bake", "--verify", "2", "--object", name), 0)  # the first and the last
+        self.harm(farm_scene.FREE, 2, False)
+        self.assertEqual(self.data("bake", "--verify", "--object", farm_scene.FREE)["garments"][farm_scene.FREE],
+                         dict(code=4, compared=2, frame=3.0, farthest=0.0, damaged=True))
+        self.clip(farm_scene.FREE).unlink()
+        self.assertEqual(self.run_command("bake", "--verify", "--object", farm_scene.FREE), 1)
+        self.assertIn("bake first", self.err)

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The clips of the gallery: which file, which garments, which frames, and what stands side by side.
+
+    scripts/gallery_clips.py [NAME,...]      names of those that can be rendered here, a line each
+
+Never imports bpy.
+"""
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+@dataclass(frozen=True)
+class Column:
+    """One of the pictures that stand side by side."""
+
+    label: str
+    method: str = ""  # of the wrinkles; none: bare
+    preset: str = ""  # a fabric
+
+
+BARE, CLOTH = Column("As it was animated"), Column("Wrinkle Mesh, one click", "MESH")
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A scene, played through."""
+
+    file: str  # of ../shared/data; none: the demo's shirt
+    garments: tuple[str, ...]  # what is wrinkled, what is worn under others first
+    frames: tuple[int, int]
+    columns: tuple[Column, ...] = (BARE, CLOTH)
+    looks_at: tuple[str, ...] = ()  # objects in the middle of the picture; none: the garments
+    view: tuple[float, float, float] = (0.55, -1.0, 0.2)  # from the middle to the camera
+    distance: float = 3.0  # metres
+    raised: float = 0.0  # metres: how far above that middle the camera looks
+    size: tuple[int, int] = (400, 480)  # pixels of a column
+
+    @property
+    def path(self) -> Path | None:
+        """Where the scene is; None for the demo."""
+        return DATA / f"{self.file}.blend" if self.file else None
+
+
+FABRICS = tuple(Column(preset.capitalize(), "MESH", preset) for preset in ("SILK", "COTTON", "DENIM", "LEATHER"))
+CLIPS = {
+    "arm": Clip("", ("Shirt",), (1, 72), distance=2.75, view=(0.32, -1.0, 0.08)),
+    "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.2, view=(0.5, -1.0, 0.15),
+                 raised=0.16),
+    "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=4.6, view=(0.5, -1.0, 0.15),
+                 raised=0.12),
+    "dance": Clip("S3_skirt_sim", ("skirt",), (20, 110), (
+        Column("Simulated coarse"), Column("Wrinkle Mesh on it, one click", "MESH")), distance=2.3),
+    "systems": Clip("", ("Shirt",), (1, 72), (
+        CLOTH, Column("Wrinkle Field", "FIELD"), Column("Wrinkle Paths", "PATHS")), distance=2.75,
+        view=(0.32, -1.0, 0.08), size=(320, 400)),
+    "fabrics": Clip("S1_walk_shirt", ("shirt",), (40, 110), FABRICS, distance=2.2, size=(280, 360)),
+}
+
+
+def possible() -> list[str]:
+    """The clips whose files are there."""
+    return [name for name, clip in CLIPS.items() if clip.path is None or clip.path.is_file()]
+
+
+if __name__ == "__main__":
+    wanted = sys.argv[1].split(",") if len(sys.argv) > 1 else list(CLIPS)
+    print("\n".join(name for name in possible() if name in wanted), end="\n" if wanted else "")

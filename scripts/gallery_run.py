@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders one clip of the gallery inside Blender: every column played through, then all of them side by side."""
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE"]]
+import rumple  # noqa: E402
+from contact_sheet import LENS, studio  # noqa: E402
+from gallery_clips import CLIPS, Clip, Column  # noqa: E402
+
+LEAD_IN = 12  # frames that are played before the first one that is shown
+CALM = 12  # frames over which the camera's way is averaged
+LABEL = 26  # pixels
+LEAST_RATE = 15  # frames a second that are rendered, at least: a browser loads every one of them
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="scripts/gallery")
+    parser.add_argument("--clip", required=True, choices=CLIPS)
+    parser.add_argument("--out", type=Path, required=True)
+    return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+
+
+def open_scene(clip: Clip) -> bpy.types.Scene:
+    """The file, or the demo's scene, with nothing wrinkled."""
+    if clip.path is None:
+        import demo_scene
+        demo_scene.build_demo_scene()
+    else:
+        bpy.ops.wm.open_mainfile(filepath=str(clip.path))
+    return bpy.context.scene
+
+
+def wrinkle(clip: Clip, column: Column) -> None:
+    """One click for every garment, and the fabric."""
+    for name in clip.garments if column.method else ():
+        obj = bpy.context.view_layer.objects.active = bpy.data.objects[name]
+        obj.rumple.field.output = "GEOMETRY"  # Workbench draws no materials
+        if bpy.ops.object.rumple_add(method=column.method) != {"FINISHED"}:
+            raise SystemExit(obj.rumple.message)
+        if column.preset and bpy.ops.object.rumple_preset(preset=column.preset) != {"FINISHED"}:
+            raise SystemExit(obj.rumple.message)
+
+
+def middles(clip: Clip) -> dict[int, Vector]:
+    """What the camera looks at in every frame, world space: a calm way along the middle of the garments."""
+    scene, first, found = open_scene(clip), clip.frames[0], []
+    for frame in range(first, clip.frames[1] + 1):
+        scene.frame_set(frame)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        corners = [obj.matrix_world @ Vector(corner) for obj in (bpy.data.objects[name].evaluated_get(depsgraph)
+                                                                 for name in clip.looks_at or clip.garments)
+                   for corner in obj.bound_box]
+        found.append((np.min(corners, axis=0) + np.max(corners, axis=0)) / 2.0)
+    padded = np.pad(np.array(found), ((CALM, CALM), (0, 0)), mode="edge")
+    calm = [padded[number:number + 2 * CALM + 1].mean(axis=0) for number in range(len(found))]
+    return {first + number: Vector(middle) + Vector((0.0, 0.0, clip.raised)) for number, middle in enumerate(calm)}
+
+
+def place_camera(clip: Clip, ways: dict[int, Vector]) -> None:
+    scene, view = bpy.context.scene, Vector(clip.view).normalized()
+    camera = bpy.data.objects.new("Gallery", bpy.data.cameras.new("Gallery"))
+    scene.collection.objects.link(camera)
+    scene.camera, camera.data.lens = camera, LENS
+    camera.rotation_euler = (-view).to_track_quat("-Z", "Y").to_euler()
+    for frame, middle in ways.items():
+        camera.location = middle + clip.distance * view
+        camera.keyframe_insert("location", frame=frame)
+
+
+def shown(clip: Clip) -> range:
+    """The frames that are rendered; those between are played."""
+    return range(clip.frames[0], clip.frames[1] + 1, max(bpy.context.scene.render.fps // LEAST_RATE, 1))
+
+
+def render(clip: Clip, column: Column, ways: dict[int, Vector], folder: Path) -> None:
+    """Its pictures, in a folder."""
+    scene = open_scene(clip)
+    wrinkle(clip, column)
+    studio(scene)
+    place_camera(clip, ways)
+    scene.render.resolution_x, scene.render.resolution_y = clip.size
+    scene.render.resolution_percentage = 100
+    scene.frame_start = max(clip.frames[0] - LEAD_IN, scene.frame_start)
+    for frame in range(scene.frame_start, clip.frames[1] + 1):
+        scene.frame_set(frame)
+        if frame in shown(clip):
+            scene.render.filepath = str(folder / f"{frame:04d}.png")
+            bpy.ops.render.render(write_still=True)
+
+
+def side_by_side(clip: Clip, folders: list[Path], out: Path, rate: float) -> None:
+    """Pictures for a video, and an animated WebP."""
+    from PIL import Image, ImageDraw, ImageFont
+    try:
+        font = ImageFont.truetype("DejaVuSans.ttf", 14)
+    except OSError:
+        font = ImageFont.load_default()
+    width, height = clip.size
+    pages = []
+    for frame in shown(clip):
+        page = Image.new("RGB", (width * len(folders), height + LABEL), (24, 24, 26))
+        pen = ImageDraw.Draw(page)
+        for number, (folder, column) in enumerate(zip(folders, clip.columns)):
+            page.paste(Image.open(folder / f"{frame:04d}.png").convert("RGB"), (number * width, LABEL))
+            pen.text((number * width + 8, 5), column.label, fill=(225, 225, 225), font=font)
+        page.save(out / f"{frame:04d}.png")
+        pages.append(page)
+    pages[0].save(out.with_suffix(".webp"), save_all=True, append_images=pages[1:], loop=0, quality=70, method=6,
+                  duration=round(1000.0 / rate))
+
+
+def main() -> None:
+    options = arguments()
+    clip, out = CLIPS[options.clip], options.out / options.clip
+    out.mkdir(parents=True, exist_ok=True)
+    rumple.register()
+    ways = middles(clip)
+    with tempfile.TemporaryDirectory() as temporary:
+        folders = [Path(temporary) / str(number) for number in range(len(clip.columns))]
+        for column, folder in zip(clip.columns, folders):
+            folder.mkdir()
+            render(clip, column, ways, folder)
+        rate = bpy.context.scene.render.fps / shown(clip).step
+        side_by_side(clip, folders, out, rate)
+    (out / "fps").write_text(f"{rate:g}")
+
+
+if __name__ == "__main__":
+    main()
