@@ -31,17 +31,44 @@ class WindowCase(unittest.TestCase):
         area = next(area for area in areas if area.type == kind)
         return sleeve.context(area=area, region=next(region for region in area.regions if region.type == "WINDOW"))
 
-    def viewport_alone(self):
-        """The 3D viewport fills the window, without headers and panels, until the test ends. For render jobs beside a
-        window that draws: Blender forbids Python to write while it draws a panel, and while an engine renders, by one
-        flag that each puts back as it found it. Where the engine ends within a panel, it stays forbidden for good."""
-        with self.area():
-            bpy.ops.screen.screen_full_area(use_hide_panels=True)
-        self.addCleanup(self._all_areas)
+    def render_job(self, just_before=lambda: None, **how):
+        """A render as F12 starts it, with the properties of render.render, and its end: `yield from`.
+        just_before: what is done then, with no timer in between.
 
-    def _all_areas(self):
+        Two faults of Blender 3.4 are kept away. By a key, not from Python: bpy.ops lets go of Python's lock while the
+        operator looks into the override of the context, and the handlers run in the thread of the job by then; that
+        broke Python's memory. And with the viewport alone in the window: Blender forbids Python to write while it draws
+        a panel, and while an engine renders, by one flag that each puts back as it found it; where the engine ends
+        within a panel, it stays forbidden for good.
+        """
+        ended, over = [], (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel)
+        for handlers in over:
+            handlers.append(ended_by := lambda *_arguments: ended.append(1))
+            self.addCleanup(handlers.remove, ended_by)
+        self._viewport_alone_or_not()
+        yield from self.press_for("render.render", just_before, **how)
+        yield from self.until(lambda: ended and not bpy.app.is_job_running("RENDER"), 240.0)
+        self._viewport_alone_or_not()
+        self.assertEqual(len(ended), 1)
+
+    def _viewport_alone_or_not(self):
+        """Without headers and panels."""
         with self.area():
             bpy.ops.screen.screen_full_area(use_hide_panels=True)
+
+    def press_for(self, operator, just_before, **how):
+        """A key that runs an operator with these properties: `yield from`."""
+        keymap = bpy.context.window_manager.keyconfigs.addon.keymaps.new("Window")
+        item = keymap.keymap_items.new(operator, "F19", "PRESS")
+        for name, value in how.items():
+            setattr(item.properties, name, value)
+        yield
+        just_before()
+        window = bpy.context.window_manager.windows[0]
+        for value in ("PRESS", "RELEASE"):
+            window.event_simulate("F19", value, x=window.width // 2, y=window.height // 2)
+        yield
+        keymap.keymap_items.remove(item)
 
     def clear_view(self, space):
         """A 3D viewport with nothing but the objects."""

@@ -163,20 +163,15 @@ class Curves(PathsCase):
         nodes_mod = path_curves.find(curve_edges.child_of(obj))
         compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")["Radius"], 0.006)
         obj.is_holdout = True
-        view, scene, ended = bpy.context.preferences.view, bpy.context.scene, []
+        view, scene = bpy.context.preferences.view, bpy.context.scene
         self.addCleanup(setattr, view, "render_display_type", view.render_display_type)
         view.render_display_type = "NONE"
-        bpy.app.handlers.render_complete.append(ended_by := lambda *_arguments: ended.append(1))
-        self.addCleanup(bpy.app.handlers.render_complete.remove, ended_by)
-        self.viewport_alone()
         yield 0.3
         with sleeve.context():
             sleeve.play()
         with tempfile.TemporaryDirectory() as folder:
             scene.render.filepath = os.path.join(folder, "f")
-            with self.area():
-                bpy.ops.render.render("INVOKE_DEFAULT", animation=True)
-            yield from self.until(lambda: ended and not bpy.app.is_job_running("RENDER"), 240.0)
+            yield from self.render_job(animation=True)
             found = {int(path.stem[1:]): small_renders.read(str(path)) for path in sorted(Path(folder).iterdir())}
         self.assertEqual(obj.rumple.message, "")
         for frame in (14, 20):

@@ -102,14 +102,15 @@ def _on_undo(*_arguments: object) -> None:
 @_handler
 def _on_render_start(*_arguments: object) -> None:
     # A script may have changed things since the last update, and the timer had no turn. Not in the thread of an F12
-    # job: the window draws meanwhile, and data-blocks must not come and go under it.
-    try:
-        if threading.get_ident() == threading.main_thread().ident:
-            scheduler.sync_all()
-        kept_lists.forget_all()
-        clip_status.check_before_render()
-    finally:
-        scheduler.set_rendering(True)  # whatever went wrong: without it 4.3 crashes
+    # job: the window draws meanwhile, and data-blocks must not come and go under it. What a timer has begun ends first.
+    with scheduler.LOCK:
+        try:
+            if threading.get_ident() == threading.main_thread().ident:
+                scheduler.sync_all()
+            kept_lists.forget_all()
+            clip_status.check_before_render()
+        finally:
+            scheduler.set_rendering(True)  # whatever went wrong: without it 4.3 crashes
 
 
 @_handler
@@ -119,13 +120,8 @@ def _on_render_end(*_arguments: object) -> None:
         scheduler.set_rendering(False)
         for table in _RUNTIMES:
             table.invalidate_outputs()
-    if not bpy.app.background and not bpy.app.timers.is_registered(_tag_all):
-        bpy.app.timers.register(_tag_all, first_interval=0.0)
-
-
-def _tag_all() -> None:
-    for obj, _ours in (*modifier.wrinkled_objects(), *maps_modifier.mapped_objects()):
-        obj.update_tag()
+    if not bpy.app.background:
+        scheduler.tag_soon({obj.name for obj, _ours in (*modifier.wrinkled_objects(), *maps_modifier.mapped_objects())})
 
 
 def _pairs() -> tuple:
@@ -149,7 +145,5 @@ def unregister() -> None:
     for functions, function in _pairs():
         if function in functions:
             functions.remove(function)
-    if bpy.app.timers.is_registered(_tag_all):
-        bpy.app.timers.unregister(_tag_all)
     scheduler.stop()
     _forget_all()

@@ -102,9 +102,10 @@ def request(delay: float = 0.0) -> None:
 
 
 def _on_timer() -> float | None:
-    if _render_running:
-        return 0.5
-    sync_all()
+    with LOCK:  # a render job that starts now waits for what is begun here
+        if _render_running:
+            return 0.5
+        sync_all()
     return None
 
 
@@ -145,12 +146,15 @@ def tag_soon(names: set[str]) -> None:
         bpy.app.timers.register(_tag_due, first_interval=0.0)
 
 
-def _tag_due() -> None:
+def _tag_due() -> float | None:
+    if _render_running:
+        return 0.5  # a tag reaches the depsgraph of the render as well, in the midst of its evaluation
     names = set(_due)
     _due.clear()
     for name in names:
         if name in bpy.data.objects:
             bpy.data.objects[name].update_tag()
+    return None
 
 
 def stop() -> None:

@@ -115,7 +115,8 @@ def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
             scheduler.request()  # a duplicate that is not split yet, or linked: writing would be silently ignored
             return False
         outputs_seen |= keys
-        viewport_mesh.settle(nodes_mod, may_differ)
+        if scheduler.may_prepare_frame():
+            viewport_mesh.settle(nodes_mod, may_differ)
         return _process(obj, nodes_mod, output_obj, runtime, scene, depsgraph)
     return False
 
