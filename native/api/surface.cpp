@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 
 #include "api/handles.h"
 #include "api/sound.h"
 #include "base/expect.h"
 #include "rumple.h"
+#include "surface/cloth/locomotion.h"
 #include "surface/cloth/pins.h"
 #include "surface/mesh/heal.h"
 #include "surface/mesh/positions.h"
@@ -175,6 +177,54 @@ rumple_status rumple_shown_mesh_carry_corners(const rumple_shown_mesh* mesh, con
     return guarded([&] {
         const rumple_shown_mesh& m = given(mesh, "mesh");
         carry(m.mesh.corner_from_source, {values, values_count, columns, m.source_corners}, out, out_count);
+    });
+}
+
+// ---- rigid parts
+
+namespace {
+
+void check_starts(std::span<const Index> starts, size_t points) {
+    if (starts.empty() || starts.front() != 0) throw InvalidInput("starts: expected to begin with 0");
+    if (!std::is_sorted(starts.begin(), starts.end())) throw InvalidInput("starts: expected to ascend");
+    expect_rows("from", points, size_t(starts.back()));
+}
+
+// The rotation row by row, and the translation.
+std::array<float, 12> written_out(const base_cloth::RigidMotion& motion) {
+    const glm::dmat3 r = glm::mat3_cast(motion.turn);
+    const glm::dvec3 t = motion.centre + motion.displacement - r * motion.centre;
+    std::array<float, 12> out{};
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) out[size_t(3 * row + column)] = float(r[column][row]);
+        out[size_t(9 + row)] = float(t[row]);
+    }
+    return out;
+}
+
+}  // namespace
+
+rumple_status rumple_rigid_motions(const int32_t* starts, size_t starts_count, const float* from,
+                                   size_t from_count, const float* to, size_t to_count, float* motions,
+                                   size_t motions_count) {
+    return guarded([&] {
+        const std::span<const Index> begins = values(starts, starts_count, "starts");
+        const std::span<const Vec3> before = vectors(from, from_count, "from");
+        const std::span<const Vec3> after = vectors(to, to_count, "to");
+        check_starts(begins, before.size());
+        expect_rows("to", after.size(), before.size());
+        check_coordinates("from", before);
+        check_coordinates("to", after);
+        const auto out =
+            output<std::array<float, 12>>(motions, motions_count, begins.size() - 1, "motions");
+        std::vector<std::array<float, 12>> found;
+        for (size_t part = 0; part + 1 < begins.size(); ++part) {
+            const auto first = size_t(begins[part]), points = size_t(begins[part + 1]) - first;
+            const std::vector<float> alike(points, 1.0f);
+            found.push_back(written_out(base_cloth::rigid_motion(alike, before.subspan(first, points),
+                                                                 after.subspan(first, points))));
+        }
+        write(sound(std::move(found)), out);
     });
 }
 

@@ -106,6 +106,20 @@ void measure_surface(World& world, Bytes& bytes) {
                  "follow");
 }
 
+void move_parts(Bytes& bytes) {
+    const std::vector<std::int32_t> starts{0, bytes.whole(0, 3), bytes.whole(0, 6)};
+    std::vector<float> from, to;
+    for (int k = 0; k < 18; ++k) {
+        from.push_back(bytes.real(-1.0f, 1.0f));
+        to.push_back(bytes.real(-1.0f, 1.0f));
+    }
+    const size_t points = starts[2] < 0 ? 6 : std::min(size_t(starts[2]), size_t(6));
+    Written motions(2, 12, bytes);
+    motions.check(CALL(rumple_rigid_motions, starts.data(), starts.size(), from.data(), points, to.data(),
+                       points, motions.pointer(), motions.count),
+                  "motions");
+}
+
 void build_coarse(World& world, Bytes& bytes) {
     const auto dense = world.surfaces.pick(bytes);
     auto* coarse = MAKE(rumple_coarse, rumple_coarse_build, dense.handle, bytes.real(0.1f, 0.8f));
@@ -161,6 +175,7 @@ void look_at_library(World& world, Bytes& bytes) {
     require(CALL(rumple_error) != nullptr, "NULL", "rumple_error");
     world.surfaces.free_one(bytes);
     RUN(rumple_surface_free, nullptr);
+    move_parts(bytes);
 }
 
 void free_one(World& world, Bytes& bytes) {

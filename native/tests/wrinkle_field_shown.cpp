@@ -67,6 +67,17 @@ double elliptic_e(double k) {
     return std::numbers::pi / (2.0 * a) * (1.0 - sum);
 }
 
+// It has no triangle to be embedded in: the frame of the triangle before the first was read.
+TEST(WrinkleFieldShown, ALooseVertexIsShownWhereItIs) {
+    MeshData mesh = grid(4, 4, 0.1f);
+    mesh.positions.push_back({2.0f, 0.0f, 0.0f});
+    const Field field(mesh);
+    const Pose3 pose = mesh.positions;
+    const Picture picture = field.show(pose, field.solve(pose), sine());
+    EXPECT_EQ(picture.positions.back(), mesh.positions.back());
+    EXPECT_EQ(picture.local_offset.back(), Vec3(0.0f));
+}
+
 TEST(WrinkleFieldShown, TheLengthOfASineIsAnEllipticIntegral) {
     for (const double s : {0.0, 0.1, 1.0, 3.0}) {
         const double root = std::hypot(1.0, s);

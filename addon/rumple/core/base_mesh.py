@@ -9,7 +9,8 @@ from typing import Any, Callable
 import numpy as np
 
 from ..native import kernels
-from .healing import Origin, origin_of
+from .healing import Origin, origin_of, origin_of_itself
+from .rigid_parts import RigidParts, without_rigid_parts
 from .wording import UserError, user_error
 
 RAISE_MOST = "raise Most Vertices"  # how the limit on a fine mesh is lifted
@@ -25,7 +26,8 @@ class BaseMesh:
     corner_vertex: np.ndarray  # (c,) int32
     triangle_corner: np.ndarray  # (t, 3) int32, corner indices
     uv: np.ndarray | None = None  # (c, 2) float32 of the UV map that renders use
-    origin: Origin | None = None  # of a healed mesh: where its elements come from
+    origin: Origin | None = None  # of a healed mesh, or one without rigid parts: where its elements come from
+    rigid: RigidParts | None = None  # that it is without
 
     def healed(self, weld: bool) -> "BaseMesh":
         """This mesh, or where it is no oriented manifold a copy that is one. Raises UserError."""
@@ -38,6 +40,11 @@ class BaseMesh:
         return BaseMesh(self.name, np.ascontiguousarray(self.positions[origin.vertex]), healed.polygon_start,
                         healed.corner_vertex, healed.triangle_corner,
                         None if self.uv is None else np.ascontiguousarray(self.uv[origin.corner]), origin)
+
+    def own_origin(self) -> Origin:
+        """Also of a mesh that is as the artist has it."""
+        return self.origin or origin_of_itself(len(self.positions), len(self.polygon_start) - 1,
+                                               len(self.corner_vertex))
 
     def surface(self, weld: bool) -> kernels.Surface:
         """The checked native surface. Raises UserError where the mesh is no oriented manifold."""
@@ -67,8 +74,9 @@ class BaseMesh:
             f"{self.name}: finer folds are asked for than {most_vertices:,} vertices allow: {RAISE_MOST}"]
 
     def diagonal(self) -> float:
-        """Of the bounding box, object units."""
-        return float(np.linalg.norm(np.ptp(self.positions, axis=0))) if len(self.positions) else 0.0
+        """Of the bounding box without rigid parts, object units."""
+        positions = self.positions if self.rigid is None else np.delete(self.positions, self.rigid.vertex, axis=0)
+        return float(np.linalg.norm(np.ptp(positions, axis=0))) if len(positions) else 0.0
 
 
 def affordable_level(vertices: int, level: int, steps: int, most_vertices: int) -> int:
@@ -79,11 +87,14 @@ def affordable_level(vertices: int, level: int, steps: int, most_vertices: int) 
     return level
 
 
-def checked_surface(base: BaseMesh, weld: bool, unit_scale: float) -> tuple[BaseMesh, kernels.Surface, list[str]]:
-    """A base, healed where it must be (see Origin.notes()); its native surface, and its warnings. unit_scale: metres
-    per object unit. Raises UserError."""
+def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool,
+                    unit_scale: float) -> tuple[BaseMesh, kernels.Surface, list[str]]:
+    """A base, healed where it must be (see Origin.notes()), without its rigid parts where these stay rigid; its native
+    surface, and its warnings. unit_scale: metres per object unit. Raises UserError."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
         raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning: give it one")
     base = base.healed(weld)
     surface = base.surface(weld)
-    return base, surface, [f"{base.name}: {warning}" for warning in surface.warnings]
+    warnings = [f"{base.name}: {warning}" for warning in surface.warnings]
+    cloth = without_rigid_parts(base, weld) if rigid_parts else base
+    return cloth, surface if cloth is base else cloth.surface(weld), warnings

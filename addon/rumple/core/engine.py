@@ -142,6 +142,7 @@ class Wrinkles(ShownMesh):
             pose = self._pose(over, frame_input)
         self._last_pose = (over.copy(), pose)
         result: FrameResult | PreviewFrame = show(settings, over, pose, system_state(cached.state), frame_input)
+        self._add_rigid_parts(result, positions, over, in_viewport)
         result.report, result.replayed = cached.report, replayed
         result.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
         result.unplayed = swings and not cached.final
@@ -207,6 +208,19 @@ class Wrinkles(ShownMesh):
         if frame_input.cloth is not None:
             kernels.embed_frame(self.surface, self.shown, frame_input.animated, shown)
         return FrameResult.of(shown, **own)
+
+    def _add_rigid_parts(self, result: FrameResult | PreviewFrame, animated: np.ndarray, over: np.ndarray,
+                         in_viewport: bool) -> None:
+        """over: what the wrinkles lie on."""
+        mesh = self.in_viewport if in_viewport and self.in_viewport is not None else self
+        riders = mesh.riders
+        if riders is None:
+            return
+        if isinstance(result, FrameResult):
+            riders.add_to(result, animated, len(mesh.corner_vertex), self.ATTRIBUTES)
+        else:
+            inside = riders.parts.vertex < len(result.proxy_offset)  # not what healing has made
+            result.proxy_offset[riders.parts.vertex[inside]] = riders.ways(animated, over)[inside]
 
     def _frame_before(self, frame: float) -> CachedFrame | None:
         """The stored whole frame that a frame goes on from: the one before it, or the one a subframe is in."""

@@ -50,6 +50,12 @@ class Copies:
     is_turned: np.ndarray  # (k,) bool: it faces the other way
 
 
+def origin_of_itself(vertices: int, polygons: int, corners: int) -> Origin:
+    """Of a mesh that is as the artist has it."""
+    return Origin(vertices, corners, *(np.arange(count, dtype=np.int32) for count in (vertices, corners, polygons)),
+                  [], {kind: np.empty(0, np.int32) for kind in SENTENCES})
+
+
 def origin_of(healed: Any, polygon_start: np.ndarray, corner_vertex: np.ndarray, vertex_count: int) -> Origin:
     """Of a native HealedMesh, and the mesh that it was made from."""
     elements = {TURNED: healed.turned, CUT: healed.cut, DOUBLED: healed.doubled[:, 0], REPEATED: healed.repeated}

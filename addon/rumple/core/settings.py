@@ -109,6 +109,14 @@ UPS = tuple((axis, axis, f"The {axis} axis of the garment's own mesh points up a
 
 
 @dataclass
+class Parts:
+    """What of a mesh is cloth: the same words in every system."""
+
+    rigid_parts: bool = setting(True, "Rigid Parts", "Small loose parts, such as buttons and buckles, are no cloth: they "
+                                "keep their shape and ride on the cloth around them", affects="MESH")
+
+
+@dataclass
 class ClothSettings:
     """The base cloth (section 4.3 of the Wrinkle Meshes' paper)."""
 
@@ -148,7 +156,7 @@ class ClothSettings:
 
 
 @dataclass
-class MeshSettings(AdaptiveRest, ClothSettings):
+class MeshSettings(AdaptiveRest, ClothSettings, Parts):
     """Settings of one Wrinkle Mesh. Lengths are metres in world scale unless the unit says otherwise."""
 
     # Folds of several sizes
@@ -246,7 +254,7 @@ STARTS = (
 
 
 @dataclass
-class FieldSettings(AdaptiveRest, ClothSettings):
+class FieldSettings(AdaptiveRest, ClothSettings, Parts):
     """Settings of one Wrinkle Field. Lengths are metres in world scale unless the unit says otherwise."""
 
     output: str = setting("SHADING", "Output", "What shows the waves", choices=OUTPUTS, affects="MESH")
@@ -292,7 +300,7 @@ class FieldSettings(AdaptiveRest, ClothSettings):
 
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from: in shading it is the coarse mesh itself."""
-        names = ["output", "weld", "rest_shape"]
+        names = ["output", "weld", "rigid_parts", "rest_shape"]
         if self.output == "GEOMETRY":
             names += ["wavelength", "source", "detail", "attachment"]
         return {name: getattr(self, name) for name in names}
@@ -317,7 +325,7 @@ PATH_PROFILES = (
 
 
 @dataclass
-class PathsSettings(AdaptiveRest, ClothSettings):
+class PathsSettings(AdaptiveRest, ClothSettings, Parts):
     """Settings of the Wrinkle Paths. Lengths are metres in world scale unless the unit says otherwise."""
 
     # Where folds are (chapters 4 and 5 of the thesis)

@@ -8,13 +8,14 @@ import numpy as np
 
 from .base_mesh import BaseMesh
 from .frame_result import Attribute
+from .rigid_parts import Riders
 
 
 class ShownMesh:
     """d vertices, q polygons, k corners, embedded in the triangles of the base.
 
     Where the base, or what the mesh inherits from, was healed, that is undone here: parents are elements of the
-    artist's meshes, and faces that lie on others are shown as well.
+    artist's meshes, and faces that lie on others are shown as well. Rigid parts of the base come last, as they are.
     """
 
     base: BaseMesh  # healed
@@ -22,6 +23,17 @@ class ShownMesh:
     shown: Any  # native
     ATTRIBUTES: tuple[Attribute, ...]  # what it carries for shaders and nodes
     _copied_in: tuple[Any, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = (None, [])  # a native mesh: see _copied()
+
+    _riders_of: tuple[Any, Riders | None] = (None, None)  # a native mesh: see riders
+
+    @property
+    def riders(self) -> Riders | None:
+        """The rigid parts; None where there are none."""
+        if self.base.rigid is None:
+            return None
+        if self._riders_of[0] is not self.shown:
+            self._riders_of = (self.shown, Riders(self.base, self.base.rigid, self.shown))
+        return self._riders_of[1]
 
     @property
     def coarse_count(self) -> int:
@@ -31,27 +43,30 @@ class ShownMesh:
 
     @property
     def vertex_count(self) -> int:
-        return self.shown.vertex_count
+        return self.shown.vertex_count + (0 if self.base.rigid is None else len(self.base.rigid.vertex))
 
     @property
     def polygon_start(self) -> np.ndarray:
         """(q + 1,)"""
-        copied = self._copied()
-        if not copied:
+        copied, rigid = self._copied(), self.base.rigid
+        if not copied and rigid is None:
             return self.shown.polygon_start
         sizes = np.diff(self.shown.polygon_start)
-        sizes = np.concatenate([sizes, *(sizes[rows] for rows, _, _ in copied)])
+        sizes = np.concatenate([sizes, *(sizes[rows] for rows, _, _ in copied),
+                                *([] if rigid is None else [rigid.polygon_size])])
         return np.concatenate([np.zeros(1, np.int32), np.cumsum(sizes, dtype=np.int32)])
 
     @property
     def corner_vertex(self) -> np.ndarray:
         """(k,)"""
-        return self.on_corners(self.shown.corner_vertex)
+        corners, rigid = self.on_corners(self.shown.corner_vertex), self.base.rigid
+        return corners if rigid is None else np.concatenate([corners, self.shown.vertex_count + rigid.corner_vertex])
 
     @property
     def positions_rest(self) -> np.ndarray:
         """(d, 3) object space."""
-        return self.shown.positions_rest
+        rest, rigid = self.shown.positions_rest, self.base.rigid
+        return rest if rigid is None else np.concatenate([rest, self.base.positions[rigid.vertex]])
 
     @property
     def polygon_parent(self) -> np.ndarray:
@@ -59,30 +74,39 @@ class ShownMesh:
         parents = self.shown.polygon_source
         if self.source.origin is None:
             return parents
-        return np.concatenate([self.source.origin.polygon[parents], *(parent for _, parent, _ in self._copied())])
+        rigid = [] if self.base.rigid is None else [self.base.rigid.polygon]
+        return np.concatenate([self.source.origin.polygon[parents], *(parent for _, parent, _ in self._copied()),
+                               *rigid])
 
     @property
     def edges(self) -> np.ndarray:
         """(e, 2) shown edges that lie on an edge of the source."""
-        return self.shown.edges
+        edges, rigid = self.shown.edges, self.base.rigid
+        return edges if rigid is None else np.concatenate([edges, self.shown.vertex_count + rigid.edges])
 
     @property
     def edge_parent(self) -> np.ndarray:
         """(e, 2) vertices of that edge, ascending."""
         if self.source.origin is None:
             return self.shown.edge_sources
-        return np.sort(self.source.origin.vertex[self.shown.edge_sources], axis=1)
+        parents, rigid = self.shown.edge_sources, self.base.rigid
+        if rigid is not None:
+            parents = np.concatenate([parents, rigid.vertex[rigid.edges]])
+        return np.sort(self.source.origin.vertex[parents], axis=1)
 
     @property
     def triangle_vertex(self) -> np.ndarray:
         """(d, 3) coarse vertices that every shown vertex is embedded in."""
-        corners = self.shown.triangle_vertex
+        corners, rigid = self.shown.triangle_vertex, self.base.rigid
+        if rigid is not None:
+            corners = np.concatenate([corners, rigid.triangle])
         return corners if self.base.origin is None else self.base.origin.vertex[corners]
 
     @property
     def barycentric(self) -> np.ndarray:
         """(d, 2) weights of the second and third of them."""
-        return self.shown.barycentric
+        weights, rigid = self.shown.barycentric, self.base.rigid
+        return weights if rigid is None else np.concatenate([weights, np.zeros((len(rigid.vertex), 2), np.float32)])
 
     def coarse_triangles(self) -> tuple[np.ndarray, np.ndarray]:
         """Of every solved coarse triangle its corners, (t, 3), and its polygon, (t,), as the artist has them."""
@@ -94,7 +118,9 @@ class ShownMesh:
     def carry_points(self, values: np.ndarray) -> np.ndarray:
         """(n, j) float32 values of the source's vertices -> (d, j)."""
         healed = self.source.points(values)
-        return self.shown.carry_points(np.ascontiguousarray(healed, np.float32), len(self.source.positions))
+        carried = self.shown.carry_points(np.ascontiguousarray(healed, np.float32), len(self.source.positions))
+        rigid = self.base.rigid
+        return carried if rigid is None else np.concatenate([carried, np.asarray(healed[rigid.vertex], np.float32)])
 
     def carry_corners(self, values: np.ndarray) -> np.ndarray:
         """(c, j) float32 values of the source's corners -> (k, j). Seams stay sharp."""
@@ -107,6 +133,8 @@ class ShownMesh:
         for copies, (_, _, rows) in zip(origin.copies, self._copied()):
             of_copies = np.ascontiguousarray(values[copies.corner], np.float32)
             parts.append(self.shown.carry_corners(of_copies, count)[rows])
+        if self.base.rigid is not None:
+            parts.append(np.asarray(values[self.base.rigid.corner], np.float32))
         return np.concatenate(parts)
 
     def on_corners(self, values: np.ndarray) -> np.ndarray:

@@ -52,7 +52,7 @@ class WrinkleField(Wrinkles):
     def build(cls, base: BaseMesh, settings: FieldSettings, *, unit_scale: float = 1.0,
               most_vertices: int = MOST_VERTICES) -> "WrinkleField":
         """Bind the waves to the base. See Wrinkles.build()."""
-        base, surface, warnings = checked_surface(base, settings.weld, unit_scale)
+        base, surface, warnings = checked_surface(base, settings.weld, settings.rigid_parts, unit_scale)
         longest = settings.wavelength / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         level = min(math.ceil(finer), MOST_LEVEL)

@@ -141,7 +141,8 @@ class WrinkleMesh(Wrinkles):
         """
         if settings.source == "OBJECT" and own is None:
             raise UserError(f"{base.name}: choose your own fine mesh first")
-        base, surface, warnings = checked_surface(base, settings.weld, unit_scale)
+        base, surface, warnings = checked_surface(base, settings.weld, settings.rigid_parts and settings.source != "OBJECT",
+                                                  unit_scale)
         own = own.healed(False) if own is not None and settings.source == "OBJECT" else None
         own_surface = own.surface(False) if own is not None else None
         attached = attached if attached is None or own is None else own.points(attached)
@@ -203,9 +204,9 @@ class WrinkleMesh(Wrinkles):
 
     def _take_viewport_mesh(self, model: Any) -> None:
         """Where it has fewer vertices, and as many as the coarse mesh, whose positions it brings back."""
-        count = model.shown_in_viewport.vertex_count
-        if self.coarse_count <= count < self.vertex_count:
-            self.in_viewport = ViewportMesh(self.base, self.source, model.shown_in_viewport, self.ATTRIBUTES)
+        mesh = ViewportMesh(self.base, self.source, model.shown_in_viewport, self.ATTRIBUTES)
+        if self.coarse_count <= mesh.vertex_count < self.vertex_count:
+            self.in_viewport = mesh
 
     def _show_on_dense(self, coarse: Any, settings: MeshSettings, most_vertices: int, viewport_steps: int) -> None:
         """What was solved on the coarse mesh moves the dense one, subdivided as far as its folds need."""
@@ -216,10 +217,11 @@ class WrinkleMesh(Wrinkles):
         self.coarse, self.solved_surface = coarse, coarse.surface
         build = functools.partial(kernels.build_wrinkle_transfer, self.surface, coarse, self.model, level,
                                   most_vertices=most_vertices, viewport_steps=viewport_steps)
-        self.transfer = build(max(steps - level, 0))
-        if self.transfer.shown.vertex_count < len(self.base.positions):
-            self.transfer = build(1)  # loose vertices are not shown, and a fine mesh has as many as the base at least
-        self.shown = self.transfer.shown
+        for steps in (max(steps - level, 0), 1):
+            self.transfer = build(steps)
+            self.shown = self.transfer.shown
+            if self.vertex_count >= len(self.base.positions):
+                break  # loose vertices are not shown, and a fine mesh has as many as the base at least
 
     def _where_solved(self, values: np.ndarray) -> np.ndarray:
         return values if self.coarse is None else np.ascontiguousarray(values[self.coarse.dense_vertex])

@@ -56,7 +56,7 @@ class WrinklePaths(Wrinkles):
     def build(cls, base: BaseMesh, settings: PathsSettings, *, unit_scale: float = 1.0,
               most_vertices: int = MOST_VERTICES) -> "WrinklePaths":
         """Make the fine mesh and bind it. See Wrinkles.build()."""
-        base, surface, warnings = checked_surface(base, settings.weld, unit_scale)
+        base, surface, warnings = checked_surface(base, settings.weld, settings.rigid_parts, unit_scale)
         longest = settings.width / settings.detail
         finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
         level = min(math.ceil(finer), MOST_LEVEL)

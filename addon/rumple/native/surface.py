@@ -101,6 +101,17 @@ def suggest_follow(surface: Surface, up: Sequence[float]) -> np.ndarray:
     return follow
 
 
+def rigid_motions(starts: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """(p, 4, 3) float32: the rigid motion of each of p parts that is nearest to what moved its points: the rotation R,
+    row by row, and the translation t; a point goes to R x + t. starts: (p + 1,) int32, the first point of each part,
+    and last their number n. before, after: (n, 3) float32. Cost: O(n)."""
+    first, count = given(starts, "starts", INT)
+    motions = new(FLOAT, max(count - 1, 0), 12)
+    lib.rumple_rigid_motions(first, count, *given(before, "before", FLOAT, 3), *given(after, "after", FLOAT, 3),
+                             address(motions), len(motions))
+    return motions.reshape(-1, 4, 3)
+
+
 class CoarseMesh(Handle):
     """A coarse mesh that stands for a dense one. Made by build_coarse. m vertices."""
 
@@ -330,4 +341,4 @@ def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarr
 
 
 __all__ = ["CoarseMesh", "HealedMesh", "ShownFrame", "ShownMesh", "Surface", "build_coarse", "build_surface",
-           "count_openings", "embed_frame", "heal_mesh", "label_clip", "suggest_follow"]
+           "count_openings", "embed_frame", "heal_mesh", "label_clip", "rigid_motions", "suggest_follow"]

@@ -56,6 +56,10 @@ void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> wel
            std::span<const TriangleFrame> frames, ShownFrame& out) {
     for (size_t v = 0; v < mesh.places.size(); ++v) {
         const SurfacePoint& place = mesh.places[v];
+        if (place.triangle == kNone) {  // a loose vertex is where the base has it
+            out.local_offset[v] = Vec3(0.0f);
+            continue;
+        }
         out.local_offset[v] =
             frames[place.triangle].to_local(out.positions[v] - interpolate(base, place, welded));
     }

@@ -102,6 +102,8 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
         steps.prop(settings, "display_steps", text="Render")
         column.prop(obj.rumple, "most_vertices")
         column.prop(settings, "weld")
+        if settings.source != "OBJECT":
+            column.prop(settings, "rigid_parts")
 
 
 class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
@@ -140,7 +142,7 @@ class DATA_PT_rumple_relaxation(Panel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         column = settings_column(self.layout, context.object)
-        for name in ("rate", "rounds", "start", "start_rounds", "stateless", "weld"):
+        for name in ("rate", "rounds", "start", "start_rounds", "stateless", "weld", "rigid_parts"):
             column.prop(context.object.rumple.field, name)
 
 

@@ -29,7 +29,7 @@ class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
         column.separator()
         named_paint(column, obj, "mask", "mask")
         column.separator()
-        for name in ("source", "detail", "attachment", "weld", "gpu_preview"):
+        for name in ("source", "detail", "attachment", "weld", "rigid_parts", "gpu_preview"):
             column.prop(settings, name)
         column.prop(obj.rumple, "most_vertices")
 

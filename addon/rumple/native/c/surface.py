@@ -211,6 +211,8 @@ SURFACE_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_shown_mesh_get_view": (CHECKED, (ShownMeshPointer, POINTER(ShownMeshView))),
     "rumple_shown_mesh_carry_points": (CHECKED, (ShownMeshPointer, c_void_p, c_size_t, c_int32, c_void_p, c_size_t)),
     "rumple_shown_mesh_carry_corners": (CHECKED, (ShownMeshPointer, c_void_p, c_size_t, c_int32, c_void_p, c_size_t)),
+    "rumple_rigid_motions": (CHECKED, (c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_size_t, c_void_p,
+        c_size_t)),
     "rumple_pose_default": (Pose, ()),
     "rumple_frame_free": (None, (FramePointer,)),
     "rumple_frame_get_view": (CHECKED, (FramePointer, POINTER(FrameView))),

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Laws of buttons and buckles: they are shown as they were modelled, ride on the cloth, and change no fold of it."""
+from __future__ import annotations
+
+import unittest
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from rumple.core.base_mesh import BaseMesh
+from rumple.core.engine import FrameResult, Wrinkles
+from rumple.core.rigid_parts import without_rigid_parts
+from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.wrinkle_field import WrinkleField
+from rumple.core.wrinkle_mesh import WrinkleMesh
+from rumple.core.wrinkle_paths import WrinklePaths
+from rumple.native import kernels
+from support.meshes import compressed, quad_mesh, rotated, tube
+
+BOX = np.array([(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)])
+CLOTH = MeshSettings(density="LEVEL", level=2, display_steps=1, layers="CLOTH", base_cloth="HANG")
+GARMENT = tube(24, 24)
+
+
+def box(centre: tuple[float, float, float], size: tuple[float, float, float]) -> BaseMesh:
+    """Closed, its normals outward."""
+    x, y, z = (0.5 * s for s in size)
+    ring = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    return quad_mesh("Box", np.concatenate([np.c_[ring, np.full(4, -z)], np.c_[ring, np.full(4, z)]]) + centre, BOX)
+
+
+BUTTON = box((0.053, 0.0, 0.15), (0.003, 0.01, 0.01))  # in front of the tube, 1.5 mm off
+
+
+def together(*meshes: BaseMesh) -> BaseMesh:
+    """One mesh of several, in this order."""
+    first = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
+    return quad_mesh("Worn", np.concatenate([mesh.positions for mesh in meshes]),
+                     np.concatenate([mesh.corner_vertex.reshape(-1, 4) + start for mesh, start in zip(meshes, first)]))
+
+
+def solved(base: BaseMesh, settings: Any, positions: np.ndarray, system: type[Wrinkles] = WrinkleMesh,
+           in_viewport: bool = False, **more: Any) -> tuple[Wrinkles, FrameResult]:
+    """One frame of it, on its own."""
+    mesh = system.build(base, settings, **more)
+    result = mesh.solve_frame(1.0, np.ascontiguousarray(positions, np.float32), settings, {}, start=1,
+                              world_from_object=np.eye(3), in_viewport=in_viewport)
+    assert isinstance(result, FrameResult)
+    return mesh, result
+
+
+def embedded(mesh: Wrinkles, coarse: np.ndarray, local_offset: np.ndarray) -> np.ndarray:
+    """As the node tree has it: nodes/wrinkle_tree.py."""
+    p0, p1, p2 = (coarse[mesh.triangle_vertex[:, k]].astype(np.float64) for k in range(3))
+    t, n = p1 - p0, np.cross(p1 - p0, p2 - p0)
+    t, n = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (t, n))
+    u, v = mesh.barycentric[:, :1], mesh.barycentric[:, 1:]
+    x, y, z = (local_offset[:, k:k + 1] for k in range(3))
+    return p0 + u * (p1 - p0) + v * (p2 - p0) + t * x + np.cross(n, t) * y + n * z
+
+
+def distances(points: np.ndarray) -> np.ndarray:
+    """Between all of them."""
+    return np.linalg.norm(points[:, None].astype(np.float64) - points[None], axis=2)
+
+
+class Buttons(unittest.TestCase):
+    """A squeezed tube that hangs as cloth, with a button on it."""
+
+    def setUp(self) -> None:
+        self.base = together(GARMENT, BUTTON)
+        self.pose = compressed(self.base.positions, 0.8)
+        self.mesh, self.result = solved(self.base, CLOTH, self.pose)
+
+    def test_they_are_shown_as_they_were_modelled(self) -> None:
+        self.assertEqual(len(self.mesh.polygon_start) - 1, 64 * len(GARMENT.polygon_start[1:]) + 6)
+        np.testing.assert_array_equal(self.mesh.positions_rest[-8:], BUTTON.positions)
+        np.testing.assert_array_equal(self.mesh.polygon_parent[-6:], len(GARMENT.polygon_start) - 1 + np.arange(6))
+        np.testing.assert_array_equal(self.mesh.corner_vertex[-24:].reshape(-1, 4), self.mesh.vertex_count - 8 + BOX)
+        np.testing.assert_array_equal(self.mesh.edge_parent[-12:], len(GARMENT.positions) + np.unique(np.sort(
+            np.stack([BOX, np.roll(BOX, -1, 1)], 2).reshape(-1, 2), 1), axis=0))
+        corners = np.arange(len(self.base.corner_vertex), dtype=np.float32)[:, None]
+        np.testing.assert_array_equal(self.mesh.carry_corners(corners)[-24:], corners[-24:])
+        np.testing.assert_allclose(self.mesh.carry_points(self.base.positions)[-8:], BUTTON.positions)
+
+    def test_their_shape_is_that_of_the_animation(self) -> None:
+        np.testing.assert_allclose(distances(self.result.positions[-8:]), distances(self.pose[-8:]), atol=1e-7)
+
+    def test_they_stay_at_the_place_of_the_cloth_where_they_were_sewn(self) -> None:
+        rest = self.mesh.positions_rest[:-8]
+        place = np.argsort(np.linalg.norm(rest - BUTTON.positions.mean(0), axis=1))[:12]
+
+        def away(button: np.ndarray, cloth: np.ndarray) -> float:
+            return float(np.linalg.norm(button.mean(0) - cloth[place].mean(0)))
+
+        sewn, cloth = away(BUTTON.positions, rest), self.result.positions[:-8]
+        self.assertGreater(away(self.pose[-8:], cloth), sewn + 0.005)  # the cloth has left its animation
+        self.assertAlmostEqual(away(self.result.positions[-8:], cloth), sewn, delta=0.001)
+
+    def test_no_fold_knows_of_them(self) -> None:
+        _, bare = solved(GARMENT, CLOTH, self.pose[:-8])
+        np.testing.assert_array_equal(self.result.positions[:-8], bare.positions)
+        for name, values in bare.attributes.items():
+            np.testing.assert_array_equal(self.result.attributes[name][:len(values)], values)
+
+    def test_the_node_tree_puts_them_where_they_were_solved(self) -> None:
+        found = embedded(self.mesh, self.pose, self.result.local_offset)
+        np.testing.assert_allclose(found, self.result.positions, atol=2e-6)
+
+    def test_rigid_motion_carries_them_rigidly(self) -> None:
+        gravity_turned = replace(CLOTH, gravity=0.0)  # it points the same way in both poses
+        _, here = solved(self.base, gravity_turned, self.pose)
+        _, there = solved(self.base, gravity_turned, rotated(self.pose, 70.0))
+        np.testing.assert_allclose(there.positions[-8:], rotated(here.positions[-8:], 70.0), atol=2e-5)
+
+    def test_viewports_show_them_too(self) -> None:
+        mesh, result = solved(self.base, CLOTH, self.pose, in_viewport=True, viewport_steps=0)
+        self.assertIsNotNone(mesh.in_viewport)
+        self.assertLess(len(result.positions), self.mesh.vertex_count)
+        np.testing.assert_allclose(result.positions[-8:], self.result.positions[-8:], atol=1e-3)
+
+    def test_over_a_dense_garment(self) -> None:
+        dense = together(tube(96, 96), BUTTON)
+        mesh, result = solved(dense, replace(CLOTH, density="WAVELENGTH", wavelength=0.02),
+                              compressed(dense.positions, 0.8))
+        self.assertIsNotNone(mesh.coarse)
+        np.testing.assert_allclose(distances(result.positions[-8:]), distances(compressed(BUTTON.positions, 0.8)),
+                                   atol=1e-7)
+
+    def test_in_every_system(self) -> None:
+        for system, settings in ((WrinkleField, FieldSettings(output="GEOMETRY", wavelength=0.02)),
+                                 (WrinkleField, FieldSettings(output="SHADING", wavelength=0.02)),
+                                 (WrinklePaths, PathsSettings(width=0.01)),
+                                 (WrinkleMesh, MeshSettings(density="LEVEL", level=1))):
+            with self.subTest(system=system.__name__):
+                settings = replace(settings, base_cloth="HANG")
+                mesh, result = solved(self.base, settings, self.pose, system)
+                for attribute in mesh.ATTRIBUTES:
+                    rows = len(mesh.corner_vertex) if attribute.domain == "CORNER" else mesh.vertex_count
+                    self.assertEqual(len(result.attributes[attribute.name]), rows, attribute.name)
+                np.testing.assert_allclose(distances(result.positions[-8:]), distances(self.pose[-8:]), atol=1e-7)
+                self.assertGreater(np.linalg.norm(result.positions[-8:] - self.pose[-8:], axis=1).min(), 0.001)
+
+    def test_without_the_setting_they_are_cloth(self) -> None:
+        mesh, _ = solved(self.base, replace(CLOTH, rigid_parts=False), self.pose)
+        self.assertEqual(len(mesh.polygon_start) - 1, 64 * (len(self.base.polygon_start) - 1))
+
+    def test_what_is_far_from_the_cloth_stays_with_the_animation(self) -> None:
+        far = together(GARMENT, box((0.2, 0.0, 0.15), (0.01, 0.01, 0.01)))
+        pose = compressed(far.positions, 0.8)
+        _, result = solved(far, CLOTH, pose)
+        np.testing.assert_array_equal(result.positions[-8:], pose[-8:])
+
+    def test_a_turned_face_of_the_garment_is_healed_beside_them(self) -> None:
+        quads = self.base.corner_vertex.reshape(-1, 4).copy()
+        quads[40] = quads[40][::-1]
+        mesh, result = solved(quad_mesh("Turned", self.base.positions, quads), CLOTH, self.pose)
+        np.testing.assert_allclose(result.positions[-8:], self.result.positions[-8:], atol=2e-3)  # other diagonals
+        np.testing.assert_allclose(distances(result.positions[-8:]), distances(self.pose[-8:]), atol=1e-7)
+        np.testing.assert_array_equal(mesh.polygon_parent[-6:], self.mesh.polygon_parent[-6:])
+
+
+class WhichAreRigid(unittest.TestCase):
+    def rigid_faces(self, base: BaseMesh, weld: bool = True) -> list[int]:
+        parts = without_rigid_parts(base.healed(weld), weld).rigid
+        return [] if parts is None else parts.polygon.tolist()
+
+    def test_a_garment_alone_has_none(self) -> None:
+        self.assertEqual(self.rigid_faces(GARMENT), [])
+
+    def test_small_parts_wherever_they_stand_in_the_mesh(self) -> None:
+        self.assertEqual(self.rigid_faces(together(BUTTON, GARMENT, BUTTON)), [*range(6), *range(582, 588)])
+
+    def test_a_belt_and_a_pocket_are_cloth(self) -> None:
+        belt = tube(24, 2, 0.055, 0.02)
+        pocket = quad_mesh("Pocket", np.array([(0.06, y, z) for y in (0.0, 0.03) for z in (0.1, 0.13)]),
+                           np.array([(0, 2, 3, 1)]))
+        self.assertEqual(self.rigid_faces(together(GARMENT, belt, pocket)), [])
+
+    def test_a_badge_is_rigid_though_it_has_a_border(self) -> None:
+        badge = quad_mesh("Badge", np.array([(0.06, y, z) for y in (0.0, 0.01) for z in (0.1, 0.11)]),
+                          np.array([(0, 2, 3, 1)]))
+        self.assertEqual(self.rigid_faces(together(GARMENT, badge)), [576])
+
+    def test_a_mesh_whose_faces_are_loose_is_one_garment_where_seams_are_welded(self) -> None:
+        split = quad_mesh("Split", GARMENT.positions[GARMENT.corner_vertex],
+                          np.arange(len(GARMENT.corner_vertex)).reshape(-1, 4))
+        self.assertEqual(self.rigid_faces(split), [])
+
+    def test_what_a_mesh_is_made_of_is_no_part_of_it(self) -> None:
+        mail = together(*(box((0.05 * np.cos(a), 0.05 * np.sin(a), z), (0.01, 0.01, 0.01))
+                          for a in np.linspace(0, 6, 20) for z in np.linspace(0, 0.3, 20)))
+        self.assertEqual(self.rigid_faces(mail), [])
+        self.assertEqual(self.rigid_faces(together(GARMENT, mail)), [])
+
+
+class Motions(unittest.TestCase):
+    """kernels.rigid_motions."""
+
+    def test_exact(self) -> None:
+        points = np.random.default_rng(3).normal(size=(9, 3)).astype(np.float32)
+        moved = np.concatenate([points[:5], rotated(points[5:], 40.0)])
+        stays, turns = kernels.rigid_motions(np.array([0, 5, 9], np.int32), points, moved)
+        np.testing.assert_array_equal(stays, np.concatenate([np.eye(3), np.zeros((1, 3))]))
+        np.testing.assert_allclose(points[5:] @ turns[:3].T + turns[3], moved[5:], atol=1e-6)
+
+    def test_what_is_left_open_is_not_turned(self) -> None:
+        line = np.array([(0, 0, 0), (1, 0, 0), (0, 0, 0)], np.float32)
+        motions = kernels.rigid_motions(np.array([0, 2, 3, 3], np.int32), line, line + np.float32(0.5))
+        np.testing.assert_allclose(motions[:2], np.concatenate([np.eye(3), np.full((1, 3), 0.5)])[None].repeat(2, 0))
+        np.testing.assert_array_equal(motions[2], np.concatenate([np.eye(3), np.zeros((1, 3))]))
+
+    def test_bad_input_is_said(self) -> None:
+        points = np.zeros((2, 3), np.float32)
+        for starts, words in (([1, 2], "begin with 0"), ([0, 2, 1], "ascend"), ([0, 3], "from: expected 3")):
+            with self.assertRaisesRegex(ValueError, words):
+                kernels.rigid_motions(np.array(starts, np.int32), points, points)
+        with self.assertRaisesRegex(ValueError, "to: "):
+            kernels.rigid_motions(np.array([0, 2], np.int32), points, points[:1])
+        with self.assertRaisesRegex(ValueError, "from"):
+            kernels.rigid_motions(np.array([0, 2], np.int32), points + np.float32(np.nan), points)
+
+
+if __name__ == "__main__":
+    unittest.main()
