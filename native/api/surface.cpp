@@ -185,8 +185,13 @@ rumple_status rumple_shown_mesh_carry_corners(const rumple_shown_mesh* mesh, con
 namespace {
 
 void check_starts(std::span<const Index> starts, size_t points) {
-    if (starts.empty() || starts.front() != 0) throw InvalidInput("starts: expected to begin with 0");
-    if (!std::is_sorted(starts.begin(), starts.end())) throw InvalidInput("starts: expected to ascend");
+    if (starts.empty()) throw InvalidInput("starts: expected at least one number, got none");
+    if (starts.front() != 0)
+        throw InvalidInput("starts: expected 0 first, got " + std::to_string(starts.front()) + " first");
+    const auto fall = std::is_sorted_until(starts.begin(), starts.end());
+    if (fall != starts.end())
+        throw InvalidInput("starts: expected ascending numbers, got " + std::to_string(*fall) + " after " +
+                           std::to_string(*(fall - 1)));
     expect_rows("from", points, size_t(starts.back()));
 }
 
@@ -215,8 +220,7 @@ rumple_status rumple_rigid_motions(const int32_t* starts, size_t starts_count, c
         expect_rows("to", after.size(), before.size());
         check_coordinates("from", before);
         check_coordinates("to", after);
-        const auto out =
-            output<std::array<float, 12>>(motions, motions_count, begins.size() - 1, "motions");
+        const auto out = output<std::array<float, 12>>(motions, motions_count, begins.size() - 1, "motions");
         std::vector<std::array<float, 12>> found;
         for (size_t part = 0; part + 1 < begins.size(); ++part) {
             const auto first = size_t(begins[part]), points = size_t(begins[part + 1]) - first;

@@ -2,7 +2,6 @@
 """A coarse mesh at rest, checked. Never imports bpy."""
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, Callable
 
@@ -10,8 +9,8 @@ import numpy as np
 
 from ..native import kernels
 from .healing import Origin, origin_of, origin_of_itself
-from .rigid_parts import RigidParts, without_rigid_parts
-from .wording import UserError, user_error
+from .rigid_parts import RigidParts
+from .wording import user_error
 
 RAISE_MOST = "raise Most Vertices"  # how the limit on a fine mesh is lifted
 
@@ -85,16 +84,3 @@ def affordable_level(vertices: int, level: int, steps: int, most_vertices: int) 
     while level > 0 and vertices * 4**(level + steps) > most_vertices:
         level -= 1
     return level
-
-
-def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool,
-                    unit_scale: float) -> tuple[BaseMesh, kernels.Surface, list[str]]:
-    """A base, healed where it must be (see Origin.notes()), without its rigid parts where these stay rigid; its native
-    surface, and its warnings. unit_scale: metres per object unit. Raises UserError."""
-    if not math.isfinite(unit_scale) or unit_scale <= 0.0:
-        raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning: give it one")
-    base = base.healed(weld)
-    surface = base.surface(weld)
-    warnings = [f"{base.name}: {warning}" for warning in surface.warnings]
-    cloth = without_rigid_parts(base, weld) if rigid_parts else base
-    return cloth, surface if cloth is base else cloth.surface(weld), warnings

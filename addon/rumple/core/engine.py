@@ -306,10 +306,11 @@ class Wrinkles(ShownMesh):
 
     def status(self, result: FrameResult | PreviewFrame) -> list[str]:
         """How the solve of a picture went, in lines for the artist."""
-        report = result.report
+        report, rigid = result.report, self.base.rigid
+        parts = [] if rigid is None else [f"Rigid parts that ride on the cloth: {rigid.count}"]
         if not isinstance(report, OnClothReport):
-            return self._status(report)
-        return [*self._status(report.wrinkles), *report.lines(self.name, self.unit_scale)]
+            return [*self._status(report), *parts]
+        return [*self._status(report.wrinkles), *report.lines(self.name, self.unit_scale), *parts]
 
     def _status(self, report: Any) -> list[str]:
         """Of what the system reports."""

@@ -52,8 +52,8 @@ class Copies:
 
 def origin_of_itself(vertices: int, polygons: int, corners: int) -> Origin:
     """Of a mesh that is as the artist has it."""
-    return Origin(vertices, corners, *(np.arange(count, dtype=np.int32) for count in (vertices, corners, polygons)),
-                  [], {kind: np.empty(0, np.int32) for kind in SENTENCES})
+    vertex, corner, polygon = (np.arange(count, dtype=np.int32) for count in (vertices, corners, polygons))
+    return Origin(vertices, corners, vertex, corner, polygon, [], {kind: np.empty(0, np.int32) for kind in SENTENCES})
 
 
 def origin_of(healed: Any, polygon_start: np.ndarray, corner_vertex: np.ndarray, vertex_count: int) -> Origin:

@@ -13,7 +13,7 @@ from typing import Any, Sequence
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import UserError
+from .wording import UserError
 
 FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
 TRACKED = ("HEAD", "TAIL", "BOTH")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .base_mesh import UserError
+from .wording import UserError
 from .poses import FORMAT, FORMAT_VERSION, MOST_POSES, PoseRig, ReferencePose, TrackedBone
 
 MOST_TEXT = 64 << 20  # letters of a file

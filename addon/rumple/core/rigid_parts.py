@@ -3,20 +3,14 @@
 and ride on the cloth around them. Never imports bpy."""
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..native import kernels
 from .frame_result import Attribute, FrameResult
 
-if TYPE_CHECKING:
-    from .base_mesh import BaseMesh
-
-SMALL, SMALL_AND_CLOSED = 0.05, 0.12  # of the largest part's diagonal: sheets, and bodies without a border
-MOST_AREA = 0.25  # of the mesh: where small parts are more of it, they are what it is made of (mail, scales, patches)
-FAR = 0.02  # of the largest part's diagonal: what is so far from the cloth is not fixed to it
+FAR = 0.02  # of the diagonal of the cloth: what is so far from the cloth is not fixed to it
 FEWEST_ANCHORS, MOST_ANCHORS = 8, 64
 
 
@@ -40,121 +34,23 @@ class RigidParts:
         return int(self.part.max()) + 1
 
 
-def without_rigid_parts(base: "BaseMesh", weld: bool) -> "BaseMesh":
-    """The healed mesh without the faces of its rigid parts, which it has in `rigid`; their vertices stay, without a
-    face. weld: vertices at one place are one. Cost: about 0.3 s for 50,000 vertices."""
-    parts = connected_parts(base, weld)
-    chosen = _rigid(base, parts, weld)
-    if not chosen.any():
-        return base
-    sizes = np.diff(base.polygon_start)
-    is_rigid = chosen[parts[base.corner_vertex[base.polygon_start[:-1]]]]
-    corner_is_rigid = np.repeat(is_rigid, sizes)
-    origin = base.own_origin()
-    if any(is_rigid[copies.lies_on].any() for copies in origin.copies):
-        return base  # a doubled button: rather solved as cloth than shown once
-    kept_polygon, kept_corner = np.cumsum(~is_rigid) - 1, np.cumsum(~corner_is_rigid) - 1
-    copies = [replace(one, corner=one.corner[~corner_is_rigid], lies_on=kept_polygon[one.lies_on].astype(np.int32))
-              for one in origin.copies]
-    triangles = base.triangle_corner[~corner_is_rigid[base.triangle_corner[:, 0]]]
-    return replace(
-        base, polygon_start=_starts(sizes[~is_rigid]), corner_vertex=base.corner_vertex[~corner_is_rigid],
-        triangle_corner=np.ascontiguousarray(kept_corner[triangles], np.int32),
-        uv=None if base.uv is None else np.ascontiguousarray(base.uv[~corner_is_rigid]),
-        origin=replace(origin, corner=origin.corner[~corner_is_rigid], polygon=origin.polygon[~is_rigid],
-                       copies=copies),
-        rigid=_taken(base, parts, is_rigid, corner_is_rigid))
-
-
-def connected_parts(base: "BaseMesh", weld: bool) -> np.ndarray:
-    """(n,) int32: for every vertex the number of its connected part, counted from 0; loose vertices have their own."""
-    places = np.arange(len(base.positions))
-    if weld:
-        places = np.unique(base.positions, axis=0, return_inverse=True)[1].ravel()
-    first = places[base.corner_vertex[np.repeat(base.polygon_start[:-1], np.diff(base.polygon_start))]]
-    other = places[base.corner_vertex]
-    label = np.arange(len(base.positions))
-    while True:
-        lower = label.copy()
-        np.minimum.at(lower, first, label[other])
-        np.minimum.at(lower, other, label[first])
-        lower = lower[lower]
-        if np.array_equal(lower, label):
-            return np.unique(label[places], return_inverse=True)[1].ravel().astype(np.int32)
-        label = lower
-
-
-def _rigid(base: "BaseMesh", parts: np.ndarray, weld: bool) -> np.ndarray:
-    """(parts,) bool."""
-    count = int(parts.max(initial=-1)) + 1
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, parts, base.positions)
-    np.maximum.at(high, parts, base.positions)
-    diagonal = np.linalg.norm(high - low, axis=1)
-    corners = base.positions[base.corner_vertex[base.triangle_corner]].astype(np.float64)
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    area = np.bincount(parts[base.corner_vertex[base.triangle_corner[:, 0]]], areas, count)
-    size = diagonal.max(initial=0.0)
-    limit = np.where(_closed(base, parts, count, weld), SMALL_AND_CLOSED, SMALL) * size
-    chosen = (diagonal <= limit) & (area > 0.0)
-    return chosen if area[chosen].sum() <= MOST_AREA * area.sum() else np.zeros(count, bool)
-
-
-def _closed(base: "BaseMesh", parts: np.ndarray, count: int, weld: bool) -> np.ndarray:
-    """(parts,) bool: it has no border."""
-    places = np.arange(len(base.positions))
-    if weld:
-        places = np.unique(base.positions, axis=0, return_inverse=True)[1].ravel()
-    sides = _sides(base)
-    ends = np.sort(places[sides], axis=1)
-    _, first, uses = np.unique(ends, axis=0, return_index=True, return_counts=True)
-    closed = np.ones(count, bool)
-    closed[parts[sides[first[uses == 1], 0]]] = False
-    return closed
-
-
-def _sides(base: "BaseMesh") -> np.ndarray:
-    """(c, 2) vertices of the sides of all polygons, corner by corner."""
-    following = np.arange(1, len(base.corner_vertex) + 1)
-    following[base.polygon_start[1:] - 1] = base.polygon_start[:-1]
-    return np.stack([base.corner_vertex, base.corner_vertex[following]], 1)
-
-
-def _starts(sizes: np.ndarray) -> np.ndarray:
-    return np.concatenate([np.zeros(1, np.int32), np.cumsum(sizes, dtype=np.int32)])
-
-
-def _taken(base: "BaseMesh", parts: np.ndarray, is_rigid: np.ndarray, corner_is_rigid: np.ndarray) -> RigidParts:
-    origin, corner_vertex = base.own_origin(), base.corner_vertex[corner_is_rigid]
-    vertex, rows = np.unique(corner_vertex, return_inverse=True)
-    sides = np.unique(np.sort(_sides(base)[corner_is_rigid], axis=1), axis=0)
-    triangles = base.corner_vertex[base.triangle_corner[corner_is_rigid[base.triangle_corner[:, 0]]]]
-    turned = np.concatenate([np.roll(triangles, -k, axis=1) for k in range(3)])
-    place = np.unique(turned[:, 0], return_index=True)[1]  # every vertex of a polygon is in one of its triangles
-    return RigidParts(np.unique(parts[vertex], return_inverse=True)[1].ravel().astype(np.int32),
-                      vertex.astype(np.int32), turned[place].astype(np.int32),
-                      np.searchsorted(vertex, sides).astype(np.int32),
-                      origin.polygon[is_rigid], np.diff(base.polygon_start)[is_rigid],
-                      origin.corner[corner_is_rigid], rows.ravel().astype(np.int32))
-
-
 class Riders:
     """The rigid parts of one shown mesh, and what of the cloth around them each is fixed to: the shown vertices that
     are nearest to it at rest. A part that is far from all cloth stays where it is animated."""
 
-    def __init__(self, base: "BaseMesh", parts: RigidParts, shown: kernels.ShownMesh) -> None:
-        """base: without the parts. shown: of the cloth, at rest."""
-        self.parts, self._rest = parts, base.positions[parts.vertex]
+    def __init__(self, positions: np.ndarray, size: float, parts: RigidParts, shown: kernels.ShownMesh) -> None:
+        """positions: (n, 3) float32 of the coarse mesh at rest. size: diagonal of the cloth. shown: of the cloth."""
+        self.parts = parts
         cloth = np.unique(shown.corner_vertex)
         rest = shown.positions_rest[cloth]
-        size = base.diagonal()
-        found = [cloth[_anchors(self._rest[parts.part == part], rest, size)] for part in range(parts.count)]
-        self._starts = _starts(np.array([len(anchors) for anchors in found]))
+        found = [cloth[_anchors(positions[parts.vertex[parts.part == part]], rest, size)]
+                 for part in range(parts.count)]
+        self._starts = np.cumsum([0, *(len(anchors) for anchors in found)], dtype=np.int32)
         self._anchors = np.concatenate(found)
         self._corners, weights = shown.triangle_vertex[self._anchors], shown.barycentric[self._anchors]
         self._weights = np.concatenate([1.0 - weights.sum(1, keepdims=True), weights], 1)[:, :, None]
         # Where the anchors are from the flat triangles of the coarse mesh: as far as that they are in every pose.
-        frames, points = self._embedded(base.positions)
+        frames, points = self._embedded(positions)
         self._from_base = _rowwise(frames, shown.positions_rest[self._anchors] - points)
 
     def ride(self, animated: np.ndarray, cloth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -112,8 +112,8 @@ UPS = tuple((axis, axis, f"The {axis} axis of the garment's own mesh points up a
 class Parts:
     """What of a mesh is cloth: the same words in every system."""
 
-    rigid_parts: bool = setting(True, "Rigid Parts", "Small loose parts, such as buttons and buckles, are no cloth: they "
-                                "keep their shape and ride on the cloth around them", affects="MESH")
+    rigid_parts: bool = setting(True, "Rigid Parts", "Small loose parts, such as buttons and buckles, are no cloth: "
+                                "they keep their shape and ride on the cloth around them", affects="MESH")
 
 
 @dataclass

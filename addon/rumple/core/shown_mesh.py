@@ -32,7 +32,8 @@ class ShownMesh:
         if self.base.rigid is None:
             return None
         if self._riders_of[0] is not self.shown:
-            self._riders_of = (self.shown, Riders(self.base, self.base.rigid, self.shown))
+            self._riders_of = (self.shown, Riders(self.base.positions, self.base.diagonal(), self.base.rigid,
+                                                  self.shown))
         return self._riders_of[1]
 
     @property

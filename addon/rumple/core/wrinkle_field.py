@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, checked_surface
+from .base_mesh import BaseMesh
+from .cloth_surface import checked_surface
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, PROFILE, Attribute, FrameInput, FrameResult, Wrinkles
 from .settings import FieldSettings
 from .wording import user_error

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, affordable_level, checked_surface
+from .base_mesh import BaseMesh, affordable_level
 from .body import Body
 from .cloth import length_over_cotton, size_factor
+from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
 from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
@@ -141,8 +142,8 @@ class WrinkleMesh(Wrinkles):
         """
         if settings.source == "OBJECT" and own is None:
             raise UserError(f"{base.name}: choose your own fine mesh first")
-        base, surface, warnings = checked_surface(base, settings.weld, settings.rigid_parts and settings.source != "OBJECT",
-                                                  unit_scale)
+        rigid_parts = settings.rigid_parts and settings.source != "OBJECT"
+        base, surface, warnings = checked_surface(base, settings.weld, rigid_parts, unit_scale)
         own = own.healed(False) if own is not None and settings.source == "OBJECT" else None
         own_surface = own.surface(False) if own is not None else None
         attached = attached if attached is None or own is None else own.points(attached)

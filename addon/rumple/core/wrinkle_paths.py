@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .base_mesh import BaseMesh, checked_surface
+from .base_mesh import BaseMesh
 from .cloth import size_factor
+from .cloth_surface import checked_surface
 from .curve_rows import CurvePoints
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
 from .on_cloth import cloth_of

@@ -183,7 +183,8 @@ RUMPLE_API rumple_status rumple_shown_mesh_carry_corners(const rumple_shown_mesh
 // none, or they lie along a line) is not turned; points that did not move give the identity to the bit.
 //   starts: (parts + 1): the first point of each part, ascending from 0, and last the number of points.
 //   from, to: (points, 3), finite, one space and one unit.
-//   motions: (parts, 12), written: the rotation R, (3, 3) row by row, and the translation t: p goes to R p + t.
+//   motions: (parts, 12), written: the rotation R, (3, 3) row by row, then the translation t; p goes to
+//   R p + t.
 // Cost: O(points).
 RUMPLE_API rumple_status rumple_rigid_motions(const int32_t* starts, size_t starts_count, const float* from,
                                               size_t from_count, const float* to, size_t to_count,
