@@ -46,10 +46,34 @@ def sweep(folder: Path) -> None:
         found = _PART.fullmatch(path.name)
         if found is None or found["host"] != HOST or is_running(int(found["process"])):
             continue
-        try:
-            path.unlink()
-        except OSError:
-            pass  # another one swept it, or may do so
+        discard(path)
+
+
+def discard(path: Path) -> None:
+    """Remove a temporary file or folder. Never raises: another one may have swept it, or may do so."""
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+        return
+    try:
+        path.unlink(missing_ok=True)
+    except OSError:
+        pass
+
+
+def replace_folder(new: Path, place: Path) -> None:
+    """Put a whole folder in place of another one, or of none. Raises OSError; then the former one is there."""
+    former = temporary(place)
+    try:
+        os.replace(place, former)
+    except FileNotFoundError:
+        pass
+    try:
+        os.replace(new, place)
+    except OSError:
+        if former.exists():
+            os.replace(former, place)
+        raise
+    discard(former)
 
 
 def is_running(process: int) -> bool:

@@ -172,9 +172,9 @@ class StageWriter:
         file.write(f"{indent}}}\n")
 
 
-def file_name(file: str, obj: str, source: str, start: int, end: int) -> str:
-    """File, object, version by what it was made from, frames."""
-    return f"{clip_folder.readable(file)}-{clip_folder.readable(obj)}-{source[:8] or 'window'}-{start}-{end}.usda"
+def stem(file: str, obj: str, source: str, start: int, end: int) -> str:
+    """Of the name of a file: file, object, version by what it was made from, frames."""
+    return f"{clip_folder.readable(file)}-{clip_folder.readable(obj)}-{source[:8] or 'window'}-{start}-{end}"
 
 
 def about(**entries: Any) -> dict[str, str]:

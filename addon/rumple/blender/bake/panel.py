@@ -35,3 +35,6 @@ class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
         if modifier.is_baked(modifier.find(obj)):
             row.operator("object.rumple_bake_free")
         column.operator("object.rumple_bake_shape_keys")
+        row = column.row(align=True)  # of the folder `farm`, which builds on this one
+        row.operator("object.rumple_publish", icon="EXPORT")
+        row.operator("object.rumple_vat", icon="TEXTURE")

@@ -2,6 +2,7 @@
 """Plays an object through a range of frames, so that each frame is solved from the one before it."""
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import Iterator
 
 import bpy
@@ -52,7 +53,7 @@ class Playback:
     def solve_sample(self, sample: int) -> tuple[engine.FrameResult, np.ndarray]:
         """(picture, coarse positions) of one."""
         whole, part = divmod(sample, self.samples)
-        return self._solve(self.start + whole, part / self.samples)
+        return self.solve_at(self.start + whole, part / self.samples)
 
     def samples_in_order(self) -> Iterator[tuple[bool, engine.FrameResult | None, np.ndarray | None]]:
         """(wanted, picture, coarse positions) of every sample. Not wanted: those of the pre-roll, and without a picture
@@ -61,16 +62,26 @@ class Playback:
             for _ in self._analyze():
                 yield False, None, None
         for frame in self.pre_roll:
-            yield False, *self._solve(frame, 0.0)
+            yield False, *self.solve_at(frame, 0.0)
         for sample in range(self.sample_count):
             yield True, *self.solve_sample(sample)
+
+    @contextmanager
+    def unsolved(self) -> Iterator[None]:
+        """In it frames are evaluated up to the wrinkles, and nothing is solved."""
+        runtime = runtimes.of(self.obj)
+        runtime.analyzing = True
+        try:
+            yield
+        finally:
+            runtime.analyzing, runtime.analyzed = False, None
 
     def _analyze(self) -> Iterator[None]:
         """Read the pose of every whole frame; the solver then knows the clip. Memory: 12 bytes a vertex and frame."""
         runtime, clip = runtimes.of(self.obj), {}
         runtime.analyzing = True
         for frame in (*self.pre_roll, *range(self.start, self.end + 1)):
-            self._visit(frame, 0.0)
+            self.visit(frame, 0.0)
             if runtime.analyzed is None or runtime.analyzed.frame != frame:
                 raise BakeError(f"{self.obj.name}: nothing is seen at frame {frame}: is the modifier off?")
             clip[float(frame)] = runtime.analyzed.positions
@@ -86,7 +97,8 @@ class Playback:
         """Whether the file was replaced: Blender 4.3 crashes where its scene is asked for a frame."""
         return self.file != scheduler.file_number()
 
-    def _visit(self, frame: int, subframe: float) -> runtimes.Runtime:
+    def visit(self, frame: int, subframe: float = 0.0) -> runtimes.Runtime:
+        """Let Blender evaluate a frame. Raises BakeError."""
         if self._is_gone():
             raise BakeError(f"{self.name}: another file was opened while it was baked: bake again")
         with viewport_mesh.paused():
@@ -97,8 +109,9 @@ class Playback:
             raise BakeError(f"frame {frame + subframe:g}: {runtime.refusal or runtime.message}")
         return runtime
 
-    def _solve(self, frame: int, subframe: float) -> tuple[engine.FrameResult, np.ndarray]:
-        runtime = self._visit(frame, subframe)
+    def solve_at(self, frame: int, subframe: float) -> tuple[engine.FrameResult, np.ndarray]:
+        """The same at any time."""
+        runtime = self.visit(frame, subframe)
         if (not isinstance(runtime.result, engine.FrameResult) or runtime.inputs is None
                 or abs(runtime.inputs.frame - frame - subframe) > 1e-3):
             raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: is the modifier off?")

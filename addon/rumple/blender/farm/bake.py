@@ -35,6 +35,11 @@ def end_soon() -> None:
     _end_wanted = True
 
 
+def is_end_wanted() -> bool:
+    """Whether a signal came."""
+    return _end_wanted
+
+
 @dataclass
 class Options:
     """As the command line has them."""

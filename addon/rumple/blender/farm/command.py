@@ -7,16 +7,19 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import re
 import signal
 import sys
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, Iterator
 
 import bpy
 
-from . import bake, commands, plan
+from ...core import clip_folder
+from . import bake, commands, plan, poses, publish, vat
 
 
 class Usage(Exception):
@@ -83,6 +86,21 @@ def parser() -> argparse.ArgumentParser:
     published.add_argument("--scheme", choices=("none", "catmullClark"), default="none",
                            help="how readers subdivide the mesh: none has normals")
     published.add_argument("--attributes", action="store_true", help="the wrinkles' attributes, too, as primvars")
+    textures = kinds.add_parser("vat", parents=[common], help="write baked garments as vertex animation textures")
+    textures.add_argument("--to", type=Path, metavar="DIR", help="folder of the folders: else publish, beside the file")
+    textures.add_argument("--image", choices=tuple(vat.KINDS), default="png",
+                          help="png has 16 bits and says its error, exr has 32-bit floats")
+    drawn = kinds.add_parser("poses", parents=[common], help="solve one garment in many poses of its rig, as arrays "
+                             "for machine learning; --out is their folder")
+    drawn.add_argument("--count", type=_whole, required=True, metavar="N", help="poses")
+    drawn.add_argument("--seed", type=int, default=0, metavar="S", help="another one draws other poses (0)")
+    drawn.add_argument("--from-clip", action="store_true", help="poses of the clip, at times that are drawn; else "
+                       "random ones within the limits of the joints, or the range that they have in the clip")
+    drawn.add_argument("--widen", type=float, default=1.0, metavar="FACTOR",
+                       help="of the range that joints have in the clip (1)")
+    drawn.add_argument("--resume", action="store_true", help="go on with a set, also beside other workers")
+    drawn.add_argument("--verify", type=_whole, nargs="?", const=0, metavar="COUNT",
+                       help="write nothing: solve so many poses again (all) and compare bits")
     attach = kinds.add_parser("attach", parents=[common], help="save the file with its whole clips shown")
     attach.add_argument("--save-as", type=Path, metavar="OTHER.blend", help="else in place")
     return top
@@ -109,9 +127,10 @@ def _run(chosen: argparse.Namespace) -> int:
     commands.open_file(chosen.file, chosen.enable_autoexec)
     scene = bpy.context.scene
     garments = commands.choose(scene, chosen.object)
-    chosen.restore = _override(chosen, plan.garments(scene), garments)
+    if chosen.command != "poses":  # whose frames and folder are not those of clips
+        chosen.restore = _override(chosen, plan.garments(scene), garments)
     run = {"bake": _verify if getattr(chosen, "verify", None) is not None else _bake, "check": _check, "list": _list,
-           "attach": _attach, "publish": _publish}
+           "attach": _attach, "publish": _publish, "vat": _vat, "poses": _poses}
     outcome = run[chosen.command](chosen, garments)
     if chosen.json:
         say(json.dumps(outcome.data))
@@ -135,9 +154,15 @@ def _override(chosen: argparse.Namespace, there: list[bpy.types.Object],
 
 
 def _bake(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    with _ended_by_signal():
+        return commands.bake_all(garments, chosen.resume, chosen.lock_age, say, complain)
+
+
+@contextmanager
+def _ended_by_signal() -> Iterator[None]:
     former = signal.signal(signal.SIGTERM, lambda _signal, _frame: bake.end_soon())
     try:
-        return commands.bake_all(garments, chosen.resume, chosen.lock_age, say, complain)
+        yield
     finally:
         signal.signal(signal.SIGTERM, former)
 
@@ -155,8 +180,31 @@ def _list(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> comma
 
 
 def _publish(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
-    folder = (chosen.to or chosen.file.parent / "publish").absolute()
-    return commands.publish_all(garments, folder, chosen.scheme, chosen.attributes, say, complain)
+    return commands.export_all(garments, lambda obj, manifest: publish.publish(
+        bpy.context, obj, manifest, _folder(chosen), chosen.scheme, chosen.attributes), say, complain)
+
+
+def _vat(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    return commands.export_all(garments, lambda obj, manifest: vat.export(
+        bpy.context, obj, manifest, _folder(chosen), chosen.image), say, complain)
+
+
+def _poses(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    if len(garments) != 1:
+        raise commands.Refused(f"poses are of one garment: give --object, one of "
+                               f"{', '.join(obj.name for obj in garments)}")
+    if not math.isfinite(chosen.widen) or chosen.widen <= 0.0:
+        raise commands.Refused(f"--widen is a factor above 0, not {chosen.widen:g}")
+    (obj,) = garments
+    name = f"{clip_folder.readable(chosen.file.stem)}-{clip_folder.readable(obj.name)}_poses"
+    folder = (chosen.out or chosen.file.parent / "publish" / name).absolute()
+    options = poses.Options(chosen.count, chosen.seed, chosen.from_clip, chosen.widen, chosen.resume, chosen.frames)
+    with _ended_by_signal():
+        return commands.make_poses(obj, options, folder, chosen.verify, say, complain)
+
+
+def _folder(chosen: argparse.Namespace) -> Path:
+    return (chosen.to or chosen.file.parent / "publish").absolute()
 
 
 def _attach(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:

@@ -9,13 +9,15 @@ from typing import Any, Callable
 
 import bpy
 
+from ...core import pose_set
 from ...core.clip_folder import in_words, megabytes
 from ...core.clip_lock import Held
-from ...core.clip_manifest import ClipFault
+from ...core.clip_manifest import ClipFault, Manifest
 from ..bake import clip
 from ..bake.playback import BakeError
 from ..objects import modifier
-from . import bake, check, plan, publish, source, verify
+from . import bake, check, plan, poses, shown, source, verify
+from .shown import Exported
 
 Say = Callable[[str], None]
 DONE, FAILED, USAGE, NOTHING, DIFFERS = 0, 1, 2, 3, 4
@@ -163,27 +165,64 @@ def list_all(garments: list[bpy.types.Object], say: Say) -> Outcome:
     return Outcome(DONE, dict(file=bpy.data.filepath, garments=rows))
 
 
-def publish_all(garments: list[bpy.types.Object], folder: Path, scheme: str, attributes: bool, say: Say,
-                complain: Say) -> Outcome:
-    """Each with a whole clip into a file of its own."""
+def export_all(garments: list[bpy.types.Object], export: Callable[[bpy.types.Object, Manifest], Exported], say: Say,
+               complain: Say) -> Outcome:
+    """Each with a whole clip, for other programs. export: raises BakeError and ClipFault."""
     files = source.of_files()
     results: dict[str, dict[str, Any]] = {}
     for obj in garments:
         started = time.perf_counter()
         try:
             bake.show_needed(obj, files, all_frames=False)
-            done = publish.publish(bpy.context, obj, files, folder, scheme, attributes)
+            done = export(obj, shown.whole_clip(obj, files))
         except (BakeError, ClipFault) as error:
             results[obj.name] = dict(code=FAILED, error=_bare(obj, error))
             complain(f"{obj.name} FAILED: {_bare(obj, error)}")
             continue
         seconds = time.perf_counter() - started
         results[obj.name] = dict(code=DONE, file=str(done.path), frames=done.frames, vertices=done.vertices,
-                                 bytes=done.bytes, seconds=round(seconds, 3))
+                                 bytes=done.bytes, seconds=round(seconds, 3), **done.more)
         say(f"{obj.name}: {done.frames} frames of {done.vertices} points in {seconds:.1f} s, "
-            f"{megabytes(done.bytes)} MB: {done.path}")
+            f"{megabytes(done.bytes)} MB{done.note}: {done.path}")
     codes = [result["code"] for result in results.values()]
     return Outcome(FAILED if FAILED in codes else DONE, dict(file=bpy.data.filepath, garments=results))
+
+
+def make_poses(obj: bpy.types.Object, options: poses.Options, folder: Path, compare: int | None, say: Say,
+               complain: Say) -> Outcome:
+    """compare: solve none but so many of the set again (0: all) and compare bits."""
+    solver: poses.Solver | None = None
+    try:
+        solver = poses.Solver(bpy.context, obj, source.of_files(), options)
+        if compare is not None:
+            pose_set.begin(folder, solver.set, solver.mesh(), resume=True)
+            return _compare_poses(solver, folder, compare, say, complain)
+        done = poses.make(solver, folder, say)
+    except bake.Ended:
+        complain(f"{obj.name}: ended by SIGTERM; whole blocks are kept for --resume")
+        return Outcome(ENDED, dict(code=ENDED))
+    except (BakeError, ClipFault) as error:
+        complain(f"{obj.name} FAILED: {_bare(obj, error)}")
+        return Outcome(FAILED, dict(code=FAILED, error=_bare(obj, error)))
+    finally:
+        if solver is not None:
+            solver.close()
+    whole = done.there == solver.set.blocks
+    rate = f", {1e3 * done.seconds / done.poses:.1f} ms a pose" if done.poses else ""
+    rest = "" if whole else f"; other workers have {done.held} blocks"
+    say(f"{obj.name}: {done.poses} poses of {solver.set.fine} points in {done.seconds:.1f} s{rate}, "
+        f"{done.there} of {solver.set.blocks} blocks, {megabytes(done.bytes)} MB{rest}: {folder}")
+    return Outcome(DONE if whole else HELD, dict(code=DONE if whole else HELD, folder=str(folder), poses=done.poses,
+                                                 seconds=round(done.seconds, 3), bytes=done.bytes, blocks=done.there))
+
+
+def _compare_poses(solver: poses.Solver, folder: Path, most: int, say: Say, complain: Say) -> Outcome:
+    compared, pose = poses.first_different(solver, folder, most)
+    if pose is None:
+        say(f"{solver.obj.name}: {compared} poses were solved again, all bits are those of the set")
+    else:
+        complain(f"{solver.obj.name}: pose {pose} is the first that differs from the set")
+    return Outcome(DONE if pose is None else DIFFERS, dict(compared=compared, pose=pose))
 
 
 def attach_all(garments: list[bpy.types.Object], save_as: Path | None, restore: Callable[[], None], say: Say,
