@@ -23,9 +23,17 @@ func _ready():
         get_tree().quit(1)
         return
     add_child(garment)
-    _add_camera(garment.get_aabb())
+    _add_camera(_whole_box(garment.get_aabb()))
     if options.has("picture"):
         _write_picture()
+
+
+# The first frame's box, and wherever the clip moves it.
+func _whole_box(box):
+    var least = material.get_shader_param("least")
+    var most = material.get_shader_param("most")
+    var low = Vector3(least.x, least.z, -most.y)
+    return box.merge(AABB(box.position + low, box.size + Vector3(most.x, most.z, -least.y) - low))
 
 
 func _process(_delta):
@@ -106,16 +114,17 @@ func _add_camera(box):
         camera.translation = Vector3(float(options.get("x", "0")), 5.0, -float(options.get("y", "0")))
         camera.rotation_degrees = Vector3(-90.0, 0.0, 0.0)
     else:
-        camera.translation = middle + Vector3(0.5, 0.45, 1.0).normalized() * box.get_longest_axis_size() * 1.9
+        camera.translation = middle + Vector3(0.5, 0.45, 1.0).normalized() * box.get_longest_axis_size() * 1.3
         camera.look_at(middle, Vector3.UP)
         var light = DirectionalLight.new()
-        light.rotation_degrees = Vector3(-40.0, 35.0, 0.0)
+        light.rotation_degrees = Vector3(-40.0, 60.0, 0.0)
+        light.light_energy = 0.8
         add_child(light)
     var world = Environment.new()
     world.background_mode = Environment.BG_COLOR
     world.background_color = Color.black if options.has("normals") else Color(0.2, 0.21, 0.23)
     world.ambient_light_color = Color.white
-    world.ambient_light_energy = 0.0 if options.has("normals") else 0.35
+    world.ambient_light_energy = 0.0 if options.has("normals") else 0.15
     camera.environment = world
     camera.current = true
 

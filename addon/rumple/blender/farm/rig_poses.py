@@ -31,7 +31,8 @@ def bones(rigs: list[bpy.types.Object]) -> list[bpy.types.PoseBone]:
 
 
 # ---------------------------------------------------------------- ranges
-def ranges(rigs: list[bpy.types.Object], frames: range, visit: Callable[[int], object], widen: float) -> list[BoneRange]:
+def ranges(rigs: list[bpy.types.Object], frames: range, visit: Callable[[int], object],
+           widen: float) -> list[BoneRange]:
     """Of every bone. visit: shows a frame. What has no limits of its own has the range of the clip, widened."""
     seen: list[list[tuple[float, ...]]] = [[] for _ in bones(rigs)]
     for frame in frames:
