@@ -198,7 +198,8 @@ class Sets(SetCase):
         held = mock.patch.object(poses, "Lock", side_effect=poses.Held("another has it"))
         with held:
             self.assertEqual(self.make("--count", "9", "--resume"), commands.HELD)
-        self.assertIn("other workers have 1 blocks", self.out)
+        self.assertIn("2 of 3 blocks, ", self.out)
+        self.assertIn("other workers have 1 of them", self.out)
         self.assertEqual(self.make("--count", "9", "--resume"), 0)
         self.assertEqual(self.read_all(self.set), whole)
 

@@ -179,6 +179,14 @@ class Refused(test_farm.Case):
         self.assertEqual(self.err.count("there is no whole clip of this file: bake first"), 3)
         self.assertFalse((self.folder / "publish").exists())
 
+    def test_a_file_without_wrinkles_has_nothing_to_do(self) -> None:
+        farm_scene.sleeve.empty_file()
+        farm_scene.save(self.blend)
+        for words in (("vat",), ("publish",), ("poses", "--count", "2")):
+            self.assertEqual(self.run_command(*words), commands.NOTHING)
+            self.assertIn("has no wrinkled objects that can be baked: there is nothing to do", self.err)
+        self.assertFalse((self.folder / "publish").exists())
+
     def test_a_full_disk_leaves_nothing_and_a_former_export_as_it_was(self) -> None:
         self.run_command("bake", "--frames", "1-2")
         words = "vat", "--object", farm_scene.FREE

@@ -209,7 +209,7 @@ def make_poses(obj: bpy.types.Object, options: poses.Options, folder: Path, comp
             solver.close()
     whole = done.there == solver.set.blocks
     rate = f", {1e3 * done.seconds / done.poses:.1f} ms a pose" if done.poses else ""
-    rest = "" if whole else f"; other workers have {done.held} blocks"
+    rest = "" if whole else f"; other workers have {done.held} of them"
     say(f"{obj.name}: {done.poses} poses of {solver.set.fine} points in {done.seconds:.1f} s{rate}, "
         f"{done.there} of {solver.set.blocks} blocks, {megabytes(done.bytes)} MB{rest}: {folder}")
     return Outcome(DONE if whole else HELD, dict(code=DONE if whole else HELD, folder=str(folder), poses=done.poses,
