@@ -142,6 +142,18 @@ class Textures(test_farm.Case):
         normal = mesh["NORMAL"][:, [0, 2, 1]] * [1.0, -1.0, 1.0]
         np.testing.assert_allclose(normal, 2.0 * first[points] - 1.0, atol=2e-3)
 
+    def test_in_place_the_way_is_in_the_file_and_the_sum_is_the_clip(self) -> None:
+        folder, baked = self.export("--image", "png", "--in-place"), self.baked()
+        about = json.loads((folder / "Coat-remap_info.json").read_text())
+        layout, way = vat.Layout.of(baked.shape[1], 6), np.array(about["rumple"]["way"])
+        self.assertEqual((way[0].tolist(), way.shape), ([0.0] * 3, (6, 3)))
+        picture = read(folder / "Coat_vat.png")
+        for frame, positions in enumerate(baked):
+            offsets = self.decoded(fetched(picture, layout.uv(), frame), about["os-remap"])
+            np.testing.assert_allclose(offsets.mean(0), 0.0, atol=1e-5)  # the middle stays
+            self.assertLess(np.abs(baked[0] + offsets + way[frame] - positions).max(), self.stated + 1e-6)
+        self.assertGreater(np.abs(way).max(), 0.01)
+
     def test_the_scene_is_left_as_it_was(self) -> None:
         self.run_command("bake", "--frames", "1-3")
         self.run_command("attach")

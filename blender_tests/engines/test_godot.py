@@ -78,7 +78,8 @@ class Godot(unittest.TestCase):
         blend = cls.folder / "shot.blend"
         said_by("blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
                 ROOT / "blender_tests" / "support" / "farm_scene.py", "--", f"{blend}:{FRAMES}")
-        for words in (("bake", "--frames", f"1-{FRAMES}"), ("vat", "--image", "exr"), ("publish",)):
+        for words in (("bake", "--frames", f"1-{FRAMES}"), ("vat", "--image", "exr"), ("publish",),
+                      ("vat", "--image", "exr", "--in-place", "--to", cls.folder / "in_place")):
             said_by(RUMPLE, words[0], blend, "--object", "Sleeve", *words[1:])
         cls.stage = Stage(next((cls.folder / "publish").glob("*.usda")))
         cls.project = cls.folder / "project"
@@ -125,6 +126,19 @@ class Godot(unittest.TestCase):
             self.assertLess(np.quantile(errors, 0.99), 0.03)
             if frame:  # the law could fail: other frames have other pictures
                 self.assertGreater((first ^ seen).sum() / (first | seen).sum(), 0.1)
+
+    def test_a_garment_in_place_goes_its_way(self) -> None:
+        covered, _ = self.stage.drawn(FRAMES - 1)
+        (folder,) = (self.folder / "in_place").iterdir()
+        garment = self.project / "garment"
+        self.addCleanup(shutil.copytree, next((self.folder / "publish").glob("*_vat")), garment, dirs_exist_ok=True)
+        shutil.copytree(folder, garment, dirs_exist_ok=True)
+        seen = self.picture(FRAMES - 1).max(-1) > 0.02
+        self.assertLess((covered ^ seen).sum() / (covered | seen).sum(), 0.01)
+        (garment / "Sleeve-remap_info.json").write_text(
+            (garment / "Sleeve-remap_info.json").read_text().replace('"way"', '"no_way"'))
+        seen = self.picture(FRAMES - 1).max(-1) > 0.02
+        self.assertGreater((covered ^ seen).sum() / (covered | seen).sum(), 0.02)
 
     def test_parts_of_frames_lie_between(self) -> None:
         before, middle, after = (self.picture(frame).max(-1) > 0.02 for frame in (8, 8.5, 9))

@@ -90,6 +90,12 @@ class Remap:
         return self.least + shares * (self.most - self.least)
 
 
+def way_of(points: np.ndarray) -> np.ndarray:
+    """How far the middle of all points is from that of the first frame, (frames, 3) float32. points: (frames, n, 3)."""
+    middles = points.mean(1, dtype=np.float64)
+    return (middles - middles[0]).astype(np.float32)
+
+
 def encode_normals(normals: np.ndarray, deep: bool) -> np.ndarray:
     """-1..1 to 0..1, float32."""
     shares = (np.clip(normals, -1.0, 1.0) + 1.0) / 2.0

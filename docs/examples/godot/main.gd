@@ -10,6 +10,8 @@ const HALF_SIZE = 0.45  # of the picture, metres, where --normals asks for one t
 var material = ShaderMaterial.new()
 var frames = 1
 var rate = 24.0
+var way = []  # of the whole by frame, where it was exported in place
+var shown = MeshInstance.new()
 var options = {}
 
 
@@ -28,17 +30,29 @@ func _ready():
         _write_picture()
 
 
-# The first frame's box, and wherever the clip moves it.
+# The first frame's box, and wherever the clip moves it; in place: where it is.
 func _whole_box(box):
     var least = material.get_shader_param("least")
     var most = material.get_shader_param("most")
+    if options.has("picture"):
+        _show(float(options.get("frame", "0")))
+        box.position += shown.translation
     var low = Vector3(least.x, least.z, -most.y)
     return box.merge(AABB(box.position + low, box.size + Vector3(most.x, most.z, -least.y) - low))
 
 
 func _process(_delta):
     if not options.has("picture"):
-        material.set_shader_param("frame", fmod(OS.get_ticks_msec() * 0.001 * rate, float(frames)))
+        _show(fmod(OS.get_ticks_msec() * 0.001 * rate, float(frames)))
+
+
+func _show(frame):
+    material.set_shader_param("frame", frame)
+    if way.size() > 0:
+        var before = int(clamp(frame, 0, frames - 1))
+        var from = _vector(way[before])
+        var at = from.linear_interpolate(_vector(way[min(before + 1, frames - 1)]), clamp(frame - before, 0.0, 1.0))
+        shown.translation = Vector3(at.x, at.z, -at.y)  # Blender's z is up
 
 
 # The mesh with the shader, or null.
@@ -58,7 +72,6 @@ func _garment():
         return null
     var mesh = _first_mesh(load(files[".glb"]).instance())
     _set_up(files)
-    var shown = MeshInstance.new()
     shown.mesh = mesh
     shown.material_override = material
     shown.extra_cull_margin = 16384.0  # the shader moves it out of the box of the first frame
@@ -83,6 +96,7 @@ func _set_up(files):
     frames = int(remap["Frames"])
     if about.has("rumple"):
         rate = about["rumple"]["frames_a_second"]
+        way = about["rumple"].get("way", [])
     material.shader = load("res://vat.shader")
     material.set_shader_param("positions", _texture(files["_vat.exr"]))
     material.set_shader_param("normals", _texture(files["_vnrm.exr"]))
@@ -130,7 +144,7 @@ func _add_camera(box):
 
 
 func _write_picture():
-    material.set_shader_param("frame", float(options.get("frame", "0")))
+    _show(float(options.get("frame", "0")))
     for _wait in range(4):
         yield(get_tree(), "idle_frame")
     yield(VisualServer, "frame_post_draw")

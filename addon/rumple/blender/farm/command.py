@@ -90,6 +90,8 @@ def parser() -> argparse.ArgumentParser:
     textures.add_argument("--to", type=Path, metavar="DIR", help="folder of the folders: else publish, beside the file")
     textures.add_argument("--image", choices=tuple(vat.KINDS), default="png",
                           help="png has 16 bits and says its error, exr has 32-bit floats")
+    textures.add_argument("--in-place", action="store_true",
+                          help="take the way of the whole out: it goes into the JSON, for the engine to move the mesh")
     drawn = kinds.add_parser("poses", parents=[common], help="solve one garment in many poses of its rig, as arrays "
                              "for machine learning; --out is their folder")
     drawn.add_argument("--count", type=_whole, required=True, metavar="N", help="poses")
@@ -186,7 +188,7 @@ def _publish(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> co
 
 def _vat(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
     return commands.export_all(garments, lambda obj, manifest: vat.export(
-        bpy.context, obj, manifest, _folder(chosen), chosen.image), say, complain)
+        bpy.context, obj, manifest, _folder(chosen), chosen.image, chosen.in_place), say, complain)
 
 
 def _poses(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:

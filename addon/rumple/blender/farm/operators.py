@@ -75,9 +75,11 @@ class OBJECT_OT_rumple_vat(_OfClip, bpy.types.Operator):
     image: bpy.props.EnumProperty(name="Image", default="png", items=(
         ("png", "PNG", "16 bits; the report says the largest error"),
         ("exr", "OpenEXR", "32-bit floats"), ("both", "Both", "PNG and OpenEXR")))
+    in_place: bpy.props.BoolProperty(name="In Place", description="Take the way of the whole out of the textures: it "
+                                     "goes into the JSON, for the engine to move the object")
 
     def export(self, context: bpy.types.Context, manifest: Manifest, folder: Path) -> shown.Exported:
-        return vat.export(context, context.object, manifest, folder, self.image)
+        return vat.export(context, context.object, manifest, folder, self.image, self.in_place)
 
 
 CLASSES: tuple[Any, ...] = (OBJECT_OT_rumple_publish, OBJECT_OT_rumple_vat)

@@ -12,7 +12,7 @@ from mathutils import Matrix
 
 from ...core import clip_folder
 from ...core.clip_manifest import ClipFault, Manifest
-from ...core.vat import STEPS, TOO_FAR, UV_MAP, Layout, Remap, encode_normals, in_place_of, remap_text
+from ...core.vat import STEPS, TOO_FAR, UV_MAP, Layout, Remap, encode_normals, in_place_of, remap_text, way_of
 from .. import compat
 from ..bake.playback import BakeError
 from . import images, shown
@@ -32,9 +32,9 @@ class _Clip:
 
 
 def export(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest, folder: Path,
-           kind: str) -> shown.Exported:
-    """manifest: of the clip that it shows. kind: of KINDS. Raises BakeError and ClipFault. Memory: 24 bytes for each
-    point and frame, and 60 for each texel."""
+           kind: str, in_place: bool) -> shown.Exported:
+    """manifest: of the clip that it shows. kind: of KINDS. in_place: without the way of the whole. Raises BakeError and
+    ClipFault. Memory: 24 bytes for each point and frame, and 60 for each texel."""
     if not hasattr(bpy.types, "EXPORT_SCENE_OT_gltf"):
         raise BakeError(f"{obj.name}: Blender's glTF exporter is switched off: enable the add-on glTF 2.0 format")
     path = folder / f"{shown.stem(obj, manifest)}_vat"
@@ -46,7 +46,12 @@ def export(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest
         clip = _read(context, obj, manifest, count)
         clip_folder.make(folder, len(KINDS[kind]) * clip.layout.width * clip.layout.height * 12)
         temporary.mkdir()
-        error = _write(temporary, obj, clip, kind, shown.about(obj, manifest), context.scene)
+        about: dict[str, Any] = dict(shown.about(obj, manifest))
+        if in_place:
+            way = way_of(clip.points)
+            clip.points -= way[:, None]
+            about["way"] = way.astype(float).tolist()
+        error = _write(temporary, obj, clip, kind, about, context.scene)
         size = sum(file.stat().st_size for file in temporary.iterdir())
         clip_folder.replace_folder(temporary, path)
     except OSError as fault:
