@@ -12,6 +12,8 @@ var frames = 1
 var rate = 24.0
 var way = []  # of the whole by frame, where it was exported in place
 var shown = MeshInstance.new()
+var camera = Camera.new()
+var stand = Vector3()  # of the camera at the first frame
 var options = {}
 
 
@@ -44,6 +46,7 @@ func _whole_box(box):
 func _process(_delta):
     if not options.has("picture"):
         _show(fmod(OS.get_ticks_msec() * 0.001 * rate, float(frames)))
+        camera.translation = stand + shown.translation
 
 
 func _show(frame):
@@ -121,7 +124,6 @@ func _texture(path):
 
 func _add_camera(box):
     var middle = box.position + box.size / 2.0
-    var camera = Camera.new()
     add_child(camera)
     if options.has("normals"):  # from above: to the right Blender's x, upwards its y
         camera.set_orthogonal(2.0 * HALF_SIZE, 0.01, 20.0)
@@ -141,6 +143,7 @@ func _add_camera(box):
     world.ambient_light_energy = 0.0 if options.has("normals") else 0.15
     camera.environment = world
     camera.current = true
+    stand = camera.translation
 
 
 func _write_picture():
