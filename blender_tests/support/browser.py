@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Chromium without a window, over its DevTools protocol: JSON through two pipes, each message ended by a zero byte."""
+"""A Chromium without a window, by its DevTools protocol: JSON through two pipes, each message ended by a zero byte."""
 from __future__ import annotations
 
 import http.server
