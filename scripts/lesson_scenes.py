@@ -18,7 +18,7 @@ SKIRT_AROUND, SKIRT_ALONG = 56, 16
 # Height, half width, half depth of the skirt, from the waistband to the hem.
 SKIRT = np.array([[1.03, 0.150, 0.106], [0.98, 0.168, 0.122], [0.91, 0.192, 0.148], [0.78, 0.230, 0.196],
                   [0.48, 0.300, 0.274]])
-TURN = ((1, 0.0), (8, 0.0), (34, 300.0), (38, 300.0), (60, 300.0))  # frame, degrees about z
+TURN = ((1, 0.0), (8, 0.0), (34, 360.0), (60, 360.0))  # frame, degrees about z
 SKIRT_FRAMES = (1, 60)
 FACE_LOW, FACE_SPACING = 1.56, 0.006
 # Bone, head; where its skin is, how far that reaches, metres. Tails point forwards.
@@ -93,7 +93,6 @@ def build_face_scene() -> bpy.types.Object:
     """The mannequin's head with two brows and a jaw to pose, and a UV map. Returns the head."""
     demo_scene.clear_scene()
     demo_scene.set_up_render()
-    scene = bpy.context.scene
     rig = face_rig()
     points, quads = demo_body.build_body(FACE_SPACING)
     quads = quads[points[quads, 2].min(axis=1) > FACE_LOW]

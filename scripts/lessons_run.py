@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the lessons of docs/lessons inside Blender and renders the picture that each ends in. Started by scripts/lessons.
+"""Follows a lesson of docs/lessons inside Blender and renders the picture that it ends in. Started by scripts/lessons.
 
 A lesson's page has the same steps as Python, in its block "python": that is what runs here, in the lesson's scene.
 """

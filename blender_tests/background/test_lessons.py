@@ -55,7 +55,8 @@ def known_names() -> set[str]:
     for kind in (getattr(bpy.types, name) for name in dir(bpy.types)):
         if hasattr(kind, "bl_rna"):
             found.update(rna_names(kind.bl_rna), (getattr(kind, name, "") for name in ("bl_label", "bl_category")))
-    for kind, name in ((bpy.types.Object, "rumple"), (bpy.types.Object, "rumple_maps"), (bpy.types.Scene, "rumple_brush")):
+    for kind, name in ((bpy.types.Object, "rumple"), (bpy.types.Object, "rumple_maps"),
+                       (bpy.types.Scene, "rumple_brush")):
         for rna in own_groups(kind.bl_rna.properties[name].fixed_type):
             found.update(rna_names(rna))
     for operators in (bpy.ops.object, bpy.ops.rumple):
@@ -132,13 +133,13 @@ class Steps(unittest.TestCase):
         self.assertEqual((shirt.rumple.mesh.preset, shirt.rumple.body.name), ("COTTON", "Mannequin"))
 
     def test_skirt(self) -> None:
-        """It lags behind: the cloth is elsewhere than where it hangs."""
+        """The hem is elsewhere than its animation, the waistband is not."""
         skirt = self.follow("skirt")
         runtime = runtimes.of(skirt)
         cloth = runtime.evaluator.state_of(runtime.inputs.frame).cloth
         away = np.linalg.norm(cloth.positions - runtime.inputs.positions, axis=1)
-        self.assertGreater(away.max(), 0.05)
-        self.assertLess(away[:lessons().lesson_scenes.SKIRT_AROUND].max(), 0.02)   # the waistband is pinned
+        self.assertGreater(away.max(), 0.03)
+        self.assertLess(away[:lessons().lesson_scenes.SKIRT_AROUND].max(), 0.02)
 
     def test_painting(self) -> None:
         """Folds stand down the chest, none on the sleeve that was painted away."""

@@ -36,8 +36,8 @@ def words(text: str, x: float, y: float, kind: str = "", anchor: str = "middle")
     """Lines of text around a height."""
     lines = text.split("\n")
     first = y - 9.5 * (len(lines) - 1) + 5
-    return "".join(f'<text x="{x}" y="{first + 19 * number}" text-anchor="{anchor}" class="{kind}">{escape(line)}</text>'
-                   for number, line in enumerate(lines))
+    return "".join(f'<text x="{x}" y="{first + 19 * number}" text-anchor="{anchor}" class="{kind}">'
+                   f'{escape(line)}</text>' for number, line in enumerate(lines))
 
 
 def box(text: str, x: float, y: float, kind: str) -> str:
@@ -69,20 +69,22 @@ def chart() -> str:
                 else:
                     far = RIGHT + WIDTHS["answer"] + 50
                     parts.append(box(answer, far, y, "answer"))
-                    parts.append(arrow(f"M{LEFT + WIDE - 40} {y + HIGH}V{y + HIGH + GAP / 2}H{far + WIDTHS['answer'] / 2}"
-                                       f"V{y + HIGH + 4}", said, LEFT + WIDE - 32, y + HIGH + 13))
+                    parts.append(arrow(f"M{LEFT + WIDE - 40} {y + HIGH}V{y + HIGH + GAP / 2}"
+                                       f"H{far + WIDTHS['answer'] / 2}V{y + HIGH + 4}", said,
+                                       LEFT + WIDE - 32, y + HIGH + 13))
             elif answer == number + 1:
                 parts.append(arrow(f"M{LEFT + WIDE / 2} {y + HIGH}V{tops[answer] - 4}", said, LEFT + WIDE / 2 + 8,
                                    y + HIGH + GAP / 2))
             else:   # past the next one, at its left
-                parts.append(arrow(f"M{LEFT + 20} {y + HIGH}V{y + HIGH + 8}H8V{tops[answer] + HIGH / 2}H{LEFT - 4}", said,
-                                   LEFT + 26, y + HIGH + GAP / 2))
+                parts.append(arrow(f"M{LEFT + 20} {y + HIGH}V{y + HIGH + 8}H8V{tops[answer] + HIGH / 2}H{LEFT - 4}",
+                                   said, LEFT + 26, y + HIGH + GAP / 2))
     wide, high = RIGHT + 2 * WIDTHS["answer"] + 70, tops[-1] + 2 * HIGH + GAP + 20
-    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {high:.0f}" width="{wide}" height="{high:.0f}" '
-            f'role="img"><!-- SPDX-License-Identifier: GPL-3.0-or-later; made by make_which_system.py -->'
-            f'<title>Which system? Six questions</title><style>{STYLE}</style><defs><marker id="head" viewBox="0 0 8 8" '
-            f'refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto"><path d="M0 0L8 4L0 8z" '
-            f'style="fill:var(--line);stroke:none"/></marker></defs>'
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {high:.0f}" width="{wide}" '
+            f'height="{high:.0f}" role="img">'
+            '<!-- SPDX-License-Identifier: GPL-3.0-or-later; made by make_which_system.py -->'
+            f'<title>Which system? Six questions</title><style>{STYLE}</style><defs>'
+            '<marker id="head" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto">'
+            '<path d="M0 0L8 4L0 8z" style="fill:var(--line);stroke:none"/></marker></defs>'
             f'<rect width="100%" height="100%" fill="var(--back)"/>{"".join(parts)}</svg>\n')
 
 
