@@ -32,10 +32,8 @@ PYTHON = {
     "What does the work": ("native", ("surface", "base_cloth", "wrinkle_mesh", "wrinkle_layers", "wrinkle_field",
                                       "wrinkle_field_brush", "wrinkle_field_steps", "wrinkle_paths",
                                       "wrinkle_paths_drawing", "wrinkle_maps", "handle", "library")),
-    "What an add-on needs beside it": ("core", ("settings", "presets", "fabrics", "engine", "systems", "base_mesh",
-                                                "healing", "shown_mesh", "body", "surroundings", "frame_cache",
-                                                "frame_result", "clip_file", "poses", "poses_json", "usd_text",
-                                                "brush")),
+    "What an add-on needs beside it": ("core", ("settings", "fabrics", "engine", "systems", "base_mesh", "frame_cache",
+                                                "clip_file", "poses", "usd_text")),
 }
 _LINK = re.compile(r"(?<!\\)\]\(([^)\s]+)\)")
 

@@ -36,8 +36,9 @@ class Page:
     problems: dict[str, list[str]] = field(default_factory=dict)  # by kind
 
 
-def look(browser: Browser, address: str, page: str, axe: str) -> Page:
-    """Open a page of the site at `address` and look at it. axe: the checker's source; empty: not checked."""
+def look(browser: Browser, address: str, page: str, axe: str, dark: bool = True) -> Page:
+    """Open a page of the site at `address` and look at it. axe: the checker's source; empty: not checked. dark: whether
+    in dark colours, too."""
     browser.size(*WIDE)
     browser.scheme("light")
     browser.open(address + page)
@@ -51,16 +52,16 @@ def look(browser: Browser, address: str, page: str, axe: str) -> Page:
     for name, size in (("1600 pixels", WIDE), ("400 pixels", NARROW)):
         browser.size(*size)
         problems[name] = browser.run(_OVERFLOW)
-    problems["accessibility"] = _accessible(browser, axe) if axe else []
+    problems["accessibility"] = _accessible(browser, axe, dark) if axe else []
     problems["console"] = list(browser.problems)
     return Page(found["links"], set(found["ids"]), {kind: words for kind, words in problems.items() if words})
 
 
-def _accessible(browser: Browser, axe: str) -> list[str]:
+def _accessible(browser: Browser, axe: str, dark: bool) -> list[str]:
     """Narrow and light: everything. Wide and dark: the colours."""
     browser.run(axe + "; 0")
     words: list[str] = []
-    for scheme, size, rules in (("light", NARROW, _ALL), ("dark", WIDE, _CONTRAST)):
+    for scheme, size, rules in (("light", NARROW, _ALL), ("dark", WIDE, _CONTRAST))[:1 + dark]:
         browser.scheme(scheme)
         browser.size(*size)
         words += [f"{scheme}: {one}" for one in browser.run(_AXE % rules)]
