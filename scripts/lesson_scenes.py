@@ -20,6 +20,7 @@ SKIRT = np.array([[1.03, 0.150, 0.106], [0.98, 0.168, 0.122], [0.91, 0.192, 0.14
                   [0.48, 0.300, 0.274]])
 TURN = ((1, 0.0), (8, 0.0), (34, 360.0), (60, 360.0))  # frame, degrees about z
 SKIRT_FRAMES = (1, 60)
+SKIRT_BODY_SPACING = 0.012  # metres: the file stays small
 FACE_LOW, FACE_SPACING = 1.56, 0.006
 # Bone, head; where its skin is, how far that reaches, metres. Tails point forwards.
 FACE_BONES = {"brow.L": ((0.030, -0.085, 1.708), (0.040, 0.026)), "brow.R": ((-0.030, -0.085, 1.708), (0.040, 0.026)),
@@ -46,7 +47,7 @@ def build_skirt_scene() -> bpy.types.Object:
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = SKIRT_FRAMES
     skeleton = demo_rig.build_armature(scene.collection)
-    demo_scene.build_mannequin_object(skeleton)
+    demo_scene.build_mannequin_object(skeleton, SKIRT_BODY_SPACING)
     points, quads = skirt_mesh()
     skirt = demo_scene.mesh_object("Skirt", points, quads, ("Shirt cloth", "Shirt trim"), np.zeros(len(quads), bool))
     skirt.vertex_groups.new(name="hips").add(range(len(points)), 1.0, "REPLACE")
