@@ -200,7 +200,7 @@ def line_of(method):
 
 def make_ready(suite):
     """Puts the add-on and the module on the path and, inside Blender, enables the add-on as Blender does."""
-    if suite == "package":      # tests what Blender installs, not this tree
+    if suite in ("package", "site"):    # test what Blender installs, and what a browser shows: not this tree
         return
     sys.path[:0] = [str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE"]]
     if suite in ("python", "farm", "engines"):

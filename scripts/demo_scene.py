@@ -96,9 +96,9 @@ def build_shirt_object(skeleton: bpy.types.Object) -> bpy.types.Object:
     return made
 
 
-def build_mannequin_object(skeleton: bpy.types.Object) -> bpy.types.Object:
-    """The body under the shirt."""
-    points, quads = demo_body.build_body()
+def build_mannequin_object(skeleton: bpy.types.Object, spacing: float = 0.0075) -> bpy.types.Object:
+    """The body under the shirt. spacing: of its points, metres."""
+    points, quads = demo_body.build_body(spacing)
     in_trousers = ((points[quads, 2].mean(axis=1) < demo_body.TROUSERS_TOP)
                    & (np.abs(points[quads, 0]).max(axis=1) < 0.23))
     made = mesh_object("Mannequin", points, quads, ("Mannequin", "Trousers"), in_trousers)
