@@ -84,7 +84,7 @@ def _surface_plan(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_
 
 
 def count_openings(surface: Surface) -> int:
-    """Open borders that are not the outline of a sheet: a shirt has four, a head one."""
+    """Open borders that are not the outline of a sheet: a shirt has four, a skirt two, a head one."""
     openings = ctypes.c_int32()
     lib.rumple_surface_count_openings(surface, ctypes.addressof(openings))
     return openings.value

@@ -132,10 +132,13 @@ Index count_openings(const Surface& surface) {
     const std::vector<Index> part = connected(
         surface, [](const Edge&) { return true; }, parts);
     const std::vector<float> diagonal = diagonals(surface, part, parts);
-    Index count = 0;
-    for (const Border& border : collect_borders(surface, part, Vec3(0.0f)))
-        count += border.radius < kOutline * diagonal[border.part];
-    return count;
+    const std::vector<Border> borders = collect_borders(surface, part, Vec3(0.0f));
+    std::vector<bool> has_opening(parts, false);
+    for (const Border& border : borders) {
+        if (border.radius < kOutline * diagonal[border.part]) has_opening[border.part] = true;
+    }
+    return static_cast<Index>(
+        std::ranges::count_if(borders, [&](const Border& b) { return has_opening[b.part]; }));
 }
 
 }  // namespace rumple

@@ -17,7 +17,7 @@ namespace rumple {
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up);
 
 // How many openings a garment has: open borders that are not the outline of a sheet. A shirt has four, a head
-// one.
+// one; a skirt two, for a wide hem in a part with a waist is no outline.
 Index count_openings(const Surface& surface);
 
 }  // namespace rumple
