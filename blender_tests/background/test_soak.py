@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Played for long, every system gives the same bits and needs no more memory. scripts/soak plays 100,000 frames of each."""
+"""Played for long, every system gives the same bits and needs no more memory. scripts/soak plays 100,000 frames."""
 from __future__ import annotations
 
 import os
