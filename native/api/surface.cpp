@@ -199,12 +199,8 @@ void check_starts(std::span<const Index> starts, size_t points) {
 std::array<float, 12> written_out(const base_cloth::RigidMotion& motion) {
     const glm::dmat3 r = glm::mat3_cast(motion.turn);
     const glm::dvec3 t = motion.centre + motion.displacement - r * motion.centre;
-    std::array<float, 12> out{};
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) out[size_t(3 * row + column)] = float(r[column][row]);
-        out[size_t(9 + row)] = float(t[row]);
-    }
-    return out;
+    return {float(r[0][0]), float(r[1][0]), float(r[2][0]), float(r[0][1]), float(r[1][1]), float(r[2][1]),
+            float(r[0][2]), float(r[1][2]), float(r[2][2]), float(t.x),     float(t.y),     float(t.z)};
 }
 
 }  // namespace
