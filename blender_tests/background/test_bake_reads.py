@@ -13,19 +13,6 @@ from rumple.blender.objects import modifier, output_mesh, runtimes
 from support import sleeve
 
 
-def another(name, radius=1.0):
-    """A second wrinkled tube on the arm of the sleeve, of that many of its radii."""
-    mesh = sleeve.tube(name)
-    for vertex in mesh.vertices:
-        vertex.co.yz *= radius
-    obj = sleeve.skinned(mesh, bpy.data.objects["Arm"], name)
-    obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
-    sleeve.make_active(obj)
-    with sleeve.context():
-        bpy.ops.object.rumple_add(method="MESH")
-    return obj
-
-
 class BakeReads(unittest.TestCase):
 
     def setUp(self):
@@ -52,7 +39,7 @@ class BakeReads(unittest.TestCase):
             np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-5)
 
     def test_no_mesh_is_written_and_none_is_fine(self):
-        other, counts = another("Other"), set()
+        other, counts = sleeve.another("Other"), set()
         sleeve.play(1, 3)
         with mock.patch.object(output_mesh, "write_result", side_effect=AssertionError) as write:
             running = self.bake()
@@ -66,7 +53,7 @@ class BakeReads(unittest.TestCase):
         self.assert_shown(other)
 
     def test_garments_it_does_not_need_are_not_solved_and_those_under_it_are(self):
-        under, beside = another("Under", 0.8), another("Beside", 1.5)
+        under, beside = sleeve.another("Under", 0.8), sleeve.another("Beside", 1.5)
         self.obj.rumple.body = under
         sleeve.at(1)
         for obj in (self.obj, under, beside):
@@ -78,7 +65,7 @@ class BakeReads(unittest.TestCase):
 
     def test_what_it_follows_rests_on_what_it_lies_on(self):
         """B follows A by a modifier, and A is worn over C: that was not solved, and A lay on C's bare mesh."""
-        cuff, under = sleeve.cuff(self.obj, "SHRINKWRAP", "Cuff"), another("Under", 0.8)
+        cuff, under = sleeve.cuff(self.obj, "SHRINKWRAP", "Cuff"), sleeve.another("Under", 0.8)
         self.obj.rumple.body = under
         cuff.rumple.bake_folder, cuff.rumple.bake_start, cuff.rumple.bake_end = self.folder, 1, 5
         sleeve.at(1)
@@ -93,7 +80,7 @@ class BakeReads(unittest.TestCase):
                                                runtimes.of(under).evaluator.frame_cache.frames()})
 
     def test_given_up_everything_is_shown_again(self):
-        other = another("Other")
+        other = sleeve.another("Other")
         sleeve.play(1, 3)
         self.bake().cancel()
         sleeve.at(4)

@@ -20,14 +20,7 @@ INNER, OUTER, FREE = "Sleeve", "Coat", "Scarf/.. a"  # the last one's name leads
 
 
 def garment(name: str, radius: float, frames: int) -> bpy.types.Object:
-    mesh = sleeve.tube(name)
-    for vertex in mesh.vertices:
-        vertex.co.yz *= radius
-    obj = sleeve.skinned(mesh, bpy.data.objects["Arm"], name)
-    obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
-    sleeve.make_active(obj)
-    with sleeve.context():
-        bpy.ops.object.rumple_add(method="MESH")
+    obj = sleeve.another(name, radius)
     obj.rumple.bake_start, obj.rumple.bake_end = 1, frames
     return obj
 

@@ -119,6 +119,19 @@ def scene(wrinkles=True, level=1):
     return obj
 
 
+def another(name, radius=1.0):
+    """A second wrinkled tube on the arm, of that many of the sleeve's radii."""
+    mesh = tube(name)
+    for vertex in mesh.vertices:
+        vertex.co.yz *= radius
+    obj = skinned(mesh, bpy.data.objects["Arm"], name)
+    obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+    make_active(obj)
+    with context():
+        bpy.ops.object.rumple_add(method="MESH")
+    return obj
+
+
 def cuff(sleeve_object, follow, name):
     """A wider tube that follows the sleeve by Shrinkwrap or Surface Deform, wrinkled itself."""
     mesh = tube(name)

@@ -61,10 +61,15 @@ class BaseMesh:
 
     def mean_edge(self) -> float:
         """Mean length of the polygons' sides, object units."""
+        first, second = self.sides().T
+        sides = self.positions[second] - self.positions[first]
+        return float(np.linalg.norm(sides, axis=1).mean()) if len(sides) else 0.0
+
+    def sides(self) -> np.ndarray:
+        """(c, 2) int32: the vertices of the polygons' sides, corner by corner."""
         following = np.arange(1, len(self.corner_vertex) + 1)
         following[self.polygon_start[1:] - 1] = self.polygon_start[:-1]
-        sides = self.positions[self.corner_vertex[following]] - self.positions[self.corner_vertex]
-        return float(np.linalg.norm(sides, axis=1).mean()) if len(sides) else 0.0
+        return np.stack([self.corner_vertex, self.corner_vertex[following]], 1)
 
     def level_within(self, level: int, steps: int, most_vertices: int) -> tuple[int, list[str]]:
         """Of affordable_level(): as many subdivisions as are asked for, or fewer, and what to say then."""

@@ -100,19 +100,12 @@ def _rigid(base: BaseMesh, parts: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 def _closed(base: BaseMesh, parts: np.ndarray, count: int, places: np.ndarray) -> np.ndarray:
     """(parts,) bool: it has no border."""
-    sides = _sides(base)
+    sides = base.sides()
     ends = np.sort(places[sides].astype(np.int64), axis=1)
     _, first, uses = np.unique(ends[:, 0] * len(places) + ends[:, 1], return_index=True, return_counts=True)
     closed = np.ones(count, bool)
     closed[parts[sides[first[uses == 1], 0]]] = False
     return closed
-
-
-def _sides(base: BaseMesh) -> np.ndarray:
-    """(c, 2) vertices of the sides of all polygons, corner by corner."""
-    following = np.arange(1, len(base.corner_vertex) + 1)
-    following[base.polygon_start[1:] - 1] = base.polygon_start[:-1]
-    return np.stack([base.corner_vertex, base.corner_vertex[following]], 1)
 
 
 def _starts(sizes: np.ndarray) -> np.ndarray:
@@ -122,7 +115,7 @@ def _starts(sizes: np.ndarray) -> np.ndarray:
 def _taken(base: BaseMesh, parts: np.ndarray, is_rigid: np.ndarray, corner_is_rigid: np.ndarray) -> RigidParts:
     origin, corner_vertex = base.own_origin(), base.corner_vertex[corner_is_rigid]
     vertex, rows = np.unique(corner_vertex, return_inverse=True)
-    sides = np.unique(np.sort(_sides(base)[corner_is_rigid], axis=1), axis=0)
+    sides = np.unique(np.sort(base.sides()[corner_is_rigid], axis=1), axis=0)
     triangles = base.corner_vertex[base.triangle_corner[corner_is_rigid[base.triangle_corner[:, 0]]]]
     turned = np.concatenate([np.roll(triangles, -k, axis=1) for k in range(3)])
     place = np.unique(turned[:, 0], return_index=True)[1]  # every vertex of a polygon is in one of its triangles

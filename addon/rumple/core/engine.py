@@ -220,7 +220,7 @@ class Wrinkles(ShownMesh):
             riders.add_to(result, animated, len(mesh.corner_vertex), self.ATTRIBUTES)
         else:
             inside = riders.parts.vertex < len(result.proxy_offset)  # not what healing has made
-            result.proxy_offset[riders.parts.vertex[inside]] = riders.ways(animated, over)[inside]
+            result.proxy_offset[riders.parts.vertex[inside]] = riders.displacements(animated, over)[inside]
 
     def _frame_before(self, frame: float) -> CachedFrame | None:
         """The stored whole frame that a frame goes on from: the one before it, or the one a subframe is in."""

@@ -63,7 +63,7 @@ class Riders:
         moved = self._moved(animated, points + _columnwise(frames, self._from_base), cloth[self._anchors])
         return moved, _rowwise(_frames(animated, self.parts.triangle), moved - animated[self.parts.vertex])
 
-    def ways(self, animated: np.ndarray, over: np.ndarray) -> np.ndarray:
+    def displacements(self, animated: np.ndarray, over: np.ndarray) -> np.ndarray:
         """(m, 3): how far the parts go with the base cloth alone, (n, 3): where the shown mesh is not made."""
         moved = self._moved(animated, self._embedded(animated)[1], self._embedded(over)[1])
         return moved - animated[self.parts.vertex]
