@@ -183,9 +183,11 @@ class WhichAreRigid(unittest.TestCase):
         self.assertEqual(self.rigid_faces(together(GARMENT, badge)), [576])
 
     def test_a_mesh_whose_faces_are_loose_is_one_garment_where_seams_are_welded(self) -> None:
-        split = quad_mesh("Split", GARMENT.positions[GARMENT.corner_vertex],
-                          np.arange(len(GARMENT.corner_vertex)).reshape(-1, 4))
-        self.assertEqual(self.rigid_faces(split), [])
+        worn = together(GARMENT, BUTTON)
+        split = quad_mesh("Split", worn.positions[worn.corner_vertex],
+                          np.arange(len(worn.corner_vertex)).reshape(-1, 4))
+        self.assertEqual(self.rigid_faces(split), list(range(576, 582)))
+        self.assertEqual(self.rigid_faces(split, weld=False), [])
 
     def test_what_a_mesh_is_made_of_is_no_part_of_it(self) -> None:
         mail = together(*(box((0.05 * np.cos(a), 0.05 * np.sin(a), z), (0.01, 0.01, 0.01))
