@@ -16,6 +16,8 @@ included, goes to a file and is shown only for a test that failed.
 Environment: RUMPLE_NATIVE, folder of librumple; RUMPLE_OUT, where tests leave pictures; RUMPLE_DATA,
 the real scenes. The last line is `SUITE name ran=N failed=N skipped=N`.
 """
+from __future__ import annotations
+
 import ctypes
 import faulthandler
 import functools
@@ -28,6 +30,8 @@ import time
 import traceback
 import unittest
 from pathlib import Path
+from types import ModuleType
+from typing import Any, Callable, Generator, Iterator
 
 HERE = Path(__file__).resolve().parent
 FOLDERS = {"python": "without_blender"}     # the others are named as their suites
@@ -37,7 +41,7 @@ TRACEBACK = "Traceback (most recent call last)"
 class Output:
     """Takes what the process prints, C code included, away from the terminal and hands it out in portions."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.terminal = os.fdopen(os.dup(1), "w", buffering=1, encoding="utf-8")
         self.file = tempfile.TemporaryFile()
         os.dup2(self.file.fileno(), 1)
@@ -45,11 +49,11 @@ class Output:
         faulthandler.enable(self.terminal)      # a crash says where, before the process is gone
         self.read = 0
 
-    def say(self, text, end="\n"):
+    def say(self, text: str, end: str = "\n") -> None:
         self.terminal.write(text + end)
         self.terminal.flush()
 
-    def take(self):
+    def take(self) -> str:
         """What was printed since the last call."""
         sys.stdout.flush()
         sys.stderr.flush()
@@ -60,7 +64,7 @@ class Output:
         return data.decode(errors="replace")
 
 
-def as_steps(function):
+def as_steps(function: Callable[..., Any]) -> Iterator[float]:
     """Calls it; a generator's yields are passed on."""
     result = function()
     if not inspect.isgenerator(result):
@@ -77,10 +81,11 @@ def as_steps(function):
 class Trial:
     """One test while it runs: what went wrong, or why it was skipped."""
 
-    def __init__(self):
-        self.problems, self.skipped = [], None
+    def __init__(self) -> None:
+        self.problems: list[str] = []
+        self.skipped: str | None = None
 
-    def attempt(self, function):
+    def attempt(self, function: Callable[..., Any]) -> Generator[float, None, bool]:
         """Steps; returns whether the function went through."""
         try:
             yield from as_steps(function)
@@ -91,7 +96,7 @@ class Trial:
             self.problems.append(traceback.format_exc())
         return False
 
-    def run(self, test, method):
+    def run(self, test: unittest.TestCase, method: Callable[..., Any]) -> Iterator[float]:
         reason = getattr(method, "__unittest_skip_why__", None) or getattr(test, "__unittest_skip_why__", None)
         if reason is not None:
             self.skipped = reason
@@ -105,12 +110,12 @@ class Trial:
 
 
 class Suite:
-    def __init__(self, name, words):
+    def __init__(self, name: str, words: list[str]) -> None:
         self.name, self.words = name, words
         self.output = Output()
         self.ran = self.failed = self.skipped = 0
 
-    def steps(self):
+    def steps(self) -> Iterator[float]:
         """The whole run, as steps."""
         folder = HERE / FOLDERS.get(self.name, self.name)
         sys.path[:0] = [str(folder), str(HERE)]
@@ -118,13 +123,13 @@ class Suite:
             for path in sorted(folder.glob("test_*.py")):
                 yield from self.run_module(path.stem)
 
-    def start(self, trial):
+    def start(self, trial: Trial) -> Iterator[float]:
         yield from trial.attempt(functools.partial(make_ready, self.name))
 
-    def run_module(self, name):
+    def run_module(self, name: str) -> Iterator[float]:
         cases = []
 
-        def load(trial):
+        def load(trial: Trial) -> Iterator[float]:
             yield from trial.attempt(lambda: cases.extend(cases_of(importlib.import_module(name))))
 
         if not (yield from self.judge(name, load)):
@@ -132,7 +137,7 @@ class Suite:
         for case in cases:
             yield from self.run_case(case)
 
-    def run_case(self, case):
+    def run_case(self, case: type[unittest.TestCase]) -> Iterator[float]:
         names = unittest.defaultTestLoader.getTestCaseNames(case)
         names = [name for name in names if self.wanted(f"{case.__module__}.{case.__name__}.{name}")]
         if not names:
@@ -148,10 +153,11 @@ class Suite:
         yield from self.judge(title, lambda trial: trial.attempt(case.tearDownClass))
         yield from self.judge(title, lambda trial: trial.attempt(case.doClassCleanups))
 
-    def wanted(self, title):
+    def wanted(self, title: str) -> bool:
         return not self.words or any(word in title for word in self.words)
 
-    def judge(self, title, run, counts=False):
+    def judge(self, title: str, run: Callable[[Trial], Iterator[float]],
+              counts: bool = False) -> Generator[float, None, bool]:
         """Runs something and reports it; what is no test (counts False) only where it fails."""
         if counts:
             self.output.say(f"{title} ... ", end="")
@@ -169,7 +175,7 @@ class Suite:
             self.output.say("    " + text.rstrip().replace("\n", "\n    "))
         return not trial.problems and (counts or trial.skipped is None)
 
-    def count(self, trial, counts, seconds):
+    def count(self, trial: Trial, counts: bool, seconds: float) -> None:
         if trial.problems:
             self.ran += 1
             self.failed += 1
@@ -181,24 +187,24 @@ class Suite:
             self.ran += 1
             self.output.say(f"ok {seconds:.2f} s")
 
-    def finish(self):
+    def finish(self) -> None:
         """Says the last line and ends the process; wm.quit_blender would hang in 4.3."""
         self.output.say(f"SUITE {self.name} ran={self.ran} failed={self.failed} skipped={self.skipped}")
         os._exit(1 if self.failed or not self.ran else 0)
 
 
-def cases_of(module):
+def cases_of(module: ModuleType) -> list[type[unittest.TestCase]]:
     """Its own test cases, in the order of the file."""
     classes = [value for value in vars(module).values() if isinstance(value, type)]
     cases = [value for value in classes if issubclass(value, unittest.TestCase) and value.__module__ == module.__name__]
     return sorted(cases, key=lambda case: inspect.getsourcelines(case)[1])
 
 
-def line_of(method):
+def line_of(method: Callable[..., Any]) -> int:
     return inspect.unwrap(method).__code__.co_firstlineno
 
 
-def make_ready(suite):
+def make_ready(suite: str) -> None:
     """Puts the add-on and the module on the path and, inside Blender, enables the add-on as Blender does."""
     if suite in ("package", "site"):    # test what Blender installs, and what a browser shows: not this tree
         return
@@ -210,25 +216,25 @@ def make_ready(suite):
     import rumple_native    # noqa: F401  a missing library fails here, in words, and not in every test
     if suite == "window" and bpy.app.background:
         raise RuntimeError("the window suite was started with -b: it needs a window (scripts/suite window)")
-    errors = []
+    errors: list[BaseException] = []
     if addon_utils.enable("rumple", default_set=True, persistent=True, handle_error=errors.append) is None:
         raise errors[0] if errors else RuntimeError("the add-on rumple could not be enabled")
 
 
-def run_at_once(suite):
+def run_at_once(suite: Suite) -> None:
     for _ in suite.steps():
         pass
     suite.finish()
 
 
-def run_from_timer(suite):
+def run_from_timer(suite: Suite) -> None:
     """One step for each turn of the event loop, with everything redrawn in between."""
     import bpy
     bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.system.viewport_aa = "OFF"      # a third of a redraw by the processor
     steps = suite.steps()
 
-    def tick():
+    def tick() -> float:
         try:
             pause = next(steps)
         except StopIteration:
@@ -245,7 +251,7 @@ def run_from_timer(suite):
     bpy.app.timers.register(tick, first_interval=0.5, persistent=True)
 
 
-def main():
+def main() -> None:
     arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
     suite = Suite(arguments[0], arguments[1:])
     if suite.name == "window" and "bpy" in sys.modules and not sys.modules["bpy"].app.background:

@@ -8,6 +8,8 @@ distances are computed for |x| only.
 
 from __future__ import annotations
 
+from typing import Callable
+
 import numpy as np
 
 Array = np.ndarray
@@ -25,8 +27,11 @@ WRIST = ELBOW + FOREARM_LENGTH * ARM_DIRECTION
 THUMB_DIRECTION = np.array([0.0, -1.0, 0.0])
 PALM_DIRECTION = np.cross(ARM_DIRECTION, THUMB_DIRECTION)
 
-TROUSERS_TOP = 1.005  # metres; faces of the mannequin below it wear trousers
-BODY_BOTTOM = 0.62
+# Joints of the left leg. It points down; the foot points to the front.
+HIP = np.array([0.085, 0.012, 0.885])
+KNEE = np.array([0.100, -0.004, 0.485])
+ANKLE = np.array([0.106, 0.022, 0.090])
+HEEL, TOE = np.array([0.106, 0.034, 0.030]), np.array([0.118, -0.135, 0.020])
 
 # Torso as a stack of superellipses: height, half width, half depth, centre y.
 BODY_TORSO = np.array([
@@ -128,6 +133,15 @@ def hand_distance(points: Array) -> Array:
     return smooth_union(d, thumb, 0.014)
 
 
+def leg_distance(points: Array) -> Array:
+    """Distance to the left leg; points have x >= 0."""
+    calf = KNEE + 0.28 * (ANKLE - KNEE) + (0.0, 0.014, 0.0)
+    d = round_cone(points, HIP, KNEE, 0.090, 0.053)
+    d = smooth_union(d, round_cone(points, KNEE, calf, 0.050, 0.053), 0.02)
+    d = smooth_union(d, round_cone(points, calf, ANKLE, 0.052, 0.035), 0.02)
+    return smooth_union(d, round_cone(points, HEEL, TOE, 0.034, 0.026), 0.04)
+
+
 def head_distance(points: Array) -> Array:
     """Distance to neck and head: a shop mannequin with nose, eye sockets and ears."""
     d = ellipsoid(points, (0.0, 0.004, 1.712), (0.077, 0.096, 0.094))
@@ -152,14 +166,13 @@ def body_distance(points: Array) -> Array:
     shoulder = round_cone(p, np.array([0.05, 0.020, 1.452]), SHOULDER, 0.042, 0.050)
     d = smooth_union(d, shoulder, 0.05)
     d = smooth_union(d, arm_distance(p), 0.035)
-    thigh = round_cone(p, np.array([0.082, 0.014, 0.88]), np.array([0.100, 0.000, 0.45]), 0.090, 0.072)
-    d = smooth_union(d, thigh, 0.05)
+    d = smooth_union(d, leg_distance(p), 0.05)
     d = smooth_union(d, hand_distance(p), 0.012)
     d = smooth_union(d, head_distance(p), 0.04)
-    return np.maximum(d, BODY_BOTTOM - p[..., 2])
+    return np.maximum(d, -p[..., 2])
 
 
-def project_to_surface(points: Array, distance, steps: int = 3) -> Array:
+def project_to_surface(points: Array, distance: Callable[[Array], Array], steps: int = 3) -> Array:
     """Newton steps onto distance = 0 with central differences (1 mm)."""
     for _ in range(steps):
         gradient = distance_gradient(points, distance)
@@ -168,7 +181,7 @@ def project_to_surface(points: Array, distance, steps: int = 3) -> Array:
     return points
 
 
-def distance_gradient(points: Array, distance) -> Array:
+def distance_gradient(points: Array, distance: Callable[[Array], Array]) -> Array:
     """Central differences of a distance function, step 1 mm."""
     step = 1e-3
     columns = [(distance(points + step * e) - distance(points - step * e)) / (2 * step)
@@ -218,20 +231,23 @@ def surface_nets(values: Array) -> tuple[Array, Array]:
     return np.argwhere(mixed), np.concatenate(quads)
 
 
-def build_body(spacing: float = 0.0075) -> tuple[Array, Array]:
-    """Mannequin mesh: points (n, 3) in metres and quads (m, 4), normals outward.
+def build_body(spacing: float = 0.0075, bottom: float = 0.0) -> tuple[Array, Array]:
+    """Mannequin mesh above the height bottom: points (n, 3) in metres and quads (m, 4), normals outward.
 
     The grid stays clear of the surface, so every crossed edge has four cells.
     """
-    low, high = np.array([-0.78, -0.20, BODY_BOTTOM - 0.02]), np.array([0.78, 0.20, 1.84])
+    def distance(points: Array) -> Array:
+        return np.maximum(body_distance(points), bottom - points[..., 2])
+
+    low, high = np.array([-0.78, -0.22, bottom - 0.02]), np.array([0.78, 0.20, 1.84])
     counts = np.ceil((high - low) / spacing).astype(int)
     axes = [low[k] + spacing * np.arange(counts[k]) for k in range(3)]
-    values = np.stack([body_distance(np.stack(np.meshgrid([x], axes[1], axes[2], indexing="ij"),
-                                              axis=-1))[0] for x in axes[0]])
+    values = np.stack([distance(np.stack(np.meshgrid([x], axes[1], axes[2], indexing="ij"), axis=-1))[0]
+                       for x in axes[0]])
     cells, quads = surface_nets(values)
     points = low + spacing * (cells + 0.5)
     edges = edges_of_quads(quads)
     for _ in range(4):
-        points = project_to_surface(points, body_distance, steps=1)
+        points = project_to_surface(points, distance, steps=1)
         points = 0.5 * points + 0.5 * neighbour_average(points, edges)
-    return np.round(project_to_surface(points, body_distance), 6), quads
+    return np.round(project_to_surface(points, distance), 6), quads

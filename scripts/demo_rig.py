@@ -17,7 +17,11 @@ import demo_body as body
 from demo_body import Array, smoothstep
 
 MAX_INFLUENCES = 4
+# Metres: where the thigh begins in the middle of the body, how much lower that is for each metre to the back, over what
+# length hips and thigh share; over what width the two legs do.
+GROIN, GROIN_SLOPE, GROIN_WIDTH, CROTCH_WIDTH = 0.89, 0.5, 0.15, 0.06
 ELBOW_HALF = 0.055  # metres; half length of the bone that shares the elbow's bend
+KNEE_HALF = 0.060
 
 # Stations of the two chains: bone, start, half width of the blend at its start.
 # Heights in metres for the torso, distances from the shoulder for the arm.
@@ -30,6 +34,11 @@ ARM_CHAIN = (
     ("upper_arm", 0.0, 0.0), ("upper_arm_twist", 0.13, 0.085), ("elbow", _U - ELBOW_HALF, 0.080),
     ("forearm", _U + ELBOW_HALF, 0.080), ("forearm_twist", _U + 0.165, 0.05),
     ("hand", _U + _F, 0.04),
+)
+THIGH, SHIN = np.linalg.norm(body.KNEE - body.HIP), np.linalg.norm(body.ANKLE - body.KNEE)
+LEG_CHAIN = (
+    ("thigh", 0.0, 0.0), ("knee", THIGH - KNEE_HALF, 0.075), ("shin", THIGH + KNEE_HALF, 0.075),
+    ("foot", THIGH + SHIN - 0.01, 0.035),
 )
 SIDES = {"L": 1.0, "R": -1.0}
 
@@ -57,7 +66,19 @@ def bone_table() -> list[tuple[str, tuple, tuple, str | None]]:
                           for s in (start, end))
             bones.append((f"{name}.{side}", head, tail, parent))
             parent = f"{name}.{side}"
+        stations = [start for _, start, _ in LEG_CHAIN] + [THIGH + SHIN + 0.1]
+        parent = "hips"
+        for (name, _, _), start, end in zip(LEG_CHAIN, stations, stations[1:]):
+            bones.append((f"{name}.{side}", tuple(leg_joint(start) * mirror), tuple(leg_joint(end) * mirror), parent))
+            parent = f"{name}.{side}"
     return bones
+
+
+def leg_joint(distance: float) -> Array:
+    """Point of the left leg's axis so many metres from the hip; beyond the ankle it goes on along the foot."""
+    joints = np.array([body.HIP, body.KNEE, body.ANKLE, body.TOE])
+    reached = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(joints, axis=0), axis=1))])
+    return np.array([np.interp(distance, reached, joints[:, axis]) for axis in range(3)])
 
 
 def chain_weights(chain: tuple, coordinate: Array) -> dict[str, Array]:
@@ -73,21 +94,33 @@ def skin_weights(points: Array) -> dict[str, Array]:
     """Weight of every bone at the rest positions; at most four each, sum 1."""
     p = points.copy()
     p[:, 0] = np.abs(p[:, 0])
-    to_torso = body.torso_distance(p, body.BODY_TORSO)
+    to_torso = np.minimum(body.torso_distance(p, body.BODY_TORSO), body.leg_distance(p))
     end = body.WRIST + body.HAND_LENGTH * body.ARM_DIRECTION
     to_arm = body.round_cone(p, body.SHOULDER, end, 0.051, 0.040)
     in_arm = smoothstep((to_torso - to_arm + 0.09) / 0.23)
     in_clavicle = 0.85 * smoothstep((p[:, 0] - 0.02) / 0.13) * smoothstep((p[:, 2] - 1.27) / 0.14)
 
-    weights = {name: w * (1.0 - in_arm) * (1.0 - in_clavicle)
+    in_leg = smoothstep((GROIN - GROIN_SLOPE * p[:, 1] - p[:, 2]) / GROIN_WIDTH + 0.5)
+
+    weights = {name: w * (1.0 - in_arm) * (1.0 - in_clavicle) * (1.0 - in_leg)
                for name, w in chain_weights(TORSO_CHAIN, points[:, 2]).items()}
     along = (p - body.SHOULDER) @ body.ARM_DIRECTION
     arm = {name: w * in_arm for name, w in chain_weights(ARM_CHAIN, along).items()}
     arm["clavicle"] = in_clavicle * (1.0 - in_arm)
+    down = THIGH * share_along(p, body.HIP, body.KNEE) + SHIN * share_along(p, body.KNEE, body.ANKLE)
+    leg = {name: w * in_leg * (1.0 - in_arm) for name, w in chain_weights(LEG_CHAIN, down).items()}
     for side, sign in SIDES.items():
         here = smoothstep(0.5 + sign * points[:, 0] / 0.01)
         weights.update({f"{name}.{side}": w * here for name, w in arm.items()})
+        here = smoothstep(0.5 + sign * points[:, 0] / CROTCH_WIDTH)
+        weights.update({f"{name}.{side}": w * here for name, w in leg.items()})
     return limited(weights)
+
+
+def share_along(points: Array, start: Array, end: Array) -> Array:
+    """(n,) how far along a bone the points lie, 0 to 1."""
+    axis = end - start
+    return np.clip((points - start) @ axis / (axis @ axis), 0.0, 1.0)
 
 
 def limited(weights: dict[str, Array]) -> dict[str, Array]:
@@ -122,6 +155,7 @@ class Pose:
     turn: float = 0.0  # to the figure's left
     nod: float = 0.0
     look: float = 0.0  # head about the vertical, to the figure's left
+    crouch: float = 0.0  # thighs, to the front; the feet stay where they are
 
 
 _REST_LEFT = ArmPose(raise_side=-19, swing_front=8, twist=8, bend=22, pronate=5)
@@ -129,13 +163,13 @@ _REST_RIGHT = ArmPose(raise_side=-19, swing_front=6, twist=8, bend=26, pronate=5
 PERFORMANCE = (
     Pose(1, _REST_LEFT, _REST_RIGHT),
     Pose(20, ArmPose(38, 28, -5, 30, -10), ArmPose(-18, 2, 5, 18, 5),
-         lean_side=-5, turn=-8, nod=2, look=12),
+         lean_side=-5, turn=-8, nod=2, look=12, crouch=8),
     Pose(36, ArmPose(46, 30, -62, 102, -25), ArmPose(-16, 0, 4, 30, 10),
          lean_side=-8, lean_front=2, turn=-14, nod=-2, look=20),
     Pose(48, ArmPose(20, 52, 5, 102, 45), ArmPose(-16, 12, 8, 52, 20),
-         lean_side=4, lean_front=5, turn=12, nod=6, look=-6),
+         lean_side=4, lean_front=14, turn=12, nod=2, look=-6, crouch=52),
     Pose(60, ArmPose(-8, 34, 14, 66, 30), ArmPose(-18, 10, 8, 40, 12),
-         lean_side=3, lean_front=3, turn=9, nod=4, look=-4),
+         lean_side=3, lean_front=6, turn=9, nod=4, look=-4, crouch=20),
     Pose(72, _REST_LEFT, _REST_RIGHT),
 )
 
@@ -177,7 +211,31 @@ def pose_turns(pose: Pose) -> dict[str, Quaternion]:
     for bone, share in (("neck", 0.4), ("head", 0.6)):
         turns[bone] = (turn_about((0, 0, 1), share * pose.look)
                        @ turn_about((1, 0, 0), share * pose.nod))
+    for side in SIDES:
+        turns.update(leg_turns(pose.crouch, side))
     return {**turns, **arm_turns(pose.left, "L"), **arm_turns(pose.right, "R")}
+
+
+def knee_bend(crouch: float) -> float:
+    """Degrees by which the shin leans back: the ankle stays about below the hip."""
+    return float(np.degrees(np.arcsin(THIGH * np.sin(np.radians(crouch)) / SHIN)))
+
+
+def leg_turns(crouch: float, side: str) -> dict[str, Quaternion]:
+    """Rotation of each bone of a leg, in armature space at rest."""
+    across, back = (-1.0, 0.0, 0.0), knee_bend(crouch)
+    half = turn_about(across, -0.5 * (crouch + back))
+    return {f"thigh.{side}": turn_about(across, crouch), f"knee.{side}": half, f"shin.{side}": half,
+            f"foot.{side}": turn_about(across, back)}
+
+
+def ankle_shift(crouch: float) -> Vector:
+    """Where the ankles would go if the hips stayed, metres: the hips go the other way."""
+    back = knee_bend(crouch)
+    joints = [Vector(leg_joint(start)) for _, start, _ in LEG_CHAIN]
+    bones = [after - before for before, after in zip(joints, joints[1:])]
+    leaning = (crouch, 0.5 * (crouch - back), -back)  # thigh, knee, shin
+    return sum((turn_about((-1.0, 0.0, 0.0), angle) @ bone - bone for bone, angle in zip(bones, leaning)), Vector())
 
 
 def build_armature(collection: bpy.types.Collection) -> bpy.types.Object:
@@ -210,6 +268,9 @@ def animate(skeleton: bpy.types.Object) -> None:
             bone.rotation_mode = "QUATERNION"
             bone.rotation_quaternion = value
             bone.keyframe_insert("rotation_quaternion", frame=pose.frame)
+        hips = skeleton.pose.bones["hips"]
+        hips.location = hips.bone.matrix_local.to_3x3().inverted() @ -ankle_shift(pose.crouch)
+        hips.keyframe_insert("location", frame=pose.frame)
 
 
 def skin(target: bpy.types.Object, points: Array, skeleton: bpy.types.Object) -> None:

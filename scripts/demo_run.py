@@ -35,18 +35,19 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
 
 
-def find_garment(name: str | None) -> bpy.types.Object:
-    """The named mesh object, or the demo's shirt."""
+def find_garments(name: str | None) -> list[bpy.types.Object]:
+    """The named mesh object, or the demo's trousers and shirt."""
     if name is None:
         import demo_scene
         say("making the demo scene")
-        return demo_scene.build_demo_scene()
+        demo_scene.build_demo_scene()
+        return [bpy.data.objects[name] for name in demo_scene.GARMENTS]
     garment = bpy.data.objects.get(name)
     if garment is None or garment.type != "MESH":
         meshes = ", ".join(sorted(o.name for o in bpy.data.objects if o.type == "MESH")) or "none"
         say(f"there is no mesh object named {name}; this file has: {meshes}")
         raise SystemExit(1)
-    return garment
+    return [garment]
 
 
 def frame_range(text: str | None) -> range:
@@ -99,7 +100,7 @@ def render(path: Path, percent: int = 100) -> None:
     bpy.ops.render.render(write_still=True)
 
 
-def render_sheet(garment: bpy.types.Object, wrinkles: bpy.types.Modifier, frames: range, out: Path) -> None:
+def render_sheet(wrinkles: list[bpy.types.Modifier], frames: range, out: Path) -> None:
     """Before and after, side by side, for a few frames."""
     step = max(1, (len(frames) - 1) // (SHEET_FRAMES - 1))
     chosen = frames[::step][:SHEET_FRAMES]
@@ -108,11 +109,11 @@ def render_sheet(garment: bpy.types.Object, wrinkles: bpy.types.Modifier, frames
         say(f"contact sheet: frame {frame}")
         bpy.context.scene.frame_set(frame)
         for shown, label in ((False, "before"), (True, "after")):
-            wrinkles.show_render = shown
+            for modifier in wrinkles:
+                modifier.show_render = shown
             path = out / f".tile_{frame}_{label}.png"
             render(path)
             tiles.append((f"frame {frame}, {label}", path))
-    wrinkles.show_render = True
     compose(tiles, 2, out / "contact_sheet.png")
     for _, path in tiles:
         path.unlink()
@@ -137,17 +138,17 @@ def main() -> None:
     out.mkdir(parents=True, exist_ok=True)
     (out / "report.json").unlink(missing_ok=True)
     rumple.register()
-    garment = find_garment(options.object)
+    garments = find_garments(options.object)
     frames = frame_range(options.frames)
     bpy.context.scene.frame_start = frames[0]
-    wrinkles = add_wrinkles(garment, options.method)
-    report = play(garment, frames)
+    wrinkles = [add_wrinkles(garment, options.method) for garment in garments]
+    report = play(garments[-1], frames)
     bpy.context.scene.frame_set(frames[0])
     bpy.ops.wm.save_as_mainfile(filepath=str(out / "wrinkled.blend"))
     studio(bpy.context.scene)
     if options.object is not None:
-        frame_camera(garment, frames)
-    render_sheet(garment, wrinkles, frames, out)
+        frame_camera(garments[-1], frames)
+    render_sheet(wrinkles, frames, out)
     render_clip(frames, out)
     report.write(out / "report.json")
     for line in report.table():

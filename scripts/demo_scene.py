@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The demo scene of Rumple: a shirt on a moving mannequin, made from nothing.
+"""The demo scene of Rumple: shirt and trousers on a moving mannequin, made from nothing.
 
     blender -b --factory-startup --python scripts/demo_scene.py -- --out FILE.blend
 
@@ -22,11 +22,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import demo_body  # noqa: E402
 import demo_rig  # noqa: E402
 import demo_shirt  # noqa: E402
+import demo_trousers  # noqa: E402
 from demo_body import Array  # noqa: E402
 
+GARMENTS = ("Trousers", "Shirt")  # what is worn under others first
 FRAME_START, FRAME_END, FRAMES_PER_SECOND = 1, 72, 24
-RESOLUTION = (1080, 1080)
-CAMERA_POSITION, CAMERA_TARGET, CAMERA_LENS = (0.95, -2.85, 1.45), (0.035, 0.0, 1.348), 91.0
+RESOLUTION = (864, 1080)
+CAMERA_POSITION, CAMERA_TARGET, CAMERA_LENS = (1.55, -4.65, 1.25), (0.03, 0.0, 0.93), 80.0
 STUDIO_LIGHT = "studio.sl"
 BACKGROUND = (0.30, 0.33, 0.37)
 
@@ -35,7 +37,7 @@ MATERIALS = {
     "Shirt cloth": ((0.24, 0.44, 0.62), 0.85),
     "Shirt trim": ((0.045, 0.085, 0.145), 0.85),
     "Mannequin": ((0.72, 0.56, 0.45), 0.60),
-    "Trousers": ((0.060, 0.058, 0.065), 0.80),
+    "Trousers cloth": ((0.42, 0.35, 0.25), 0.85),
 }
 # Area light: position, energy in watts, size in metres, colour.
 LIGHTS = {
@@ -68,14 +70,15 @@ def material(name: str) -> bpy.types.Material:
     return made
 
 
-def mesh_object(name: str, points: Array, quads: Array, materials: tuple[str, str],
-                second_material: Array) -> bpy.types.Object:
-    """Smooth-shaded mesh object with two materials; the flag chooses per face."""
+def mesh_object(name: str, points: Array, quads: Array, materials: tuple[str, ...],
+                second_material: Array | None = None) -> bpy.types.Object:
+    """Smooth-shaded mesh object; the flag says which faces have the second of its materials."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(points.tolist(), [], quads.tolist())
     for slot in materials:
         mesh.materials.append(material(slot))
-    mesh.polygons.foreach_set("material_index", second_material.astype(np.int32))
+    if second_material is not None:
+        mesh.polygons.foreach_set("material_index", second_material.astype(np.int32))
     mesh.polygons.foreach_set("use_smooth", np.ones(len(quads), dtype=bool))
     mesh.update()
     made = bpy.data.objects.new(name, mesh)
@@ -88,20 +91,31 @@ def build_shirt_object(skeleton: bpy.types.Object) -> bpy.types.Object:
     shirt = demo_shirt.build_shirt()
     made = mesh_object("Shirt", shirt.points, shirt.quads, ("Shirt cloth", "Shirt trim"),
                        shirt.is_trim)
-    layer = made.data.uv_layers.new(name="UVMap")
-    layer.data.foreach_set("uv", shirt.uvs.astype(np.float32).ravel())
+    add_uv_map(made, shirt.uvs)
     for edge in made.data.edges:
         edge.use_seam = tuple(sorted(edge.vertices)) in shirt.seams
     demo_rig.skin(made, shirt.points, skeleton)
     return made
 
 
+def build_trousers_object(skeleton: bpy.types.Object) -> bpy.types.Object:
+    """The coarse trousers with UVs, material and skin."""
+    trousers = demo_trousers.build_trousers()
+    made = mesh_object("Trousers", trousers.points, trousers.quads, ("Trousers cloth",))
+    add_uv_map(made, trousers.uvs)
+    demo_rig.skin(made, trousers.points, skeleton)
+    return made
+
+
+def add_uv_map(garment: bpy.types.Object, uvs: Array) -> None:
+    """uvs (m, 4, 2), one per corner."""
+    garment.data.uv_layers.new(name="UVMap").data.foreach_set("uv", uvs.astype(np.float32).ravel())
+
+
 def build_mannequin_object(skeleton: bpy.types.Object, spacing: float = 0.0075) -> bpy.types.Object:
-    """The body under the shirt. spacing: of its points, metres."""
+    """The body under the clothes. spacing: of its points, metres."""
     points, quads = demo_body.build_body(spacing)
-    in_trousers = ((points[quads, 2].mean(axis=1) < demo_body.TROUSERS_TOP)
-                   & (np.abs(points[quads, 0]).max(axis=1) < 0.23))
-    made = mesh_object("Mannequin", points, quads, ("Mannequin", "Trousers"), in_trousers)
+    made = mesh_object("Mannequin", points, quads, ("Mannequin",))
     demo_rig.skin(made, points, skeleton)
     return made
 
@@ -159,18 +173,29 @@ def set_up_render() -> None:
         scene.cycles.use_denoising = False
 
 
-def build_demo_scene() -> bpy.types.Object:
-    """Replace the open scene's objects by the demo and return the shirt."""
+def build_demo_scene(body_spacing: float = 0.0075) -> bpy.types.Object:
+    """Replace the open scene's objects by the demo and return the shirt. body_spacing: metres."""
     clear_scene()
     set_up_render()
     skeleton = demo_rig.build_armature(bpy.context.scene.collection)
-    build_mannequin_object(skeleton)
+    build_mannequin_object(skeleton, body_spacing)
+    build_trousers_object(skeleton)
     shirt = build_shirt_object(skeleton)
     demo_rig.animate(skeleton)
     add_camera_and_lights()
     bpy.context.view_layer.objects.active = shirt
     bpy.context.scene.frame_set(FRAME_START)
     return shirt
+
+
+def add_wrinkles(method: str) -> list[bpy.types.Object]:
+    """One click of the add-on for each garment of the demo; the shirt stays the active object. Returns the garments."""
+    garments = [bpy.data.objects[name] for name in GARMENTS]
+    for garment in garments:
+        bpy.context.view_layer.objects.active = garment
+        if bpy.ops.object.rumple_add(method=method) != {"FINISHED"}:
+            raise SystemExit(garment.rumple.message)
+    return garments
 
 
 def main() -> None:

@@ -17,6 +17,7 @@ the body's distance function.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Callable
 
 import numpy as np
 
@@ -287,7 +288,7 @@ def is_trim_cell(cell: list[Key]) -> bool:
                                 and min(k[1] for k in cell) >= SLEEVE_RINGS - CUFF_RINGS)
 
 
-def strip_uvs(rows: dict[int, list[int]], centre: int, position) -> dict[tuple[int, int], Array]:
+def strip_uvs(rows: dict[int, list[int]], centre: int, position: Callable[..., Array]) -> dict[tuple[int, int], Array]:
     """Lay rows of vertices flat: arc length along each row, mean spacing between rows.
 
     rows lists the columns present in each row; position(row, column) is a point.
@@ -315,7 +316,7 @@ def island_origin(part: str) -> Array:
                      "sleeve_right": (0.98, 0.69), "collar": (0.65, 1.29)}[part])
 
 
-def cell_uvs(cells: list[list[Key]], position) -> Array:
+def cell_uvs(cells: list[list[Key]], position: Callable[..., Array]) -> Array:
     """UVs of all corners; every part is one island, laid out like a sewing pattern."""
     corners: dict[str, dict[int, set[int]]] = {}
     for part, row, column in (key for cell in cells for key in cell):
@@ -333,7 +334,7 @@ def cell_uvs(cells: list[list[Key]], position) -> Array:
     return np.array([[flat[key] for key in cell] for cell in cells])
 
 
-def bridged(part: str, row: int, column: int, position) -> Array:
+def bridged(part: str, row: int, column: int, position: Callable[..., Array]) -> Array:
     """Position of a corner; the missing column 0 of a neck row is the middle of the gap."""
     if column == 0 and part in NECK_ROW and row > NECK_ROW[part]:
         n = NECK_HALF_COLUMNS

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes the examples inside Blender: the demo's shirt with one click, and the bare scenes of two lessons. Started by
-scripts/examples.
+"""Makes the examples inside Blender: the demo's shirt and trousers with one click each, and the bare scenes of two
+lessons. Started by scripts/examples.
 
 The fine meshes are not in the file: they are made when it is opened. So it stays small.
 """
@@ -21,18 +21,17 @@ from rumple.blender import handlers  # noqa: E402
 from rumple.blender.objects import modifier, output_mesh  # noqa: E402
 
 MOST_BYTES = 2_000_000
+BODY_SPACING = 0.0095  # metres: the file stays small
 
 
 def make(method: str, path: Path) -> None:
     """One file."""
-    shirt = demo_scene.build_demo_scene()
-    bpy.context.view_layer.objects.active = shirt
-    if bpy.ops.object.rumple_add(method=method) != {"FINISHED"}:
-        raise SystemExit(shirt.rumple.message)
-    handlers.unregister()  # else the fine mesh is made again at once
-    nodes_mod = modifier.find(shirt)
-    modifier.set_output_object(nodes_mod, None, 0)
-    modifier.set_viewport_output(nodes_mod, None)
+    demo_scene.build_demo_scene(BODY_SPACING)
+    garments = demo_scene.add_wrinkles(method)
+    handlers.unregister()  # else the fine meshes are made again at once
+    for nodes_mod in map(modifier.find, garments):
+        modifier.set_output_object(nodes_mod, None, 0)
+        modifier.set_viewport_output(nodes_mod, None)
     for hidden in [obj for obj in bpy.data.objects if output_mesh.KEY in obj]:
         modifier.delete_hidden(hidden)
     save(path)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 
@@ -21,6 +22,7 @@ class Column:
     label: str
     method: str = ""  # of the wrinkles; none: bare
     preset: str = ""  # a fabric
+    settings: tuple[tuple[str, Any], ...] = ()  # of the system: name, value
 
 
 BARE, CLOTH = Column("As it was animated"), Column("Wrinkle Mesh, one click", "MESH")
@@ -30,7 +32,7 @@ BARE, CLOTH = Column("As it was animated"), Column("Wrinkle Mesh, one click", "M
 class Clip:
     """A scene, played through."""
 
-    file: str  # of ../shared/data; none: the demo's shirt
+    file: str  # of ../shared/data; none: the demo's; skirt: that of the lessons
     garments: tuple[str, ...]  # what is wrinkled, what is worn under others first
     frames: tuple[int, int]
     columns: tuple[Column, ...] = (BARE, CLOTH)
@@ -38,26 +40,32 @@ class Clip:
     view: tuple[float, float, float] = (0.55, -1.0, 0.2)  # from the middle to the camera
     distance: float = 3.0  # metres
     raised: float = 0.0  # metres: how far above that middle the camera looks
-    size: tuple[int, int] = (400, 480)  # pixels of a column
+    size: tuple[int, int] = (360, 440)  # pixels of a column
 
     @property
     def path(self) -> Path | None:
-        """Where the scene is; None for the demo."""
-        return DATA / f"{self.file}.blend" if self.file else None
+        """Where the scene is; None for what is made by scripts."""
+        return DATA / f"{self.file}.blend" if self.file not in ("", "skirt") else None
 
 
 FABRICS = tuple(Column(preset.capitalize(), "MESH", preset) for preset in ("SILK", "COTTON", "DENIM", "LEATHER"))
+WIDE_SKIRT = (("wavelength", 0.06), ("slack", 1.04), ("bending_length", 0.03), ("room", 0.25), ("locomotion", 1.0),
+              ("swing_damping", 2.0))
+HANG, SWING = (Column(label, "MESH", settings=(("base_cloth", value), *WIDE_SKIRT))
+               for label, value in (("Hang: no time passes", "HANG"), ("Swing", "SWING")))
+FRONT, WALKING = (0.32, -1.0, 0.08), (0.5, -1.0, 0.15)
 CLIPS = {
-    "arm": Clip("", ("Shirt",), (1, 72), distance=2.75, view=(0.32, -1.0, 0.08)),
-    "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.2, view=(0.5, -1.0, 0.15),
-                 raised=0.16),
-    "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=4.6, view=(0.5, -1.0, 0.15),
-                 raised=0.12),
+    "dressed": Clip("", ("Trousers", "Shirt"), (1, 72), distance=4.9, view=FRONT, looks_at=("Mannequin",)),
+    "close": Clip("", ("Trousers", "Shirt"), (1, 72), distance=2.3, view=(0.75, -1.0, 0.15), looks_at=("Shirt",)),
+    "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.6, view=WALKING, raised=0.1),
+    "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=4.6, view=WALKING, raised=0.12),
+    "skirt": Clip("skirt", ("Skirt",), (1, 60), (Column("As it was animated"), HANG, SWING), distance=3.2,
+                  view=FRONT, looks_at=("Skirt",), size=(320, 400)),
     "dance": Clip("S3_skirt_sim", ("skirt",), (20, 110), (
         Column("Simulated coarse"), Column("Wrinkle Mesh on it, one click", "MESH")), distance=2.3),
     "systems": Clip("", ("Shirt",), (1, 72), (
-        CLOTH, Column("Wrinkle Field", "FIELD"), Column("Wrinkle Paths", "PATHS")), distance=2.75,
-        view=(0.32, -1.0, 0.08), size=(320, 400)),
+        CLOTH, Column("Wrinkle Field", "FIELD"), Column("Wrinkle Paths", "PATHS")), distance=2.6,
+        view=FRONT, size=(320, 400)),
     "fabrics": Clip("S1_walk_shirt", ("shirt",), (40, 110), FABRICS, distance=2.2, size=(280, 360)),
 }
 

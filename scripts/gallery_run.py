@@ -15,13 +15,14 @@ from mathutils import Vector
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE"]]
 import rumple  # noqa: E402
-from contact_sheet import LENS, studio  # noqa: E402
+from contact_sheet import LENS  # noqa: E402
 from gallery_clips import CLIPS, Clip, Column  # noqa: E402
+from gallery_light import light  # noqa: E402
 
 LEAD_IN = 12  # frames that are played before the first one that is shown
 CALM = 12  # frames over which the camera's way is averaged
 LABEL = 26  # pixels
-LEAST_RATE = 15  # frames a second that are rendered, at least: a browser loads every one of them
+LEAST_RATE = 12  # frames a second that are rendered, at least: a browser loads every one of them
 
 
 def arguments() -> argparse.Namespace:
@@ -33,7 +34,10 @@ def arguments() -> argparse.Namespace:
 
 def open_scene(clip: Clip) -> bpy.types.Scene:
     """The file, or the demo's scene, with nothing wrinkled."""
-    if clip.path is None:
+    if clip.file == "skirt":
+        import lesson_scenes
+        lesson_scenes.build_skirt_scene()
+    elif clip.path is None:
         import demo_scene
         demo_scene.build_demo_scene()
     else:
@@ -45,11 +49,17 @@ def wrinkle(clip: Clip, column: Column) -> None:
     """One click for every garment, and the fabric."""
     for name in clip.garments if column.method else ():
         obj = bpy.context.view_layer.objects.active = bpy.data.objects[name]
-        obj.rumple.field.output = "GEOMETRY"  # Workbench draws no materials
         if bpy.ops.object.rumple_add(method=column.method) != {"FINISHED"}:
             raise SystemExit(obj.rumple.message)
+        for name, value in column.settings:
+            setattr(settings_of(obj), name, value)
         if column.preset and bpy.ops.object.rumple_preset(preset=column.preset) != {"FINISHED"}:
             raise SystemExit(obj.rumple.message)
+
+
+def settings_of(obj: bpy.types.Object) -> bpy.types.PropertyGroup:
+    """Of the system that an object has."""
+    return getattr(obj.rumple, obj.rumple.method.lower())
 
 
 def middles(clip: Clip) -> dict[int, Vector]:
@@ -87,7 +97,7 @@ def render(clip: Clip, column: Column, ways: dict[int, Vector], folder: Path) ->
     """Its pictures, in a folder."""
     scene = open_scene(clip)
     wrinkle(clip, column)
-    studio(scene)
+    light(scene)
     place_camera(clip, ways)
     scene.render.resolution_x, scene.render.resolution_y = clip.size
     scene.render.resolution_percentage = 100

@@ -49,7 +49,7 @@ def build_skirt_scene() -> bpy.types.Object:
     skeleton = demo_rig.build_armature(scene.collection)
     demo_scene.build_mannequin_object(skeleton, SKIRT_BODY_SPACING)
     points, quads = skirt_mesh()
-    skirt = demo_scene.mesh_object("Skirt", points, quads, ("Shirt cloth", "Shirt trim"), np.zeros(len(quads), bool))
+    skirt = demo_scene.mesh_object("Skirt", points, quads, ("Shirt cloth",))
     skirt.vertex_groups.new(name="hips").add(range(len(points)), 1.0, "REPLACE")
     skirt.modifiers.new("Armature", "ARMATURE").object = skeleton
     skirt.parent = skeleton
@@ -95,11 +95,11 @@ def build_face_scene() -> bpy.types.Object:
     demo_scene.clear_scene()
     demo_scene.set_up_render()
     rig = face_rig()
-    points, quads = demo_body.build_body(FACE_SPACING)
+    points, quads = demo_body.build_body(FACE_SPACING, FACE_LOW - 0.02)
     quads = quads[points[quads, 2].min(axis=1) > FACE_LOW]
     kept, quads = np.unique(quads, return_inverse=True)
     points, quads = points[kept], quads.reshape(-1, 4)
-    face = demo_scene.mesh_object("Face", points, quads, ("Mannequin", "Trousers"), np.zeros(len(quads), bool))
+    face = demo_scene.mesh_object("Face", points, quads, ("Mannequin",))
     # From the front, what is behind beside it: no two places of the skin share a texel.
     back = np.repeat((points[quads, 1].mean(axis=1) > 0.02)[:, None], 4, 1)
     corners = points[quads]

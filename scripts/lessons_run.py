@@ -27,9 +27,9 @@ MOST_BYTES = 150_000
 
 
 def shirt_example() -> bpy.types.Object:
-    """The example Shirt as it opens: with a Wrinkle Mesh."""
+    """The example Shirt as it opens: dressed, each garment with a Wrinkle Mesh."""
     shirt = demo_scene.build_demo_scene()
-    bpy.ops.object.rumple_add(method="MESH")
+    demo_scene.add_wrinkles("MESH")
     return shirt
 
 

@@ -6,10 +6,13 @@
 
 Times inside the archives are fixed: the same input gives the same bytes.
 """
+from __future__ import annotations
+
 import hashlib
 import re
 import sys
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -18,7 +21,7 @@ HEADER = ROOT / "native" / "include" / "rumple" / "base.h"
 FIXED_TIME = (2000, 1, 1, 0, 0, 0)
 
 
-def project_version():
+def project_version() -> str:
     """The C header has the version; the manifest and bl_info must say the same."""
     version = re.search(r'#define RUMPLE_VERSION "([\d.]+)"', HEADER.read_text())[1]
     for file, said in ((ADDON / "blender_manifest.toml", f'\nversion = "{version}"\n'),
@@ -28,7 +31,7 @@ def project_version():
     return version
 
 
-def write_zip(path, entries):
+def write_zip(path: Path, entries: Mapping[str, str | bytes]) -> None:
     """entries: {name in the archive: bytes}."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -40,12 +43,12 @@ def write_zip(path, entries):
     print(f"{path} {path.stat().st_size / 1e6:.1f} MB")
 
 
-def files_below(folder):
+def files_below(folder: Path) -> dict[str, bytes]:
     return {file.relative_to(folder).as_posix(): file.read_bytes() for file in sorted(folder.rglob("*"))
             if file.is_file() and "__pycache__" not in file.parts}
 
 
-def zips(installed, out):
+def zips(installed: Path, out: Path) -> None:
     version = project_version()
     addon = files_below(ADDON) | {"LICENSE": (ROOT / "LICENSE").read_bytes()}
     addon |= {f"shaders/{name}": data for name, data in files_below(ROOT / "shaders").items()}  # see viewport/glsl.py
@@ -61,7 +64,7 @@ def zips(installed, out):
     write_zip(out / f"rumple-legacy-{version}.zip", {f"rumple/{name}": data for name, data in legacy.items()})
 
 
-def manifest(platforms):
+def manifest(platforms: list[str]) -> bytes:
     """The extension's, with the platforms that its libraries are for."""
     names = ", ".join(f'"{name}"' for name in platforms)
     text = (ADDON / "blender_manifest.toml").read_text()

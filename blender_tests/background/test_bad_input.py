@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import unittest
+from typing import Any
 
 import bpy
 import numpy as np
@@ -18,7 +19,7 @@ class BadInput:
 
     method: str
 
-    def add(self, vertices, faces, edges=(), scale=1.0) -> bpy.types.Object:
+    def add(self, vertices: Any, faces: Any, edges: Any = (), scale: float = 1.0) -> bpy.types.Object:
         """A mesh object of that name with wrinkles asked for; nothing raises."""
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         mesh = bpy.data.meshes.new("Rag")
@@ -35,13 +36,13 @@ class BadInput:
             self.answer = str(error)
         return obj
 
-    def refused(self, words, *arguments, **options) -> None:
+    def refused(self, words: str, *arguments: Any, **options: Any) -> None:
         obj = self.add(*arguments, **options)
         self.assertRegex(self.answer, words)
         self.assertIn("Rag", self.answer)
         self.assertIsNone(modifier.find(obj), "a refused mesh is left as it was")
 
-    def handled(self, *arguments, **options) -> bpy.types.Object:
+    def handled(self, *arguments: Any, **options: Any) -> bpy.types.Object:
         obj = self.add(*arguments, **options)
         self.assertEqual(self.answer, "")
         self.assertEqual(obj.rumple.message, "")
@@ -49,45 +50,45 @@ class BadInput:
         self.assertGreaterEqual(len(sleeve.shown(obj)), len(obj.data.vertices))
         return obj
 
-    def test_empty(self):
+    def test_empty(self) -> None:
         self.refused("no faces|empty|no vert", [], [])
 
-    def healed(self, words, *arguments) -> None:
+    def healed(self, words: str, *arguments: Any) -> None:
         obj = self.handled(*arguments)
         self.assertRegex("\n".join(runtimes.of(obj).evaluator.base.origin.notes("Rag")), words)
 
-    def test_an_edge_with_three_faces_is_healed_and_named(self):
+    def test_an_edge_with_three_faces_is_healed_and_named(self) -> None:
         vertices = SQUARE + [(0, 0, 1), (1, 0, 1), (0, -1, 1), (1, -1, 1)]
         self.healed("Rag: edge 0-1 has more faces than two", vertices, [(0, 1, 2, 3), (1, 0, 4, 5), (0, 1, 7, 6)])
 
-    def test_duplicate_faces_are_healed_and_named(self):
+    def test_duplicate_faces_are_healed_and_named(self) -> None:
         self.healed("^Rag: face 1 lies on another face", SQUARE, [(0, 1, 2, 3), (0, 1, 2, 3)])
 
-    def test_a_face_that_is_turned_is_healed_and_named(self):
+    def test_a_face_that_is_turned_is_healed_and_named(self) -> None:
         self.healed("^Rag: face 1 faces the other way", SQUARE + [(1.5, 0, 0), (1.5, 1, 0)],
                     [(0, 1, 2, 3), (1, 2, 5, 4)])
 
-    def test_a_coordinate_that_is_not_finite_is_named(self):
+    def test_a_coordinate_that_is_not_finite_is_named(self) -> None:
         self.refused(r"\b2\b", [(0, 0, 0), (1, 0, 0), (1, math.nan, 0), (0, 1, 0)], [(0, 1, 2, 3)])
 
-    def test_a_scale_of_zero_is_refused(self):
+    def test_a_scale_of_zero_is_refused(self) -> None:
         self.refused("scale is zero", SQUARE, [(0, 1, 2, 3)], scale=0.0)
 
-    def test_a_negative_scale_is_handled(self):
+    def test_a_negative_scale_is_handled(self) -> None:
         self.handled(SQUARE, [(0, 1, 2, 3)], scale=-1.0)
 
-    def test_ngons_and_triangles_are_handled(self):
+    def test_ngons_and_triangles_are_handled(self) -> None:
         around = [(math.cos(a), math.sin(a), 0) for a in np.linspace(0, 2 * math.pi, 7, endpoint=False)]
         self.handled(around + [(2, 0, 0)], [tuple(range(7)), (0, 7, 1)])
 
-    def test_loose_vertices_and_edges_are_handled_and_noted(self):
+    def test_loose_vertices_and_edges_are_handled_and_noted(self) -> None:
         obj = self.handled(SQUARE + [(5, 5, 5), (6, 5, 5), (7, 7, 7)], [(0, 1, 2, 3)], edges=[(4, 5)])
         self.assertRegex(" ".join(runtimes.of(obj).notes), r"without a face: 3, the first is vertex 4")
 
-    def test_zero_length_edges_and_flat_triangles_are_handled(self):
+    def test_zero_length_edges_and_flat_triangles_are_handled(self) -> None:
         self.handled([(0, 0, 0), (1, 0, 0), (1, 0, 0), (0, 1, 0), (2, 0, 0)], [(0, 1, 2, 3), (1, 4, 2)])
 
-    def test_a_pose_that_is_not_finite_is_named_and_the_last_picture_stays(self):
+    def test_a_pose_that_is_not_finite_is_named_and_the_last_picture_stays(self) -> None:
         obj = self.handled(SQUARE, [(0, 1, 2, 3)])
         obj.shape_key_add(name="Basis")
         torn = obj.shape_key_add(name="Torn")
@@ -107,7 +108,7 @@ class BadInput:
 class BadInputOfMesh(BadInput, unittest.TestCase):
     method = "MESH"
 
-    def test_an_own_mesh_far_away_names_its_vertex_and_keeps_the_last_mesh(self):
+    def test_an_own_mesh_far_away_names_its_vertex_and_keeps_the_last_mesh(self) -> None:
         obj = self.handled(SQUARE, [(0, 1, 2, 3)])
         count = len(sleeve.shown(obj))
         far = bpy.data.objects.new("Far", obj.data.copy())

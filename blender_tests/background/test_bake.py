@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baked clips: shown without handlers, whole or not at all, and stale ones are said."""
+from __future__ import annotations
+
 import os
 import struct
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -19,20 +22,20 @@ ATTRIBUTES = tuple(attribute.name for attribute in engine.COMMON_ATTRIBUTES)
 
 class Baked(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         self.obj = sleeve.scene()
         self.blend = os.path.join(self.folder.name, vanilla_blender.FILE)
         bpy.ops.wm.save_as_mainfile(filepath=self.blend)
 
-    def clip(self):
+    def clip(self) -> Path:
         return clip_status.clip_path(self.obj)
 
-    def cache_object(self):
+    def cache_object(self) -> bpy.types.Object:
         return modifier.cache_object(modifier.find(self.obj))
 
-    def test_is_the_played_through_clip_and_needs_no_handlers(self):
+    def test_is_the_played_through_clip_and_needs_no_handlers(self) -> None:
         sleeve.play()
         live = {}
         for frame in (1, 9, 20):
@@ -47,7 +50,7 @@ class Baked(unittest.TestCase):
         finally:
             handlers.register()
 
-    def test_a_bake_that_starts_late_is_played_through_too(self):
+    def test_a_bake_that_starts_late_is_played_through_too(self) -> None:
         sleeve.play()
         sleeve.at(15)
         live = sleeve.shown(self.obj)
@@ -57,7 +60,7 @@ class Baked(unittest.TestCase):
         sleeve.at(15)
         np.testing.assert_allclose(sleeve.shown(self.obj), live, atol=1e-6)
 
-    def test_subframes(self):
+    def test_subframes(self) -> None:
         self.obj.rumple.bake_samples = 2
         sleeve.play()
         sleeve.at(13, 0.5)
@@ -66,11 +69,11 @@ class Baked(unittest.TestCase):
         sleeve.at(13, 0.5)
         np.testing.assert_allclose(sleeve.shown(self.obj), live, atol=1e-6)
 
-    def attributes(self, time):
+    def attributes(self, time: float) -> dict[str, np.ndarray]:
         sleeve.at(int(time), time - int(time))
         return {name: sleeve.attribute(self.obj, name) for name in ATTRIBUTES}
 
-    def test_attributes_play_too_without_the_add_on_and_at_subframes(self):
+    def test_attributes_play_too_without_the_add_on_and_at_subframes(self) -> None:
         # They stayed as they were in the last live frame: the cache had positions only.
         times = (20.0, 1.0, 13.5, 9.0)
         self.obj.rumple.bake_samples = 2
@@ -87,7 +90,7 @@ class Baked(unittest.TestCase):
         for name in ATTRIBUTES:
             self.assertGreater(np.abs(live[20.0][name] - live[1.0][name]).max(), 1e-3, name)
 
-    def test_attributes_between_two_samples(self):
+    def test_attributes_between_two_samples(self) -> None:
         bpy.ops.object.rumple_bake()
         before, between, after = self.attributes(13), self.attributes(13.25), self.attributes(14)
         for name in ("rumple_stretch_min", "rumple_stretch_max", "rumple_offset"):
@@ -98,7 +101,7 @@ class Baked(unittest.TestCase):
         self.assertTrue(np.all((np.abs(length - 1.0) < 1e-5) | (length == 0.0)))
         np.testing.assert_allclose(direction * np.linalg.norm(mean, axis=1, keepdims=True), mean, atol=1e-5)
 
-    def test_with_its_clip_lost_and_no_handlers_it_is_at_rest_attributes_too(self):
+    def test_with_its_clip_lost_and_no_handlers_it_is_at_rest_attributes_too(self) -> None:
         bpy.ops.object.rumple_bake()
         sleeve.at(20)
         self.clip().unlink()
@@ -110,7 +113,7 @@ class Baked(unittest.TestCase):
         for attribute in engine.COMMON_ATTRIBUTES:
             np.testing.assert_array_equal(seen[attribute.name], attribute.rest)
 
-    def test_a_clip_of_another_fine_mesh_is_not_shown(self):
+    def test_a_clip_of_another_fine_mesh_is_not_shown(self) -> None:
         sleeve.play()
         bpy.ops.object.rumple_bake()
         self.cache_object().data = bpy.data.meshes.new("Other")
@@ -119,7 +122,7 @@ class Baked(unittest.TestCase):
         self.assertEqual(len(sleeve.shown(self.obj)), len(sleeve.output_object(self.obj).data.vertices))
         self.assertGreater(np.ptp(sleeve.shown(self.obj)[:, 0]), 0.25)
 
-    def test_a_duplicate_plays_the_clip_until_it_is_baked_itself(self):
+    def test_a_duplicate_plays_the_clip_until_it_is_baked_itself(self) -> None:
         bpy.ops.object.rumple_bake()
         bpy.ops.object.duplicate()
         copy = bpy.context.object
@@ -135,7 +138,7 @@ class Baked(unittest.TestCase):
                          ["scene-Sleeve", "scene-Sleeve_001"])
         self.assertGreater(np.abs(sleeve.shown(copy) - sleeve.shown(self.obj)).max(), 1e-3)
 
-    def test_baked_again_and_freed_nothing_is_left_behind(self):
+    def test_baked_again_and_freed_nothing_is_left_behind(self) -> None:
         for _ in range(2):
             bpy.ops.object.rumple_bake()
         self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve", "Sleeve.clip.001", "Sleeve.wrinkles"])
@@ -146,7 +149,7 @@ class Baked(unittest.TestCase):
         self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve"])
         self.assertEqual(sleeve.names(bpy.data.meshes), ["Sleeve"])
 
-    def test_the_path_is_relative_and_the_file_is_a_whole_pc2(self):
+    def test_the_path_is_relative_and_the_file_is_a_whole_pc2(self) -> None:
         bpy.ops.object.rumple_bake()
         self.assertRegex(modifier.mesh_cache(self.cache_object()).filepath, r"^//rumple/scene-Sleeve-[0-9a-f]{8}\.pc2$")
         data = self.clip().read_bytes()
@@ -156,10 +159,10 @@ class Baked(unittest.TestCase):
         self.assertGreater(len(data), 32 + 12 * points * samples)  # and the manifest
         self.assertEqual(sleeve.names(self.entries()), [self.clip().name])
 
-    def entries(self):
+    def entries(self) -> Any:
         return os.scandir(self.clip().parent)
 
-    def test_a_failed_bake_leaves_the_former_clip(self):
+    def test_a_failed_bake_leaves_the_former_clip(self) -> None:
         bpy.ops.object.rumple_bake()
         before = self.clip().read_bytes()
         modifier.find(self.obj).show_viewport = False
@@ -169,18 +172,18 @@ class Baked(unittest.TestCase):
         self.assertTrue(modifier.is_baked(modifier.find(self.obj)))
         self.assertEqual(len(list(self.entries())), 1)
 
-    def test_an_unsaved_file_is_told_to_be_saved(self):
+    def test_an_unsaved_file_is_told_to_be_saved(self) -> None:
         sleeve.scene()
         with self.assertRaises(RuntimeError) as caught:
             bpy.ops.object.rumple_bake()
         self.assertIn("save the file first", str(caught.exception))
 
-    def test_the_frame_stays(self):
+    def test_the_frame_stays(self) -> None:
         sleeve.at(7)
         bpy.ops.object.rumple_bake()
         self.assertEqual(bpy.context.scene.frame_current, 7)
 
-    def test_changed_settings_missing_files_and_other_poses_are_said(self):
+    def test_changed_settings_missing_files_and_other_poses_are_said(self) -> None:
         bpy.ops.object.rumple_bake()
         sleeve.at(9)
         self.assertEqual(self.obj.rumple.message, "")
@@ -199,7 +202,7 @@ class Baked(unittest.TestCase):
         self.clip().unlink()
         self.assertIn("missing", clip_status.check(self.obj, sleeve.output_object(self.obj)))
 
-    def test_freed_it_is_live_again(self):
+    def test_freed_it_is_live_again(self) -> None:
         bpy.ops.object.rumple_bake()
         clip = self.clip()
         bpy.ops.object.rumple_bake_free()
@@ -208,7 +211,7 @@ class Baked(unittest.TestCase):
         self.assertTrue(clip.is_file())
         self.assertFalse(bpy.ops.object.rumple_bake_free.poll())
 
-    def test_opened_again_it_shows_the_clip(self):
+    def test_opened_again_it_shows_the_clip(self) -> None:
         bpy.ops.object.rumple_bake()
         sleeve.at(20)
         seen = sleeve.shown(self.obj)
@@ -220,7 +223,7 @@ class Baked(unittest.TestCase):
         self.assertEqual(self.obj.rumple.message, "")
         self.assertIsNone(runtimes.of(self.obj).evaluator)
 
-    def test_shape_keys_show_every_frame(self):
+    def test_shape_keys_show_every_frame(self) -> None:
         sleeve.play()
         bpy.ops.object.rumple_bake_shape_keys(start=4, end=9)
         copy = bpy.data.objects["Sleeve shape keys"]

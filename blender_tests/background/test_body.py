@@ -66,6 +66,14 @@ class Places(Worn):
         self.check_place(15)
         self.assertEqual(len(solved_body(self.obj).triangles), 2 * len(self.body.data.polygons))
 
+    def test_one_whose_faces_look_inwards_is_turned(self) -> None:
+        self.obj.rumple.body = self.body
+        sleeve.at(1)
+        self.assertGreater(outward(solved_body(self.obj)), 1e-4)
+        self.body.data.flip_normals()
+        sleeve.at(2)
+        self.assertGreater(outward(solved_body(self.obj)), 1e-4)
+
     def test_several_are_one(self) -> None:
         other = sleeve.under(self.obj, "Other", 0.5)
         group = bpy.data.collections.new("Bodies")

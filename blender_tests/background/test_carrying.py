@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the fine mesh inherits from the coarse one."""
+from __future__ import annotations
+
 import unittest
 
 import bpy
@@ -12,7 +14,7 @@ from support import sleeve
 
 class Carrying(unittest.TestCase):
 
-    def test_materials_by_face(self):
+    def test_materials_by_face(self) -> None:
         obj = sleeve.scene()
         mesh = sleeve.evaluated(obj).data
         self.assertEqual([m.name for m in mesh.materials], ["Outside", "Cuff"])
@@ -22,25 +24,25 @@ class Carrying(unittest.TestCase):
         obj.data.polygons.foreach_get("material_index", coarse)
         np.testing.assert_array_equal(indices, coarse[runtimes.of(obj).evaluator.polygon_parent])
 
-    def test_a_changed_material_is_carried_again(self):
+    def test_a_changed_material_is_carried_again(self) -> None:
         obj = sleeve.scene()
         obj.data.materials[0] = bpy.data.materials.new("Other")
         obj.data.update_tag()
         bpy.context.view_layer.update()
         self.assertEqual([m.name for m in sleeve.evaluated(obj).data.materials], ["Other", "Cuff"])
 
-    def test_slots_linked_to_the_object(self):
+    def test_slots_linked_to_the_object(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         obj.material_slots[0].link = "OBJECT"
         obj.material_slots[0].material = bpy.data.materials.new("OfObject")
         bpy.ops.object.rumple_add(method="MESH")
         self.assertEqual(sleeve.output_object(obj).data.materials[0].name, "OfObject")
 
-    def test_smooth_shading(self):
+    def test_smooth_shading(self) -> None:
         obj = sleeve.scene()
         self.assertTrue(all(polygon.use_smooth for polygon in sleeve.evaluated(obj).data.polygons))
 
-    def test_uv_corners_stay_on_the_map_of_their_face(self):
+    def test_uv_corners_stay_on_the_map_of_their_face(self) -> None:
         obj = sleeve.scene()
         fine, mesh = runtimes.of(obj).evaluator, sleeve.output_object(obj).data
         coarse_uv, fine_uv = self.uv(obj.data), self.uv(mesh)
@@ -49,26 +51,26 @@ class Carrying(unittest.TestCase):
             inside = fine_uv[list(polygon.loop_indices)]
             self.assertTrue((inside >= within.min(0) - 1e-5).all() and (inside <= within.max(0) + 1e-5).all())
 
-    def uv(self, mesh):
+    def uv(self, mesh: bpy.types.Mesh) -> np.ndarray:
         flat = np.empty(len(mesh.loops) * 2, np.float32)
         mesh.uv_layers["UVMap"].data.foreach_get("uv", flat)
         return flat.reshape(-1, 2)
 
-    def test_vertex_groups_by_name_and_weight(self):
+    def test_vertex_groups_by_name_and_weight(self) -> None:
         obj = sleeve.scene()
         held = sleeve.output_object(obj)
         self.assertEqual(sleeve.names(held.vertex_groups), sleeve.names(obj.vertex_groups))
         weights = mesh_reader.group_weights(held, held.data, ["upper", "lower"])
         np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-4)
 
-    def test_an_empty_group_is_there_too(self):
+    def test_an_empty_group_is_there_too(self) -> None:
         obj = sleeve.scene()
         obj.vertex_groups.new(name="empty")
         bpy.context.view_layer.update()
         sleeve.at(2)
         self.assertIn("empty", sleeve.output_object(obj).vertex_groups)
 
-    def test_attributes_of_all_domains(self):
+    def test_attributes_of_all_domains(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         mesh = obj.data
         compat.write_attribute(mesh, "height", "FLOAT", "POINT", compat.positions(mesh)[:, 0])
@@ -85,7 +87,7 @@ class Carrying(unittest.TestCase):
         np.testing.assert_array_equal(values["panel"][:, 0], fine.polygon_parent)
         self.assertTrue(values["all"].all())
 
-    def test_edge_marks_lie_on_their_coarse_edges(self):
+    def test_edge_marks_lie_on_their_coarse_edges(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         mesh = obj.data
         marked = [edge.index for edge in mesh.edges if max(edge.vertices) < sleeve.AROUND]
@@ -97,13 +99,13 @@ class Carrying(unittest.TestCase):
         self.assertEqual(int(marks["use_seam"].sum()), 4 * len(marked))
         self.assertEqual(int(marks["use_edge_sharp"].sum()), 4 * len(marked))
 
-    def test_nothing_is_carried_twice(self):
+    def test_nothing_is_carried_twice(self) -> None:
         obj = sleeve.scene()
         fine = runtimes.of(obj).evaluator
         self.assertFalse(output_mesh.carry_changes(sleeve.output_object(obj), obj, fine, obj))
         self.assertFalse(rebuild.prepare(obj, modifier.find(obj)))
 
-    def test_an_own_mesh_brings_its_own_looks_and_the_groups_of_the_coarse_one(self):
+    def test_an_own_mesh_brings_its_own_looks_and_the_groups_of_the_coarse_one(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         own = sleeve.skinned(self.denser(), bpy.data.objects["Arm"], "Own")
         own.modifiers.clear()
@@ -117,7 +119,7 @@ class Carrying(unittest.TestCase):
         self.assertEqual([m.name for m in sleeve.output_object(obj).data.materials], ["OwnMaterial"])
         self.assertEqual(sleeve.names(sleeve.output_object(obj).vertex_groups), ["lower", "upper"])
 
-    def denser(self):
+    def denser(self) -> bpy.types.Mesh:
         """The tube, subdivided twice by Blender."""
         coarse = bpy.data.objects.new("Denser", sleeve.tube("Denser"))
         bpy.context.scene.collection.objects.link(coarse)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baked clips that are damaged, lost or disturbed: a sentence on the panel and live folds, never garbage; and a bake
 that cannot go on leaves everything as it was."""
+from __future__ import annotations
+
 import json
 import os
 import resource
@@ -11,6 +13,7 @@ import unittest
 from dataclasses import asdict
 from pathlib import Path
 from unittest import mock
+from typing import Any, Callable
 
 import bpy
 import numpy as np
@@ -27,7 +30,7 @@ HEADER = 32
 
 class Case(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
@@ -35,25 +38,25 @@ class Case(unittest.TestCase):
         self.obj = sleeve.scene()
         bpy.ops.wm.save_as_mainfile(filepath=self.blend)
 
-    def clip(self):
+    def clip(self) -> Path:
         return clip_status.clip_path(self.obj)
 
-    def bake(self):
+    def bake(self) -> None:
         bpy.ops.object.rumple_bake()
         bpy.ops.wm.save_mainfile()
 
-    def reopen(self):
+    def reopen(self) -> None:
         bpy.ops.wm.open_mainfile(filepath=self.blend)
         self.obj = bpy.data.objects["Sleeve"]
         sleeve.make_active(self.obj)
 
-    def is_baked(self):
+    def is_baked(self) -> bool:
         return modifier.is_baked(modifier.find(self.obj))
 
 
 class Damaged(Case):
 
-    def setUp(self):
+    def setUp(self) -> None:
         super().setUp()
         sleeve.play()
         self.live = {}
@@ -63,7 +66,7 @@ class Damaged(Case):
         self.bake()
         self.good = self.clip().read_bytes()
 
-    def shows(self, frames):
+    def shows(self, frames: Any) -> Any:
         """Plays the clip through from a file opened anew; how far the frames are from the live folds."""
         self.reopen()
         away, self.said = {}, {}
@@ -74,15 +77,15 @@ class Damaged(Case):
                 away[frame] = float(np.abs(sleeve.shown(self.obj) - self.live[frame]).max())
         return away
 
-    def test_a_clip_that_is_not_what_was_baked_is_said_and_live_folds_are_shown(self):
+    def test_a_clip_that_is_not_what_was_baked_is_said_and_live_folds_are_shown(self) -> None:
         # Only the size was looked at: zeros showed a garment in the origin, and the panel said nothing.
         good = self.good
         about = clip_file.read_manifest(self.clip())
         end = HEADER + 12 * about.points * about.sample_count
         text = good[end:]
 
-        def header(points=about.points, start=1.0, step=1.0, samples=about.sample_count, mark=b"POINTCACHE2\0",
-                   version=1):
+        def header(points: int = about.points, start: float = 1.0, step: float = 1.0,
+                   samples: int = about.sample_count, mark: bytes = b"POINTCACHE2\0", version: int = 1) -> bytes:
             return struct.pack("<12siiffi", mark, version, points, start, step, samples) + good[HEADER:]
 
         damaged = dict(
@@ -101,7 +104,7 @@ class Damaged(Case):
                 if name in ("zeros", "ones"):
                     self.assertIn("frame 12 of the baked clip", self.said[12])
 
-    def test_one_damaged_frame_is_named_and_the_others_are_the_baked_ones(self):
+    def test_one_damaged_frame_is_named_and_the_others_are_the_baked_ones(self) -> None:
         about = clip_file.read_manifest(self.clip())
         data = bytearray(self.good)
         place = HEADER + 12 * about.points * 8  # frame 9
@@ -115,7 +118,7 @@ class Damaged(Case):
         sleeve.at(9, 0.5)  # between a damaged sample and a whole one
         self.assertIn("frame 9 of the baked clip", runtimes.message(self.obj))
 
-    def test_a_clip_that_is_gone_and_comes_back(self):
+    def test_a_clip_that_is_gone_and_comes_back(self) -> None:
         self.reopen()
         sleeve.at(8)
         away = self.clip().with_name("away")
@@ -137,7 +140,7 @@ class Damaged(Case):
         finally:
             handlers.register()
 
-    def test_a_clip_that_is_lost_can_be_baked_again_or_freed(self):
+    def test_a_clip_that_is_lost_can_be_baked_again_or_freed(self) -> None:
         for button in (bpy.ops.object.rumple_bake, bpy.ops.object.rumple_bake_free):
             self.reopen()
             self.clip().unlink()
@@ -149,7 +152,7 @@ class Damaged(Case):
             self.assertEqual(self.obj.rumple.message, "")
             self.assertLess(np.abs(sleeve.shown(self.obj) - self.live[12]).max(), 1e-5)
 
-    def test_a_manifest_of_another_make_never_breaks_a_render(self):
+    def test_a_manifest_of_another_make_never_breaks_a_render(self) -> None:
         # A manifest with "end": null raised when a render began, and its guard was skipped.
         about = asdict(clip_file.read_manifest(self.clip()))
         body = self.good[:HEADER + 12 * about["points"] * (about["end"] - about["start"] + 1)]
@@ -169,7 +172,7 @@ class Damaged(Case):
         sleeve.at(5)
         self.assertRegex(self.obj.rumple.message, "its manifest is damaged")
 
-    def test_a_clip_of_the_version_before_still_plays(self):
+    def test_a_clip_of_the_version_before_still_plays(self) -> None:
         about = asdict(clip_file.read_manifest(self.clip()))
         older = {k: v for k, v in about.items() if k not in ("checksums", "curves", "file")}
         older["format"] = 3
@@ -187,16 +190,16 @@ class Damaged(Case):
 class Outside(Case):
     """Frames that were not baked: live there, and the clip everywhere else, also without the add-on."""
 
-    def setUp(self):
+    def setUp(self) -> None:
         super().setUp()
         self.obj.rumple.bake_start, self.obj.rumple.bake_end = 3, 6
         self.bake()
 
-    def plays_at(self, frame, subframe=0.0):
+    def plays_at(self, frame: int, subframe: float = 0.0) -> bool:
         sleeve.at(frame, subframe)
         return modifier.plays_clip(modifier.find(self.obj))
 
-    def test_it_follows_the_body_there(self):
+    def test_it_follows_the_body_there(self) -> None:
         sleeve.play(1, 20)
         self.assertFalse(self.plays_at(20))
         self.assertRegex(self.obj.rumple.message, r"frame 20 is outside the bake \(3 to 6\), so live folds are shown")
@@ -204,12 +207,12 @@ class Outside(Case):
         self.assertTrue(self.plays_at(5))
         self.assertEqual(self.obj.rumple.message, "")
 
-    def test_the_shutter_of_a_frame_sees_one_of_them_only(self):
+    def test_the_shutter_of_a_frame_sees_one_of_them_only(self) -> None:
         for frame, inside in ((2, False), (3, True), (6, True), (7, False)):
             seen = {self.plays_at(*at) for at in ((frame - 1, 0.75), (frame, 0.0), (frame, 0.25))}
             self.assertEqual(seen, {inside}, frame)
 
-    def test_a_file_that_is_saved_there_shows_its_clip_without_the_add_on(self):
+    def test_a_file_that_is_saved_there_shows_its_clip_without_the_add_on(self) -> None:
         sleeve.at(5)
         baked = sleeve.shown(self.obj)
         self.assertFalse(self.plays_at(20))
@@ -222,7 +225,7 @@ class Outside(Case):
         finally:
             handlers.register()
 
-    def test_a_disk_that_could_not_be_read_once_is_asked_again(self):
+    def test_a_disk_that_could_not_be_read_once_is_asked_again(self) -> None:
         with mock.patch.object(clip_file, "sample_is_whole", side_effect=OSError("away")):
             self.assertFalse(self.plays_at(4))
         self.plays_at(5)
@@ -231,7 +234,7 @@ class Outside(Case):
 
 class OneName(Case):
 
-    def test_two_objects_never_share_a_clip(self):
+    def test_two_objects_never_share_a_clip(self) -> None:
         self.obj.name = "A.001"
         bpy.ops.object.rumple_bake()
         sleeve.at(8)
@@ -247,7 +250,7 @@ class OneName(Case):
         np.testing.assert_array_equal(sleeve.shown(self.obj), before)
         self.assertEqual(self.obj.rumple.message, "")
 
-    def test_two_versions_of_a_file_never_share_a_clip(self):
+    def test_two_versions_of_a_file_never_share_a_clip(self) -> None:
         # Baking shot_v002 destroyed the bake of shot_v001.
         self.bake()
         first = self.clip().read_bytes(), self.clip()
@@ -260,7 +263,7 @@ class OneName(Case):
         sleeve.at(3)
         self.assertEqual((self.obj.rumple.message, self.clip()), ("", first[1]))
 
-    def test_freeing_deletes_no_clip_of_others(self):
+    def test_freeing_deletes_no_clip_of_others(self) -> None:
         self.bake()
         clip = self.clip()
         bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "shot_v002.blend"))
@@ -278,7 +281,7 @@ class OneName(Case):
 
 class Disturbed(Case):
 
-    def whole(self, before):
+    def whole(self, before: Any) -> None:
         """The former clip is there as it was, nothing beside it, and the object shows it."""
         self.assertEqual(self.clip().read_bytes(), before)
         self.assertEqual(os.listdir(self.clip().parent), [self.clip().name])
@@ -287,13 +290,13 @@ class Disturbed(Case):
         sleeve.at(5)
         self.assertEqual(self.obj.rumple.message, "")
 
-    def refused(self, words):
+    def refused(self, words: str) -> None:
         with self.assertRaisesRegex(RuntimeError, words) as caught:
             bpy.ops.object.rumple_bake()
         self.assertNotIn("Errno", str(caught.exception))
         self.assertIn("Sleeve", str(caught.exception))
 
-    def test_a_full_disk_leaves_the_former_clip_and_the_object_baked_with_it(self):
+    def test_a_full_disk_leaves_the_former_clip_and_the_object_baked_with_it(self) -> None:
         self.bake()
         before = self.clip().read_bytes()
         for limit in (HEADER, 100_000, len(before) - 100):
@@ -304,7 +307,8 @@ class Disturbed(Case):
                 # Blender prints into a file of the suite, which is longer: only the clip may meet the limit.
                 real = clip_file.SampleWriter._do
 
-                def limited(writer, action, *arguments, limit=limit, limits=limits, real=real):
+                def limited(writer: Any, action: Callable[..., object], *arguments: object, limit: int = limit,
+                            limits: Any = limits, real: Any = real) -> None:
                     resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limits[1]))
                     try:
                         real(writer, action, *arguments)
@@ -318,7 +322,7 @@ class Disturbed(Case):
                     signal.signal(signal.SIGXFSZ, handler)
                 self.whole(before)
 
-    def test_a_bad_folder_leaves_the_object_baked_with_the_former_clip(self):
+    def test_a_bad_folder_leaves_the_object_baked_with_the_former_clip(self) -> None:
         # The object was left unbaked where the folder could not be made.
         self.bake()
         before = self.clip().read_bytes()
@@ -330,19 +334,19 @@ class Disturbed(Case):
                 self.refused("choose another folder")
                 self.whole(before)
 
-    def test_what_changes_the_object_meanwhile_ends_the_bake_with_a_sentence(self):
+    def test_what_changes_the_object_meanwhile_ends_the_bake_with_a_sentence(self) -> None:
         # ValueError, ReferenceError and AttributeError escaped; the .part and, in a window, the timer stayed.
-        def delete(obj):
+        def delete(obj: bpy.types.Object) -> None:
             bpy.data.objects.remove(obj)
 
-        def edit(obj):
+        def edit(obj: bpy.types.Object) -> None:
             obj.data.clear_geometry()
             scheduler.sync_all()
 
-        def remove(_obj):
+        def remove(_obj: bpy.types.Object) -> None:
             bpy.ops.object.rumple_remove()
 
-        def refine(obj):
+        def refine(obj: bpy.types.Object) -> None:
             obj.rumple.mesh.level = 2
             scheduler.sync_all()
 
@@ -366,7 +370,7 @@ class Disturbed(Case):
                     self.assertEqual(clip.read_bytes(), before)
                     self.assertEqual(os.listdir(clip.parent), [clip.name])
 
-    def test_what_a_killed_bake_left_is_swept_by_the_next(self):
+    def test_what_a_killed_bake_left_is_swept_by_the_next(self) -> None:
         self.bake()
         here = clip_folder.temporary(self.clip()).name.split(".")[3]
         left = self.clip().with_name(f".a.pc2.{here}.999999999-0.part")

@@ -210,7 +210,7 @@ class ToTheBit(Cloth):
         """Positions by time, as they are shown to renders."""
         found, show = {}, solve._show
 
-        def spy(held, runtime, picture, in_viewport) -> bool:
+        def spy(held: Any, runtime: Any, picture: Any, in_viewport: bool) -> bool:
             if not in_viewport:
                 found[runtime.inputs.frame] = picture.positions
             return show(held, runtime, picture, in_viewport)
@@ -257,7 +257,7 @@ class Rendered(Cloth):
         for frame, picture in zip(found, reference_solve.expected(obj, range(1, 5))):
             self.assertLessEqual(reference_solve.unlike(found[frame], picture), render_cases.STRAY, f"frame {frame}")
         obj.rumple.mesh.base_cloth = "OFF"
-        self.assertGreater(reference_solve.unlike(found[4], small_renders.still(4)), 10 * render_cases.STRAY)
+        self.assertGreater(reference_solve.unlike(found[4], small_renders.still(4)), render_cases.OTHER)
         self.assertEqual(obj.rumple.message, "")
 
 
@@ -372,7 +372,6 @@ class OneLayer(Cloth):
     def test_an_own_mesh(self) -> None:
         obj, _body = dressed()
         own = bpy.data.objects.new("Own", sleeve.tube("Own"))
-        own.data.flip_normals()
         bpy.context.scene.collection.objects.link(own)
         obj.rumple.own_mesh = own
         self.check(obj, source="OBJECT")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import unittest
+from typing import Any
 
 import bmesh
 import bpy
@@ -17,7 +18,6 @@ LAST = 5
 def dense() -> bpy.types.Object:
     """A sleeve of 3,000 vertices over an arm, wrinkled by one click."""
     obj = sleeve.scene(wrinkles=False)
-    obj.data.flip_normals()
     body = sleeve.under(obj, radius=0.8)
     mesh = bmesh.new()
     mesh.from_mesh(obj.data)
@@ -36,7 +36,7 @@ class Dense(cloth_scenes.Cloth):
     def setUp(self) -> None:
         self.obj = dense()
 
-    def fine(self):
+    def fine(self) -> Any:
         return runtimes.of(self.obj).evaluator
 
     def test_one_click_solves_it_on_a_coarse_mesh(self) -> None:

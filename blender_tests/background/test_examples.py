@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The examples: small files that open as new ones and fold at once."""
+from __future__ import annotations
+
 import tempfile
 import unittest
 from pathlib import Path
@@ -14,7 +16,7 @@ from support import sleeve
 
 class Examples(unittest.TestCase):
 
-    def open_made(self):
+    def open_made(self) -> bpy.types.Object:
         """A file as scripts/examples makes it: wrinkled, without its fine mesh."""
         obj = sleeve.scene()
         nodes_mod = modifier.find(obj)
@@ -29,7 +31,7 @@ class Examples(unittest.TestCase):
             self.assertEqual(bpy.ops.wm.rumple_open_example(name="A sleeve"), {"FINISHED"})
         return bpy.data.objects["Sleeve"]
 
-    def test_it_opens_as_a_new_file_and_shows_folds(self):
+    def test_it_opens_as_a_new_file_and_shows_folds(self) -> None:
         obj = self.open_made()
         self.assertEqual(bpy.data.filepath, "")
         sleeve.play(1, 6)
@@ -37,7 +39,7 @@ class Examples(unittest.TestCase):
         self.assertIn(wrinkle_tree.BASE_POSITION, sleeve.evaluated(obj).data.attributes)
         self.assertEqual(len(sleeve.shown(obj)), runtimes.of(obj).evaluator.vertex_count)
 
-    def test_one_that_is_not_there_is_said(self):
+    def test_one_that_is_not_there_is_said(self) -> None:
         with mock.patch.object(examples, "FOLDER", Path("/nowhere")):
             with self.assertRaisesRegex(RuntimeError, "no example named \"Cape\": none here"):
                 bpy.ops.wm.rumple_open_example(name="Cape")

@@ -7,6 +7,7 @@ import math
 import unittest
 from pathlib import Path
 from unittest import mock
+from typing import Any
 
 import bpy
 import numpy as np
@@ -240,7 +241,7 @@ class Refused(SetCase):
     def test_a_full_disk_keeps_whole_blocks_only(self) -> None:
         real = np.savez
 
-        def savez(file, **arrays):
+        def savez(file: Any, **arrays: np.ndarray) -> None:
             if "number" in arrays and arrays["number"][0] >= 4:
                 file.write(b"half")
                 raise OSError(28, "")

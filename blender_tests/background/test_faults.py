@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Handlers never throw, and what goes wrong with one object stays with it."""
+from __future__ import annotations
+
 import unittest
 from unittest import mock
+from typing import Any, Callable
 
 import bpy
 import numpy as np
@@ -12,7 +15,7 @@ from rumple.core.engine import UserError
 from support import sleeve
 
 
-def two_sleeves():
+def two_sleeves() -> tuple[bpy.types.Object, bpy.types.Object]:
     """Two garments of one file, both wrinkled."""
     one = sleeve.scene()
     other = sleeve.skinned(sleeve.tube("Other"), bpy.data.objects["Arm"], "Other")
@@ -22,9 +25,9 @@ def two_sleeves():
     return one, other
 
 
-def raises_for(name, function, error):
+def raises_for(name: str, function: Callable[..., Any], error: Exception) -> Callable[..., Any]:
     """The function, but for the object of that name it raises."""
-    def broken(obj, *arguments):
+    def broken(obj: bpy.types.Object, *arguments: object) -> Any:
         if getattr(obj, "name", "") == name:
             raise error
         return function(obj, *arguments)
@@ -33,7 +36,7 @@ def raises_for(name, function, error):
 
 class OneOfTwo(unittest.TestCase):
 
-    def test_its_error_is_its_message_and_the_other_goes_on(self):
+    def test_its_error_is_its_message_and_the_other_goes_on(self) -> None:
         # What goes wrong before a rebuild is no matter where the solve after it does well.
         places = ((bodies, "is_connected"), (evaluator, "sources"), (solve, "_inputs"), (solve, "_posed"),
                   (solve, "_note_groups"), (rebuild, "_split_shared_output"))
@@ -61,7 +64,7 @@ class OneOfTwo(unittest.TestCase):
 
 class Handlers(unittest.TestCase):
 
-    def test_none_throws_and_a_render_is_guarded_all_the_same(self):
+    def test_none_throws_and_a_render_is_guarded_all_the_same(self) -> None:
         obj = sleeve.scene()
         sleeve.play(1, 2)
         depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -85,7 +88,7 @@ class Handlers(unittest.TestCase):
 
 class SharedMesh(unittest.TestCase):
 
-    def test_while_one_of_two_is_edited_the_other_says_nothing_unexpected(self):
+    def test_while_one_of_two_is_edited_the_other_says_nothing_unexpected(self) -> None:
         for method in ("MESH", "FIELD", "PATHS"):
             for settings in (dict(), dict(rest_shape="FRAME")):
                 with self.subTest(method, **settings):
@@ -125,7 +128,7 @@ class SharedMesh(unittest.TestCase):
                     for each in (obj, other):
                         self.assertEqual((each.rumple.message, runtimes.of(each).inputs.frame), ("", 10.0))
 
-    def test_while_an_own_mesh_is_edited_the_last_picture_stays(self):
+    def test_while_an_own_mesh_is_edited_the_last_picture_stays(self) -> None:
         obj = sleeve.scene()
         own = bpy.data.objects.new("Fine", obj.data.copy())
         bpy.context.scene.collection.objects.link(own)
@@ -148,7 +151,7 @@ class SharedMesh(unittest.TestCase):
 
 class TwoScenes(unittest.TestCase):
 
-    def test_a_look_from_another_scene_leaves_the_stored_frames(self):
+    def test_a_look_from_another_scene_leaves_the_stored_frames(self) -> None:
         # Each look emptied the history: 13 mm of difference at the same frame.
         for method in ("MESH", "FIELD", "PATHS"):
             for what in ("same", "rate", "start", "units", "all"):

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The first of Blender's two evaluations of a frame hands on the coarse mesh, and nobody ever sees it."""
+from __future__ import annotations
+
 import contextlib
 import unittest
 from unittest import mock
+from typing import Iterator
 
 import bpy
 import numpy as np
@@ -14,11 +17,11 @@ from support import sleeve
 
 
 @contextlib.contextmanager
-def first_passes(obj):
+def first_passes(obj: bpy.types.Object) -> Iterator[list[int]]:
     """Numbers of points that an object has when the first pass of each frame is over."""
     counts = []
 
-    def look(_scene, depsgraph):
+    def look(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         counts.append(len(obj.evaluated_get(depsgraph).data.vertices))
 
     bpy.app.handlers.frame_change_post.insert(0, look)  # before ours, which writes
@@ -28,29 +31,29 @@ def first_passes(obj):
         bpy.app.handlers.frame_change_post.remove(look)
 
 
-def coarse_count(obj):
+def coarse_count(obj: bpy.types.Object) -> int:
     return len(obj.data.vertices)
 
 
-def place(obj):
+def place(obj: bpy.types.Object) -> float:
     return modifier.output_object(modifier.find(obj)).location.x
 
 
 class FirstPass(unittest.TestCase):
 
-    def played(self, obj, first=4, last=8):
+    def played(self, obj: bpy.types.Object, first: int = 4, last: int = 8) -> set[int]:
         sleeve.play(1, first - 1)
         with first_passes(obj) as counts:
             sleeve.play(first, last)
         return set(counts)
 
-    def test_a_garment_that_moves_costs_one_fine_mesh_a_frame(self):
+    def test_a_garment_that_moves_costs_one_fine_mesh_a_frame(self) -> None:
         obj = sleeve.scene()
         self.assertEqual(self.played(obj), {coarse_count(obj)})
         self.assertGreater(len(sleeve.shown(obj)), coarse_count(obj))
         self.assertEqual(place(obj), 0.0)
 
-    def test_what_is_shown_is_what_two_fine_passes_showed(self):
+    def test_what_is_shown_is_what_two_fine_passes_showed(self) -> None:
         """Also where a modifier behind the wrinkles makes more points of the mesh."""
         shown, seen = [], []
         for prepare in (first_pass.hand_on_coarse, lambda scene: None):
@@ -68,14 +71,14 @@ class FirstPass(unittest.TestCase):
         np.testing.assert_array_equal(*shown)
         self.assertLess(max(seen[0]), min(seen[1]))
 
-    def test_a_garment_that_stands_still_is_left_alone(self):
+    def test_a_garment_that_stands_still_is_left_alone(self) -> None:
         """Blender does not evaluate it at all: to switch it would cost what it saves elsewhere."""
         obj = sleeve.scene()
         bpy.data.objects["Arm"].animation_data_clear()
         self.assertNotIn(coarse_count(obj), self.played(obj))
         self.assertEqual(runtimes.of(obj).moved_in, 0)
 
-    def test_it_is_shown_whole_again_when_the_solve_fails(self):
+    def test_it_is_shown_whole_again_when_the_solve_fails(self) -> None:
         obj = sleeve.scene()
         sleeve.play(1, 4)
         with mock.patch.object(solve, "_process", side_effect=UserError("on purpose")):
@@ -84,7 +87,7 @@ class FirstPass(unittest.TestCase):
         self.assertEqual(place(obj), 0.0)
         self.assertGreater(len(sleeve.shown(obj)), coarse_count(obj))
 
-    def test_it_is_shown_whole_again_when_the_handler_breaks(self):
+    def test_it_is_shown_whole_again_when_the_handler_breaks(self) -> None:
         obj, scene = sleeve.scene(), bpy.context.scene
         sleeve.play(1, 4)
         first_pass.hand_on_coarse(scene)
@@ -94,19 +97,19 @@ class FirstPass(unittest.TestCase):
             handlers._on_frame(scene, depsgraph)
         self.assertEqual(place(obj), 0.0)
 
-    def test_modifiers_behind_that_keep_a_mesh_see_the_fine_one_only(self):
+    def test_modifiers_behind_that_keep_a_mesh_see_the_fine_one_only(self) -> None:
         obj = sleeve.scene()
         obj.modifiers.new("Collision", "COLLISION")
         self.assertNotIn(coarse_count(obj), self.played(obj))
 
-    def test_what_is_bound_to_a_garment_sees_the_fine_one_only(self):
+    def test_what_is_bound_to_a_garment_sees_the_fine_one_only(self) -> None:
         obj = sleeve.scene()
         patch = bpy.data.objects.new("Patch", bpy.data.meshes.new("Patch"))
         bpy.context.scene.collection.objects.link(patch)
         patch.modifiers.new("Bound", "SURFACE_DEFORM").target = obj
         self.assertNotIn(coarse_count(obj), self.played(obj))
 
-    def test_simulation_zones_see_the_fine_one_only(self):
+    def test_simulation_zones_see_the_fine_one_only(self) -> None:
         obj = sleeve.scene()
         group = bpy.data.node_groups.new("Hair", "GeometryNodeTree")
         try:
@@ -116,7 +119,7 @@ class FirstPass(unittest.TestCase):
         obj.modifiers.new("Hair", "NODES").node_group = group
         self.assertNotIn(coarse_count(obj), self.played(obj))
 
-    def test_a_garment_of_another_scene_is_left_alone(self):
+    def test_a_garment_of_another_scene_is_left_alone(self) -> None:
         obj = sleeve.scene()
         sleeve.play(1, 4)
         other = bpy.data.scenes.new("Other")

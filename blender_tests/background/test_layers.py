@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A wrinkled object that follows another wrinkled one: a cuff over the sleeve."""
+from __future__ import annotations
+
 import contextlib
 import io
 import os
@@ -22,25 +24,25 @@ class Follower:
 
     follow: str
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.sleeve = sleeve.scene()
         self.cuff = sleeve.cuff(self.sleeve, self.follow, "Cuff")
         scheduler.sync_all()
 
-    def pose(self):
+    def pose(self) -> np.ndarray:
         """The coarse cuff as the second pass has it."""
         count = len(self.cuff.data.vertices)
         return sleeve.attribute(self.cuff, wrinkle_tree.BASE_POSITION)[:count]
 
-    def solved_for(self):
+    def solved_for(self) -> np.ndarray:
         return runtimes.of(self.cuff).inputs.positions
 
-    def settled(self, frame):
+    def settled(self, frame: int) -> np.ndarray:
         sleeve.at(frame)
         sleeve.at(frame)
         return sleeve.shown(self.cuff)
 
-    def test_a_frame_set_twice_is_solved_for_the_sleeve_that_is_shown(self):
+    def test_a_frame_set_twice_is_solved_for_the_sleeve_that_is_shown(self) -> None:
         for frame in FRAMES:
             seen = self.settled(frame)
             np.testing.assert_array_equal(self.solved_for(), self.pose())
@@ -49,7 +51,7 @@ class Follower:
             np.testing.assert_array_equal(sleeve.shown(self.cuff), seen)
         self.assertEqual(self.cuff.rumple.message, "")
 
-    def test_a_frame_set_once_has_the_right_pose_and_only_its_folds_are_late(self):
+    def test_a_frame_set_once_has_the_right_pose_and_only_its_folds_are_late(self) -> None:
         # Blender evaluates both, calls the handler, which solves both, and evaluates both again: the sleeve is right
         # then, and so is the coarse cuff on it; the folds of the cuff are for the cuff of the first pass.
         late = 0.0
@@ -62,7 +64,7 @@ class Follower:
             late = max(late, float(np.abs(solved - pose).max()))
         self.assertGreater(late, 1e-4)  # else Blender has learnt to ask three times, and the warnings can go
 
-    def test_the_sleeve_does_not_know_that_it_is_followed(self):
+    def test_the_sleeve_does_not_know_that_it_is_followed(self) -> None:
         seen = {}
         for frame in FRAMES:
             sleeve.at(frame)
@@ -72,7 +74,7 @@ class Follower:
             sleeve.at(frame)
             np.testing.assert_array_equal(sleeve.shown(bpy.data.objects["Sleeve"]), seen[frame])
 
-    def test_the_order_of_names_does_not_matter(self):
+    def test_the_order_of_names_does_not_matter(self) -> None:
         self.settled(6)
         seen = self.settled(7)
         self.sleeve = sleeve.scene()
@@ -81,7 +83,7 @@ class Follower:
         self.settled(6)
         np.testing.assert_array_equal(self.settled(7), seen)
 
-    def test_a_bake_is_not_late(self):
+    def test_a_bake_is_not_late(self) -> None:
         sleeve.play()  # the sleeve is the same from here on
         bpy.ops.object.rumple_clear_frames()
         right = {frame: self.settled(frame) for frame in range(1, sleeve.LAST + 1)}
@@ -92,7 +94,7 @@ class Follower:
                 sleeve.at(frame)
                 np.testing.assert_allclose(sleeve.shown(self.cuff), right[frame], atol=1e-6, err_msg=f"frame {frame}")
 
-    def test_that_renders_are_late_is_said_until_it_is_baked(self):
+    def test_that_renders_are_late_is_said_until_it_is_baked(self) -> None:
         sleeve.at(3)
         self.assertIn("Bake it", " ".join(text for text, _icon in panels.status_lines(self.cuff)))
         self.assertIn("Cuff: it follows Sleeve", self.said_before_a_render())
@@ -101,7 +103,7 @@ class Follower:
             bpy.ops.object.rumple_bake()
             self.assertEqual(self.said_before_a_render(), "")
 
-    def said_before_a_render(self):
+    def said_before_a_render(self) -> str:
         said = io.StringIO()
         with contextlib.redirect_stdout(said):
             clip_status.check_before_render()

@@ -81,7 +81,7 @@ def lessons() -> Any:
 def coarse_body(run: Any) -> Callable[..., Any]:
     """The mannequin with a quarter of its vertices, which is made sooner; the face as it is."""
     build = run.demo_scene.demo_body.build_body
-    return lambda spacing: build(0.015 if spacing > run.lesson_scenes.FACE_SPACING else spacing)
+    return lambda spacing, *bottom: build(0.015 if spacing > run.lesson_scenes.FACE_SPACING else spacing, *bottom)
 
 
 def picture(run: Any, name: str, folder: Path) -> np.ndarray:

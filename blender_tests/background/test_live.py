@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The live solve: any frame in any order, paint, settings, duplicates, edits, undo, files."""
+from __future__ import annotations
+
 import os
 import tempfile
 import unittest
 from unittest import mock
+from typing import Any
 
 import bmesh
 import bpy
@@ -19,7 +22,7 @@ from support import sleeve
 
 class Frames(unittest.TestCase):
 
-    def test_played_frames_look_the_same_in_any_order(self):
+    def test_played_frames_look_the_same_in_any_order(self) -> None:
         obj = sleeve.scene()
         sleeve.play()
         pictures = {}
@@ -30,12 +33,12 @@ class Frames(unittest.TestCase):
             sleeve.at(frame)
             np.testing.assert_array_equal(sleeve.shown(obj), pictures[frame])
 
-    def test_the_folds_show(self):
+    def test_the_folds_show(self) -> None:
         obj = sleeve.scene()
         sleeve.play()
         self.assertGreater(np.linalg.norm(sleeve.attribute(obj, "rumple_offset"), axis=1).max(), 1e-3)
 
-    def test_subframes_stand_between_frames(self):
+    def test_subframes_stand_between_frames(self) -> None:
         obj = sleeve.scene()
         sleeve.play()
         sleeve.at(12)
@@ -46,7 +49,7 @@ class Frames(unittest.TestCase):
         np.testing.assert_allclose(between, sleeve.picture(obj).positions, atol=1e-6)
         self.assertGreater(np.abs(between - before).max(), 1e-4)
 
-    def test_a_held_pose_stays_to_the_bit(self):
+    def test_a_held_pose_stays_to_the_bit(self) -> None:
         obj = sleeve.scene()
         bpy.data.objects["Arm"].animation_data_clear()
         bpy.data.objects["Arm"].pose.bones["lower"].rotation_euler.z = 1.2
@@ -55,7 +58,7 @@ class Frames(unittest.TestCase):
         sleeve.play(13, 20)
         np.testing.assert_array_equal(sleeve.shown(obj), still)
 
-    def test_nothing_is_written_when_nothing_changed(self):
+    def test_nothing_is_written_when_nothing_changed(self) -> None:
         obj = sleeve.scene()
         sleeve.at(9)
         written = []
@@ -70,7 +73,7 @@ class Frames(unittest.TestCase):
             output_mesh.write_result = original
         self.assertEqual(written, [])
 
-    def test_updates_are_read_before_anything_is_made_anew(self):
+    def test_updates_are_read_before_anything_is_made_anew(self) -> None:
         """The list of updates still names a mesh that a rebuild removed: in 3.4 to ask for its original then wrote into
         freed memory, and crashed at the next file."""
         sleeve.scene()
@@ -83,13 +86,13 @@ class Frames(unittest.TestCase):
                 handler(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
                 self.assertEqual([call[0] for call in calls.mock_calls], ["note", "note", "work", "work"])
 
-    def test_a_handler_searches_the_file_once_for_each_kind(self):
+    def test_a_handler_searches_the_file_once_for_each_kind(self) -> None:
         sleeve.scene()
         sleeve.at(2)
         searched = []
         original = ModifiedObjects._searched
 
-        def counted(kept):
+        def counted(kept: Any) -> Any:
             searched.append(kept)
             return original(kept)
         with mock.patch.object(ModifiedObjects, "_searched", counted):
@@ -99,11 +102,11 @@ class Frames(unittest.TestCase):
                 self.assertIn(modifier._WRINKLED, searched)
                 self.assertEqual(len(searched), len(set(searched)))
 
-    def test_the_kept_list_follows_what_scripts_do(self):
+    def test_the_kept_list_follows_what_scripts_do(self) -> None:
         obj = sleeve.scene()
         sleeve.at(2)
 
-        def names():
+        def names() -> list[str]:
             return [found.name for found, _ in modifier.wrinkled_objects()]
         self.assertEqual(names(), ["Sleeve"])
         obj.name = "Cuff"
@@ -117,7 +120,7 @@ class Frames(unittest.TestCase):
         copy.modifiers.remove(modifier.find(copy))
         self.assertEqual(names(), [])
 
-    def test_stretch_attributes_are_sane(self):
+    def test_stretch_attributes_are_sane(self) -> None:
         obj = sleeve.scene()
         sleeve.at(20)
         low, high = sleeve.attribute(obj, "rumple_stretch_min"), sleeve.attribute(obj, "rumple_stretch_max")
@@ -125,20 +128,20 @@ class Frames(unittest.TestCase):
         self.assertLess(low.min(), 0.9)
         self.assertEqual(sleeve.attribute(obj, "rumple_stretch_direction").shape, (len(low), 3))
 
-    def test_internal_attributes_do_not_reach_later_modifiers(self):
+    def test_internal_attributes_do_not_reach_later_modifiers(self) -> None:
         names = {a.name for a in sleeve.evaluated(sleeve.scene()).data.attributes}
         self.assertEqual(names & set(wrinkle_tree.OUTPUT_ONLY), set())
 
 
 class Settings(unittest.TestCase):
 
-    def test_radius_zero_means_no_folds(self):
+    def test_radius_zero_means_no_folds(self) -> None:
         obj = sleeve.scene()
         obj.rumple.mesh.radius = 0.0
         sleeve.at(20)
         np.testing.assert_allclose(sleeve.attribute(obj, "rumple_offset"), 0.0, atol=1e-6)
 
-    def test_density_rebuilds_the_mesh(self):
+    def test_density_rebuilds_the_mesh(self) -> None:
         obj = sleeve.scene(level=1)
         coarse = len(sleeve.shown(obj))
         obj.rumple.mesh.level = 2
@@ -146,7 +149,7 @@ class Settings(unittest.TestCase):
         self.assertGreater(len(sleeve.shown(obj)), 3 * coarse)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
-    def test_animated_settings_count(self):
+    def test_animated_settings_count(self) -> None:
         obj = sleeve.scene()
         for frame, value in ((1, 0.0), (20, 1.0)):
             obj.rumple.mesh.radius = value
@@ -156,14 +159,14 @@ class Settings(unittest.TestCase):
         sleeve.at(1)
         self.assertEqual(runtimes.of(obj).inputs.settings.radius, 0.0)
 
-    def test_lengths_are_metres_whatever_the_unit(self):
+    def test_lengths_are_metres_whatever_the_unit(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         bpy.context.scene.unit_settings.scale_length = 0.01
         bpy.ops.object.rumple_add(method="MESH")
         self.assertAlmostEqual(obj.rumple.mesh.edge_length, 1.0, places=5)
         self.assertEqual(runtimes.of(obj).evaluator.level, 2, "the fold width suits a doll as well")
 
-    def test_paint_keeps_folds_away(self):
+    def test_paint_keeps_folds_away(self) -> None:
         obj = sleeve.scene()
         bpy.ops.object.rumple_paint(group="radius")
         self.assertEqual(obj.vertex_groups.active.name, "Rumple Radius")
@@ -175,14 +178,14 @@ class Settings(unittest.TestCase):
         np.testing.assert_allclose(sleeve.attribute(obj, "rumple_offset"), 0.0, atol=1e-6)
         self.assertIn("Rumple Radius", sleeve.output_object(obj).vertex_groups)
 
-    def test_rest_from_a_frame(self):
+    def test_rest_from_a_frame(self) -> None:
         obj = sleeve.scene()
         bpy.ops.object.rumple_capture_rest(frame=20)
         sleeve.at(20)
         self.assertEqual(obj.rumple.mesh.rest_shape, "FRAME")
         np.testing.assert_allclose(sleeve.attribute(obj, "rumple_stretch_min"), 1.0, atol=1e-3)
 
-    def test_rest_from_a_shape_key_that_is_missing(self):
+    def test_rest_from_a_shape_key_that_is_missing(self) -> None:
         obj = sleeve.scene()
         vertices = len(sleeve.shown(obj))
         obj.rumple.rest_key, obj.rumple.mesh.rest_shape = "Nowhere", "SHAPE_KEY"
@@ -193,7 +196,7 @@ class Settings(unittest.TestCase):
 
 class Copies(unittest.TestCase):
 
-    def test_duplicates_get_output_objects_of_their_own(self):
+    def test_duplicates_get_output_objects_of_their_own(self) -> None:
         for linked in (False, True):
             obj = sleeve.scene()
             bpy.ops.object.duplicate(linked=linked)
@@ -206,7 +209,7 @@ class Copies(unittest.TestCase):
             self.assertGreater(np.abs(sleeve.attribute(obj, "rumple_offset")).max(), 1e-3)
             np.testing.assert_allclose(sleeve.attribute(copy, "rumple_offset"), 0.0, atol=1e-6)
 
-    def test_deleting_one_leaves_the_other(self):
+    def test_deleting_one_leaves_the_other(self) -> None:
         obj = sleeve.scene()
         bpy.ops.object.duplicate()
         bpy.ops.object.delete()
@@ -215,7 +218,7 @@ class Copies(unittest.TestCase):
         scheduler.sync_all()
         self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve", "Sleeve.wrinkles"])
 
-    def test_renaming(self):
+    def test_renaming(self) -> None:
         obj = sleeve.scene()
         sleeve.play(1, 5)
         stored = len(runtimes.of(obj).evaluator.frame_cache.frames())
@@ -224,7 +227,7 @@ class Copies(unittest.TestCase):
         self.assertEqual(obj.rumple.message, "")
         self.assertEqual(len(runtimes.of(obj).evaluator.frame_cache.frames()), stored + 1)
 
-    def test_removing_one_of_two_that_share_a_mesh(self):
+    def test_removing_one_of_two_that_share_a_mesh(self) -> None:
         obj = sleeve.scene()
         bpy.ops.object.rumple_capture_rest(frame=1)
         bpy.ops.object.duplicate(linked=True)
@@ -234,7 +237,7 @@ class Copies(unittest.TestCase):
         self.assertEqual(obj.rumple.message, "")
         self.assertIn(wrinkle_tree.REST_POSITION, obj.data.attributes)
 
-    def test_copied_modifiers_are_bound_anew(self):
+    def test_copied_modifiers_are_bound_anew(self) -> None:
         obj = sleeve.scene()
         other = sleeve.skinned(sleeve.tube("Other"), bpy.data.objects["Arm"], "Other")
         source = modifier.find(obj)
@@ -249,7 +252,7 @@ class Copies(unittest.TestCase):
 
 class Edits(unittest.TestCase):
 
-    def test_an_edited_topology_is_wrinkled_again(self):
+    def test_an_edited_topology_is_wrinkled_again(self) -> None:
         obj = sleeve.scene()
         sleeve.at(10)
         edit = bmesh.new()
@@ -265,7 +268,7 @@ class Edits(unittest.TestCase):
         self.assertEqual(modifier.coarse_vertices(modifier.find(obj)), len(obj.data.vertices))
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
-    def test_edit_mode_and_back(self):
+    def test_edit_mode_and_back(self) -> None:
         obj = sleeve.scene()
         sleeve.at(10)
         bpy.ops.object.mode_set(mode="EDIT")
@@ -278,7 +281,7 @@ class Edits(unittest.TestCase):
         self.assertEqual(obj.rumple.message, "")
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
-    def test_an_empty_mesh_is_refused_in_words(self):
+    def test_an_empty_mesh_is_refused_in_words(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         obj.data.clear_geometry()
         with self.assertRaises(RuntimeError) as caught:
@@ -286,7 +289,7 @@ class Edits(unittest.TestCase):
         self.assertIn("Sleeve", str(caught.exception))
         self.assertIsNone(modifier.find(obj))
 
-    def test_a_broken_edit_keeps_the_last_good_mesh(self):
+    def test_a_broken_edit_keeps_the_last_good_mesh(self) -> None:
         obj = sleeve.scene()
         sleeve.at(10)
         fine = runtimes.of(obj).evaluator
@@ -296,7 +299,7 @@ class Edits(unittest.TestCase):
         self.assertIs(runtimes.of(obj).evaluator, fine)
         self.assertEqual(len(sleeve.output_object(obj).data.vertices), fine.vertex_count)
 
-    def test_undo_and_redo_of_a_setting_and_of_removal(self):
+    def test_undo_and_redo_of_a_setting_and_of_removal(self) -> None:
         obj = sleeve.scene()
         bpy.ops.ed.undo_push(message="start")
         obj.rumple.mesh.radius = 0.0
@@ -313,7 +316,7 @@ class Edits(unittest.TestCase):
         self.assertIsNone(modifier.find(bpy.data.objects["Sleeve"]))
         sleeve.at(5)
 
-    def folds(self):
+    def folds(self) -> float:
         sleeve.at(3)
         sleeve.at(20)
         obj = bpy.data.objects["Sleeve"]
@@ -323,14 +326,14 @@ class Edits(unittest.TestCase):
 
 class Files(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
 
-    def path(self, name):
+    def path(self, name: str) -> str:
         return os.path.join(self.folder.name, name)
 
-    def test_saved_and_opened_again(self):
+    def test_saved_and_opened_again(self) -> None:
         obj = sleeve.scene()
         sleeve.play()
         sleeve.at(15)
@@ -343,7 +346,7 @@ class Files(unittest.TestCase):
         sleeve.at(15)
         np.testing.assert_array_equal(sleeve.shown(obj), seen)
 
-    def test_appended_twice(self):
+    def test_appended_twice(self) -> None:
         sleeve.scene()
         bpy.ops.wm.save_as_mainfile(filepath=self.path("library.blend"))
         sleeve.empty_file()
@@ -355,7 +358,7 @@ class Files(unittest.TestCase):
         self.assertNotEqual(*[sleeve.output_object(o) for o in both])
         self.assertEqual([o.rumple.message for o in both], ["", ""])
 
-    def test_linked_and_overridden(self):
+    def test_linked_and_overridden(self) -> None:
         sleeve.scene()
         bpy.ops.wm.save_as_mainfile(filepath=self.path("library.blend"))
         sleeve.empty_file()

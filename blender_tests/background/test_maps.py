@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrinkle Maps: reference poses, and masks on the evaluated mesh."""
+from __future__ import annotations
+
 import unittest
 import unittest.mock
+from typing import Any, Callable
 
 import bpy
 import numpy as np
@@ -16,7 +19,7 @@ ROUNDING = 1e-4  # of a mask: bones of a head in single precision
 
 class Masks(face.TwoPoses, unittest.TestCase):
 
-    def test_a_mask_is_the_skin_weight_at_the_pose_and_nothing_at_the_neutral_one(self):
+    def test_a_mask_is_the_skin_weight_at_the_pose_and_nothing_at_the_neutral_one(self) -> None:
         brows = face.weights(self.obj, "brow.L") + face.weights(self.obj, "brow.R")
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         np.testing.assert_allclose(face.mask(self.obj, "Surprise"), brows, atol=1e-6)
@@ -25,14 +28,14 @@ class Masks(face.TwoPoses, unittest.TestCase):
         self.assertFalse(face.mask(self.obj, "Surprise").any())
         self.assertEqual(self.obj.rumple_maps.message, "")
 
-    def test_one_brow_wrinkles_its_side_only(self):
+    def test_one_brow_wrinkles_its_side_only(self) -> None:
         face.pose(self.rig, brow_L=0.005)
         mask = face.mask(self.obj, "Surprise")
         np.testing.assert_allclose(mask, 0.5 * face.weights(self.obj, "brow.L"), atol=ROUNDING)
         elsewhere = face.weights(self.obj, "brow.L") == 0.0
         self.assertEqual(mask[elsewhere].max(), 0.0)
 
-    def test_the_whole_head_may_move_turn_and_grow(self):
+    def test_the_whole_head_may_move_turn_and_grow(self) -> None:
         face.pose(self.rig, brow_L=0.005, brow_R=0.01, jaw=0.003)
         before = {name: face.mask(self.obj, name) for name in ("Surprise", "Anger")}
         self.assertGreater(before["Surprise"].max(), 0.9)
@@ -45,7 +48,7 @@ class Masks(face.TwoPoses, unittest.TestCase):
             for pose, mask in before.items():
                 np.testing.assert_allclose(face.mask(self.obj, pose), mask, atol=1e-3, err_msg=name)
 
-    def test_packed_for_the_shader_as_one_by_one(self):
+    def test_packed_for_the_shader_as_one_by_one(self) -> None:
         face.pose(self.rig, brow_L=0.004, jaw=0.002)
         evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
         packed = compat.read_attribute(evaluated.data.attributes[maps_shader.MASKS.format(0)])
@@ -54,7 +57,7 @@ class Masks(face.TwoPoses, unittest.TestCase):
         self.assertTrue(packed[:, :2].any(0).all())
         self.assertFalse(packed[:, 2].any())
 
-    def test_the_mesh_stays_what_it_was(self):
+    def test_the_mesh_stays_what_it_was(self) -> None:
         face.pose(self.rig, brow_L=0.01)
         evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
         self.assertEqual(len(evaluated.data.polygons), len(self.obj.data.polygons))
@@ -64,14 +67,14 @@ class Masks(face.TwoPoses, unittest.TestCase):
         evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
         np.testing.assert_array_equal(compat.positions(evaluated.data), with_maps)
 
-    def test_animated_bones_in_any_order_of_frames(self):
+    def test_animated_bones_in_any_order_of_frames(self) -> None:
         face.animate(self.rig)
         for frame in (6, 1, 11, 3, 8):
             bpy.context.scene.frame_set(frame)
             np.testing.assert_allclose(face.mask(self.obj, "Surprise"),
                                        face.risen(frame) * face.weights(self.obj, "brow.L"), atol=ROUNDING)
 
-    def test_an_animated_gain_and_strength_count(self):
+    def test_an_animated_gain_and_strength_count(self) -> None:
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         full = face.mask(self.obj, "Surprise")
         self.settings.poses["Surprise"].strength = 0.5
@@ -86,7 +89,7 @@ class Masks(face.TwoPoses, unittest.TestCase):
         bpy.context.scene.frame_set(1)
         np.testing.assert_allclose(face.mask(self.obj, "Surprise"), full, atol=1e-6)
 
-    def test_playback_writes_nothing_but_animated_settings(self):
+    def test_playback_writes_nothing_but_animated_settings(self) -> None:
         """What a handler writes costs Blender a second evaluation of the frame."""
         face.animate(self.rig)
         bpy.context.scene.frame_set(1)
@@ -105,7 +108,7 @@ class Masks(face.TwoPoses, unittest.TestCase):
         brow = face.weights(self.obj, "brow.L")
         np.testing.assert_allclose(face.mask(self.obj, "Surprise"), 0.5 * brow, atol=ROUNDING)
 
-    def test_mute_and_solo(self):
+    def test_mute_and_solo(self) -> None:
         face.pose(self.rig, brow_L=0.01, jaw=0.005)
         self.settings.poses["Surprise"].muted = True
         bpy.context.view_layer.update()
@@ -116,12 +119,12 @@ class Masks(face.TwoPoses, unittest.TestCase):
         self.assertTrue(face.mask(self.obj, "Surprise").any())
         self.assertFalse(face.mask(self.obj, "Anger").any())
 
-    def test_the_bar_says_how_far_a_pose_is(self):
+    def test_the_bar_says_how_far_a_pose_is(self) -> None:
         face.pose(self.rig, brow_L=0.01, brow_R=0.005)
         self.assertAlmostEqual(self.settings.poses["Surprise"].present, 0.75, 4)
         self.assertEqual(self.settings.poses["Anger"].present, 0.0)
 
-    def test_what_comes_after_keeps_the_masks(self):
+    def test_what_comes_after_keeps_the_masks(self) -> None:
         subdivision = self.obj.modifiers.new("Subdivision", "SUBSURF")
         subdivision.levels = 1
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
@@ -132,15 +135,15 @@ class Masks(face.TwoPoses, unittest.TestCase):
 
 class Poses(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.obj, self.rig = face.scene()
 
-    def test_the_first_pose_chooses_root_and_bones(self):
+    def test_the_first_pose_chooses_root_and_bones(self) -> None:
         settings = face.two_poses(self.obj, self.rig)
         self.assertEqual(settings.root, "head")
         self.assertEqual(sorted(bone.name for bone in settings.bones), ["brow.L", "brow.R", "jaw"])
 
-    def test_selected_bones_are_chosen(self):
+    def test_selected_bones_are_chosen(self) -> None:
         sleeve.make_active(self.rig)
         bpy.ops.object.mode_set(mode="POSE")
         for bone in self.rig.pose.bones:
@@ -150,7 +153,7 @@ class Poses(unittest.TestCase):
         bpy.ops.object.mode_set(mode="OBJECT")
         self.assertEqual([bone.name for bone in self.obj.rumple_maps.bones], ["brow.L"])
 
-    def test_go_to_pose_update_move_remove(self):
+    def test_go_to_pose_update_move_remove(self) -> None:
         settings = face.two_poses(self.obj, self.rig)
         settings.active = 0
         bpy.ops.rumple.pose_go()
@@ -171,7 +174,7 @@ class Poses(unittest.TestCase):
         evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
         self.assertNotIn("rumple_pose_Surprise", evaluated.data.attributes)
 
-    def test_a_renamed_pose_renames_its_attribute_and_names_stay_unique(self):
+    def test_a_renamed_pose_renames_its_attribute_and_names_stay_unique(self) -> None:
         settings = face.two_poses(self.obj, self.rig)
         settings.poses[0].name = "Anger"
         self.assertEqual([pose.name for pose in settings.poses], ["Anger.001", "Anger"])
@@ -180,7 +183,7 @@ class Poses(unittest.TestCase):
         bpy.ops.rumple.pose_add(name="Anger")
         self.assertEqual(settings.poses[2].name, "Anger.002")
 
-    def test_a_captured_neutral_pose(self):
+    def test_a_captured_neutral_pose(self) -> None:
         settings = face.two_poses(self.obj, self.rig)
         face.pose(self.rig, brow_L=0.005, brow_R=0.005)
         bpy.ops.rumple.neutral_capture()
@@ -194,14 +197,14 @@ class Poses(unittest.TestCase):
         bpy.context.view_layer.update()
         self.assertAlmostEqual(settings.poses["Surprise"].present, 0.5, 3)
 
-    def refused(self, call, *words):
+    def refused(self, call: Callable[..., object], *words: str) -> None:
         """Operators raise in background mode what they report in the window."""
         with self.assertRaises(RuntimeError) as caught:
             call()
         for word in words:
             self.assertIn(word, str(caught.exception))
 
-    def test_equal_poses_are_refused_by_name_and_nothing_is_lost(self):
+    def test_equal_poses_are_refused_by_name_and_nothing_is_lost(self) -> None:
         settings = face.two_poses(self.obj, self.rig)
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         self.refused(lambda: bpy.ops.rumple.pose_add(name="Twin"), "pose Twin", "as in pose Surprise")
@@ -217,15 +220,15 @@ class Poses(unittest.TestCase):
         self.assertEqual(len(settings.neutral), 0)
         self.assertEqual(settings.poses["Surprise"].present, 1.0)
 
-    def test_every_change_can_be_undone_and_done_again(self):
+    def test_every_change_can_be_undone_and_done_again(self) -> None:
         face.two_poses(self.obj, self.rig)
 
-        def now():
+        def now() -> Any:
             settings = bpy.data.objects["Face"].rumple_maps
             return ([(pose.name, pose.muted, pose.solo, tuple(pose.bones["brow.L"].head)) for pose in settings.poses],
                     len(settings.neutral))
 
-        def here(change):
+        def here(change: Callable[..., object]) -> None:
             sleeve.make_active(bpy.data.objects["Face"])
             bpy.context.object.rumple_maps.active = 0
             with sleeve.context():
@@ -251,7 +254,7 @@ class Poses(unittest.TestCase):
             bpy.ops.ed.redo()
             self.assertEqual(now(), state)
 
-    def test_mute_and_solo_act_on_the_active_pose(self):
+    def test_mute_and_solo_act_on_the_active_pose(self) -> None:
         settings = face.two_poses(self.obj, self.rig)
         settings.active = 1
         bpy.ops.rumple.pose_mute()
@@ -263,7 +266,7 @@ class Poses(unittest.TestCase):
         bpy.ops.rumple.pose_rename(name="Anger")
         self.assertEqual([pose.name for pose in settings.poses], ["Anger.001", "Anger"])
 
-    def test_sixteen_poses_and_not_one_more(self):
+    def test_sixteen_poses_and_not_one_more(self) -> None:
         for number in range(16):
             face.pose(self.rig, brow_L=0.001 * (number + 1), brow_R=0.001 * (number % 3))
             bpy.ops.rumple.pose_add(name="P")

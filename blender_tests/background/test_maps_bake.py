@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Maps baked from the object's own wrinkles, and what goes to a game engine."""
+from __future__ import annotations
+
 import json
 import os
 import tempfile
@@ -13,14 +15,14 @@ from rumple.core import poses_json
 from support import face, maps_renders
 
 
-def texels(image):
+def texels(image: bpy.types.Image) -> np.ndarray:
     """(height, width, 3), the lowest row first."""
     flat = np.empty(len(image.pixels), np.float32)
     image.pixels.foreach_get(flat)
     return flat.reshape(image.size[1], image.size[0], 4)[:, :, :3]
 
 
-def everything():
+def everything() -> dict[str, list[str]]:
     """Names of all data-blocks that a bake might leave behind."""
     return {kind: sorted(block.name for block in getattr(bpy.data, kind))
             for kind in ("objects", "meshes", "materials", "scenes", "node_groups")}
@@ -28,7 +30,7 @@ def everything():
 
 class Bake(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.obj, self.rig = face.scene()
         face.pose(self.rig, brow_L=-0.012)
         bpy.ops.rumple.pose_add(name="Left")
@@ -39,12 +41,12 @@ class Bake(unittest.TestCase):
         self.settings.bake_size = 128
         self.obj.rumple.mesh.hem_rings = 0
 
-    def slopes(self, pose):
+    def slopes(self, pose: str) -> tuple[np.ndarray, np.ndarray]:
         """How far each texel leans, 0..1, and the column of its centre: 0 left, 1 right of the face."""
         lean = np.abs(texels(self.settings.poses[pose].image)[:, :, :2] - 0.5).max(2)
         return lean, (np.arange(128) + 0.5) / 128
 
-    def test_wrinkles_come_where_the_pose_compresses_the_skin(self):
+    def test_wrinkles_come_where_the_pose_compresses_the_skin(self) -> None:
         before = everything()
         self.assertEqual(bpy.ops.rumple.maps_bake(every=True), {"FINISHED"})
         self.assertEqual(everything(), before)
@@ -56,7 +58,7 @@ class Bake(unittest.TestCase):
         image = self.settings.poses["Left"].image
         self.assertTrue(image.packed_file is not None and image.colorspace_settings.is_data)
 
-    def test_the_artists_scene_and_pose_stay(self):
+    def test_the_artists_scene_and_pose_stay(self) -> None:
         basis = {bone.name: bone.matrix_basis.copy() for bone in self.rig.pose.bones}
         scene = bpy.context.scene
         engine, active, frame = scene.render.engine, bpy.context.view_layer.objects.active, scene.frame_current
@@ -66,31 +68,31 @@ class Bake(unittest.TestCase):
                          (engine, active, frame))
         self.assertEqual([m.type for m in self.obj.modifiers], ["ARMATURE", "NODES"])
 
-    def test_without_compression_the_map_is_flat(self):
+    def test_without_compression_the_map_is_flat(self) -> None:
         face.pose(self.rig, brow_L=1e-4, brow_R=1e-4, jaw=1e-4)
         bpy.ops.rumple.pose_add(name="Hardly")
         bpy.ops.rumple.maps_bake()
         self.assertLess(self.slopes("Hardly")[0].max(), 0.02)
 
-    def test_sixteen_bits_have_more_than_256_steps(self):
+    def test_sixteen_bits_have_more_than_256_steps(self) -> None:
         self.settings.bake_deep = True
         bpy.ops.rumple.maps_bake()
         image = self.settings.poses[self.settings.active].image
         self.assertTrue(image.is_float)
         self.assertGreater(np.abs(255 * texels(image) - np.rint(255 * texels(image))).max(), 0.1)
 
-    def test_a_wrinkle_field_can_be_baked_too(self):
+    def test_a_wrinkle_field_can_be_baked_too(self) -> None:
         self.settings.bake_source = "FIELD"
         self.obj.rumple.field.wavelength = 0.01
         bpy.ops.rumple.maps_bake(every=True)
         self.assertGreater(self.slopes("Left")[0].max(), 0.05)
 
-    def test_wrinkle_paths_can_be_baked_too(self):
+    def test_wrinkle_paths_can_be_baked_too(self) -> None:
         self.settings.bake_source = "PATHS"
         bpy.ops.rumple.maps_bake(every=True)
         self.assertGreater(self.slopes("Left")[0].max(), 0.05)
 
-    def test_saved_to_a_folder_the_values_stay(self):
+    def test_saved_to_a_folder_the_values_stay(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             for deep in (False, True):
                 self.settings.bake_deep, self.settings.bake_folder = deep, ""
@@ -102,7 +104,7 @@ class Bake(unittest.TestCase):
                 np.testing.assert_allclose(texels(image), before, atol=1 / 65535 if deep else 1 / 255)
                 self.assertTrue(image.packed_file is None and image.colorspace_settings.is_data)
 
-    def test_without_uv_map_it_is_refused(self):
+    def test_without_uv_map_it_is_refused(self) -> None:
         self.obj.data.uv_layers.remove(self.obj.data.uv_layers[0])
         with self.assertRaisesRegex(RuntimeError, "Face: it has no UV map"):
             bpy.ops.rumple.maps_bake()
@@ -111,7 +113,7 @@ class Bake(unittest.TestCase):
 
 class Export(face.TwoPoses, unittest.TestCase):
 
-    def test_json_images_and_influences(self):
+    def test_json_images_and_influences(self) -> None:
         self.settings.poses[0].image = bpy.data.images.new("Lines", 8, 8, is_data=True)
         self.obj.material_slots[0].material = maps_renders.material("Pores", bpy.data.images.new("Pores", 8, 8))
         bpy.ops.rumple.maps_show()
@@ -136,7 +138,7 @@ class Export(face.TwoPoses, unittest.TestCase):
         self.assertEqual((len(clip["influence"]), clip["fps"], clip["poses"]), (5, 24.0, ["Surprise", "Anger"]))
         self.assertEqual(bpy.context.scene.frame_current, 1)
 
-    def test_a_copy_with_morph_weights_reaches_gltf(self):
+    def test_a_copy_with_morph_weights_reaches_gltf(self) -> None:
         for frame, height in ((1, 0.0), (5, 0.01)):
             face.pose(self.rig, brow_L=height, brow_R=height)
             for bone in face.BROWS:
@@ -158,6 +160,6 @@ class Export(face.TwoPoses, unittest.TestCase):
         self.assertIn("weights", paths)
         self.assertEqual(exported["meshes"][0]["extras"]["targetNames"], ["rumple_pose_Surprise", "rumple_pose_Anger"])
 
-    def test_where_nothing_can_be_written_it_is_said(self):
+    def test_where_nothing_can_be_written_it_is_said(self) -> None:
         with self.assertRaisesRegex(RuntimeError, "not_there"):
             bpy.ops.rumple.maps_export(filepath="/not_there/face.json")

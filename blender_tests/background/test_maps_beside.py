@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrinkle Maps on an object that also shows a Wrinkle Mesh, Field or Paths: both are there, in every frame."""
+from __future__ import annotations
+
 import os
 import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
+from typing import Any
 
 import bpy
 import numpy as np
@@ -19,7 +22,7 @@ ROUNDING = 1e-4  # of a mask
 METHODS = ("MESH", "FIELD", "PATHS")
 
 
-def add_wrinkles(obj, method):
+def add_wrinkles(obj: bpy.types.Object, method: str) -> None:
     obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
     obj.rumple.field.output = "GEOMETRY"
     sleeve.make_active(obj)
@@ -29,22 +32,22 @@ def add_wrinkles(obj, method):
 
 class Beside(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.obj, self.rig = face.scene()
         face.two_poses(self.obj, self.rig)
         face.animate(self.rig)
 
-    def check(self, frame):
+    def check(self, frame: int) -> None:
         bpy.context.scene.frame_set(frame)
         self.assertEqual((self.obj.rumple.message, self.obj.rumple_maps.message), ("", ""))
         expected = face.carried(self.obj, face.risen(frame) * face.weights(self.obj, "brow.L"))
         np.testing.assert_allclose(face.mask(self.obj, "Surprise"), expected, atol=ROUNDING)
         self.assertGreater(expected.max(), 0.0)
 
-    def fine(self):
+    def fine(self) -> bool:
         return len(sleeve.shown(self.obj)) > 2 * len(self.obj.data.vertices)
 
-    def test_every_kind_of_wrinkles(self):
+    def test_every_kind_of_wrinkles(self) -> None:
         for method in METHODS:
             with self.subTest(method):
                 add_wrinkles(self.obj, method)
@@ -56,7 +59,7 @@ class Beside(unittest.TestCase):
                 self.check(5)
                 self.assertFalse(self.fine())
 
-    def test_wrinkles_first(self):
+    def test_wrinkles_first(self) -> None:
         self.obj, self.rig = face.scene(maps=False)
         add_wrinkles(self.obj, "MESH")
         bpy.ops.rumple.maps_add()
@@ -65,7 +68,7 @@ class Beside(unittest.TestCase):
         self.check(6)
         self.assertTrue(self.fine())
 
-    def test_switched_off_and_on(self):
+    def test_switched_off_and_on(self) -> None:
         add_wrinkles(self.obj, "MESH")
         wrinkles = modifier.find(self.obj)
         self.check(6)
@@ -76,7 +79,7 @@ class Beside(unittest.TestCase):
         self.check(4)
         self.assertTrue(self.fine())
 
-    def test_a_denser_mesh(self):
+    def test_a_denser_mesh(self) -> None:
         add_wrinkles(self.obj, "MESH")
         self.check(6)
         before = len(sleeve.shown(self.obj))
@@ -85,7 +88,7 @@ class Beside(unittest.TestCase):
         self.check(7)
         self.assertGreater(len(sleeve.shown(self.obj)), 2 * before)
 
-    def test_as_many_points_as_the_coarse_mesh_has_but_others(self):
+    def test_as_many_points_as_the_coarse_mesh_has_but_others(self) -> None:
         """An own fine mesh may have the coarse one's number of points: numbers alone do not tell which one is shown."""
         mesh = self.obj.data.copy()
         points = compat.positions(mesh)[::-1] + np.float32(0.0007)
@@ -100,7 +103,7 @@ class Beside(unittest.TestCase):
         modifier.find(self.obj).show_viewport = False
         self.check(9)
 
-    def test_baked_clips_and_no_handlers(self):
+    def test_baked_clips_and_no_handlers(self) -> None:
         add_wrinkles(self.obj, "MESH")
         bpy.context.scene.frame_end = 11
         with tempfile.TemporaryDirectory() as folder:
@@ -114,7 +117,7 @@ class Beside(unittest.TestCase):
                 handlers.register()
         self.assertTrue(self.fine())
 
-    def test_a_machine_without_rumple_sees_the_same_masks(self):
+    def test_a_machine_without_rumple_sees_the_same_masks(self) -> None:
         add_wrinkles(self.obj, "MESH")
         for wrinkles in (True, False):
             modifier.find(self.obj).show_viewport = wrinkles
@@ -127,7 +130,7 @@ class Beside(unittest.TestCase):
                 np.testing.assert_allclose(seen[frame]["rumple_pose_Surprise"][:, 0],
                                            face.mask(self.obj, "Surprise"), atol=1e-6)
 
-    def test_in_the_wrong_order_it_is_said_and_mended_by_moving(self):
+    def test_in_the_wrong_order_it_is_said_and_mended_by_moving(self) -> None:
         add_wrinkles(self.obj, "MESH")
         stack = list(self.obj.modifiers)
         compat.move_modifier(self.obj, stack.index(maps_modifier.find(self.obj)), stack.index(modifier.find(self.obj)))
@@ -140,7 +143,7 @@ class Beside(unittest.TestCase):
         self.check(6)
         self.assertEqual(face.notes(self.obj), "")
 
-    def test_what_is_refused_beside_wrinkles_is_refused_once(self):
+    def test_what_is_refused_beside_wrinkles_is_refused_once(self) -> None:
         """A refused modifier that forgot the wrinkles in front of it was prepared anew at every frame.
 
         And a mesh that the Wrinkle Mesh had removed was looked for in the list of updates after that: in 3.4 a write
@@ -160,12 +163,12 @@ class Beside(unittest.TestCase):
         bpy.context.scene.frame_set(2)
         self.check(6)
 
-    def test_a_new_skin_at_the_address_of_the_former_one_gets_its_weights(self):
+    def test_a_new_skin_at_the_address_of_the_former_one_gets_its_weights(self) -> None:
         """In 3.4 keys are addresses: the weights of a new skin were taken to be written, and every mask was 0."""
         self.check(6)
         runtime, make = maps_runtimes.of(self.obj), maps_meshes.new_skin
 
-        def at_the_same_address(*arguments):
+        def at_the_same_address(*arguments: Any) -> Any:
             skin = make(*arguments)
             runtime.output_key = compat.session_key(skin.data)
             return skin
@@ -177,7 +180,7 @@ class Beside(unittest.TestCase):
             bpy.context.scene.frame_set(2)
         self.check(6)
 
-    def test_subdivision_in_front_shows_no_mask_and_is_named(self):
+    def test_subdivision_in_front_shows_no_mask_and_is_named(self) -> None:
         subdivision = self.obj.modifiers.new("Smooth", "SUBSURF")
         compat.move_modifier(self.obj, len(self.obj.modifiers) - 1, 1)
         maps_changes.rig_changed(self.obj)
@@ -192,12 +195,12 @@ class Beside(unittest.TestCase):
 class RendersBeside(Renders):
     """The same pictures, of a Wrinkle Mesh that carries the masks."""
 
-    def setUp(self):
+    def setUp(self) -> None:
         super().setUp()
         add_wrinkles(self.obj, "MESH")
         self.obj.rumple.mesh.radius = 0.05  # so low that every point keeps its pixel
 
-    def test_pixel_by_pixel_as_without_wrinkles(self):
+    def test_pixel_by_pixel_as_without_wrinkles(self) -> None:
         bpy.context.scene.frame_set(9)
         wrinkled = self.pixels()
         modifier.find(self.obj).show_render = False

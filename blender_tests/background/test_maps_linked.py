@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Characters linked from another file, and library overrides of them: the usual way of productions."""
+from __future__ import annotations
+
 import os
 import tempfile
 import unittest
+from typing import Any
 
 import bpy
 import numpy as np
@@ -14,7 +17,7 @@ ROUNDING = 1e-4  # of a mask
 
 class Linked(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.addCleanup(sleeve.empty_file)
@@ -31,12 +34,12 @@ class Linked(unittest.TestCase):
         self.shares = face.weights(obj, "brow.L"), face.weights(obj, "brow.R")
         sleeve.empty_file()
 
-    def link(self, kind, name):
+    def link(self, kind: str, name: str) -> Any:
         with bpy.data.libraries.load(self.library, link=True) as (_, wanted):
             setattr(wanted, kind, [name])
         return getattr(wanted, kind)[0]
 
-    def override(self):
+    def override(self) -> tuple[bpy.types.Object, bpy.types.Object]:
         """(face, rig) of an override of the whole character."""
         collection = self.link("collections", "Character")
         scene = bpy.context.scene
@@ -46,22 +49,22 @@ class Linked(unittest.TestCase):
         bpy.context.view_layer.update()
         return self.found()
 
-    def found(self):
+    def found(self) -> tuple[bpy.types.Object, bpy.types.Object]:
         obj = next(o for o in bpy.data.objects if o.library is None and maps_modifier.find(o) and o.users_collection)
         sleeve.make_active(obj)
         obj.rumple_maps.active = 0
         return obj, obj.find_armature()
 
-    def reopened(self):
+    def reopened(self) -> tuple[bpy.types.Object, bpy.types.Object]:
         bpy.ops.wm.save_as_mainfile(filepath=self.shot)
         bpy.ops.wm.open_mainfile(filepath=self.shot)
         return self.found()
 
-    def check(self, obj, left, right=0.0, name="Surprise"):
+    def check(self, obj: bpy.types.Object, left: float, right: float = 0.0, name: str = "Surprise") -> None:
         np.testing.assert_allclose(face.mask(obj, name), left * self.shares[0] + right * self.shares[1], atol=ROUNDING)
         self.assertEqual(obj.rumple_maps.message, "")
 
-    def test_linked_it_follows_its_bones_and_nothing_is_made(self):
+    def test_linked_it_follows_its_bones_and_nothing_is_made(self) -> None:
         collection = self.link("collections", "Character")
         bpy.context.scene.collection.children.link(collection)
         before = sorted(obj.name_full for obj in bpy.data.objects)
@@ -72,14 +75,14 @@ class Linked(unittest.TestCase):
             self.assertAlmostEqual(obj.rumple_maps.poses["Surprise"].present, face.risen(frame) / 2, 4)
         self.assertEqual(sorted(obj.name_full for obj in bpy.data.objects), before)
 
-    def test_an_instanced_collection(self):
+    def test_an_instanced_collection(self) -> None:
         empty = bpy.data.objects.new("Character", None)
         empty.instance_type, empty.instance_collection = "COLLECTION", self.link("collections", "Character")
         bpy.context.scene.collection.objects.link(empty)
         bpy.context.scene.frame_set(7)
         self.check(empty.instance_collection.objects["Face"], face.risen(7))
 
-    def test_an_override_is_posed_and_reopened(self):
+    def test_an_override_is_posed_and_reopened(self) -> None:
         obj, rig = self.override()
         rig.animation_data.action = None
         face.pose(rig, brow_L=0.01, brow_R=0.005)
@@ -90,7 +93,7 @@ class Linked(unittest.TestCase):
         face.pose(rig, brow_L=0.005, brow_R=0.01)
         self.check(obj, 0.5, 1.0)
 
-    def test_settings_of_an_override_count_and_are_kept(self):
+    def test_settings_of_an_override_count_and_are_kept(self) -> None:
         obj, rig = self.override()
         rig.animation_data.action = None
         obj.rumple_maps.poses["Surprise"].strength = 0.5
@@ -104,7 +107,7 @@ class Linked(unittest.TestCase):
         bpy.context.view_layer.update()
         self.assertFalse(face.mask(obj, "Surprise").any())
 
-    def test_poses_are_added_and_updated_in_an_override(self):
+    def test_poses_are_added_and_updated_in_an_override(self) -> None:
         obj, rig = self.override()
         rig.animation_data.action = None
         face.pose(rig, brow_L=0.02, brow_R=0.02)
@@ -119,14 +122,14 @@ class Linked(unittest.TestCase):
             np.testing.assert_allclose(face.mask(obj, "Open"), 0.5 * face.weights(obj, "jaw"), atol=ROUNDING)
             obj, rig = self.reopened()
 
-    def test_what_blender_forbids_in_an_override_is_said(self):
+    def test_what_blender_forbids_in_an_override_is_said(self) -> None:
         obj, _rig = self.override()
         for refused in (bpy.ops.rumple.pose_remove, lambda: bpy.ops.rumple.pose_move(direction="DOWN")):
             with self.assertRaisesRegex(RuntimeError, "Face: it is a library override.*mute a pose instead"):
                 refused()
         self.assertEqual([pose.name for pose in obj.rumple_maps.poses], ["Surprise", "Anger"])
 
-    def test_a_linked_rig_with_a_local_mesh(self):
+    def test_a_linked_rig_with_a_local_mesh(self) -> None:
         rig = self.link("objects", "Rig")
         bpy.context.scene.collection.objects.link(rig)
         mesh = face.sheet()

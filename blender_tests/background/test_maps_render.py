@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The masks that are rendered are those of the frame that is rendered: never one late, and right under motion blur."""
+from __future__ import annotations
+
 import os
 import tempfile
 import unittest
+from typing import Any
 
 import bpy
 import numpy as np
@@ -14,7 +17,7 @@ from support import face
 SIZE = 104  # pixels over the face: the brightest lies within a millimetre of the middle of the brow
 
 
-def show_mask(obj, name):
+def show_mask(obj: bpy.types.Object, name: str) -> None:
     """The material emits the mask of a pose."""
     tree = obj.data.materials[0].node_tree
     tree.nodes.clear()
@@ -27,7 +30,7 @@ def show_mask(obj, name):
 
 class Renders(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.obj, self.rig = face.scene()
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         bpy.ops.rumple.pose_add(name="Surprise")
@@ -45,15 +48,15 @@ class Renders(unittest.TestCase):
         scene.view_settings.view_transform = "Raw"
         scene.render.image_settings.file_format = "OPEN_EXR"
 
-    def rendered(self, **how):
+    def rendered(self, **how: object) -> np.ndarray:
         """The brightest pixel of every picture that a render writes, in the order of their names."""
         return np.array([pixels.max() for pixels in self.pictures(**how)])
 
-    def pixels(self):
+    def pixels(self) -> np.ndarray:
         """(SIZE, SIZE) of a still."""
         return self.pictures(write_still=True)[0]
 
-    def pictures(self, **how):
+    def pictures(self, **how: object) -> list[np.ndarray]:
         with tempfile.TemporaryDirectory() as folder:
             bpy.context.scene.render.filepath = os.path.join(folder, "f")
             bpy.ops.render.render(**how)
@@ -64,26 +67,26 @@ class Renders(unittest.TestCase):
                 bpy.data.images.remove(image)
         return found
 
-    def check(self, found, frames):
+    def check(self, found: Any, frames: Any) -> None:
         """The mask rises linearly: 0 at frame 1, full at frame 11."""
         full = face.weights(self.obj, "brow.L").max()
         np.testing.assert_allclose(found, full * face.risen(np.array(frames)), atol=0.04)
 
-    def test_an_animation(self):
+    def test_an_animation(self) -> None:
         bpy.context.scene.frame_start, bpy.context.scene.frame_end = 2, 7
         self.check(self.rendered(animation=True), range(2, 8))
 
-    def test_stills_in_any_order(self):
+    def test_stills_in_any_order(self) -> None:
         for frame in (9, 2, 6):
             bpy.context.scene.frame_set(frame)
             self.check(self.rendered(write_still=True), [frame])
 
-    def test_switched_off_in_the_viewport_it_renders(self):
+    def test_switched_off_in_the_viewport_it_renders(self) -> None:
         maps_modifier.find(self.obj).show_viewport = False
         bpy.context.scene.frame_start, bpy.context.scene.frame_end = 6, 8
         self.check(self.rendered(animation=True), range(6, 9))
 
-    def test_motion_blur_leaves_the_mask_of_the_frame(self):
+    def test_motion_blur_leaves_the_mask_of_the_frame(self) -> None:
         bpy.context.scene.render.use_motion_blur = True
         bpy.context.scene.frame_set(6)
         self.check(self.rendered(write_still=True), [6])

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrinkle Maps: what happens when things go wrong, and files."""
+from __future__ import annotations
+
 import os
 import tempfile
 import unittest
 import unittest.mock
+from typing import Callable
 
 import bpy
 import numpy as np
@@ -17,12 +20,12 @@ from support import face, sleeve
 class Wrong(face.TwoPoses, unittest.TestCase):
     """What a file may have gone through. Each is said in words, and the rest goes on."""
 
-    def settle(self):
+    def settle(self) -> None:
         self.obj.update_tag()
         bpy.context.view_layer.update()
         bpy.context.view_layer.update()
 
-    def edit(self, change):
+    def edit(self, change: Callable[..., object]) -> None:
         sleeve.make_active(self.rig)
         bpy.ops.object.mode_set(mode="EDIT")
         change(self.rig.data.edit_bones)
@@ -30,13 +33,13 @@ class Wrong(face.TwoPoses, unittest.TestCase):
         sleeve.make_active(self.obj)
         self.settle()
 
-    def test_a_deleted_bone_is_named_and_the_others_go_on(self):
+    def test_a_deleted_bone_is_named_and_the_others_go_on(self) -> None:
         self.edit(lambda bones: bones.remove(bones["brow.R"]))
         face.pose(self.rig, brow_L=0.01)
         self.assertIn("Rig has no bone brow.R", face.notes(self.obj))
         np.testing.assert_allclose(face.mask(self.obj, "Surprise"), face.weights(self.obj, "brow.L"), atol=1e-2)
 
-    def test_a_renamed_bone_is_named(self):
+    def test_a_renamed_bone_is_named(self) -> None:
         self.rig.data.bones["jaw"].name = "chin"
         maps_changes.rig_changed(self.obj)
         self.settle()
@@ -44,12 +47,12 @@ class Wrong(face.TwoPoses, unittest.TestCase):
         face.pose(self.rig, brow_L=0.01)
         self.assertTrue(face.mask(self.obj, "Surprise").any())
 
-    def test_a_lost_root_is_named(self):
+    def test_a_lost_root_is_named(self) -> None:
         self.edit(lambda bones: bones.remove(bones["head"]))
         self.assertIn("Rig has no bone \"head\" to be the root", self.obj.rumple_maps.message)
         self.assertEqual(len(self.settings.poses), 2)
 
-    def test_another_armature_without_these_bones(self):
+    def test_another_armature_without_these_bones(self) -> None:
         self.obj.modifiers["Armature"].object = sleeve.arm()
         sleeve.make_active(self.obj)
         maps_changes.rig_changed(self.obj)
@@ -60,20 +63,20 @@ class Wrong(face.TwoPoses, unittest.TestCase):
         self.settle()
         self.assertEqual(self.obj.rumple_maps.message, "")
 
-    def test_a_mesh_without_the_vertex_group(self):
+    def test_a_mesh_without_the_vertex_group(self) -> None:
         self.obj.vertex_groups.remove(self.obj.vertex_groups["brow.L"])
         maps_changes.rig_changed(self.obj)
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         self.assertIn("no vertex group brow.L", face.notes(self.obj))
         self.assertGreater(face.mask(self.obj, "Surprise").max(), 0.9)
 
-    def test_weights_that_do_not_sum_to_one_are_counted(self):
+    def test_weights_that_do_not_sum_to_one_are_counted(self) -> None:
         self.obj.vertex_groups["head"].add([0, 1, 2], 0.5, "REPLACE")
         maps_changes.rig_changed(self.obj)
         self.settle()
         self.assertIn("the skin weights of 3 vertices do not sum to 1", face.notes(self.obj))
 
-    def test_images_missing_of_another_size_or_read_as_colours(self):
+    def test_images_missing_of_another_size_or_read_as_colours(self) -> None:
         for pose, size in zip(self.settings.poses, (64, 32)):
             pose.image = bpy.data.images.new(pose.name, size, size)
             pose.image.colorspace_settings.name = "Non-Color"
@@ -87,7 +90,7 @@ class Wrong(face.TwoPoses, unittest.TestCase):
         self.assertIn("Surprise is read as a colour", face.notes(self.obj))
         self.assertIn("Anger of pose Anger cannot be found: //not_there.png", face.notes(self.obj))
 
-    def test_other_vertices_get_other_masks(self):
+    def test_other_vertices_get_other_masks(self) -> None:
         mesh = face.sheet()
         self.obj.data = mesh
         self.settle()
@@ -95,7 +98,7 @@ class Wrong(face.TwoPoses, unittest.TestCase):
         self.assertFalse(face.mask(self.obj, "Surprise").any())     # the new mesh has no weights
         self.assertIn("have no skin weight", face.notes(self.obj))
 
-    def test_without_an_armature_it_cannot_be_added(self):
+    def test_without_an_armature_it_cannot_be_added(self) -> None:
         bpy.ops.rumple.maps_remove()
         self.obj.modifiers.remove(self.obj.modifiers["Armature"])
         with self.assertRaisesRegex(RuntimeError, "No armature deforms|poll"):
@@ -104,7 +107,7 @@ class Wrong(face.TwoPoses, unittest.TestCase):
 
 class Files(face.TwoPoses, unittest.TestCase):
 
-    def test_saved_and_opened_all_is_there(self):
+    def test_saved_and_opened_all_is_there(self) -> None:
         bpy.ops.rumple.maps_show()
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "face.blend")
@@ -117,7 +120,7 @@ class Files(face.TwoPoses, unittest.TestCase):
         self.assertGreater(face.mask(obj, "Surprise").max(), 0.9)
         self.assertEqual(maps_shader.shown_in(obj.data.materials[0]), obj.rumple_maps.group)
 
-    def test_a_duplicate_gets_its_own(self):
+    def test_a_duplicate_gets_its_own(self) -> None:
         copy = self.obj.copy()
         bpy.context.scene.collection.objects.link(copy)
         bpy.context.view_layer.update()
@@ -128,7 +131,7 @@ class Files(face.TwoPoses, unittest.TestCase):
         skins = {maps_modifier.skin(maps_modifier.find(obj)) for obj in (self.obj, copy)}
         self.assertEqual(len(skins), 2)
 
-    def test_removed_nothing_is_left_but_the_poses(self):
+    def test_removed_nothing_is_left_but_the_poses(self) -> None:
         bpy.ops.rumple.maps_show()
         bpy.ops.rumple.maps_remove()
         self.assertEqual([m.name for m in self.obj.modifiers], ["Armature"])
@@ -139,7 +142,7 @@ class Files(face.TwoPoses, unittest.TestCase):
         face.pose(self.rig, brow_L=0.01, brow_R=0.01)
         self.assertEqual(self.settings.poses["Surprise"].present, 1.0)
 
-    def test_the_method_is_maps_unless_other_wrinkles_stand_beside_them(self):
+    def test_the_method_is_maps_unless_other_wrinkles_stand_beside_them(self) -> None:
         sleeve.make_active(self.obj)
         self.assertEqual(self.obj.rumple.method, "MAPS")
         for way in (lambda: bpy.ops.object.rumple_remove(),
@@ -158,7 +161,7 @@ class Files(face.TwoPoses, unittest.TestCase):
         scheduler.sync_all()
         self.assertEqual(self.obj.rumple.method, "NONE")
 
-    def test_a_file_from_before_maps_were_a_method(self):
+    def test_a_file_from_before_maps_were_a_method(self) -> None:
         self.obj.rumple.method = "NONE"
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "older.blend")
@@ -168,7 +171,7 @@ class Files(face.TwoPoses, unittest.TestCase):
         self.assertEqual(obj.rumple.method, "MAPS")
         self.assertEqual(obj.rumple_maps.message, "")
 
-    def test_deleted_by_blenders_own_button_its_hidden_meshes_go(self):
+    def test_deleted_by_blenders_own_button_its_hidden_meshes_go(self) -> None:
         self.obj.modifiers.remove(maps_modifier.find(self.obj))
         scheduler.sync_all()
         self.assertFalse([o for o in bpy.data.objects if maps_meshes.KEY in o])

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What was silent is said, and what is said names the object, the element and what to do, in an artist's words."""
+from __future__ import annotations
+
 import unittest
+from typing import Callable
 
 import bpy
 from rumple.blender import compat, scheduler
@@ -8,13 +11,13 @@ from rumple.blender.objects import modifier, stack_notes
 from support import sleeve
 
 
-def place(obj):
+def place(obj: bpy.types.Object) -> int:
     return list(obj.modifiers).index(modifier.find(obj))
 
 
 class Stack(unittest.TestCase):
 
-    def test_wrinkles_in_front_of_what_poses_are_told_to_move(self):
+    def test_wrinkles_in_front_of_what_poses_are_told_to_move(self) -> None:
         obj = sleeve.scene()
         self.assertEqual(stack_notes.of(obj), [])
         compat.move_modifier(obj, place(obj), 0)
@@ -24,13 +27,13 @@ class Stack(unittest.TestCase):
         obj.modifiers["Armature"].show_viewport = obj.modifiers["Armature"].show_render = False
         self.assertIn("nothing in front of Wrinkle Mesh", stack_notes.of(obj)[0])
 
-    def test_what_may_stand_behind_is_left_in_peace(self):
+    def test_what_may_stand_behind_is_left_in_peace(self) -> None:
         obj = sleeve.scene()
         for kind in ("SMOOTH", "SHRINKWRAP", "SUBSURF", "SOLIDIFY", "MASK", "DISPLACE"):
             obj.modifiers.new(kind, kind)
         self.assertEqual(stack_notes.of(obj), [])
 
-    def test_a_mesh_that_nothing_deforms_is_told_why_it_has_no_folds(self):
+    def test_a_mesh_that_nothing_deforms_is_told_why_it_has_no_folds(self) -> None:
         obj = sleeve.scene()
         armature = obj.modifiers["Armature"].object
         obj.modifiers.remove(obj.modifiers["Armature"])
@@ -52,7 +55,7 @@ class Stack(unittest.TestCase):
 
 class Words(unittest.TestCase):
 
-    def said(self, change):
+    def said(self, change: Callable[..., object]) -> str:
         obj = sleeve.scene()
         sleeve.at(2)
         change(obj)
@@ -60,30 +63,30 @@ class Words(unittest.TestCase):
         sleeve.at(3)
         return obj.rumple.message
 
-    def test_no_message_has_the_name_of_an_array(self):
-        def torn(obj):
+    def test_no_message_has_the_name_of_an_array(self) -> None:
+        def torn(obj: bpy.types.Object) -> None:
             obj.shape_key_add(name="Basis")
             key = obj.shape_key_add(name="Torn")
             key.value = 1.0
             key.data[7].co.x = float("nan")
 
-        def empty(obj):
+        def empty(obj: bpy.types.Object) -> None:
             obj.data.clear_geometry()
 
-        def flat(obj):
+        def flat(obj: bpy.types.Object) -> None:
             for vertex in obj.data.vertices:
                 vertex.co = (0.0, 0.0, 0.0)
 
-        def too_fine(obj):
+        def too_fine(obj: bpy.types.Object) -> None:
             obj.rumple.mesh.source, obj.rumple.mesh.edge_length = "EDGE_LENGTH", 0.0001
 
-        def wild(obj):
+        def wild(obj: bpy.types.Object) -> None:
             obj.shape_key_add(name="Basis")
             key = obj.shape_key_add(name="Wild")
             key.value = 1.0
             key.data[7].co.x = 1e14
 
-        def too_many(obj):
+        def too_many(obj: bpy.types.Object) -> None:
             obj.rumple.most_vertices, obj.rumple.mesh.level = 10_000, 5
 
         expected = ((wild, r"^Sleeve: vertex 7 is 1e\+14 away from the origin in this frame, .* the last good frame"),
@@ -96,7 +99,7 @@ class Words(unittest.TestCase):
             with self.subTest(change.__name__):
                 self.assertRegex(self.said(change), words)
 
-    def test_maps_without_an_armature_are_refused_in_a_sentence(self):
+    def test_maps_without_an_armature_are_refused_in_a_sentence(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         obj.modifiers.remove(obj.modifiers["Armature"])
         bpy.context.view_layer.update()

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The modifier in the stack: added, removed, applied, embedded."""
+from __future__ import annotations
+
 import math
 import unittest
+from typing import Any
 
 import bpy
 import numpy as np
@@ -13,7 +16,7 @@ from support import sleeve
 
 class Stack(unittest.TestCase):
 
-    def test_stands_behind_the_last_deformer_and_before_subdivision(self):
+    def test_stands_behind_the_last_deformer_and_before_subdivision(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         obj.modifiers.new("Subdivision", "SUBSURF")
         obj.modifiers.new("Solidify", "SOLIDIFY")
@@ -22,20 +25,20 @@ class Stack(unittest.TestCase):
         self.assertEqual(obj.rumple.method, "MESH")
         self.assertEqual(obj.rumple.message, "")
 
-    def test_adding_twice_is_refused(self):
+    def test_adding_twice_is_refused(self) -> None:
         sleeve.scene()
         self.assertFalse(bpy.ops.object.rumple_add.poll())
 
-    def test_shows_more_points_than_the_coarse_mesh(self):
+    def test_shows_more_points_than_the_coarse_mesh(self) -> None:
         obj = sleeve.scene()
         self.assertGreater(len(sleeve.shown(obj)), 3 * len(obj.data.vertices))
 
-    def test_off_shows_the_coarse_mesh(self):
+    def test_off_shows_the_coarse_mesh(self) -> None:
         obj = sleeve.scene()
         modifier.find(obj).show_viewport = False
         self.assertEqual(len(sleeve.shown(obj)), len(obj.data.vertices))
 
-    def test_removing_leaves_nothing(self):
+    def test_removing_leaves_nothing(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         before = [sleeve.names(getattr(bpy.data, kind)) for kind in ("objects", "meshes", "node_groups", "materials")]
         bpy.ops.object.rumple_add(method="MESH")
@@ -48,7 +51,7 @@ class Stack(unittest.TestCase):
         self.assertEqual([a.name for a in obj.data.attributes if a.name.startswith("rumple")], [])
         self.assertEqual(obj.rumple.method, "NONE")
 
-    def test_applying_keeps_what_is_seen(self):
+    def test_applying_keeps_what_is_seen(self) -> None:
         obj = sleeve.scene()
         obj.modifiers.new("Subdivision", "SUBSURF").show_viewport = False
         sleeve.at(15)
@@ -60,7 +63,7 @@ class Stack(unittest.TestCase):
         self.assertEqual(sleeve.names(obj.vertex_groups), ["lower", "upper"])
         self.assertEqual([m.name for m in obj.data.materials], ["Outside", "Cuff"])
 
-    def test_applying_with_shape_keys(self):
+    def test_applying_with_shape_keys(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         obj.shape_key_add(name="Basis")
         obj.shape_key_add(name="Wide").value = 1.0
@@ -72,7 +75,7 @@ class Stack(unittest.TestCase):
         self.assertIsNone(obj.data.shape_keys)
         np.testing.assert_array_equal(compat.positions(obj.data), seen)
 
-    def test_blenders_own_apply_is_tidied(self):
+    def test_blenders_own_apply_is_tidied(self) -> None:
         obj = sleeve.scene()
         sleeve.at(15)
         bpy.ops.object.modifier_apply(modifier="Wrinkle Mesh")
@@ -86,13 +89,13 @@ class Stack(unittest.TestCase):
 
 class Embedding(unittest.TestCase):
 
-    def test_shows_exactly_what_was_solved(self):
+    def test_shows_exactly_what_was_solved(self) -> None:
         obj = sleeve.scene()
         for frame in (20, 3, 11):
             sleeve.at(frame)
             np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
-    def test_coarse_positions_come_back_to_the_bit(self):
+    def test_coarse_positions_come_back_to_the_bit(self) -> None:
         obj = sleeve.scene()
         twin = sleeve.skinned(obj.data, bpy.data.objects["Arm"], "Twin")
         modifier.find(obj).show_viewport = True
@@ -104,7 +107,7 @@ class Embedding(unittest.TestCase):
             count = len(obj.data.vertices)
             np.testing.assert_array_equal(sleeve.attribute(obj, wrinkle_tree.BASE_POSITION)[:count], sleeve.shown(twin))
 
-    def test_a_rigid_turn_of_the_armature_turns_the_folds(self):
+    def test_a_rigid_turn_of_the_armature_turns_the_folds(self) -> None:
         obj = sleeve.scene()
         sleeve.at(20)
         before, folds = sleeve.shown(obj), sleeve.picture(obj).local_offset.copy()
@@ -117,7 +120,7 @@ class Embedding(unittest.TestCase):
         np.testing.assert_allclose(sleeve.shown(obj), expected, atol=2e-3)
         self.assertGreater(np.abs(folds).max(), 1e-3)
 
-    def test_without_handlers_the_mesh_follows_the_pose(self):
+    def test_without_handlers_the_mesh_follows_the_pose(self) -> None:
         obj = sleeve.scene()
         sleeve.at(10)
         tree_only = self.without_handlers()
@@ -130,11 +133,11 @@ class Embedding(unittest.TestCase):
         sleeve.at(11)
         self.assertLess(np.abs(shown - sleeve.shown(obj)).max(), 0.02)
 
-    def without_handlers(self):
+    def without_handlers(self) -> Any:
         handlers.unregister()
         return handlers.register
 
-    def test_collapsed_triangles_stay_finite(self):
+    def test_collapsed_triangles_stay_finite(self) -> None:
         obj = sleeve.scene()
         key = obj.shape_key_add(name="Basis")
         flat = obj.shape_key_add(name="Flat")
@@ -148,7 +151,7 @@ class Embedding(unittest.TestCase):
 
 class Tree(unittest.TestCase):
 
-    def test_an_older_tree_is_rebuilt_in_place(self):
+    def test_an_older_tree_is_rebuilt_in_place(self) -> None:
         obj = sleeve.scene()
         sleeve.at(12)
         seen = sleeve.shown(obj)
@@ -160,7 +163,7 @@ class Tree(unittest.TestCase):
         bpy.context.view_layer.update()
         np.testing.assert_allclose(sleeve.shown(obj), seen, atol=1e-6)
 
-    def test_one_tree_serves_all_objects(self):
+    def test_one_tree_serves_all_objects(self) -> None:
         obj = sleeve.scene()
         other = sleeve.skinned(sleeve.tube("Other"), bpy.data.objects["Arm"], "Other")
         sleeve.make_active(other)

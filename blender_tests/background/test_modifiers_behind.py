@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Modifiers behind the wrinkles that remove, merge or reorder points: the wrinkles under them are those without them,
 and no other garment notices."""
+from __future__ import annotations
+
 import os
 import tempfile
 import unittest
+from typing import Any, Callable
 
 import bpy
 import numpy as np
@@ -23,7 +26,7 @@ SETTINGS = {
 }
 
 
-def nodes_behind(obj, *kinds):
+def nodes_behind(obj: bpy.types.Object, *kinds: str) -> Any:
     """A modifier with nodes of these kinds in a row."""
     group = bpy.data.node_groups.new("Behind", "GeometryNodeTree")
     for side in ("INPUT", "OUTPUT"):
@@ -36,7 +39,7 @@ def nodes_behind(obj, *kinds):
     return behind
 
 
-def put_behind(obj, kind):
+def put_behind(obj: bpy.types.Object, kind: str) -> Any:
     behind = obj.modifiers.new("Behind", kind)
     for name, value in SETTINGS[kind].items():
         setattr(behind, name, value)
@@ -45,7 +48,7 @@ def put_behind(obj, kind):
 
 class Behind(unittest.TestCase):
 
-    def played(self, frames, prepare):
+    def played(self, frames: Any, prepare: Callable[..., object]) -> Any:
         """What is solved in the last of the frames, of both garments; prepare: called before the third of them."""
         one = sleeve.scene()
         other = sleeve.skinned(sleeve.tube("Other"), bpy.data.objects["Arm"], "Other")
@@ -60,7 +63,7 @@ class Behind(unittest.TestCase):
         return [(runtimes.of(obj).inputs.frame, runtimes.of(obj).result.positions, obj.rumple.message)
                 for obj in (one, other)]
 
-    def test_the_wrinkles_are_those_without_it_and_others_go_on(self):
+    def test_the_wrinkles_are_those_without_it_and_others_go_on(self) -> None:
         # In background scripts one Mask stopped every garment of the file: Reordered escaped the handler.
         frames = range(1, 10)
         without = self.played(frames, lambda _obj: None)
@@ -72,7 +75,7 @@ class Behind(unittest.TestCase):
                     self.assertEqual((frame, message), (9.0, ""))
                     np.testing.assert_array_equal(positions, expected)
 
-    def test_a_mask_shows_a_part_of_the_wrinkled_mesh(self):
+    def test_a_mask_shows_a_part_of_the_wrinkled_mesh(self) -> None:
         self.played(range(1, 10), lambda obj: put_behind(obj, "MASK"))
         shown, solved = sleeve.shown(self.one), runtimes.of(self.one).result.positions
         self.assertLess(len(shown), 0.7 * len(solved))
@@ -80,8 +83,8 @@ class Behind(unittest.TestCase):
         distance = np.abs(shown[:, None] - solved[None]).max(axis=2).min(axis=1)
         self.assertLess(distance.max(), 1e-5)
 
-    def test_a_node_group_that_removes_points_is_named_and_others_go_on(self):
-        def remove_all(obj):
+    def test_a_node_group_that_removes_points_is_named_and_others_go_on(self) -> None:
+        def remove_all(obj: bpy.types.Object) -> None:
             group = nodes_behind(obj, "GeometryNodeDeleteGeometry").node_group
             index, limit = group.nodes.new("GeometryNodeInputIndex"), group.nodes.new("FunctionNodeCompare")
             limit.data_type, limit.operation = "INT", "LESS_THAN"
@@ -93,11 +96,11 @@ class Behind(unittest.TestCase):
         self.assertEqual((one[0], other[0], other[2]), (2.0, 9.0, ""))
         self.assertRegex(one[2], '^Sleeve: the modifier "Behind" behind Wrinkle Mesh removes points')
 
-    def test_a_node_group_behind_sees_nothing_beside_the_mesh(self):
+    def test_a_node_group_behind_sees_nothing_beside_the_mesh(self) -> None:
         self.played(range(1, 10), nodes_behind)
         self.assertEqual(sleeve.output_object(self.one).location.y, 0.0)
 
-    def test_nothing_stands_beside_once_it_is_gone(self):
+    def test_nothing_stands_beside_once_it_is_gone(self) -> None:
         self.played(range(1, 10), lambda obj: put_behind(obj, "MASK"))
         self.assertEqual(sleeve.output_object(self.one).location.y, coarse_copy.BESIDE)
         self.one.modifiers.remove(self.one.modifiers["Behind"])
@@ -106,7 +109,7 @@ class Behind(unittest.TestCase):
         self.assertEqual([i.object.name for i in bpy.context.evaluated_depsgraph_get().object_instances
                           if i.is_instance], [])
 
-    def test_baked_and_applied_it_is_what_was_seen(self):
+    def test_baked_and_applied_it_is_what_was_seen(self) -> None:
         obj = sleeve.scene()
         put_behind(obj, "MASK")
         sleeve.at(9)
@@ -117,7 +120,7 @@ class Behind(unittest.TestCase):
         self.assertEqual(len(obj.data.vertices), count)
         np.testing.assert_allclose(compat.positions(obj.data), seen, atol=1e-5)
 
-    def test_a_file_opened_anew_renders_it(self):
+    def test_a_file_opened_anew_renders_it(self) -> None:
         obj = small_renders.stage("CYCLES")
         sleeve.play(1, 9)
         expected = runtimes.of(obj).result.positions.copy()
@@ -132,7 +135,7 @@ class Behind(unittest.TestCase):
         self.assertEqual((runtime.inputs.frame, runtimes.message(bpy.data.objects[name])), (9.0, ""))
         np.testing.assert_array_equal(runtime.result.positions, expected)
 
-    def test_an_object_that_is_hidden_is_told_what_to_do(self):
+    def test_an_object_that_is_hidden_is_told_what_to_do(self) -> None:
         obj = sleeve.scene()
         put_behind(obj, "MASK")
         sleeve.at(3)

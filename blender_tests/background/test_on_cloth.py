@@ -28,9 +28,8 @@ def click(obj: bpy.types.Object, kind: str, **values: Any) -> Any:
 
 
 def bare() -> bpy.types.Object:
-    """A sleeve that nobody said anything of, its normals outward."""
+    """A sleeve that nobody said anything of."""
     obj = sleeve.scene(wrinkles=False)
-    obj.data.flip_normals()
     for settings in (obj.rumple.field, obj.rumple.paths):
         settings.property_unset("base_cloth")
     return obj

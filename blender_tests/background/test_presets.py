@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The menu of fabrics: what a choice sets, what the next one takes back, and files of before."""
+from __future__ import annotations
+
 import unittest
 
 import bpy
@@ -10,7 +12,7 @@ from support import sleeve
 
 class Presets(unittest.TestCase):
 
-    def test_all_presets(self):
+    def test_all_presets(self) -> None:
         obj = sleeve.scene()
         for preset in (*(key for key in MESH_PRESETS if key != "COTTON"), "COTTON"):
             bpy.ops.object.rumple_preset(preset=preset)
@@ -18,7 +20,7 @@ class Presets(unittest.TestCase):
             self.assertEqual(obj.rumple.message, "", preset)
             self.assertEqual(obj.rumple.mesh.preset, preset)
 
-    def test_stiff_cloth_has_wider_folds_than_what_was_chosen_and_the_way_back_is_exact(self):
+    def test_stiff_cloth_has_wider_folds_than_what_was_chosen_and_the_way_back_is_exact(self) -> None:
         obj = sleeve.scene()
         settings = obj.rumple.mesh
         for chosen in (0.03, 0.0317234):
@@ -29,7 +31,7 @@ class Presets(unittest.TestCase):
                 self.assertAlmostEqual(settings.wavelength, width * chosen, 8)
             self.assertEqual(settings.wavelength, chosen)
 
-    def test_the_preset_of_the_paper_brings_back_what_it_replaced(self):
+    def test_the_preset_of_the_paper_brings_back_what_it_replaced(self) -> None:
         obj = sleeve.scene()
         settings = obj.rumple.mesh
         settings.base_cloth, settings.layers, settings.display_steps = "HANG", "CLOTH", 2
@@ -40,7 +42,7 @@ class Presets(unittest.TestCase):
             self.assertEqual((settings.layers, settings.display_steps), ("ONE", 0) if paper else ("CLOTH", 2), preset)
         self.assertEqual(properties.settings_of(obj, bpy.context.scene), before)
 
-    def test_presets_of_a_file_from_before_fabrics_had_weights_are_taken_back(self):
+    def test_presets_of_a_file_from_before_fabrics_had_weights_are_taken_back(self) -> None:
         for preset, width in (("DENIM", 2.0), ("LEATHER", 2.0), ("SILK", 1.0), ("PAPER", 1.0)):
             obj = sleeve.scene()
             settings = obj.rumple.mesh
@@ -52,7 +54,7 @@ class Presets(unittest.TestCase):
             self.assertAlmostEqual(settings.wavelength, 0.04, 6, preset)
             self.assertEqual((settings.attachment, settings.hem_rings, settings.collision), ("LIMIT", 3, "PLANE"))
 
-    def test_a_preset_scales_a_length_that_was_never_set_in_a_scene_in_centimetres(self):
+    def test_a_preset_scales_a_length_that_was_never_set_in_a_scene_in_centimetres(self) -> None:
         obj = sleeve.scene()
         bpy.context.scene.unit_settings.scale_length = 0.01
         obj.rumple.mesh.property_unset("wavelength")
@@ -60,7 +62,7 @@ class Presets(unittest.TestCase):
         bpy.ops.object.rumple_preset(preset="DENIM")
         self.assertAlmostEqual(properties.settings_of(obj, bpy.context.scene).wavelength, 1.35 * before, 6)
 
-    def test_a_length_beyond_its_range_is_taken_at_its_end(self):
+    def test_a_length_beyond_its_range_is_taken_at_its_end(self) -> None:
         obj = sleeve.scene()
         for scale in (1.0, 0.001):
             bpy.context.scene.unit_settings.scale_length = scale

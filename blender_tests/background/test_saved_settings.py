@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The artist's own presets: the same cloth in any scene, and nothing that is not a setting."""
+from __future__ import annotations
+
 import json
 import unittest
 from pathlib import Path
+from typing import Any
 
 import bpy
 from rumple.blender.objects import properties
@@ -12,25 +15,25 @@ from support import sleeve
 FOLDER = "presets/rumple_mesh"
 
 
-def preset_file(name):
+def preset_file(name: str) -> Path:
     return Path(bpy.utils.user_resource("SCRIPTS", path=FOLDER)) / f"{name}.py"
 
 
-def use(path):
+def use(path: Path) -> Any:
     return bpy.ops.script.execute_preset(filepath=str(path), menu_idname="DATA_PT_rumple_saved_settings")
 
 
 class SavedSettings(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.obj = sleeve.scene()
 
-    def saved(self, name="curtain"):
+    def saved(self, name: str = "curtain") -> Path:
         with sleeve.context():
             self.assertEqual(bpy.ops.object.rumple_save_settings(name=name), {"FINISHED"})
         return preset_file(name)
 
-    def test_a_saved_preset_brings_every_setting_back_in_a_scene_of_another_unit(self):
+    def test_a_saved_preset_brings_every_setting_back_in_a_scene_of_another_unit(self) -> None:
         mesh = self.obj.rumple.mesh
         mesh.bending, mesh.wavelength, mesh.iterations, mesh.collision, mesh.stateless = 0.25, 0.09, 17, "NONE", True
         wanted = saved_settings.values_of(self.obj, bpy.context.scene)
@@ -49,17 +52,17 @@ class SavedSettings(unittest.TestCase):
         sleeve.at(4)
         self.assertEqual(obj.rumple.message, "")
 
-    def test_what_belongs_to_a_mesh_is_not_in_it(self):
+    def test_what_belongs_to_a_mesh_is_not_in_it(self) -> None:
         self.assertFalse(saved_settings.OWN & set(saved_settings.values_of(self.obj, bpy.context.scene)))
 
-    def test_it_is_removed_by_its_name(self):
+    def test_it_is_removed_by_its_name(self) -> None:
         path = self.saved("gone")
         self.assertTrue(path.is_file())
         with sleeve.context():
             bpy.ops.object.rumple_save_settings(remove_name=True, name="gone")
         self.assertFalse(path.exists())
 
-    def test_values_that_are_none_are_left_out_and_named(self):
+    def test_values_that_are_none_are_left_out_and_named(self) -> None:
         good = {"bending": 1, "iterations": 12}
         bad = {"radius": "wide", "iterations_": 3, "stateless": 1, "collision": "WALL", "damping": float("nan"),
                "source": "REGULAR", "level": 2.5}
@@ -67,7 +70,7 @@ class SavedSettings(unittest.TestCase):
         self.assertEqual(known, {"bending": 1.0, "iterations": 12})
         self.assertEqual(sorted(refused), sorted(bad))
 
-    def test_what_is_no_preset_of_this_system_is_refused_in_words(self):
+    def test_what_is_no_preset_of_this_system_is_refused_in_words(self) -> None:
         before = properties.settings_of(self.obj, bpy.context.scene)
         for method, values, words in (("PATHS", "{}", "not of a Wrinkle Mesh"), ("MESH", "[]", "no settings"),
                                       ("MESH", "{", "cannot be read")):

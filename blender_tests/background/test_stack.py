@@ -8,6 +8,7 @@ import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
+from typing import Any
 
 import bmesh
 import bpy
@@ -17,7 +18,7 @@ from rumple.blender.objects import incoming_mesh, modifier, runtimes
 from support import sleeve, small_renders
 
 
-def in_front(obj: bpy.types.Object, kind: str, **settings) -> bpy.types.Modifier:
+def in_front(obj: bpy.types.Object, kind: str, **settings: Any) -> bpy.types.Modifier:
     """A modifier before the Armature."""
     made = obj.modifiers.new(kind.title(), kind)
     for name, value in settings.items():

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Viewports show fewer vertices of the same folds, and renders are what they were."""
+from __future__ import annotations
+
 import os
 import tempfile
 import unittest
 from unittest import mock
+from typing import Any
 
 import bpy
 import numpy as np
@@ -22,15 +25,15 @@ class Recorder(bpy.types.RenderEngine):
     bl_label = "Recorder"
     seen = []
 
-    def update(self, _data=None, depsgraph=None):
+    def update(self, _data: bpy.types.BlendData | None = None, depsgraph: bpy.types.Depsgraph | None = None) -> None:
         obj = bpy.data.objects["Sleeve"].evaluated_get(depsgraph)
         type(self).seen.append(compat.positions(obj.data).copy())
 
-    def render(self, depsgraph):
+    def render(self, depsgraph: bpy.types.Depsgraph) -> None:
         pass
 
 
-def scene(viewport=0, steps=1, **settings):
+def scene(viewport: int = 0, steps: int = 1, **settings: Any) -> bpy.types.Object:
     """The sleeve with smoothing steps; the frames begin at 1."""
     obj = sleeve.scene(wrinkles=False)
     mesh = obj.rumple.mesh
@@ -43,7 +46,7 @@ def scene(viewport=0, steps=1, **settings):
     return obj
 
 
-def rendered(frame):
+def rendered(frame: int) -> Any:
     """Positions in a render of one frame."""
     bpy.utils.register_class(Recorder)
     try:
@@ -60,14 +63,14 @@ def rendered(frame):
     return Recorder.seen[-1]
 
 
-def hidden():
+def hidden() -> int:
     """How many hidden objects of ours the file has."""
     return sum(output_mesh.KEY in obj for obj in bpy.data.objects)
 
 
 class ViewportMesh(unittest.TestCase):
 
-    def test_viewports_show_the_solved_vertices_themselves(self):
+    def test_viewports_show_the_solved_vertices_themselves(self) -> None:
         """In one layer and in several. Renders, subdivided once more, have four times as many."""
         for layers in ("ONE", "CLOTH"):
             with self.subTest(layers):
@@ -80,7 +83,7 @@ class ViewportMesh(unittest.TestCase):
                 if layers == "CLOTH":
                     np.testing.assert_allclose(shown, fine.wrinkles_of(6.0).solved, atol=2e-6)
 
-    def test_renders_do_not_depend_on_it(self):
+    def test_renders_do_not_depend_on_it(self) -> None:
         pictures = []
         for viewport in (0, 1):
             obj = scene(viewport, layers="CLOTH")
@@ -90,7 +93,7 @@ class ViewportMesh(unittest.TestCase):
         self.assertEqual(runtimes.of(obj).evaluator.in_viewport, None)
         np.testing.assert_array_equal(*pictures)
 
-    def test_after_a_render_the_viewport_goes_on_as_it_was(self):
+    def test_after_a_render_the_viewport_goes_on_as_it_was(self) -> None:
         shown = []
         for render in (False, True):
             obj = scene()
@@ -101,7 +104,7 @@ class ViewportMesh(unittest.TestCase):
             shown.append(sleeve.shown(obj))
         np.testing.assert_array_equal(*shown)
 
-    def test_with_as_many_steps_there_is_one_mesh(self):
+    def test_with_as_many_steps_there_is_one_mesh(self) -> None:
         obj = scene()
         self.assertEqual(hidden(), 2)
         for viewport, steps in ((1, 1), (2, 1), (0, 0)):
@@ -113,7 +116,7 @@ class ViewportMesh(unittest.TestCase):
             self.assertIsNone(modifier.viewport_output(modifier.find(obj)))
             self.assertEqual(len(sleeve.shown(obj)), runtimes.of(obj).evaluator.vertex_count)
 
-    def test_it_inherits_what_the_mesh_of_renders_does(self):
+    def test_it_inherits_what_the_mesh_of_renders_does(self) -> None:
         obj = scene()
         sleeve.at(3)
         render, viewport = (output.data for output in modifier.outputs(modifier.find(obj)))
@@ -127,7 +130,7 @@ class ViewportMesh(unittest.TestCase):
             bpy.context.view_layer.update()
         self.assertIn("Later", sleeve.names(viewport.materials))
 
-    def test_a_duplicate_has_one_of_its_own(self):
+    def test_a_duplicate_has_one_of_its_own(self) -> None:
         obj = scene()
         copy = obj.copy()
         bpy.context.scene.collection.objects.link(copy)
@@ -146,12 +149,12 @@ class ViewportMesh(unittest.TestCase):
 class TheMeshOfRenders(unittest.TestCase):
     """Where viewports show it."""
 
-    def assert_shown(self, obj):
+    def assert_shown(self, obj: bpy.types.Object) -> None:
         sleeve.at(5)
         sleeve.at(6)
         self.assertEqual(len(sleeve.shown(obj)), runtimes.of(obj).evaluator.vertex_count)
 
-    def test_where_something_is_bound_to_its_points(self):
+    def test_where_something_is_bound_to_its_points(self) -> None:
         obj = scene()
         patch = bpy.data.objects.new("Patch", bpy.data.meshes.new("Patch"))
         bpy.context.scene.collection.objects.link(patch)
@@ -161,12 +164,12 @@ class TheMeshOfRenders(unittest.TestCase):
         sleeve.at(7)
         self.assertEqual(len(sleeve.shown(obj)), runtimes.of(obj).evaluator.in_viewport.vertex_count)
 
-    def test_where_a_modifier_behind_keeps_what_it_saw(self):
+    def test_where_a_modifier_behind_keeps_what_it_saw(self) -> None:
         obj = scene()
         obj.modifiers.new("Collision", "COLLISION")
         self.assert_shown(obj)
 
-    def test_under_wrinkle_maps(self):
+    def test_under_wrinkle_maps(self) -> None:
         """Their masks are of its vertices."""
         obj, rig = face.scene()
         face.two_poses(obj, rig)
@@ -180,7 +183,7 @@ class TheMeshOfRenders(unittest.TestCase):
         self.assert_shown(obj)
         self.assertEqual((obj.rumple.message, obj.rumple_maps.message), ("", ""))
 
-    def test_where_it_is_applied(self):
+    def test_where_it_is_applied(self) -> None:
         obj = scene()
         sleeve.play(1, 6)
         count = runtimes.of(obj).evaluator.vertex_count
@@ -189,7 +192,7 @@ class TheMeshOfRenders(unittest.TestCase):
         self.assertEqual(len(obj.data.vertices), count)
         self.assertEqual(hidden(), 0)
 
-    def test_in_a_bake_and_in_its_clip(self):
+    def test_in_a_bake_and_in_its_clip(self) -> None:
         obj = scene()
         with tempfile.TemporaryDirectory() as folder:
             obj.rumple.bake_folder, obj.rumple.bake_start, obj.rumple.bake_end = folder, 1, 6
@@ -205,7 +208,7 @@ class TheMeshOfRenders(unittest.TestCase):
         sleeve.at(7)
         self.assertEqual(len(sleeve.shown(obj)), runtimes.of(obj).evaluator.in_viewport.vertex_count)
 
-    def test_live_folds_in_place_of_a_lost_clip_move(self):
+    def test_live_folds_in_place_of_a_lost_clip_move(self) -> None:
         """Also where the viewport mesh of a baked garment is not there, or should not be: in a duplicate, and in a
         file that was baked before there were any."""
         obj = scene()
@@ -223,7 +226,7 @@ class TheMeshOfRenders(unittest.TestCase):
             self.assertIn("live folds are shown", one.rumple.message)
             self.assertGreater(np.abs(sleeve.shown(one) - before).max(), 0.01, one.name)
 
-    def test_a_new_one_is_not_shown_before_it_is_known_who_minds(self):
+    def test_a_new_one_is_not_shown_before_it_is_known_who_minds(self) -> None:
         obj = scene()
         self.assertEqual(modifier.viewport_output(modifier.find(obj)).location.x, 0.0)
         with mock.patch.object(viewport_mesh, "settle"):
@@ -233,7 +236,7 @@ class TheMeshOfRenders(unittest.TestCase):
                 scheduler.sync_all()
             self.assertEqual(modifier.viewport_output(modifier.find(obj)).location.x, viewport_mesh.AWAY)
 
-    def test_a_saved_file_has_its_last_frame_in_both(self):
+    def test_a_saved_file_has_its_last_frame_in_both(self) -> None:
         """Without the add-on renders show it, although no frame of the mesh of renders was ever asked for."""
         obj = scene()
         sleeve.play(1, 6)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The zips of dist/, installed by Blender itself into a fresh user folder, then used."""
+from __future__ import annotations
+
 import hashlib
 import os
 import re
@@ -19,7 +21,7 @@ DIST = HERE.parent.parent / "dist"
 PLATFORMS = ("linux-x64", "macos-arm64", "macos-x64", "windows-x64")
 
 
-def the_zip(pattern):
+def the_zip(pattern: str) -> Path:
     found = sorted(path for path in DIST.glob("rumple-*.zip") if re.fullmatch(pattern, path.name))
     if len(found) != 1:
         raise AssertionError(f"expected one zip {pattern} in {DIST} (scripts/package), found {found}")
@@ -29,21 +31,21 @@ def the_zip(pattern):
 LEGACY, ALL = r"rumple-legacy-[\d.]+\.zip", r"rumple-[\d.]+\.zip"
 
 
-def one_platform(name):
+def one_platform(name: str) -> str:
     return rf"rumple-[\d.]+-{name}\.zip"
 
 
-def blender_version():
+def blender_version() -> tuple[int, ...]:
     said = subprocess.run(["blender", "--version"], capture_output=True, text=True, check=True).stdout
     return tuple(map(int, re.match(r"Blender (\d+)\.(\d+)", said).groups()))
 
 
 class InstalledPackage(unittest.TestCase):
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.home = self.enterContext(tempfile.TemporaryDirectory())
 
-    def blender(self, *arguments):
+    def blender(self, *arguments: str) -> str:
         """Runs Blender with nothing but the fresh user folder; returns what it said."""
         environment = {name: value for name, value in os.environ.items()
                        if name != "PYTHONPATH" and not name.startswith("RUMPLE_")}
@@ -57,12 +59,12 @@ class InstalledPackage(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stdout)
         return run.stdout
 
-    def install(self, package):
+    def install(self, package: Path) -> None:
         self.blender("--command", "extension", "validate", str(package))
         self.blender("--command", "extension", "install-file", "-r", "user_default", "-e", str(package))
         self.use()
 
-    def use(self):
+    def use(self) -> None:
         said = self.blender("-b", "--python-exit-code", "1", "--python", str(HERE / "use_addon.py"), "--", self.home)
         self.assertIn("RUMPLE WORKS", said)
         words = ["bake", f"{self.home}/worn.blend"]
@@ -71,24 +73,24 @@ class InstalledPackage(unittest.TestCase):
         self.assertIn("Rumple: 1 of 1 baked", self.blender(*call))
         self.assertEqual(len(list(Path(self.home, "rumple").glob("worn-Sleeve-*.pc2"))), 1)
 
-    def test_extension(self):
+    def test_extension(self) -> None:
         if blender_version() < (4, 2):
             self.skipTest("extensions came with Blender 4.2")
         self.install(the_zip(one_platform("linux-x64")))
 
-    def test_extension_with_all_platforms(self):
+    def test_extension_with_all_platforms(self) -> None:
         if blender_version() < (4, 2):
             self.skipTest("extensions came with Blender 4.2")
         self.install(the_zip(ALL))
 
-    def test_extensions_of_other_platforms_are_valid(self):
+    def test_extensions_of_other_platforms_are_valid(self) -> None:
         if blender_version() < (4, 2):
             self.skipTest("extensions came with Blender 4.2")
         for path in sorted(DIST.glob("rumple-*-*.zip")):
             if "legacy" not in path.name:
                 self.blender("--command", "extension", "validate", str(path))
 
-    def test_legacy(self):
+    def test_legacy(self) -> None:
         self.blender("-b", "--python-exit-code", "1", "--python", str(HERE / "install_legacy.py"), "--",
                      str(the_zip(LEGACY)))
         self.use()
@@ -97,7 +99,7 @@ class InstalledPackage(unittest.TestCase):
 class Zips(unittest.TestCase):
     """What is in them, whatever the Blender."""
 
-    def test_a_platform_has_its_own_library_and_no_other(self):
+    def test_a_platform_has_its_own_library_and_no_other(self) -> None:
         made = [name for name in PLATFORMS if any(DIST.glob(f"rumple-*-{name}.zip"))]
         self.assertIn("linux-x64", made)
         for name in made:
@@ -111,7 +113,7 @@ class Zips(unittest.TestCase):
                            if entry.startswith(below)}
             self.assertEqual(folders, set(made))
 
-    def test_every_library_has_its_digest(self):
+    def test_every_library_has_its_digest(self) -> None:
         for path in DIST.glob("rumple-*.zip"):
             with zipfile.ZipFile(path) as archive:
                 libraries = [name for name in archive.namelist() if "lib/" in name and not name.endswith(".sha256")]
@@ -121,7 +123,7 @@ class Zips(unittest.TestCase):
                                      hashlib.sha256(archive.read(name)).hexdigest(), f"{path.name}: {name}")
 
     @unittest.skipUnless(shutil.which("x86_64-w64-mingw32-objdump"), "there are no tools to look into libraries")
-    def test_a_library_asks_only_for_what_every_machine_has(self):
+    def test_a_library_asks_only_for_what_every_machine_has(self) -> None:
         sys.path.insert(0, str(DIST.parent / "scripts"))
         from library_facts import facts_of
         of_the_system = {
@@ -154,7 +156,7 @@ class Zips(unittest.TestCase):
                     self.assertTrue(facts.signed)
             self.assertGreater(checked, 0)
 
-    def test_a_platform_has_at_most_eight_megabytes(self):
+    def test_a_platform_has_at_most_eight_megabytes(self) -> None:
         for path in DIST.glob("rumple-*-*.zip"):
             if "legacy" not in path.name:
                 self.assertLess(path.stat().st_size, 8e6, path.name)

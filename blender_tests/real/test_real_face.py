@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrinkle Maps on a real face with expressions: two reference poses, 21 skinning bones below the head."""
+from __future__ import annotations
+
 import os
 import time
 import unittest
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -19,7 +22,7 @@ BROWS = ("oculi01.L", "oculi01.R")
 class Face(unittest.TestCase):
 
     @classmethod
-    def setUpClass(cls):
+    def setUpClass(cls) -> None:
         bpy.ops.wm.open_mainfile(filepath=str(DATA / "S4_face_expressions.blend"))
         cls.scene = bpy.context.scene
         cls.head, cls.rig = bpy.data.objects["Head"], bpy.data.objects["HeadRig"]
@@ -30,23 +33,23 @@ class Face(unittest.TestCase):
             assert bpy.ops.rumple.pose_add(name=name) == {"FINISHED"}
         cls.settings = cls.head.rumple_maps
 
-    def masks(self):
+    def masks(self) -> Any:
         """{pose: (n,)} on the evaluated mesh."""
         attributes = self.head.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.attributes
         return {name: compat.read_attribute(attributes[maps_mask_tree.MASK.format(name)])[:, 0] for name in HELD}
 
-    def weights(self, name):
+    def weights(self, name: str) -> np.ndarray:
         index = self.head.vertex_groups[name].index
         vertices = self.head.data.vertices
         return np.array([sum(e.weight for e in vertex.groups if e.group == index) for vertex in vertices])
 
-    def test_root_and_bones_are_chosen_by_themselves(self):
+    def test_root_and_bones_are_chosen_by_themselves(self) -> None:
         self.assertEqual(self.settings.root, "head")
         self.assertEqual(len(self.settings.bones), 21)
         self.assertEqual(self.settings.message, "")
         self.assertEqual(maps_runtimes.of(self.head).notes, [])
 
-    def test_every_frame_of_the_clip(self):
+    def test_every_frame_of_the_clip(self) -> None:
         """Within 0 and 1; 1 in the frames that hold a pose; 0 where the face is neutral; rising on the way."""
         former = None
         for frame in range(self.scene.frame_start, self.scene.frame_end + 1):
@@ -66,7 +69,7 @@ class Face(unittest.TestCase):
             former = masks
         self.assertEqual(self.settings.message, "")
 
-    def test_one_brow_wrinkles_its_side_only(self):
+    def test_one_brow_wrinkles_its_side_only(self) -> None:
         """Figure 5: only the left brow goes to its place in Anger."""
         self.scene.frame_set(HELD["Anger"])
         for bone in self.rig.pose.bones:
@@ -92,7 +95,7 @@ class Face(unittest.TestCase):
         np.testing.assert_allclose(mask[beyond], left[beyond], atol=1e-4)
         self.assertLess(mask[spots[0]], 0.011)
 
-    def test_the_head_may_turn(self):
+    def test_the_head_may_turn(self) -> None:
         self.scene.frame_set(HELD["Surprise"])
         here = self.masks()
         for name in ("neck01", "head"):
@@ -105,7 +108,7 @@ class Face(unittest.TestCase):
             np.testing.assert_allclose(turned[name], here[name], atol=2e-3)
         self.rig.location = (0.0, 0.0, 0.0)
 
-    def test_what_a_frame_costs_is_written_down(self):
+    def test_what_a_frame_costs_is_written_down(self) -> None:
         """Not judged: a busy machine would fail it."""
         nodes_mod = maps_modifier.find(self.head)
         times = {}

@@ -34,14 +34,12 @@ def hang(obj: bpy.types.Object, level: int = 1, **values: Any) -> bpy.types.Obje
 def garment(**values: Any) -> bpy.types.Object:
     """A sleeve of cloth, over nothing."""
     obj = sleeve.scene(wrinkles=False)
-    obj.data.flip_normals()
     return hang(obj, **values)
 
 
 def dressed(radius: float = 0.8, **values: Any) -> tuple[bpy.types.Object, bpy.types.Object]:
     """A sleeve of cloth and the body under it, that the first click finds."""
     obj = sleeve.scene(wrinkles=False)
-    obj.data.flip_normals()
     body = sleeve.under(obj, radius=radius)
     hang(obj, **values)
     assert obj.rumple.body == body
@@ -107,8 +105,11 @@ def depth(body: bpy.types.Object, positions: np.ndarray) -> float:
                                 [tuple(polygon.vertices) for polygon in mesh.polygons])
     deepest = 0.0
     for position in map(Vector, positions):
-        nearest, normal = tree.find_nearest(position)[:2]
-        deepest = max(deepest, (nearest - position).dot(normal))
+        nearest = tree.find_nearest(position)[0]
+        # At an edge one face alone may look the other way: the sum of all that meet there does not.
+        normal = sum((face[1] for face in tree.find_nearest_range(nearest, 1e-6)), Vector())
+        if (nearest - position).dot(normal) > 0.0:
+            deepest = max(deepest, (nearest - position).length)
     return deepest
 
 

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the curves of a garment's paths are: Python cannot read evaluated curves before 5.0, so a modifier behind
 turns them into edges, which keep points, order and attributes."""
+from __future__ import annotations
+
+import unittest
+from typing import Any
+
 import bpy
 import numpy as np
 from rumple.blender import compat
@@ -12,7 +17,7 @@ NAME = "Wires"
 ATTRIBUTES = ("rumple_path_id", "rumple_path_height", "rumple_path_width")
 
 
-def to_edges(child):
+def to_edges(child: bpy.types.Object) -> None:
     """Let the object show its curves as edges."""
     group = bpy.data.node_groups.get(NAME)
     if group is None:
@@ -28,7 +33,7 @@ def to_edges(child):
         child.modifiers.new(NAME, "NODES").node_group = group
 
 
-def seen(child):
+def seen(child: bpy.types.Object) -> Any:
     """(curves, positions, attributes) as the viewport has them: curves as index ranges [first, end)."""
     to_edges(child)
     mesh = sleeve.evaluated(child).data
@@ -45,13 +50,13 @@ def seen(child):
     return np.stack([starts, ends], 1), compat.positions(mesh).copy(), values
 
 
-def solved(garment):
+def solved(garment: bpy.types.Object) -> Any:
     """The curves of the frame that was solved last."""
     runtime = runtimes.of(garment)
     return runtime.evaluator.curves(runtime.inputs.frame, runtime.inputs.positions, runtime.inputs.settings)
 
 
-def same(test, garment, child):
+def same(test: unittest.TestCase, garment: bpy.types.Object, child: bpy.types.Object) -> int:
     """What is seen is what was solved, to rounding; numbers and sizes to the bit. Returns how many curves there are."""
     curves, positions, values = seen(child)
     expected = solved(garment)
@@ -66,7 +71,7 @@ def same(test, garment, child):
     return len(curves)
 
 
-def child_of(garment):
+def child_of(garment: bpy.types.Object) -> bpy.types.Object:
     """Its curves; there must be one object."""
     child, = path_curves.of(garment)
     return child

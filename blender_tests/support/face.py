@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A small face: a sheet with two brows that a bone each moves, on a head that may move as a whole."""
+from __future__ import annotations
+
 import math
+from typing import Any
 
 import bpy
 import numpy as np
@@ -15,7 +18,7 @@ SIDE = 13  # vertices along each side of 0.12 m
 BROWS = ("brow.L", "brow.R")
 
 
-def sheet():
+def sheet() -> bpy.types.Mesh:
     """A flat face in the xz plane that looks along -y, with a UV map and a material."""
     place = np.linspace(-0.06, 0.06, SIDE)
     vertices = [(x, 0.0, z) for z in place for x in place]
@@ -33,7 +36,7 @@ def sheet():
     return mesh
 
 
-def head():
+def head() -> bpy.types.Object:
     """Bones neck > head > brow.L, brow.R, jaw."""
     rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
     bpy.context.scene.collection.objects.link(rig)
@@ -51,14 +54,14 @@ def head():
     return rig
 
 
-def share(x, z):
+def share(x: float, z: float) -> tuple[float, float, float]:
     """Weights of (brow.L, brow.R, jaw); the head has the rest."""
-    def near(cx, cz, reach):
+    def near(cx: float, cz: float, reach: float) -> float:
         return max(0.0, 1.0 - math.hypot(x - cx, z - cz) / reach)
     return near(0.03, 0.02, 0.03), near(-0.03, 0.02, 0.03), near(0.0, -0.06, 0.05)
 
 
-def scene(maps=True):
+def scene(maps: bool = True) -> tuple[bpy.types.Object, bpy.types.Object]:
     """(face, rig) in an empty file, with Wrinkle Maps unless told otherwise."""
     sleeve.empty_file()
     with sleeve.context():
@@ -78,7 +81,7 @@ def scene(maps=True):
     return obj, rig
 
 
-def pose(rig, **heights):
+def pose(rig: bpy.types.Object, **heights: Any) -> None:
     """Raise bones by metres: brow_L=0.01, jaw=-0.02. The others go to rest."""
     for bone in rig.pose.bones:
         bone.matrix_basis.identity()
@@ -89,7 +92,7 @@ def pose(rig, **heights):
         bpy.context.view_layer.update()
 
 
-def two_poses(obj, rig):
+def two_poses(obj: bpy.types.Object, rig: bpy.types.Object) -> Any:
     """Surprise: both brows up. Anger: both down and the jaw up."""
     for name, heights in (("Surprise", dict(brow_L=0.01, brow_R=0.01)),
                           ("Anger", dict(brow_L=-0.008, brow_R=-0.008, jaw=0.005))):
@@ -100,7 +103,7 @@ def two_poses(obj, rig):
     return obj.rumple_maps
 
 
-def animate(rig):
+def animate(rig: bpy.types.Object) -> None:
     """The left brow rises linearly: rest at frame 1, its place in Surprise at frame 11."""
     for frame, height in ((1, 0.0), (11, 0.01)):
         pose(rig, brow_L=height)
@@ -110,18 +113,18 @@ def animate(rig):
             point.interpolation = "LINEAR"
 
 
-def risen(frame):
+def risen(frame: Any) -> Any:
     """The influence that animate() gives."""
     return (frame - 1) / 10
 
 
-def mask(obj, name):
+def mask(obj: bpy.types.Object, name: str) -> np.ndarray:
     """A mask on the evaluated mesh, (n,)."""
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     return compat.read_attribute(evaluated.data.attributes[maps_mask_tree.MASK.format(name)])[:, 0]
 
 
-def carried(obj, values):
+def carried(obj: bpy.types.Object, values: np.ndarray) -> np.ndarray:
     """(n,) of the coarse vertices on the points that are shown: those of a Wrinkle Mesh (Field, Paths) where one is."""
     if modifier.find(obj) is None or not modifier.find(obj).show_viewport:
         return values
@@ -131,20 +134,20 @@ def carried(obj, values):
     return (1.0 - u - v) * corners[0] + u * corners[1] + v * corners[2]
 
 
-def weights(obj, name):
+def weights(obj: bpy.types.Object, name: str) -> np.ndarray:
     """(n,) of a vertex group."""
     index = obj.vertex_groups[name].index
     return np.array([sum(e.weight for e in vertex.groups if e.group == index) for vertex in obj.data.vertices],
                     np.float32)
 
 
-def notes(obj):
+def notes(obj: bpy.types.Object) -> str:
     return " | ".join(maps_runtimes.of(obj).notes)
 
 
 class TwoPoses:
     """A test of a face with two reference poses: mix it into a TestCase."""
 
-    def setUp(self):
+    def setUp(self) -> None:
         self.obj, self.rig = scene()
         self.settings = two_poses(self.obj, self.rig)

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A random walk through everything an artist may do to wrinkled objects, with a law checked at every step."""
+from __future__ import annotations
+
+from typing import Any
+
 import bmesh
 import bpy
 import numpy as np
@@ -27,7 +31,7 @@ class Walk(RandomWalk):
 
     OFTEN = ("do_add", "do_free", "do_curves")
 
-    def start(self):
+    def start(self) -> None:
         obj = sleeve.scene()
         with sleeve.context():
             bpy.ops.object.rumple_paint(group="radius")
@@ -35,14 +39,14 @@ class Walk(RandomWalk):
             self.leave_mode()
             bpy.ops.wm.save_as_mainfile(filepath=self.path)
 
-    def choose(self, names):
+    def choose(self, names: list[str]) -> str:
         return super().choose(names) if any(modifier.wrinkled_objects()) else "do_add"
 
-    def is_ours(self, obj):
+    def is_ours(self, obj: bpy.types.Object) -> bool:
         return modifier.find(obj) is not None
 
     # --- the law
-    def check(self):
+    def check(self) -> None:
         sleeve.at(self.random.randint(1, sleeve.LAST))
         self.check_lists()
         scheduler.sync_all()
@@ -68,7 +72,7 @@ class Walk(RandomWalk):
                 weights = mesh_reader.group_weights(obj, obj.data, [PAINT])
                 assert np.isclose(weights, 0.25).sum() >= 20, f"{trail}: paint is lost"
 
-    def check_body(self, obj, trail):
+    def check_body(self, obj: bpy.types.Object, trail: str) -> None:
         """What it was solved for is what is shown of its body."""
         if obj.name in bpy.context.view_layer.objects and not modifier.is_baked(modifier.find(obj)):
             found, seen = runtimes.of(obj).inputs.body, bodies.of(obj)
@@ -77,7 +81,7 @@ class Walk(RandomWalk):
                 if modifier.find(body) is None and body.name in bpy.context.view_layer.objects:
                     np.testing.assert_allclose(found.positions, sleeve.shown(body), atol=1e-5, err_msg=trail)
 
-    def check_curves(self, obj, trail):
+    def check_curves(self, obj: bpy.types.Object, trail: str) -> None:
         """Those that are shown are those that were solved; their meshes are their own."""
         for child in path_curves.of(obj):
             assert child.data.users == 1, f"{trail}: {child.name} shares its mesh"
@@ -90,79 +94,79 @@ class Walk(RandomWalk):
                 assert off < 1e-5, f"{trail}: curves show something else, {off}"
 
     # --- the steps
-    def do_curves(self):
+    def do_curves(self) -> Any:
         if self.pick():
             buttons = (bpy.ops.object.rumple_curves_add, bpy.ops.object.rumple_curves_remove)
             for button in buttons if self.random.random() < 0.7 else buttons[::-1]:
                 if button.poll():
                     return button()
 
-    def do_copy_with_curves(self):
+    def do_copy_with_curves(self) -> None:
         obj = self.pick()
         if obj and len(bpy.context.scene.objects) < MOST_OBJECTS:
             for child in path_curves.of(obj):
                 child.select_set(True)
             bpy.ops.object.duplicate(linked=self.random.random() < 0.5)
 
-    def do_body(self):
+    def do_body(self) -> None:
         """Set or unset one: it may be wrinkled itself, or worn over this one."""
         obj = self.pick()
         if obj:
             others = [o for o in bpy.context.scene.objects if o != obj and bodies.can_be_body(o)]
             obj.rumple.body = self.random.choice([None, *others])
 
-    def do_frame(self):
+    def do_frame(self) -> None:
         sleeve.at(self.random.randint(1, sleeve.LAST), self.random.choice((0.0, 0.0, 0.5)))
 
-    def do_pose(self):
+    def do_pose(self) -> None:
         bend = bpy.data.objects["Arm"].pose.bones["lower"]
         bend.rotation_euler.z = self.random.uniform(0.0, 1.5)
         bpy.context.view_layer.update()
 
-    def do_setting(self):
+    def do_setting(self) -> None:
         obj = self.pick()
         if obj:
             name, value = self.random.choice(SETTINGS[obj.rumple.method])
             setattr(properties.group_of(obj), name, value)
 
-    def do_preset(self):
+    def do_preset(self) -> None:
         obj = self.pick()
         if obj and bpy.ops.object.rumple_preset.poll():
             bpy.ops.object.rumple_preset(preset=self.random.choice(("LEATHER", "SILK", "COTTON")))
 
-    def do_rename(self):
+    def do_rename(self) -> None:
         obj = self.pick()
         if obj:
             obj.name = self.random.choice(("Shirt", "Coat", "Sleeve"))
 
-    def do_remove(self):
+    def do_remove(self) -> None:
         if self.pick():
             bpy.ops.object.rumple_remove()
 
-    def do_add(self):
+    def do_add(self) -> None:
         obj = self.pick(ours=False)
         if obj and len(obj.data.vertices) < 1500 and path_curves.find(obj) is None:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
             obj.rumple.field.gpu_preview = obj.rumple.paths.gpu_preview = True
             bpy.ops.object.rumple_add(method=self.random.choice(("MESH", "FIELD", "PATHS")))
 
-    def do_materials(self):
+    def do_materials(self) -> None:
         if self.pick() and bpy.ops.object.rumple_shade.poll():
             self.random.choice((bpy.ops.object.rumple_shade, bpy.ops.object.rumple_unshade))()
 
-    def do_apply(self):
+    def do_apply(self) -> None:
         if len([o for o in bpy.context.scene.objects if o.type == "MESH"]) > 2:
             obj = self.pick()
             if obj and len(obj.data.vertices) < 300 and not modifier.is_baked(modifier.find(obj)):
                 bpy.ops.object.rumple_apply()
 
-    def do_paint(self):
+    def do_paint(self) -> None:
         obj = self.pick()
         if obj:
             groups = dict(MESH=("bending", "inside"), FIELD=("mask", "wavelength"), PATHS=("mask",))[obj.rumple.method]
             bpy.ops.object.rumple_paint(group=self.random.choice(groups))
 
-    def do_topology(self):
+    def do_topology(self) -> None:
         obj = self.pick()
         if obj and len(obj.data.polygons) > 100:
             edit = bmesh.new()
@@ -173,13 +177,13 @@ class Walk(RandomWalk):
             edit.free()
             obj.data.update()
 
-    def do_edit_mode(self):
+    def do_edit_mode(self) -> None:
         if self.pick():
             bpy.ops.object.mode_set(mode="EDIT")
             sleeve.at(self.random.randint(1, sleeve.LAST))
             bpy.ops.object.mode_set(mode="OBJECT")
 
-    def do_subdivision(self):
+    def do_subdivision(self) -> None:
         obj = self.pick()
         if obj:
             former = obj.modifiers.get("Subdivision")
@@ -188,30 +192,30 @@ class Walk(RandomWalk):
             else:
                 obj.modifiers.new("Subdivision", "SUBSURF")
 
-    def do_switch_off_and_on(self):
+    def do_switch_off_and_on(self) -> None:
         obj = self.pick()
         if obj:
             modifier.find(obj).show_viewport = False
             sleeve.at(3)
             modifier.find(obj).show_viewport = True
 
-    def do_capture(self):
+    def do_capture(self) -> None:
         obj = self.pick()
         if obj and not modifier.is_baked(modifier.find(obj)):
             bpy.ops.object.rumple_capture_rest(frame=self.random.randint(1, 5))
             properties.group_of(obj).rest_shape = "REST_POSE"
 
-    def do_bake(self):
+    def do_bake(self) -> None:
         obj = self.pick()
         if obj and not bodies.refusal(obj):
             obj.rumple.bake_start, obj.rumple.bake_end = 3, 6
             bpy.ops.object.rumple_bake()
 
-    def do_free(self):
+    def do_free(self) -> None:
         if self.pick() and bpy.ops.object.rumple_bake_free.poll():
             bpy.ops.object.rumple_bake_free()
 
-    def do_render(self):
+    def do_render(self) -> None:
         if self.random.random() < 0.3:
             scene = bpy.context.scene
             if scene.camera is None:

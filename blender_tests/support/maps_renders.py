@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A quad whose pixels are the texels of its wrinkle maps, seen through the node group "Rumple Maps"."""
+from __future__ import annotations
+
 import os
 import tempfile
+import unittest
+from typing import Any
 
 import bpy
 import numpy as np
@@ -14,7 +18,7 @@ SIDE = 32
 STEP = 1.0 / 255.0  # of eight bits
 
 
-def image(name, texels):
+def image(name: str, texels: np.ndarray) -> bpy.types.Image:
     """(SIDE, SIDE, 3) uint8, the lowest row first."""
     made = bpy.data.images.new(name, SIDE, SIDE)
     made.colorspace_settings.name = "Non-Color"
@@ -26,7 +30,7 @@ def image(name, texels):
     return made
 
 
-def normals(random):
+def normals(random: np.random.Generator) -> np.ndarray:
     """Random texels of a tangent-space normal map, some of them steep."""
     tilted = random.uniform((-1, -1, 0.2), (1, 1, 1), (SIDE, SIDE, 3))
     tilted /= np.sqrt((tilted * tilted).sum(2, keepdims=True))
@@ -36,7 +40,7 @@ def normals(random):
 class Quad:
     """Masks that change linearly over it, a random map for each pose, and a random neutral map."""
 
-    def __init__(self, poses, maps, seed=0):
+    def __init__(self, poses: int, maps: str, seed: int = 0) -> None:
         random = np.random.default_rng(seed)
         self.maps = maps
         self.neutral = normals(random)
@@ -44,7 +48,7 @@ class Quad:
         self.slopes = random.uniform(0, 0.5, (poses, 3)).astype(np.float32)  # of each mask: along u, along v, at (0, 0)
         self.obj = self.build()
 
-    def build(self):
+    def build(self) -> bpy.types.Object:
         for obj in list(bpy.data.objects):
             bpy.data.objects.remove(obj)
         mesh = bpy.data.meshes.new("Quad")
@@ -65,11 +69,11 @@ class Quad:
         maps_shader.insert(mesh.materials[0], self.group)
         return obj
 
-    def masks(self, u, v):
+    def masks(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
         """(poses, n) at places on the quad."""
         return self.slopes[:, :1] * u + self.slopes[:, 1:2] * v + self.slopes[:, 2:] / len(self.wrinkles)
 
-    def expected(self):
+    def expected(self) -> np.ndarray:
         """(SIDE, SIDE, 3) encoded normals by the native module, from the eight bits."""
         place = (np.arange(SIDE, dtype=np.float32) + 0.5) / SIDE
         v, u = (grid.ravel() for grid in np.meshgrid(place, place, indexing="ij"))
@@ -79,7 +83,7 @@ class Quad:
         blended = native.load().blend_wrinkle_maps(decoded[0], decoded[1:], masks, self.maps)
         return (0.5 * blended + 0.5).reshape(SIDE, SIDE, 3)
 
-    def rendered(self, engine):
+    def rendered(self, engine: str) -> np.ndarray:
         """(SIDE, SIDE, 3) encoded world normals that the Normal Map node hands to the shader: the quad lies flat."""
         tree = self.obj.data.materials[0].node_tree
         for node in [*tree.nodes, *self.group.nodes]:
@@ -93,7 +97,7 @@ class Quad:
         tree.links.new(emission.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
         return self.picture(engine)
 
-    def picture(self, engine):
+    def picture(self, engine: str) -> np.ndarray:
         scene = bpy.context.scene
         camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         camera.location, camera.data.type, camera.data.ortho_scale = (0.5, 0.5, 1.0), "ORTHO", 1.0
@@ -119,7 +123,7 @@ class Quad:
         return pixels.reshape(SIDE, SIDE, 4)[:, :, :3]
 
 
-def material(name, neutral):
+def material(name: str, neutral: Any) -> bpy.types.Material:
     """Principled, with a Normal Map of the neutral image."""
     made = bpy.data.materials.new(name)
     if bpy.app.version < (5, 0, 0):
@@ -133,7 +137,7 @@ def material(name, neutral):
     return made
 
 
-def check(case, engine):
+def check(case: unittest.TestCase, engine: str) -> None:
     """Every texel, for one to sixteen poses and both kinds of maps."""
     for poses, maps in ((1, "WRINKLES"), (2, "WHOLE"), (3, "WRINKLES"), (16, "WHOLE"), (16, "WRINKLES")):
         quad = Quad(poses, maps, seed=poses)

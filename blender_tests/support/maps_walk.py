@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A random walk through what an artist may do with Wrinkle Maps: at every step the masks are those of a fresh start."""
+from __future__ import annotations
+
+from typing import Any
+
 import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
@@ -18,14 +22,14 @@ class Walk(RandomWalk):
     REOPEN = 0.03
     OFTEN = ("do_pose",) * 3
 
-    def start(self):
+    def start(self) -> None:
         face.two_poses(*face.scene())
 
-    def is_ours(self, obj):
+    def is_ours(self, obj: bpy.types.Object) -> bool:
         return maps_modifier.find(obj) is not None
 
     # --- the law
-    def check(self):
+    def check(self) -> None:
         scheduler.sync_all()
         self.do_pose()
         self.check_lists()
@@ -40,7 +44,7 @@ class Walk(RandomWalk):
             if nodes_mod.show_viewport and obj.rumple_maps.poses:
                 self.compare(obj, trail)
 
-    def compare(self, obj, trail):
+    def compare(self, obj: bpy.types.Object, trail: str) -> None:
         rig, _ = maps_rig.rig_of(obj)
         bones = maps_rig.present_bones(obj, obj.find_armature(), rig)
         fresh = PoseComparison.build(rig, maps_rig.weights_of(obj, rig)).frame(bones)
@@ -58,7 +62,7 @@ class Walk(RandomWalk):
         assert obj.rumple_maps.group is None or images == [i for i in maps_rig.usable_images(obj) if i], trail
 
     # --- helpers
-    def pick_pose(self):
+    def pick_pose(self) -> Any:
         obj = self.pick()
         if obj is None or not obj.rumple_maps.poses:
             return None
@@ -66,11 +70,11 @@ class Walk(RandomWalk):
         return obj.rumple_maps.poses[obj.rumple_maps.active]
 
     # --- the steps
-    def do_pose(self):
+    def do_pose(self) -> None:
         face.pose(bpy.data.objects["Rig"], **{name: self.random.uniform(-0.01, 0.01)
                                               for name in ("brow_L", "brow_R", "jaw") if self.random.random() < 0.7})
 
-    def do_pose_add(self):
+    def do_pose_add(self) -> None:
         obj = self.pick()
         if obj and len(obj.rumple_maps.poses) < 7:
             self.do_pose()
@@ -79,37 +83,37 @@ class Walk(RandomWalk):
             except RuntimeError as error:
                 assert "it is the neutral pose" in str(error), error
 
-    def do_pose_update(self):
+    def do_pose_update(self) -> None:
         if self.pick_pose():
             face.pose(bpy.data.objects["Rig"], brow_L=self.random.uniform(0.004, 0.009), jaw=0.003)
             bpy.ops.rumple.pose_update()
 
-    def do_pose_remove(self):
+    def do_pose_remove(self) -> None:
         if self.pick_pose():
             bpy.ops.rumple.pose_remove()
 
-    def do_pose_move(self):
+    def do_pose_move(self) -> None:
         if self.pick_pose():
             bpy.ops.rumple.pose_move(direction=self.random.choice(("UP", "DOWN")))
 
-    def do_pose_rename(self):
+    def do_pose_rename(self) -> None:
         pose = self.pick_pose()
         if pose:
             pose.name = self.random.choice(("Surprise", "Anger", "Grief", ""))
 
-    def do_pose_switches(self):
+    def do_pose_switches(self) -> None:
         pose = self.pick_pose()
         if pose:
             name, value = self.random.choice((("muted", True), ("muted", False), ("solo", True), ("solo", False),
                                               ("strength", 0.5), ("strength", 1.0)))
             setattr(pose, name, value)
 
-    def do_image(self):
+    def do_image(self) -> None:
         pose = self.pick_pose()
         if pose:
             pose.image = bpy.data.images.new("Wrinkles", 4, 4, is_data=True) if self.random.random() < 0.7 else None
 
-    def do_neutral(self):
+    def do_neutral(self) -> None:
         obj = self.pick()
         if obj and self.random.random() < 0.5:
             bpy.ops.rumple.neutral_rest()
@@ -117,29 +121,29 @@ class Walk(RandomWalk):
             face.pose(bpy.data.objects["Rig"], brow_L=0.001, brow_R=0.001)
             bpy.ops.rumple.neutral_capture()
 
-    def do_bone_settings(self):
+    def do_bone_settings(self) -> None:
         obj = self.pick()
         if obj and obj.rumple_maps.bones:
             bone = self.random.choice(list(obj.rumple_maps.bones))
             bone.tracked, bone.group = self.random.choice(("HEAD", "TAIL", "BOTH")), self.random.choice(("", "brows"))
             obj.rumple_maps.gain = self.random.choice((1.0, 3.0))
 
-    def do_materials(self):
+    def do_materials(self) -> None:
         if self.pick():
             try:
                 self.random.choice((bpy.ops.rumple.maps_show, bpy.ops.rumple.maps_hide))()
             except RuntimeError as error:   # duplicates share a material
                 assert "shows the maps of another object" in str(error), error
 
-    def do_remove(self):
+    def do_remove(self) -> None:
         if self.pick():
             bpy.ops.rumple.maps_remove()
 
-    def do_add(self):
+    def do_add(self) -> None:
         if self.pick(ours=False):
             bpy.ops.rumple.maps_add()
 
-    def do_wrinkle_mesh(self):
+    def do_wrinkle_mesh(self) -> None:
         obj = self.pick()
         if obj and modifier.find(obj) is None:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
@@ -147,25 +151,25 @@ class Walk(RandomWalk):
         elif obj:
             bpy.ops.object.rumple_remove()
 
-    def do_bake(self):
+    def do_bake(self) -> None:
         if self.random.random() < 0.3 and self.pick_pose():
             bpy.context.object.rumple_maps.bake_size = 16
             properties.group_of(bpy.context.object).level = 1
             bpy.ops.rumple.maps_bake()
 
-    def do_paint(self):
+    def do_paint(self) -> None:
         obj = self.pick()
         if obj:
             index = self.random.randrange(len(obj.data.vertices))
             obj.vertex_groups["jaw"].add([index], self.random.random(), "REPLACE")
             obj.data.update()
 
-    def do_edit_mode(self):
+    def do_edit_mode(self) -> None:
         if self.pick():
             bpy.ops.object.mode_set(mode="EDIT")
             bpy.ops.object.mode_set(mode="OBJECT")
 
-    def do_switch_off_and_on(self):
+    def do_switch_off_and_on(self) -> None:
         obj = self.pick()
         if obj:
             maps_modifier.find(obj).show_viewport = False

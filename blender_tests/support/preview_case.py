@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from rumple.blender.objects import runtimes
 from rumple.blender.viewport import preview
+from rumple.core.frame_result import FrameResult
 from support import sleeve
 from support.window_case import WindowCase
 
@@ -68,6 +69,27 @@ class PreviewCase(WindowCase):
         yield from self.until(lambda: preview._on_gpu and self.held().inputs is not None
                               and self.held().inputs is runtimes.of(self.obj).inputs
                               and self.held().inputs.frame == frame)
+
+    def watch(self, of: object, name: str, calls: list[int]) -> None:
+        """Until the test ends every call of a function leaves a number in `calls`."""
+        function = getattr(of, name)
+
+        def called(*arguments: object, **named: object) -> object:
+            calls.append(len(calls))
+            return function(*arguments, **named)
+
+        self.addCleanup(setattr, of, name, function)
+        setattr(of, name, called)
+
+    def in_renders(self) -> FrameResult:
+        """The frame that the GPU holds, as renders show it."""
+        runtime, scene = runtimes.of(self.obj), bpy.context.scene
+        inputs = runtime.inputs
+        found = runtime.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
+                                              start=scene.frame_start, frame_rate=inputs.frame_rate,
+                                              world_from_object=inputs.world_from_object)
+        assert isinstance(found, FrameResult)
+        return found
 
     def refuse(self, drawer: ModuleType) -> list[int]:
         """Until the test ends a driver that compiles nothing of a gpu module. Counts how often it was asked."""

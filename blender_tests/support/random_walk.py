@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Random walks through what an artist may do. A walk has steps, methods do_*(), and a law, check(), that holds after
 every step."""
+from __future__ import annotations
+
 import os
 import random
+from typing import Any, Iterator
 
 import bpy
 from rumple.blender.objects import kept_lists
@@ -22,12 +25,12 @@ class RandomWalk:
     REOPEN = 0.02  # chance of saving and opening the file before a step
     OFTEN = ()  # names of steps that come up more often
 
-    def __init__(self, seed, folder):
+    def __init__(self, seed: int, folder: str) -> None:
         self.random = random.Random(seed)
         self.path = os.path.join(folder, "walk.blend")
         self.done = []
 
-    def steps(self, count):
+    def steps(self, count: int) -> Iterator[Any]:
         self.start()
         with sleeve.context():
             bpy.ops.ed.undo_push(message="start")
@@ -47,40 +50,40 @@ class RandomWalk:
                 self.check()
 
     # --- for a walk of its own
-    def start(self):
+    def start(self) -> None:
         """Makes the scene."""
         raise NotImplementedError
 
-    def choose(self, names):
+    def choose(self, names: list[str]) -> str:
         """The next step."""
         return self.random.choice(names)
 
-    def is_ours(self, obj):
+    def is_ours(self, obj: bpy.types.Object) -> bool:
         """Whether an object has what the walk is about."""
         raise NotImplementedError
 
-    def check(self):
+    def check(self) -> None:
         """The law."""
         raise NotImplementedError
 
     # --- helpers
-    def check_lists(self):
+    def check_lists(self) -> None:
         """What is kept of the file's objects is what a search finds."""
         for kept in kept_lists._all:
             found, searched = ([obj.name_full for obj, _ in pairs] for pairs in (kept, kept._searched()))
             assert found == searched, f"after {self.done[-8:]}: {found} are kept, {searched} are there"
 
-    def leave_mode(self):
+    def leave_mode(self) -> None:
         active = bpy.context.view_layer.objects.active
         if active is not None and active.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
 
-    def save_and_open(self):
+    def save_and_open(self) -> None:
         """Outside any context override: the windows of the file before are gone."""
         bpy.ops.wm.save_as_mainfile(filepath=self.path)
         bpy.ops.wm.open_mainfile(filepath=self.path)
 
-    def pick(self, ours=True):
+    def pick(self, ours: bool = True) -> Any:
         """Makes one mesh object active; None where there is none."""
         found = [o for o in bpy.context.scene.objects if o.type == "MESH" and self.is_ours(o) == ours]
         if not found:
@@ -89,19 +92,19 @@ class RandomWalk:
         return bpy.context.view_layer.objects.active
 
     # --- steps of every walk
-    def do_duplicate(self):
+    def do_duplicate(self) -> None:
         if len(bpy.context.scene.objects) < MOST_OBJECTS + 1 and self.pick():
             bpy.ops.object.duplicate(linked=self.random.random() < 0.5)
 
-    def do_delete(self):
+    def do_delete(self) -> None:
         if len([o for o in bpy.context.scene.objects if o.type == "MESH"]) > 1 and self.pick():
             bpy.ops.object.delete()
 
-    def do_undo(self):
+    def do_undo(self) -> None:
         for _ in range(self.random.randint(1, 3)):
             if bpy.ops.ed.undo.poll():
                 bpy.ops.ed.undo()
 
-    def do_redo(self):
+    def do_redo(self) -> None:
         if bpy.ops.ed.redo.poll():
             bpy.ops.ed.redo()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -17,7 +18,7 @@ OUT = Path(os.environ.get("RUMPLE_OUT", ""))
 class EveryFrame:
     """A test of what was measured in the frames of a clip, `seen`: mix it into a TestCase."""
 
-    def for_every_frame(self, law) -> None:
+    def for_every_frame(self, law: Any) -> None:
         """The law holds, or the first frames where it does not are named."""
         broken = [s for s in self.seen if not law(s)]
         self.assertEqual(broken[:3], [], f"{len(broken)} of {len(self.seen)} frames")

@@ -10,7 +10,8 @@ import bpy
 import numpy as np
 from support import reference_solve, sleeve, small_renders
 
-STRAY = 2  # pixels by which two renders of the same thing may differ
+STRAY = 6  # pixels by which two renders of the same thing may differ: four in EEVEE of 5.2
+OTHER = 20  # pixels by which a render of something else differs at least
 
 
 class Engines:
@@ -28,7 +29,7 @@ class Engines:
             right, = reference_solve.expected(obj, [frame])
             self.assertLessEqual(reference_solve.unlike(picture, right), STRAY, f"frame {frame}")
             for wrong in (*reference_solve.expected(obj, [frame - 1]), reference_solve.unfolded(obj, frame)):
-                self.assertGreater(reference_solve.unlike(picture, wrong), 10 * STRAY, f"frame {frame}")
+                self.assertGreater(reference_solve.unlike(picture, wrong), OTHER, f"frame {frame}")
         self.assertEqual(obj.rumple.message, "")
 
     def check_animation(self, engine: str) -> None:
@@ -38,7 +39,7 @@ class Engines:
         for frame in found:
             self.assertLessEqual(reference_solve.unlike(found[frame], right[frame]), STRAY, f"frame {frame}")
         for frame in range(3, 7):
-            self.assertGreater(reference_solve.unlike(found[frame], right[frame - 1]), 10 * STRAY, f"frame {frame}")
+            self.assertGreater(reference_solve.unlike(found[frame], right[frame - 1]), OTHER, f"frame {frame}")
         self.assertEqual(obj.rumple.message, "")
 
     def check_motion_blur(self, engine: str, baked: bool = False) -> None:
@@ -55,7 +56,7 @@ class Engines:
         sharp = small_renders.clip(1, 3)[3]
         small_renders.blur(1.0)
         blurred = small_renders.clip(1, 3)[3]
-        self.assertGreater(reference_solve.unlike(sharp, blurred), 10 * STRAY)
+        self.assertGreater(reference_solve.unlike(sharp, blurred), OTHER)
         self.assertLess(reference_solve.uncovered(blurred, right), 0.5 * reference_solve.uncovered(blurred, sharp))
         self.assertLess(reference_solve.uncovered(blurred, right), 0.5 * reference_solve.uncovered(sharp, right))
         self.assertEqual(obj.rumple.message, "")

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene that most tests use: a skinned sleeve on an arm that bends from frame 1 to 20, in an empty file."""
+from __future__ import annotations
+
 import contextlib
 import math
+from typing import Any, Iterator
 
 import bpy
 import numpy as np
@@ -12,15 +15,15 @@ AROUND, ALONG, LENGTH, RADIUS = 16, 12, 0.6, 0.06
 LAST = 20
 
 
-def tube(name="Sleeve"):
+def tube(name: str = "Sleeve") -> bpy.types.Mesh:
     """A tube of quads along x, with a UV map (one seam), two materials and smooth shading."""
     vertices = [(LENGTH * j / (ALONG - 1), RADIUS * math.cos(a), RADIUS * math.sin(a))
                 for j in range(ALONG) for a in np.linspace(0.0, 2.0 * math.pi, AROUND, endpoint=False)]
-    quads = [(j * AROUND + i, (j + 1) * AROUND + i, (j + 1) * AROUND + (i + 1) % AROUND, j * AROUND + (i + 1) % AROUND)
+    quads = [(j * AROUND + i, j * AROUND + (i + 1) % AROUND, (j + 1) * AROUND + (i + 1) % AROUND, (j + 1) * AROUND + i)
              for j in range(ALONG - 1) for i in range(AROUND)]
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(vertices, [], quads)
-    corners = [(i + (corner in (2, 3)), j + (corner in (1, 2))) for j in range(ALONG - 1) for i in range(AROUND)
+    corners = [(i + (corner in (1, 2)), j + (corner in (2, 3))) for j in range(ALONG - 1) for i in range(AROUND)
                for corner in range(4)]
     uv = np.array(corners, np.float32) / (AROUND, ALONG - 1)
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", np.ascontiguousarray(uv, np.float32).ravel())
@@ -32,7 +35,7 @@ def tube(name="Sleeve"):
     return mesh
 
 
-def arm():
+def arm() -> bpy.types.Object:
     """An armature of two bones; the lower one bends about z by 100 degrees."""
     rig = bpy.data.objects.new("Arm", bpy.data.armatures.new("Arm"))
     bpy.context.scene.collection.objects.link(rig)
@@ -50,14 +53,14 @@ def arm():
     return rig
 
 
-def bend_until(last):
+def bend_until(last: int) -> None:
     """The arm bends faster: until this frame."""
     for curve in compat.action_curves(bpy.data.objects["Arm"].animation_data.action):
         curve.keyframe_points[-1].co.x = last
         curve.update()
 
 
-def skinned(mesh, rig, name="Sleeve"):
+def skinned(mesh: bpy.types.Mesh, rig: bpy.types.Object, name: str = "Sleeve") -> bpy.types.Object:
     """An object with that mesh that follows the arm. Its wrinkles lie on the animated mesh, in one layer: tests of the
     cloth say so."""
     obj = bpy.data.objects.new(name, mesh)
@@ -73,14 +76,14 @@ def skinned(mesh, rig, name="Sleeve"):
     return obj
 
 
-def make_active(obj):
+def make_active(obj: bpy.types.Object) -> None:
     bpy.context.view_layer.update()     # selecting an object that was just linked is silently ignored
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
     bpy.context.view_layer.objects.active = obj
 
 
-def empty_file():
+def empty_file() -> bpy.types.Scene:
     """A file with one empty scene, frames 1 to 20. The add-on stays on: read_homefile would load preferences."""
     bpy.ops.wm.read_homefile(use_empty=True)
     scene = bpy.context.scene
@@ -92,7 +95,7 @@ open_overrides = 0
 
 
 @contextlib.contextmanager
-def context(**members):
+def context(**members: object) -> Iterator[None]:
     """Timers have no window in their context, and opening a file makes other windows. No yield inside: run_suite.py."""
     global open_overrides
     if bpy.app.background:
@@ -106,7 +109,7 @@ def context(**members):
             open_overrides -= 1
 
 
-def scene(wrinkles=True, level=1):
+def scene(wrinkles: bool = True, level: int = 1) -> bpy.types.Object:
     """Everything. level: solved subdivisions, low so that tests are quick."""
     empty_file()
     with context():
@@ -119,7 +122,7 @@ def scene(wrinkles=True, level=1):
     return obj
 
 
-def another(name, radius=1.0):
+def another(name: str, radius: float = 1.0) -> bpy.types.Object:
     """A second wrinkled tube on the arm, of that many of the sleeve's radii."""
     mesh = tube(name)
     for vertex in mesh.vertices:
@@ -132,7 +135,7 @@ def another(name, radius=1.0):
     return obj
 
 
-def cuff(sleeve_object, follow, name):
+def cuff(sleeve_object: bpy.types.Object, follow: str, name: str) -> bpy.types.Object:
     """A wider tube that follows the sleeve by Shrinkwrap or Surface Deform, wrinkled itself."""
     mesh = tube(name)
     for vertex in mesh.vertices:
@@ -154,49 +157,48 @@ def cuff(sleeve_object, follow, name):
     return obj
 
 
-def under(obj, name="Human", radius=0.8):
+def under(obj: bpy.types.Object, name: str = "Human", radius: float = 0.8) -> bpy.types.Object:
     """A tube that follows the arm of the sleeve, of that many of its radii: what it is worn over. obj stays active."""
     mesh = tube(name)
     for vertex in mesh.vertices:
         vertex.co.yz *= radius
-    mesh.flip_normals()  # the sleeve is inside out
     body = skinned(mesh, bpy.data.objects["Arm"], name)
     make_active(obj)
     return body
 
 
 # ---------------------------------------------------------------- what is seen
-def evaluated(obj):
+def evaluated(obj: bpy.types.Object) -> bpy.types.Object:
     return obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
 
 
-def shown(obj):
+def shown(obj: bpy.types.Object) -> np.ndarray:
     """Positions of what the viewport shows of an object, (n, 3) float32."""
     return compat.positions(evaluated(obj).data).copy()
 
 
-def attribute(obj, name):
+def attribute(obj: bpy.types.Object, name: str) -> np.ndarray:
     """Values of an attribute of the evaluated mesh."""
     return compat.read_attribute(evaluated(obj).data.attributes[name])
 
 
-def picture(obj):
+def picture(obj: bpy.types.Object) -> Any:
     """What was solved last."""
     return runtimes.of(obj).result
 
 
-def output_object(obj):
+def output_object(obj: bpy.types.Object) -> bpy.types.Object:
     return modifier.output_object(modifier.find(obj))
 
 
-def at(frame, subframe=0.0):
+def at(frame: int, subframe: float = 0.0) -> None:
     bpy.context.scene.frame_set(frame, subframe=subframe)
 
 
-def play(first=1, last=LAST):
+def play(first: int = 1, last: int = LAST) -> None:
     for frame in range(first, last + 1):
         at(frame)
 
 
-def names(collection):
+def names(collection: Any) -> list[str]:
     return sorted(item.name for item in collection)

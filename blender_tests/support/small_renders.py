@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small renders of the sleeve from above, in which folds count: surfaces show their normals."""
+from __future__ import annotations
+
 import math
 import os
 import tempfile
@@ -11,18 +13,18 @@ from support import sleeve
 SIZE = 96
 
 
-def eevee():
+def eevee() -> str:
     """EEVEE's identifier changed twice."""
     known = bpy.types.RenderSettings.bl_rna.properties["engine"].enum_items.keys()
     return "BLENDER_EEVEE_NEXT" if "BLENDER_EEVEE_NEXT" in known else "BLENDER_EEVEE"
 
 
-def can_draw():
+def can_draw() -> bool:
     """Workbench and EEVEE need a screen; 5.x makes its own."""
     return bpy.app.version >= (5, 0, 0) or bool(os.environ.get("DISPLAY"))
 
 
-def normal_material(mesh):
+def normal_material(mesh: bpy.types.Mesh) -> None:
     """Emits the surface normal: independent of lights, equal in Cycles and EEVEE."""
     material = bpy.data.materials.new("Normals")
     if bpy.app.version < (5, 0, 0):
@@ -37,7 +39,7 @@ def normal_material(mesh):
         mesh.materials[slot] = material
 
 
-def stage(engine):
+def stage(engine: str) -> bpy.types.Object:
     """The wrinkled sleeve under a camera."""
     obj = sleeve.scene()
     normal_material(obj.data)
@@ -64,7 +66,7 @@ def stage(engine):
     return obj
 
 
-def blur(shutter):
+def blur(shutter: float) -> None:
     """Motion blur of the whole scene, over so many frames around each; 0: none. Workbench has none in any version."""
     render, eevee = bpy.context.scene.render, bpy.context.scene.eevee
     for owner in (render, eevee):  # EEVEE had switches of its own until 4.2
@@ -73,14 +75,14 @@ def blur(shutter):
     eevee.motion_blur_steps = 4  # each takes a share of the samples
 
 
-def read(path):
+def read(path: str) -> np.ndarray:
     image = bpy.data.images.load(path)
     pixels = np.array(image.pixels[:], np.float32).reshape(SIZE, SIZE, 4)
     bpy.data.images.remove(image)
     return pixels
 
 
-def still(frame):
+def still(frame: float) -> np.ndarray:
     """The picture of one frame, which may stand between two."""
     whole = math.floor(frame)
     sleeve.at(whole, frame - whole)
@@ -90,7 +92,7 @@ def still(frame):
         return read(os.path.join(folder, "still.png"))
 
 
-def clip(first, last):
+def clip(first: int, last: int) -> dict[int, np.ndarray]:
     """The pictures of some frames, rendered as an animation."""
     scene = bpy.context.scene
     former = scene.frame_end

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """With a window: panels draw, the viewport plays, timers rebuild, undo works."""
+from __future__ import annotations
+
 import os
+from typing import Iterator
 
 import bpy
 import numpy as np
@@ -10,7 +13,7 @@ from support import sleeve
 from support.window_case import WindowCase
 
 
-def big_properties():
+def big_properties() -> Iterator[float]:
     """Turns the biggest area into the modifier tab, so that every panel is drawn."""
     areas = bpy.context.window_manager.windows[0].screen.areas
     area = max(areas, key=lambda a: a.width * a.height)
@@ -21,10 +24,10 @@ def big_properties():
 
 class Panels(WindowCase):
 
-    def make(self, wrinkles=True):
+    def make(self, wrinkles: bool = True) -> bpy.types.Object:
         return sleeve.scene(wrinkles=wrinkles)
 
-    def test_every_panel_draws(self):
+    def test_every_panel_draws(self) -> Iterator[float]:
         obj = self.make()
         yield from big_properties()
         yield 0.3
@@ -38,7 +41,7 @@ class Panels(WindowCase):
         yield 0.6
         self.assertEqual(obj.rumple.message, "")
 
-    def test_button_draws_without_wrinkles(self):
+    def test_button_draws_without_wrinkles(self) -> Iterator[float]:
         self.make(wrinkles=False)
         yield from big_properties()
         yield 0.3
@@ -47,17 +50,17 @@ class Panels(WindowCase):
 
 class Viewport(WindowCase):
 
-    def view(self):
+    def view(self) -> None:
         areas = bpy.context.window_manager.windows[0].screen.areas
         area = max(areas, key=lambda a: a.width * a.height)
         area.type = "VIEW_3D"
 
-    def make(self):
+    def make(self) -> bpy.types.Object:
         obj = sleeve.scene()
         self.view()
         return obj
 
-    def test_settings_rebuild_from_a_timer(self):
+    def test_settings_rebuild_from_a_timer(self) -> Iterator[float]:
         obj = self.make()
         yield 0.3
         coarse = runtimes.of(obj).evaluator.vertex_count
@@ -66,7 +69,7 @@ class Viewport(WindowCase):
         self.assertGreater(runtimes.of(obj).evaluator.vertex_count, 3 * coarse)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
-    def test_playback_solves_every_frame_it_shows(self):
+    def test_playback_solves_every_frame_it_shows(self) -> Iterator[float]:
         obj = self.make()
         yield 0.2
         with self.area("VIEW_3D"):
@@ -78,7 +81,7 @@ class Viewport(WindowCase):
         self.assertGreater(len(runtimes.of(obj).evaluator.frame_cache.frames()), 3)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
-    def test_playback_draws_no_coarse_mesh(self):
+    def test_playback_draws_no_coarse_mesh(self) -> Iterator[float]:
         """The first pass of a frame has it (frame/first_pass.py), before anything is drawn."""
         obj = self.make()
         yield 0.2
@@ -97,7 +100,7 @@ class Viewport(WindowCase):
         self.assertEqual({count for _, count in drawn}, {len(sleeve.shown(obj))})
         self.assertGreater(len(sleeve.shown(obj)), len(obj.data.vertices))
 
-    def test_duplicates_are_split_by_the_timer(self):
+    def test_duplicates_are_split_by_the_timer(self) -> Iterator[float]:
         obj = self.make()
         yield 0.3
         with self.area("VIEW_3D"):
@@ -106,7 +109,7 @@ class Viewport(WindowCase):
         yield from self.until(lambda: sleeve.output_object(copy) != sleeve.output_object(obj))
         self.assertNotEqual(sleeve.output_object(copy), sleeve.output_object(obj))
 
-    def test_a_follower_of_another_wrinkled_object_is_settled_by_the_timer(self):
+    def test_a_follower_of_another_wrinkled_object_is_settled_by_the_timer(self) -> Iterator[float]:
         cuff = sleeve.cuff(self.make(), "SURFACE_DEFORM", "Cuff")
         yield 0.3
         sleeve.at(15)
@@ -116,12 +119,12 @@ class Viewport(WindowCase):
         sleeve.at(15)
         np.testing.assert_array_equal(sleeve.shown(cuff), seen)
 
-    def is_settled(self, obj):
+    def is_settled(self, obj: bpy.types.Object) -> bool:
         """Whether its folds are those for the coarse mesh that is shown."""
         posed = sleeve.attribute(obj, wrinkle_tree.BASE_POSITION)[:len(obj.data.vertices)]
         return np.array_equal(runtimes.of(obj).inputs.positions, posed)
 
-    def test_undo_and_redo_of_adding_and_removing(self):
+    def test_undo_and_redo_of_adding_and_removing(self) -> Iterator[float]:
         obj = self.make()
         yield 0.3
         for _ in range(2):
@@ -149,7 +152,7 @@ class Viewport(WindowCase):
         sleeve.at(12)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
-    def test_weight_paint_with_the_modifier_on(self):
+    def test_weight_paint_with_the_modifier_on(self) -> Iterator[float]:
         obj = self.make()
         yield 0.3
         with self.area("VIEW_3D"):
@@ -166,7 +169,7 @@ class Viewport(WindowCase):
         with self.area("VIEW_3D"):
             bpy.ops.object.mode_set(mode="OBJECT")
 
-    def test_bake_runs_modal_and_can_be_cancelled(self):
+    def test_bake_runs_modal_and_can_be_cancelled(self) -> Iterator[float]:
         obj = self.make()
         bpy.ops.wm.save_as_mainfile(filepath=os.path.join(os.environ["RUMPLE_OUT"], "window_bake.blend"))
         yield 0.3

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wrinkle Maps with a window: EEVEE, panels, undo, the modal bake."""
+from __future__ import annotations
+
+from typing import Iterator
+
 import bpy
 import numpy as np
 from mathutils import Euler
@@ -8,26 +12,26 @@ from support import face, maps_renders, sleeve
 from support.window_case import WindowCase
 
 
-def biggest_area():
+def biggest_area() -> bpy.types.Area:
     return max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height)
 
 
 class MapsInEevee(WindowCase):
 
-    def test_eevee_shows_the_native_blend(self):
+    def test_eevee_shows_the_native_blend(self) -> None:
         maps_renders.check(self, "EEVEE")
 
 
 class MapsInWindow(WindowCase):
 
-    def make(self):
+    def make(self) -> None:
         self.obj, self.rig = face.scene()
         self.settings = face.two_poses(self.obj, self.rig)
         face.pose(self.rig, brow_L=0.0075, brow_R=0.01)
         with sleeve.context():
             bpy.ops.rumple.maps_show()
 
-    def test_panels_draw_in_the_modifier_tab(self):
+    def test_panels_draw_in_the_modifier_tab(self) -> Iterator[float]:
         self.make()
         area = biggest_area()
         area.type = "PROPERTIES"
@@ -43,7 +47,7 @@ class MapsInWindow(WindowCase):
         yield 0.2
         self.screenshot("maps_panel_refusal")
 
-    def test_the_sidebar_is_there_while_posing(self):
+    def test_the_sidebar_is_there_while_posing(self) -> Iterator[float]:
         self.make()
         area = biggest_area()
         area.type = "VIEW_3D"
@@ -64,7 +68,7 @@ class MapsInWindow(WindowCase):
             bpy.ops.object.mode_set(mode="OBJECT")
         self.assertEqual(self.settings.poses[1].present, 1.0)
 
-    def test_influences_show_as_colours(self):
+    def test_influences_show_as_colours(self) -> Iterator[float]:
         self.make()
         face.pose(self.rig, brow_L=0.01)
         area = biggest_area()
@@ -84,7 +88,7 @@ class MapsInWindow(WindowCase):
         self.screenshot("maps_influences")
         self.assertGreater(counts[1], counts[0] + 500)
 
-    def test_undo_and_redo(self):
+    def test_undo_and_redo(self) -> Iterator[float]:
         self.make()
         with self.area("VIEW_3D"):
             bpy.ops.ed.undo_push(message="two poses")
@@ -103,7 +107,7 @@ class MapsInWindow(WindowCase):
         yield 0.5
         self.assertEqual([pose.name for pose in bpy.data.objects["Face"].rumple_maps.poses], ["Surprise"])
 
-    def test_the_bake_runs_modal_and_can_be_cancelled(self):
+    def test_the_bake_runs_modal_and_can_be_cancelled(self) -> Iterator[float]:
         self.make()
         self.settings.bake_size = 64
         window = bpy.context.window_manager.windows[0]

@@ -88,7 +88,7 @@ class Drawn(PreviewCase):
             wrinkles = self.held().drawing.waves.read_waves()[1][:, 2] > 0.05
             np.testing.assert_allclose(off[wrinkles], 0.0, atol=1e-3, err_msg=str(frame))
             drawn = self.held().drawing.waves.read_drawn()[:, 3]
-            shown = sleeve.picture(self.obj).attributes["rumple_amplitude"]
+            shown = self.in_renders().attributes["rumple_amplitude"]
             np.testing.assert_allclose(drawn[wrinkles], shown[wrinkles], atol=2e-3 * shown.max(), err_msg=str(frame))
         self.assertGreater(wrinkles.sum(), 20)
         self.assertEqual(begun, [])
@@ -187,7 +187,7 @@ class Exact(PreviewCase):
     def expected(self, at: np.ndarray) -> dict[str, np.ndarray]:
         """Of points (n, 2) of the sheet from above: by equations (5), (7), (8) from what the shader nodes read."""
         runtime = runtimes.of(self.obj)
-        model, shown = runtime.evaluator.model, runtime.result.attributes
+        model, shown = runtime.evaluator.model, self.in_renders().attributes
         positions, normals = model.weld_pose(runtime.inputs.positions)
         out = {name: np.full((len(at), width), np.nan) for name, width in (
             ("height", 1), ("normal", 3), ("smooth", 3), ("place", 3), ("u", 3), ("v", 3))}

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The random walk with a viewport that draws, timers that rebuild, and real undo."""
+from __future__ import annotations
+
 import os
+from typing import Iterator
 
 import bpy
 from rumple.blender.viewport import preview
@@ -10,7 +13,7 @@ from support.window_case import WindowCase
 
 class RandomWalk(WindowCase):
 
-    def test_many_steps(self):
+    def test_many_steps(self) -> Iterator[float]:
         areas = bpy.context.window_manager.windows[0].screen.areas
         max(areas, key=lambda a: a.width * a.height).type = "VIEW_3D"
         drawn = 0

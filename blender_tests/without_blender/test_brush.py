@@ -6,6 +6,7 @@ import math
 import unittest
 
 import numpy as np
+from rumple.core.base_mesh import BaseMesh
 from rumple.core.brush import LEAST_SPACING, LONGEST, Easel, Hand
 from rumple.core.engine import UserError
 from rumple.core.settings import FieldSettings
@@ -53,7 +54,7 @@ class HandLaws(unittest.TestCase):
 
 
 class EaselLaws(unittest.TestCase):
-    def easel(self, base=None) -> Easel:
+    def easel(self, base: BaseMesh | None = None) -> Easel:
         return Easel(WrinkleField.build(base or sheet(8, 8), FieldSettings()))
 
     def test_rigid_motion_does_not_change_what_is_painted(self) -> None:

@@ -14,6 +14,7 @@ import unittest
 from dataclasses import asdict
 from pathlib import Path
 from unittest import mock
+from typing import Any
 
 import numpy as np
 
@@ -157,7 +158,7 @@ class Names(unittest.TestCase):
 class Full:
     """A file on a disk that has so many bytes left. What is buffered may fail again when it is closed."""
 
-    def __init__(self, file, left: int) -> None:
+    def __init__(self, file: Any, left: int) -> None:
         self.file, self.left, self.waiting = file, left, b""
 
     def write(self, data: bytes) -> None:

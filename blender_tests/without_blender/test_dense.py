@@ -40,7 +40,7 @@ class Dense(unittest.TestCase):
         self.settings = settings_of(self.base)
         self.mesh = WrinkleMesh.build(self.base, self.settings)
 
-    def solve(self, frame: int, factor: float, **values: Any):
+    def solve(self, frame: int, factor: float, **values: Any) -> Any:
         positions = pushed_together(self.base, factor)
         return self.mesh.solve_frame(float(frame), positions, replace(self.settings, **values), {}, start=1)
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import unittest
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from rumple.core import frame_cache
+from rumple.core.base_mesh import BaseMesh
 from rumple.core.body import Body
 from rumple.core.engine import UserError
 from rumple.core.presets import MESH_PRESETS
@@ -18,7 +20,7 @@ SETTINGS = MeshSettings(density="LEVEL", level=2)
 FRAMES = range(1, 9)
 
 
-def clip(base) -> dict[int, np.ndarray]:
+def clip(base: BaseMesh) -> dict[int, np.ndarray]:
     """A tube squeezed more from frame to frame, then let go."""
     return {f: compressed(base.positions, 1.0 - 0.06 * min(f - 1, 9 - f)) for f in FRAMES}
 
@@ -29,7 +31,7 @@ class FrameLaws(unittest.TestCase):
         self.mesh = WrinkleMesh.build(self.base, SETTINGS)
         self.clip = clip(self.base)
 
-    def solve(self, frame: int, mesh: WrinkleMesh | None = None, settings: MeshSettings = SETTINGS):
+    def solve(self, frame: int, mesh: WrinkleMesh | None = None, settings: MeshSettings = SETTINGS) -> Any:
         return (mesh or self.mesh).solve_frame(float(frame), self.clip[frame], settings, {}, start=1)
 
     def play(self, mesh: WrinkleMesh | None = None) -> list[np.ndarray]:
@@ -281,7 +283,7 @@ class KeptApart(unittest.TestCase):
 
 
 class BadInput(unittest.TestCase):
-    def refused(self, base, settings=SETTINGS, **arguments) -> str:
+    def refused(self, base: BaseMesh, settings: Any = SETTINGS, **arguments: Any) -> str:
         with self.assertRaises(UserError) as caught:
             WrinkleMesh.build(base, settings, **arguments)
         return str(caught.exception)

@@ -10,7 +10,8 @@ from rumple.core.cloth import BaseCloth, stiffness_over_cotton
 from rumple.core.fabrics import COTTON, FABRICS, GRAVITY
 from rumple.core.presets import MESH_PRESETS, PATHS_PRESETS
 from rumple.core.settings import ClothSettings, MeshSettings
-from rumple.core.wrinkle_mesh import WrinkleMesh, halvings, layer_settings, layers_for, wavelength_of
+from rumple.core.layers import layer_settings
+from rumple.core.wrinkle_mesh import WrinkleMesh, halvings, layers_for, wavelength_of
 from support.meshes import compressed, tube
 
 CLOTH = MeshSettings(base_cloth="HANG", layers="CLOTH", room=0.02, thickness=0.002, hem_rings=0)

@@ -88,10 +88,11 @@ class Healing(unittest.TestCase):
         np.testing.assert_array_equal(np.sort(mesh.polygon_parent), np.sort(right.polygon_parent))
         self.assert_same_folds(positions, expected)
 
-    def test_the_larger_side_of_a_part_stays_as_it_is(self) -> None:
+    def test_the_larger_side_of_a_sheet_stays_and_a_tube_faces_outwards(self) -> None:
         most = list(range(70))
-        healed = turned(self.base, most).healed(True)
-        self.assertEqual(healed.origin.elements["turned"].tolist(), list(range(70, 120)))
+        self.assertEqual(turned(self.base, most).healed(True).origin.elements["turned"].tolist(), most)
+        flat = replace(self.base, positions=self.base.positions * np.array((1, 1, 0), np.float32))
+        self.assertEqual(turned(flat, most).healed(True).origin.elements["turned"].tolist(), list(range(70, 120)))
 
     def test_faces_that_lie_on_others_are_shown_with_the_same_wrinkles(self) -> None:
         for inside_out in (False, True):

@@ -256,14 +256,15 @@ class Handles(OnATube):
             with self.assertRaisesRegex(ValueError, "plan: expected a pointer, got NULL"):
                 getattr(lib, f"rumple_{name}_build")(surface, None, place)
             state = ctypes.byref(getattr(kernels, type(settings).__name__.replace("Settings", "State")).POINTER())
+            written = (None, None) if name == "wrinkle_field" else (None,)  # report, waves
             pose = ctypes.byref(getattr(kernels, type(settings).__name__.replace("Settings", "Pose")).POINTER())
             with self.assertRaisesRegex(ValueError, "frame: expected a pointer, got NULL"):
                 getattr(lib, f"rumple_{name}_pose_build")(model, None, pose)
             with self.assertRaisesRegex(ValueError, "pose: expected a pointer, got NULL"):
-                getattr(lib, f"rumple_{name}_solve")(model, settings, None, None, None, None, state)
+                getattr(lib, f"rumple_{name}_solve")(model, settings, None, None, None, *written, state)
             with self.assertRaisesRegex(ValueError, "settings: expected a pointer, got NULL"):
                 made = getattr(kernels, type(settings).__name__.replace("Settings", "Pose")).of(model, self.squeezed)
-                getattr(lib, f"rumple_{name}_solve")(model, None, None, made, None, None, state)
+                getattr(lib, f"rumple_{name}_solve")(model, None, None, made, None, *written, state)
 
     def test_what_was_refused_frees_nothing(self) -> None:
         for _ in range(3):

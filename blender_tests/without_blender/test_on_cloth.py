@@ -21,7 +21,8 @@ CLOTH = dict(base_cloth="HANG", room=0.02, thickness=0.002)
 FIELD = FieldSettings(output="GEOMETRY", wavelength=0.05, detail=4)
 SHADED = replace(FIELD, output="SHADING")
 PATHS = PathsSettings(width=0.02, detail=2, threshold=1.1, reference="STATIC_REST", smoothing=0.0)
-KINDS = {"FIELD": FIELD, "SHADED": SHADED, "PATHS": PATHS}
+KINDS = {"FIELD": FIELD, "SHADED": SHADED, "PATHS": PATHS, "DRAPED": replace(FIELD, drape=1.0),
+         "DRAPED PATHS": replace(PATHS, drape=1.0)}
 WEIGHTLESS = dict(gravity=0.0, slack=1.0)
 
 
@@ -65,6 +66,18 @@ class OnCloth(unittest.TestCase):
             cloth = BaseCloth(surface, metres / unit_scale, unit_scale)
             np.testing.assert_allclose(cloth.hidden_depth(), expected, rtol=1e-6)
 
+    # --- drape
+    def test_a_drape_folds_what_waves_and_paths_lie_on_and_nothing_without_a_base_cloth(self) -> None:
+        for settings in (FIELD, PATHS):
+            draped = replace(settings, drape=1.0)
+            plain, fine = self.build(settings), self.build(draped)
+            for frame in range(1, 6):
+                self.solve(plain, frame, on_cloth(settings, gravity=0.0))
+                self.solve(fine, frame, on_cloth(draped, gravity=0.0))
+            over = [wrinkles.solved_over(5.0, self.clip[5]) for wrinkles in (plain, fine)]
+            self.assertGreater(np.linalg.norm(over[1] - over[0], axis=1).max(), 2e-3)
+            self.same(self.solve(self.build(settings), 5, settings), self.solve(self.build(draped), 5, draped))
+
     # --- off
     def test_without_a_base_cloth_it_is_what_the_kernel_makes_of_the_animation(self) -> None:
         """Gravity's direction, what is painted for the cloth and a body far away change no bit."""
@@ -77,7 +90,7 @@ class OnCloth(unittest.TestCase):
                 plain = self.solve(fine, frame, settings)
                 self.same(plain, self.solve(other, frame, settings, paint=paint, body=far, world_from_object=turned))
             state = fine.state_of(8.0)
-            if name == "PATHS":
+            if isinstance(settings, PathsSettings):
                 shown = native.load().show_wrinkle_paths(fine.model, fine._native_settings(settings), self.clip[8],
                                                          state)
             else:
@@ -147,8 +160,8 @@ class OnCloth(unittest.TestCase):
     def test_at_rest_without_weight_and_slack_there_is_no_fold(self) -> None:
         for name, settings in KINDS.items():
             picture = self.solve(self.build(settings), 1, on_cloth(settings, **WEIGHTLESS), self.base.positions)
-            folded = picture.attributes["rumple_height" if name == "PATHS" else "rumple_amplitude"]
-            self.assertLess(float(np.abs(folded).max()), 2e-6 if name == "PATHS" else 2e-4, name)
+            folded = picture.attributes["rumple_height" if isinstance(settings, PathsSettings) else "rumple_amplitude"]
+            self.assertLess(float(np.abs(folded).max()), 2e-6 if isinstance(settings, PathsSettings) else 2e-4, name)
             self.assertLess(float(np.abs(picture.positions - fine_at_rest(self, settings)).max()), 2e-4, name)
 
     def test_waves_stand_where_the_cloth_is_compressed_and_nowhere_else(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import unittest
 from dataclasses import replace
-from typing import Any
+from typing import Any, Iterator
 
 import numpy as np
 import rumple_native as native
@@ -46,7 +46,7 @@ class OnATube(unittest.TestCase):
             return native.WrinkleFieldState(model, state.phase, state.direction, state.solved_offset, state.reference)
         return native.WrinklePathsState(model, state.arrays)
 
-    def each(self):
+    def each(self) -> Iterator[Any]:
         for system, settings in SYSTEMS:
             with self.subTest(system.__name__):
                 yield system, settings

@@ -5,21 +5,24 @@ from __future__ import annotations
 import os
 import unittest
 from pathlib import Path
+from typing import Any, Iterator
 
 import numpy as np
 import rumple_native as native
+from rumple.core.base_mesh import BaseMesh
 from support.meshes import compressed, tube
 
 DATA = Path(os.environ.get("RUMPLE_DATA", "../shared/data"))
 
 
-def make_model(base, level: int = 1):
+def make_model(base: BaseMesh, level: int = 1) -> Any:
     """The native model of a BaseMesh."""
     surface = native.build_surface(base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner)
     return native.build_wrinkle_paths(surface, level=level)
 
 
-def play(model, settings, frames: np.ndarray, rate: float, state=None, first: int = 0, labels=None):
+def play(model: Any, settings: Any, frames: Any, rate: float, state: Any = None,
+         first: int = 0, labels: Any = None) -> Iterator[Any]:
     """Yields (state, report) of frames[first:]."""
     paint = native.WrinklePathsPaint(model)
     for f in range(first, len(frames)):
@@ -131,15 +134,15 @@ class Clip:
         areas = 0.5 * np.linalg.norm(np.cross(quad[:, 2] - quad[:, 0], quad[:, 3] - quad[:, 1]), axis=1)
         self.area = np.bincount(shown.corner_vertex, np.repeat(areas / 4.0, 4))
 
-    def height(self, settings, frame: np.ndarray, state) -> np.ndarray:
+    def height(self, settings: Any, frame: np.ndarray, state: Any) -> np.ndarray:
         """Of every shown vertex, metres."""
         return native.show_wrinkle_paths(self.model, settings, np.ascontiguousarray(frame, np.float32), state).height
 
-    def folded(self, settings, frame: np.ndarray, state) -> float:
+    def folded(self, settings: Any, frame: np.ndarray, state: Any) -> float:
         """Area that stands out by more than a millimetre, square metres."""
         return float(self.area[np.abs(self.height(settings, frame, state)) > 1e-3].sum())
 
-    def hold(self, settings, state, frame: int, seconds: float, noise: float = 0.0):
+    def hold(self, settings: Any, state: Any, frame: int, seconds: float, noise: float = 0.0) -> Iterator[Any]:
         """Yields (state, report) of a pose that is held, with normal noise in metres."""
         rng, paint = np.random.default_rng(1), native.WrinklePathsPaint(self.model)
         for _ in range(round(seconds * self.rate)):
@@ -163,7 +166,7 @@ class RealClips(unittest.TestCase):
     GARMENTS = (("S1_walk_shirt", "shirt"), ("S1_walk_shirt", "trousers"), ("S2_squat_trousers", "trousers"),
                 ("S2_squat_trousers", "sweater"), ("S3_skirt_sim", "skirt"))
 
-    def look(self, clip: Clip, settings, labels=None) -> tuple[int, float]:
+    def look(self, clip: Clip, settings: Any, labels: Any = None) -> tuple[int, float]:
         """The most folds of a frame, and the mean change of height a frame where there is a fold, metres."""
         most, change, before = 0, [], None
         for state, report in play(clip.model, settings, clip.frames, clip.rate, labels=labels):

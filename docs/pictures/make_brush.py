@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Iterator
 
 import bpy
 from mathutils import Vector
@@ -23,7 +24,7 @@ STROKES = (((0.36, 0.30), (0.46, 0.66)), ((0.42, 0.28), (0.50, 0.64)), ((0.58, 0
            ((0.64, 0.30), (0.60, 0.60)))
 
 
-def steps():
+def steps() -> Iterator[float]:
     """One step a redraw."""
     window = bpy.context.window_manager.windows[0]
     shirt = bpy.data.objects["shirt"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Iterator
 
 import bpy
 import numpy as np
@@ -36,7 +37,7 @@ def view(area: bpy.types.Area) -> None:
     region.view_location, region.view_distance = sum(corners, Vector()) / 8.0 + Vector((0.0, 0.0, 0.2)), 1.6
 
 
-def steps():
+def steps() -> Iterator[float]:
     """One step a redraw."""
     window = bpy.context.window_manager.windows[0]
     area = max(window.screen.areas, key=lambda a: a.width * a.height)

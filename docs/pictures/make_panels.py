@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Iterator
 
 import bpy
 import numpy as np
@@ -36,7 +37,7 @@ def without_ground(pixels: np.ndarray) -> np.ndarray:
     return pixels[:used[-1] + 12]
 
 
-def steps():
+def steps() -> Iterator[float]:
     """One step a redraw."""
     area = max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height)
     for frame in range(1, FRAME + 1):

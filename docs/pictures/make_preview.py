@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Iterator
 
 import bpy
 import numpy as np
@@ -44,7 +45,7 @@ def look(area: bpy.types.Area) -> None:
     view.view_distance = 1.35
 
 
-def steps():
+def steps() -> Iterator[float]:
     """One step a redraw."""
     window = bpy.context.window_manager.windows[0]
     area = max(window.screen.areas, key=lambda a: a.width * a.height)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sphinx's settings for scripts/site. Nothing of the site is loaded from elsewhere."""
+from __future__ import annotations
+
 import os
 import re
 import sys

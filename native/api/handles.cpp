@@ -26,6 +26,18 @@ rumple_shown_mesh::rumple_shown_mesh(const ShownMesh& shown)
     for (const SurfacePoint& place : shown.places) barycentric.push_back({place.b0, place.b1});
 }
 
+std::shared_ptr<const PosedCollider> rumple_collider::in(std::span<const Vec3> positions) const {
+    std::shared_ptr<const PosedCollider> last;
+    {
+        const std::lock_guard lock(mutex_);
+        last = last_;
+    }
+    if (last && last->is_at(positions)) return last;
+    auto posed = std::make_shared<const PosedCollider>(collider, positions);
+    const std::lock_guard lock(mutex_);
+    return last_ = std::move(posed);
+}
+
 namespace rumple::api {
 
 FineSource fine_source(const rumple_fine_plan& plan) {
@@ -47,13 +59,9 @@ rumple_fine_plan fine_plan(const FineSource& source) {
             source.longest_edge,  source.most_vertices, RUMPLE_ATTACH_LIMIT};
 }
 
-std::optional<PosedCollider> posed(const rumple_bodies* bodies) {
-    std::optional<PosedCollider> out;
-    if (bodies && bodies->collider) {
-        out.emplace(bodies->collider->collider,
-                    vectors(bodies->positions, bodies->positions_count, "bodies.positions"));
-    }
-    return out;
+std::shared_ptr<const PosedCollider> posed(const rumple_bodies* bodies) {
+    if (!bodies || !bodies->collider) return nullptr;
+    return bodies->collider->in(vectors(bodies->positions, bodies->positions_count, "bodies.positions"));
 }
 
 std::span<const Vec3> positions_of(const rumple_pose* pose) {

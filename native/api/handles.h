@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <variant>
 
@@ -32,7 +33,17 @@ struct rumple_shown_mesh {
 };
 
 struct rumple_collider {
-    rumple::Collider collider;
+    explicit rumple_collider(rumple::Collider&& of) : collider(std::move(of)) {}
+
+    // In the pose of a frame. The one of the call before, where that is the same to the bit: the base cloth
+    // and the layers of a frame ask one after the other. From any number of threads.
+    std::shared_ptr<const rumple::PosedCollider> in(std::span<const rumple::Vec3> positions) const;
+
+    const rumple::Collider collider;
+
+  private:
+    mutable std::mutex mutex_;
+    mutable std::shared_ptr<const rumple::PosedCollider> last_;
 };
 
 struct rumple_frame {
@@ -79,8 +90,8 @@ FineSource fine_source(const rumple_fine_plan& plan);
 AttachmentKind attachment_kind(const rumple_fine_plan& plan);
 rumple_fine_plan fine_plan(const FineSource& source);
 
-// Bodies of a frame, posed; none for none. The collider and the positions must outlive them.
-std::optional<PosedCollider> posed(const rumple_bodies* bodies);
+// Bodies of a frame, posed; none for none. The collider must outlive them.
+std::shared_ptr<const PosedCollider> posed(const rumple_bodies* bodies);
 
 // Positions of a frame, and when it is.
 std::span<const Vec3> positions_of(const rumple_pose* pose);

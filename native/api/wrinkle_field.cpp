@@ -233,21 +233,24 @@ rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
                                          const rumple_wrinkle_field_paint* paint,
                                          const rumple_wrinkle_field_pose* pose,
                                          const rumple_wrinkle_field_state* before,
-                                         rumple_wrinkle_field_report* report,
+                                         rumple_wrinkle_field_report* report, rumple_waves** waves,
                                          rumple_wrinkle_field_state** state) {
     return made(state, "state", [&] {
         const rumple_wrinkle_field& m = given(model, "model");
         const auto* from = of_model(before, m, "state");
         const auto& at = given_of_model(pose, m, "pose");
         Report how;
+        Waves field;
         State solved = sound_from(from ? &from->state : nullptr, [&](const State* last) {
             return solve(*m.model, field_settings(settings), paint_in(m, paint), at.pose, last, how,
-                         at.arrays.frame_time());
+                         at.arrays.frame_time(), &field);
         });
         if (report) {
             *report = {how.rounds,         how.misfit_before, how.misfit_after,
                        how.largest_change, how.wrinkled,      how.collapsed};
         }
+        // Waves that are not finite are not given: show() refuses the frame.
+        if (waves) *waves = is_sound(field) ? new rumple_waves{m.model, std::move(field)} : nullptr;
         return new rumple_wrinkle_field_state{m.model, std::move(solved)};
     });
 }
@@ -257,16 +260,21 @@ rumple_status rumple_wrinkle_field_show(const rumple_wrinkle_field* model,
                                         const rumple_wrinkle_field_profile* profile,
                                         const rumple_wrinkle_field_paint* paint,
                                         const rumple_wrinkle_field_pose* pose, const float* gap,
-                                        size_t gap_count, const rumple_wrinkle_field_state* state,
-                                        rumple_frame** frame) {
+                                        size_t gap_count, const rumple_waves* waves,
+                                        const rumple_wrinkle_field_state* state, rumple_frame** frame) {
     return made(frame, "frame", [&] {
         const rumple_wrinkle_field& m = given(model, "model");
         const auto& at = given_of_model(pose, m, "pose");
         const auto inwards = values(gap, gap_count, "gap");
         expect_range("gap", inwards, 0.0, kFarthestCoordinate);
-        return new_frame(m.model, sound(show(*m.model, field_settings(settings), profile_in(profile),
-                                             paint_in(m, paint), at.arrays.positions, at.pose,
-                                             given_of_model(state, m, "state").state, inwards)));
+        const State& solved = given_of_model(state, m, "state").state;
+        const Settings options = field_settings(settings);
+        const Profile shape = profile_in(profile);
+        const Paint& painted = paint_in(m, paint);
+        const auto* estimated = of_model(waves, m, "waves");
+        const Waves shown = estimated ? shown_waves(*m.model, options, shape, estimated->waves, solved)
+                                      : shown_waves(*m.model, options, shape, painted, at.pose, solved);
+        return new_frame(m.model, sound(show(*m.model, shown, shape, at.arrays.positions, solved, inwards)));
     });
 }
 

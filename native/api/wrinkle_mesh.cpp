@@ -47,6 +47,7 @@ static void pair_fields(rumple_wrinkle_mesh_settings& c, Settings& native, const
     pair(c.normal_pull, native.normal_pull);
     pair(c.slack, native.slack);
     pair(c.taut_range, native.taut_range);
+    pair(c.hang, native.hang);
     pair(c.apart, native.apart);
     pair(c.slide, native.slide);
     pair(c.nudge, native.nudge);

@@ -31,7 +31,7 @@ inline constexpr double kZeroArea = 1e-6;
 // rounding of zero; real weights of eight subdivision levels are above 1e-5.
 inline constexpr float kZeroWeight = 1e-6f;
 
-// Unit: metres over metres. An edge may exceed the longest length asked for by
+// Unit: none (length over length). An edge may exceed the longest length asked for by
 // this, so that a length equal but for rounding is not split once more.
 inline constexpr double kLengthSlack = 1e-6;
 
@@ -47,7 +47,7 @@ inline constexpr float kPacketTieSlack = 1e-4f;
 // Unit: none, relative to a coordinate: four units in its last place.
 inline constexpr float kPlaceRounding = 2.4e-7f;
 
-// Unit: metres. Edges shorter than this, and triangles of less than its square,
+// Unit: object units. Edges shorter than this, and triangles of less than its square,
 // have no direction: their frames are zero vectors. Far below any cloth, far
 // above the smallest float whose square is still a float.
 inline constexpr float kShortestEdge = 1e-12f;
@@ -131,7 +131,7 @@ inline constexpr float kStillSwing = 1e-2f;
 // Unit: room of the base cloth. Nearer to the inner surface than this, a vertex rests on it.
 inline constexpr float kTouching = 1e-2f;
 
-// Unit: metres. A point so near to a body lies on it: the way there is a rounding, and has no direction.
+// Unit: object units. A point so near to a body lies on it: the way there is a rounding and has no direction.
 inline constexpr float kOnBody = 1e-5f;
 
 // Unit: none (cosine). Surfaces face one another when their normals are this far apart: a right angle, as

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A sleeve of 1,500 coarse vertices that bends over a body of 20,000 triangles, by stage: what is under it,
-// the base cloth (Hang, Swing), and the wide layers on it (Drape and Folds) without and with the bound by
-// their own cloth. All on one core.
+// the base cloth (Hang, Swing), the wide layers on it (Drape and Folds) without and with the bound by their
+// own cloth, all three layers of the first click, and what is shown of them. Each stage has those before it
+// in its time. All on one core.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -37,10 +38,10 @@ struct Scene {
     std::unique_ptr<Collider> collider;
     std::vector<std::vector<Vec3>> poses, body_poses;
 
-    Scene() {
+    explicit Scene(Index levels) {
         const Surface surface = tests::build(sleeve);
         cloth = base_cloth::build(surface);
-        layers = wrinkle_mesh::build_layers(surface, 1, 0, 1'000'000);
+        layers = wrinkle_mesh::build_layers(surface, levels, 1, 1'000'000);
         const Surface under = tests::build(body);
         std::vector<std::array<Index, 3>> triangles;
         for (const Triangle& t : under.triangles) {
@@ -57,20 +58,21 @@ struct Scene {
     }
 };
 
-enum Stage { kBody, kHang, kSwing, kWideLayers, kBoundLayers };
+enum Stage { kBody, kHang, kSwing, kWideLayers, kBoundLayers, kThreeLayers, kShown };
 
 wrinkle_mesh::Settings layer_settings(Stage stage) {
     wrinkle_mesh::Settings out{.inside = 0.6f, .tangential_pull = 0.2f, .normal_pull = 0.02f, .threads = 1};
-    if (stage == kBoundLayers) out.apart = out.slide = 0.45f;
+    if (stage >= kBoundLayers) out.apart = out.slide = 0.45f;
     return out;
 }
 
 void frames(benchmark::State& bench, Stage until) {
-    const Scene scene;
+    const Scene scene(until >= kThreeLayers ? 2 : 1);
     const std::vector<wrinkle_mesh::Settings> settings(scene.layers->layers.size(), layer_settings(until));
     const std::vector<wrinkle_mesh::Paint> paint(settings.size());
     base_cloth::State cloth_state;
     wrinkle_mesh::LayersState layers_state;
+    wrinkle_mesh::Picture picture;
     bool first = true;
     size_t frame = 0;
     for (auto _ : bench) {
@@ -93,6 +95,10 @@ void frames(benchmark::State& bench, Stage until) {
             layers_state = wrinkle_mesh::solve(*scene.layers, settings, paint, input,
                                                first ? nullptr : &layers_state, reports);
         }
+        if (until == kShown) {
+            wrinkle_mesh::show(*scene.layers, scene.poses[at], cloth.positions, layers_state, picture);
+            benchmark::DoNotOptimize(picture.positions.data());
+        }
         first = false;
     }
 }
@@ -102,6 +108,8 @@ BENCHMARK_CAPTURE(frames, body_and_base_cloth, kHang)->Unit(benchmark::kMillisec
 BENCHMARK_CAPTURE(frames, body_and_base_cloth_that_swings, kSwing)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(frames, body_base_cloth_and_wide_layers, kWideLayers)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(frames, body_base_cloth_and_bound_layers, kBoundLayers)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frames, body_base_cloth_and_three_layers, kThreeLayers)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frames, body_base_cloth_three_layers_shown, kShown)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace rumple

@@ -70,8 +70,10 @@ void solve(World& world, Bytes& bytes) {
     const auto before = world.field_states.pick_of(model.model, bytes);
     const auto settings = field_settings(bytes);
     rumple_wrinkle_field_report report;
+    rumple_waves* waves = nullptr;
     auto* state = MAKE(rumple_wrinkle_field_state, rumple_wrinkle_field_solve, model.handle, &settings,
-                       paint.handle, pose.handle, before.handle, &report);
+                       paint.handle, pose.handle, before.handle, &report, &waves);
+    world.waves.add(waves, model.base, model.model);
     expect_of_model(state ? RUMPLE_OK : RUMPLE_INVALID, model.model, "field", pose, paint, before);
     if (state) expect_finite("field report", &report.misfit_before, 3);
     keep_state(world, state, model.base, model.model);
@@ -85,9 +87,11 @@ void show(World& world, Bytes& bytes) {
     const auto settings = field_settings(bytes);
     const auto profile = field_profile(bytes);
     const Floats gap(values(model.base ? size_t(model.base->vertices) : 3, 0.0f, 0.2f, bytes), 1, bytes);
+    const std::uint8_t given = bytes.byte();
+    const rumple_waves* estimated = given % 4 == 3 ? world.waves.newest_of(model.model).handle : nullptr;
     auto* frame =
         MAKE(rumple_frame, rumple_wrinkle_field_show, model.handle, &settings, &profile, paint.handle,
-             pose.handle, gap.pointer, bytes.byte() % 2 == 1 ? gap.count : 0, state.handle);
+             pose.handle, gap.pointer, given % 2 == 1 ? gap.count : 0, estimated, state.handle);
     expect_of_model(frame ? RUMPLE_OK : RUMPLE_INVALID, model.model, "field", pose, paint, state);
     rumple_frame_waves_view waves;
     if (frame && CALL(rumple_frame_get_waves, frame, &waves) == RUMPLE_OK) {

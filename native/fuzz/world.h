@@ -56,7 +56,9 @@ class Pool {
     }
     // One that was made for a model: mostly of the one that is asked for, else of any.
     Entry<T> pick_of(int model, Bytes& bytes) const {
-        if (bytes.byte() >= 240) return pick(bytes);
+        return bytes.byte() >= 240 ? pick(bytes) : newest_of(model);
+    }
+    Entry<T> newest_of(int model) const {
         for (size_t i = entries_.size(); i-- > 0;) {
             if (entries_[i].model == model) return entries_[i];
         }

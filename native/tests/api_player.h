@@ -70,11 +70,11 @@ inline System play_field(const Sheet& sheet) {
                 if (rumple_wrinkle_field_pose_build(model.get(), &in, &pose) != RUMPLE_OK) return {};
                 const auto keep = owned(pose, rumple_wrinkle_field_pose_free);
                 if (rumple_wrinkle_field_solve(model.get(), &settings, nullptr, pose, before.get(), nullptr,
-                                               &state) != RUMPLE_OK)
+                                               nullptr, &state) != RUMPLE_OK)
                     return {};
                 before = owned(state, rumple_wrinkle_field_state_free);
                 if (rumple_wrinkle_field_show(model.get(), &settings, &profile, nullptr, pose, nullptr, 0,
-                                              state, &frame) != RUMPLE_OK)
+                                              nullptr, state, &frame) != RUMPLE_OK)
                     return {};
                 const auto keep_frame = owned(frame, rumple_frame_free);
                 rumple_frame_view view;

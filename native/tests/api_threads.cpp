@@ -79,5 +79,39 @@ TEST(ApiThreads, AskTogetherForArraysThatNobodyHasAskedFor) {
     rumple_wrinkle_paths_free(model);
 }
 
+// A collider keeps the pose that it was asked for last.
+TEST(ApiThreads, ShareAColliderThatIsPosedInTurns) {
+    const Sheet sheet;
+    rumple_base_cloth* model = nullptr;
+    ASSERT_EQ(rumple_base_cloth_build(sheet.surface(), &model), RUMPLE_OK) << rumple_error();
+    const std::vector<std::vector<float>> poses{{-1, -1, -0.005f, 3, -1, -0.005f, -1, 3, -0.005f},
+                                                {-1, -1, -0.001f, 3, -1, -0.001f, -1, 3, -0.001f}};
+    const int32_t triangle[] = {0, 1, 2};
+    rumple_collider* collider = nullptr;
+    ASSERT_EQ(rumple_collider_build(poses[0].data(), 3, triangle, 1, &collider), RUMPLE_OK) << rumple_error();
+    const auto cloth_over = [&](const std::vector<float>& body) {
+        const rumple_base_cloth_settings settings = rumple_base_cloth_settings_default();
+        const rumple_bodies bodies{collider, body.data(), 3};
+        rumple_base_cloth_state* state = nullptr;
+        EXPECT_EQ(rumple_base_cloth_solve(model, &settings, nullptr, sheet.positions.data(), 4, &bodies,
+                                          nullptr, nullptr, &state),
+                  RUMPLE_OK)
+            << rumple_error();
+        rumple_base_cloth_state_view view{};
+        EXPECT_EQ(rumple_base_cloth_state_get_view(state, &view), RUMPLE_OK);
+        const std::vector<float> positions(view.positions, view.positions + 12);
+        rumple_base_cloth_state_free(state);
+        return positions;
+    };
+    const std::vector<float> alone[] = {cloth_over(poses[0]), cloth_over(poses[1])};
+    EXPECT_NE(alone[0], alone[1]);
+    together([&](int number) {
+        for (int turn = 0; turn < 8; ++turn)
+            EXPECT_EQ(cloth_over(poses[(number + turn / 2) % 2]), alone[(number + turn / 2) % 2]);
+    });
+    rumple_collider_free(collider);
+    rumple_base_cloth_free(model);
+}
+
 }  // namespace
 }  // namespace rumple::api

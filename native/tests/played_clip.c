@@ -229,12 +229,15 @@ static void play_field(const char* name, const garment* g, int threads,
     for (int frame = 0; frame < FRAMES; ++frame) {
         const rumple_pose at = pose_at(frame, g, clip[frame][0]);
         rumple_wrinkle_field_pose* pose = NULL;
+        rumple_waves* waves = NULL;
         rumple_frame* shown = NULL;
         check(rumple_wrinkle_field_pose_build(model, &at, &pose));
-        check(rumple_wrinkle_field_solve(model, &settings, NULL, pose, state, NULL, &next));
+        check(rumple_wrinkle_field_solve(model, &settings, NULL, pose, state, NULL, &waves, &next));
         rumple_wrinkle_field_state_free(state);
         state = next;
-        check(rumple_wrinkle_field_show(model, &settings, &profile, NULL, pose, NULL, 0, state, &shown));
+        check(
+            rumple_wrinkle_field_show(model, &settings, &profile, NULL, pose, NULL, 0, waves, state, &shown));
+        rumple_waves_free(waves);
         rumple_wrinkle_field_pose_free(pose);
         add_frame(&hash, shown);
     }

@@ -36,6 +36,41 @@ TEST(WrinkleFieldLaws, RestAndRigidMotionGiveNoWrinkles) {
     }
 }
 
+// What solve() hands on is to the bit what show() would estimate again: from the start, from the frame
+// before, where the direction turned by more than a right angle, and where nothing is compressed more one way
+// than another.
+TEST(WrinkleFieldLaws, WavesOfTheSolveAreThoseThatAreShown) {
+    const auto squeezed = [](float x, float y) {
+        return [=](const Vec3& p) { return Vec3(x * p.x, y * p.y, p.z + 0.02f * std::sin(7.0f * p.x)); };
+    };
+    for (const Reference reference : {Reference::kStaticRest, Reference::kRestPose}) {
+        for (const MeshData& mesh : bases()) {
+            Field field(mesh);
+            field.settings.irregularity = 0.5f;
+            field.settings.rest.reference = reference;
+            State before;
+            FrameTime now;
+            for (const auto& [x, y] : {std::pair{0.7f, 1.0f}, {1.0f, 0.6f}, {1.0f, 1.0f}, {0.8f, 0.8f}}) {
+                const Pose3 pose = moved(mesh, squeezed(x, y));
+                now.time += 1.0 / 30.0;
+                Report unused;
+                Waves solved;
+                const Pose at = make_pose(*field.model, pose);
+                const State state = solve(*field.model, field.settings, {}, at,
+                                          before.phase.empty() ? nullptr : &before, unused, now, &solved);
+                const Waves handed_on = shown_waves(*field.model, field.settings, sine(), solved, state);
+                const Waves again = field.shown_waves(pose, state);
+                EXPECT_TRUE(same_bits(handed_on.wave_vector, again.wave_vector));
+                EXPECT_TRUE(same_bits(handed_on.height, again.height));
+                EXPECT_TRUE(same_bits(handed_on.gather, again.gather));
+                EXPECT_TRUE(same_bits(handed_on.compression, again.compression));
+                EXPECT_TRUE(same_bits(handed_on.direction, again.direction));
+                before = state;
+            }
+        }
+    }
+}
+
 TEST(WrinkleFieldLaws, UniformStretchGivesNoHeight) {
     for (const MeshData& mesh : bases()) {
         const Waves waves = Field(mesh).estimate_waves(scaled(mesh, Vec3(1.3f)));

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "base/errors.h"
 #include "tests/wrinkle_mesh_stack.h"
 
 namespace rumple::tests {
@@ -39,27 +40,50 @@ TEST(WrinkleMeshLayers, TautClothHasNoFolds) {
     EXPECT_GT(highest(0.99f, 0.03f), 2e-3f);
 }
 
+// Sums of the squares of how much pairs climb that lie along x, and along y.
+std::array<double, 2> slopes(const Stack& stack, const Vec3& stretch, const Settings& settings) {
+    const Pose3 pose = stack.moved([&](const Vec3& p) { return p * stretch; });
+    const LayersState state = stack.solve({pose}, alike(stack.count(), settings));
+    const Model& finest = *stack.layers->layers.back();
+    std::array<double, 2> sum{};
+    for (size_t i = 0; i < finest.distance.size(); ++i) {
+        const Index a = finest.distance.a[i], b = finest.distance.b[i];
+        const Vec3 rest = finest.positions_rest[b] - finest.positions_rest[a];
+        const double climb = state.solved[b].z - state.solved[a].z;
+        if (std::abs(rest.y) < 1e-4f) sum[0] += climb * climb;
+        if (std::abs(rest.x) < 1e-4f) sum[1] += climb * climb;
+    }
+    return sum;
+}
+
 // Taut along y, slack along x: lines along y stay as straight as they were, lines across them fold.
 TEST(WrinkleMeshLayers, FoldsRunAlongThePull) {
     const Stack stack(grid(8, 6, 0.05f), 1);
-    const Pose3 pose = stack.moved([](const Vec3& p) { return p * Vec3(0.98f, 1.02f, 1.0f); });
-    const auto slopes = [&](float taut_range) {
-        const LayersState state = stack.solve({pose}, alike(stack.count(), wide(taut_range)));
-        const Model& finest = *stack.layers->layers.back();
-        std::array<double, 2> sum{};  // of squares: along x, along y
-        for (size_t i = 0; i < finest.distance.size(); ++i) {
-            const Index a = finest.distance.a[i], b = finest.distance.b[i];
-            const Vec3 rest = finest.positions_rest[b] - finest.positions_rest[a];
-            const double climb = state.solved[b].z - state.solved[a].z;
-            if (std::abs(rest.y) < 1e-4f) sum[0] += climb * climb;
-            if (std::abs(rest.x) < 1e-4f) sum[1] += climb * climb;
-        }
-        return sum;
-    };
-    const auto everywhere = slopes(0.0f), along = slopes(0.03f);
+    const Vec3 pulled(0.98f, 1.02f, 1.0f);
+    const auto everywhere = slopes(stack, pulled, wide(0.0f)), along = slopes(stack, pulled, wide(0.03f));
     EXPECT_GT(everywhere[1], 0.2 * everywhere[0]);
     EXPECT_LT(along[1], 0.15 * along[0]);
     EXPECT_GT(along[0], 0.8 * everywhere[0]);
+}
+
+// The same where nothing is stretched, but y hangs down: a leg of trousers has long folds, and no rings.
+TEST(WrinkleMeshLayers, FoldsRunAlongTheHang) {
+    const Stack stack(grid(8, 6, 0.05f), 1);
+    const Vec3 slack(0.98f, 0.99f, 1.0f);
+    Settings hanging = wide(0.03f);
+    hanging.hang = Vec3(0.0f, -1.0f, 0.0f);
+    const auto free = slopes(stack, slack, wide(0.03f)), along = slopes(stack, slack, hanging);
+    EXPECT_GT(free[1], 0.2 * free[0]);
+    EXPECT_LT(along[1], 0.5 * free[1]);
+    EXPECT_LT(along[1], 0.35 * along[0]);
+    // At rest along the hang there is no more cloth than there is room for; compressed along it, there is.
+    const Vec3 at_rest(1.0f), squeezed(1.0f, 0.9f, 1.0f);
+    EXPECT_LT(slopes(stack, at_rest, hanging)[1], 0.2 * slopes(stack, at_rest, wide(0.03f))[1]);
+    EXPECT_GT(slopes(stack, squeezed, hanging)[1], 4.0 * slopes(stack, at_rest, hanging)[1]);
+    hanging.hang = Vec3(0.0f, 0.0f, -1.0f);  // it lies: nothing is pulled
+    EXPECT_EQ(slopes(stack, slack, hanging), free);
+    hanging.hang = Vec3(0.0f, -2.0f, 0.0f);
+    EXPECT_THROW(slopes(stack, slack, hanging), InvalidInput);
 }
 
 // ---------------------------------------------------------------- the pull back

@@ -2,6 +2,7 @@
 """A coarse mesh at rest, checked. Never imports bpy."""
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Callable
 
@@ -12,6 +13,7 @@ from .healing import Origin, origin_of, origin_of_itself
 from .rigid_parts import RigidParts
 from .wording import user_error
 
+MOST_LEVEL = 5  # subdivisions
 RAISE_MOST = "raise Most Vertices"  # how the limit on a fine mesh is lifted
 
 
@@ -70,6 +72,10 @@ class BaseMesh:
         following = np.arange(1, len(self.corner_vertex) + 1)
         following[self.polygon_start[1:] - 1] = self.polygon_start[:-1]
         return np.stack([self.corner_vertex, self.corner_vertex[following]], 1)
+
+    def level_for(self, longest: float, unit_scale: float) -> int:
+        """How often it is subdivided for edges of about `longest` metres. unit_scale: metres per object unit."""
+        return min(math.ceil(math.log2(max(self.mean_edge() * unit_scale / longest, 1.0))), MOST_LEVEL)
 
     def level_within(self, level: int, steps: int, most_vertices: int) -> tuple[int, list[str]]:
         """Of affordable_level(): as many subdivisions as are asked for, or fewer, and what to say then."""

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+INSIDE_OUT = 0.03  # volume over area^1.5 from which a surface has an inside, as for garments (heal_winding.cpp)
+
 
 @dataclass(frozen=True)
 class Body:
@@ -22,3 +24,19 @@ class Body:
         """Whether both are the same surfaces at the same places, to the bit."""
         return (other is not None and np.array_equal(self.positions, other.positions)
                 and np.array_equal(self.triangles, other.triangles))
+
+
+def facing_outwards(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """The triangles (t, 3), turned where the surface (n, 3) is inside out: Blender shows such a body as any other.
+
+    Holes, as where skin was deleted under clothes, do not count: the volume is measured from the surface's middle.
+    """
+    a, b, c = (positions[triangles[:, k]].astype(np.float64) for k in range(3))
+    half = 0.5 * np.cross(b - a, c - a)
+    areas = np.linalg.norm(half, axis=1)
+    area = areas.sum()
+    if not area > 0.0:
+        return triangles
+    middle = (areas[:, None] * a).sum(0) / area
+    volume = ((a - middle) * half).sum() / 3.0
+    return triangles[:, ::-1] if volume < -INSIDE_OUT * area ** 1.5 else triangles

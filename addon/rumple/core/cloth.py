@@ -37,14 +37,18 @@ class ClothFrame:
     state: Any
     report: Any
     frame_input: "SwingInput | None" = None  # of cloth that swings
+    drape: Any = None  # native state of the wide folds that are in the positions: drape.py
 
     @property
     def nbytes(self) -> int:
-        return self.positions.nbytes + self.gap.nbytes + self.body_hint.nbytes + self.state.nbytes
+        drape = self.drape.nbytes if self.drape is not None else 0
+        return self.positions.nbytes + self.gap.nbytes + self.body_hint.nbytes + self.state.nbytes + drape
 
     def activated(self) -> "ClothFrame | None":
         """For a solve with other settings: what hangs starts anew, what swings keeps its motion."""
-        return replace(self, state=self.state.activated()) if self.frame_input is not None else None
+        if self.frame_input is None:
+            return None
+        return replace(self, state=self.state.activated(), drape=None)
 
 
 @dataclass
@@ -83,7 +87,7 @@ class BaseCloth:
         object_from_world = np.linalg.inv(world_from_object)
         if paint is not self._painted or settings.up != self._up:
             self._take_paint(paint, settings.up)
-        options = self._native_settings(settings, object_from_world)
+        options = self._native_settings(settings, world_from_object)
         frame = (self._paint, positions, self.collider(body), body.positions if body is not None else None,
                  before.state if before is not None else None)
         if settings.base_cloth != "SWING":
@@ -142,14 +146,12 @@ class BaseCloth:
             setattr(options, name, getattr(options, name) * to_scale)
         return options
 
-    def _native_settings(self, settings: ClothSettings, object_from_world: np.ndarray) -> Any:
+    def _native_settings(self, settings: ClothSettings, world_from_object: np.ndarray) -> Any:
         options = self._settings_to_scale()
         to_scale = self.size_factor / self.unit_scale
         for name in ("compression", "folded", "smoothing"):
             setattr(options, name, getattr(options, name) * stiffness_over_cotton(settings.bending_length))
-        down = object_from_world @ np.array((0.0, 0.0, -1.0))
-        length = float(np.linalg.norm(down))
-        gravity = GRAVITY * settings.gravity * to_scale * (down / length if length > 0.0 else down)
+        gravity = GRAVITY * settings.gravity * to_scale * downwards(world_from_object)
         options.gravity = tuple(float(g) for g in gravity)
         if settings.base_cloth == "OFF":
             options.steps = options.start_steps = 0  # the animated mesh, out of the body
@@ -157,6 +159,13 @@ class BaseCloth:
         options.slack, options.room = settings.slack, settings.room / self.unit_scale
         options.thickness = self.thickness(settings)
         return options
+
+
+def downwards(world_from_object: np.ndarray | None) -> np.ndarray:
+    """(3,) unit: where things fall, in object space. world_from_object: (3, 3); None: the identity."""
+    down = np.linalg.inv(_invertible(world_from_object)) @ np.array((0.0, 0.0, -1.0))
+    length = float(np.linalg.norm(down))
+    return down / length if length > 0.0 else down
 
 
 def suggested_follow(surface: Any, up: str) -> np.ndarray:

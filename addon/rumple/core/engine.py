@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Callable
 
 import numpy as np
@@ -18,8 +18,9 @@ from . import wording
 from .base_mesh import BaseMesh
 from .body import Body
 from .cloth import ClothFrame, suggested_follow
-from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from .frame_cache import CachedFrame, FrameCache, digest_of
+from .frame_input import FrameInput
+from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
 from .shown_mesh import ShownMesh, ViewportMesh
 from .surroundings import Surroundings
@@ -27,27 +28,6 @@ from .surroundings import Surroundings
 MOST_VERTICES = 4_000_000
 UserError = wording.UserError  # for those who see the engine only
 PROFILE = "profile"  # the paint that is a table, not a value for each vertex
-
-
-@dataclass(frozen=True)
-class FrameInput:
-    """When and where a frame is solved."""
-
-    frame: float
-    seconds: float
-    world_from_object: np.ndarray | None  # (3, 3) float32, where the system reads it
-    animated: np.ndarray  # (n, 3) what the shown mesh is embedded in
-    labels: np.ndarray | None = None  # (t,) uint8, cut for the whole clip: see Wrinkles.analyze_clip()
-    next_seconds: float = 0.0  # of the frame to come ...
-    next_positions: np.ndarray | None = None  # ... where it is known
-    body: Body | None = None  # what cloth stays outside of
-    cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
-    surroundings: Surroundings = Surroundings()  # where the system reads them
-    in_viewport: bool = False  # the mesh that viewports show is asked for: Wrinkles.in_viewport
-
-    def in_time(self) -> tuple[float, np.ndarray | None, np.ndarray | None, float]:
-        """As native poses take it."""
-        return self.seconds, self.labels, self.next_positions, self.next_seconds
 
 
 class Wrinkles(ShownMesh):
@@ -110,42 +90,59 @@ class Wrinkles(ShownMesh):
                      start: int, world_from_object: np.ndarray | None, frame_rate: float,
                      following: tuple[float, np.ndarray] | None, for_preview: bool, body: Body | None,
                      surroundings: Surroundings, in_viewport: bool) -> FrameResult | PreviewFrame:
-        swings = settings.swings
-        timed = swings or self._reads_time(settings)
+        timed = settings.swings or self._reads_time(settings)
         chosen = self._take_inputs(frame, settings, paint, start, frame_rate if timed else 0.0)
         world = (self._reads_world(settings) or settings.base_cloth != "OFF") and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
         labels = self._seen(frame, positions) if body is None else None
         coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
         frame_input = FrameInput(frame, frame / frame_rate, matrix, positions, labels, *coming, body,
-                                 surroundings=surroundings if swings else Surroundings(), in_viewport=in_viewport)
-        digest = digest_of(chosen, positions, matrix, labels, frame_input.next_positions,
-                           *(body.arrays() if body else ()),
-                           *([surroundings.array()] if swings else ()))
+                                 surroundings=surroundings if settings.swings else Surroundings(),
+                                 in_viewport=in_viewport)
+        began = time.perf_counter()
+        cached, replayed, pose = self._stored(settings, chosen, start, frame_input, for_preview)
+        if for_preview and cached.waits:
+            return PreviewFrame(replayed=replayed)
+        solved = time.perf_counter()
+        result = self._result_of(settings, cached, pose, replace(frame_input, cloth=cloth_of(cached.state)),
+                                 for_preview)
+        result.report, result.replayed = cached.report, replayed
+        result.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
+        result.unplayed = settings.swings and not cached.final
+        return result
+
+    def _stored(self, settings: Any, chosen: bytes, start: int, frame_input: FrameInput,
+                for_preview: bool) -> tuple[CachedFrame, bool, Any]:
+        """The entry of a frame, which is solved and stored where it was not; whether it was; and the pose that it was
+        solved in now. chosen: digest of the settings."""
+        frame, digest = frame_input.frame, frame_input.digest(chosen, settings.swings)
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
         cached = self.frame_cache.get(frame)
-        began = time.perf_counter()
-        replayed = cached is not None and cached.inputs == digest and (cached.final or not final)
-        pose = None
-        if cached is None or not replayed:
-            state = before.state if before is not None else None
-            state, report, pose = self._solve_over(settings, self._positions_solved(positions), state,
-                                                   before is not None and before.chosen == chosen, frame_input)
-            cached = CachedFrame(state, digest, chosen, final, report)
-            self.frame_cache.put(frame, cached)
-        solved = time.perf_counter()
-        frame_input = replace(frame_input, cloth=cloth_of(cached.state))
+        if cached is not None and cached.inputs == digest and (cached.final or not final):
+            return cached, True, None
+        same_settings, pose = before is not None and before.chosen == chosen, None
+        if for_preview and before is not None and self._may_wait(settings, frame_input):
+            kept = replace(frame_input, animated=frame_input.animated.copy())
+            cached = CachedFrame.waiting(before, digest, chosen, final, lambda state: self._solve_over(
+                settings, state, same_settings, kept)[:2])
+        else:
+            state, report, pose = self._solve_over(settings, before.state if before is not None else None,
+                                                   same_settings, frame_input)
+            cached = CachedFrame.of(state, digest, chosen, final, report)
+        self.frame_cache.put(frame, cached)
+        return cached, False, pose
+
+    def _result_of(self, settings: Any, cached: CachedFrame, pose: Any, frame_input: FrameInput,
+                   for_preview: bool) -> FrameResult | PreviewFrame:
+        """What is shown of a solved frame. pose: that it was solved in now, or None."""
         show: Callable[..., Any] = self._preview if for_preview else self._show
-        over = self._over(frame, positions)
+        over = self._over(frame_input.frame, frame_input.animated)
         if pose is None:
             pose = self._pose(over, frame_input)
         self._last_pose = (over.copy(), pose)
         result: FrameResult | PreviewFrame = show(settings, over, pose, system_state(cached.state), frame_input)
-        self._add_rigid_parts(result, positions, over, in_viewport)
-        result.report, result.replayed = cached.report, replayed
-        result.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
-        result.unplayed = swings and not cached.final
+        self._add_rigid_parts(result, frame_input.animated, over, frame_input.in_viewport)
         return result
 
     def state_of(self, frame: float) -> Any:
@@ -164,15 +161,20 @@ class Wrinkles(ShownMesh):
 
     def _over(self, frame: float, positions: np.ndarray) -> np.ndarray:
         """The same. positions: of `base`."""
-        cloth = cloth_of(self.state_of(frame))
+        cloth = self._cloth_at(frame)
         return positions if cloth is None else cloth.positions
 
+    def _cloth_at(self, frame: float) -> ClothFrame | None:
+        """The base cloth of a stored frame. A frame that waits has none."""
+        cached = self.frame_cache.get(frame)
+        return None if cached is None or cached.waits else cloth_of(cached.state)
+
     # --- the base cloth
-    def _solve_over(self, settings: Any, positions: np.ndarray, before: Any, same_settings: bool,
+    def _solve_over(self, settings: Any, before: Any, same_settings: bool,
                     frame_input: FrameInput) -> tuple[Any, Any, Any]:
         """The base cloth, or the animated mesh out of a body, then the system over it. Everything as _solve() has it;
         and the pose that it was solved in."""
-        own = system_state(before)
+        positions, own = self._positions_solved(frame_input.animated), system_state(before)
         if settings.base_cloth == "OFF" and frame_input.body is None:
             pose = self._pose(positions, frame_input)
             return *self._solve(settings, pose, own, same_settings, frame_input), pose
@@ -218,7 +220,7 @@ class Wrinkles(ShownMesh):
             return
         if isinstance(result, FrameResult):
             riders.add_to(result, animated, len(mesh.corner_vertex), self.ATTRIBUTES)
-        else:
+        elif result.proxy_offset is not None:
             inside = riders.parts.vertex < len(result.proxy_offset)  # not what healing has made
             result.proxy_offset[riders.parts.vertex[inside]] = riders.displacements(animated, over)[inside]
 
@@ -307,6 +309,8 @@ class Wrinkles(ShownMesh):
     def status(self, result: FrameResult | PreviewFrame) -> list[str]:
         """How the solve of a picture went, in lines for the artist."""
         report, rigid = result.report, self.base.rigid
+        if report is None:
+            return []  # of a frame that waits
         parts = [] if rigid is None else [f"Rigid parts that ride on the cloth: {rigid.count}"]
         if not isinstance(report, OnClothReport):
             return [*self._status(report), *parts]
@@ -323,7 +327,7 @@ class Wrinkles(ShownMesh):
 
     def worn_surface(self, frame: float) -> Body | None:
         """What another garment lies on in a stored frame, object space; None: on the animated coarse mesh."""
-        cloth = cloth_of(self.state_of(frame))
+        cloth = self._cloth_at(frame)
         if cloth is None:
             return None
         return Body(cloth.positions, self.base.corner_vertex[self.base.triangle_corner])
@@ -335,6 +339,10 @@ class Wrinkles(ShownMesh):
     def curve_points(self, settings: Any) -> float:
         """About how many points its curves have when it is folded all over."""
         raise NotImplementedError
+
+    def _may_wait(self, settings: Any, frame_input: FrameInput) -> bool:
+        """Whether a preview shows the frame without its state."""
+        return False
 
     def _keeps_off_bodies(self) -> bool:
         """Whether it sees itself to what is worn under the base cloth."""
@@ -379,6 +387,6 @@ class Wrinkles(ShownMesh):
         raise NotImplementedError
 
     def _preview(self, settings: Any, positions: np.ndarray, pose: Any, state: Any,
-                 frame_input: FrameInput) -> PreviewFrame:
+                 frame_input: FrameInput) -> FrameResult | PreviewFrame:
         """Where the viewport can draw frames by itself."""
         raise NotImplementedError

@@ -9,22 +9,80 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from typing import Any, Hashable
+from typing import Any, Callable, Hashable
 
 import numpy as np
 
 MOST_TIMELINES = 4  # kept of one object
+MOST_WAITING, MOST_WAITING_BYTES = 1000, 256 * 2**20  # frames in a row
 
 
-@dataclass
+@dataclass(eq=False)
 class CachedFrame:
-    """One solved frame: the solver's state, what it was solved for, and whether it is final."""
+    """One frame: what it was solved for, whether it is final, and the solver's state.
 
-    state: Any
+    A frame that nobody needs yet waits: it is solved when its state or its report is asked for, to the same bits.
+    """
+
     inputs: bytes  # digest of the settings and the deformed base positions (and matrix, if the solve reads it)
     chosen: bytes  # digest of the settings alone
     final: bool
-    report: Any
+    nbytes: int  # memory of the state
+    _solved: tuple[Any, Any] = (None, None)  # state, report
+    _before: "CachedFrame | None" = None  # while it waits: the frame that it goes on from ...
+    _solve: Callable[[Any], tuple[Any, Any]] | None = None  # ... and the state of that -> state, report
+
+    @classmethod
+    def of(cls, state: Any, inputs: bytes, chosen: bytes, final: bool, report: Any) -> "CachedFrame":
+        """A solved frame."""
+        return cls(inputs, chosen, final, state.nbytes, (state, report))
+
+    @classmethod
+    def waiting(cls, before: "CachedFrame", inputs: bytes, chosen: bytes, final: bool,
+                solve: Callable[[Any], tuple[Any, Any]]) -> "CachedFrame":
+        """A frame whose state takes as much memory as that of the frame before it. When too many in a row wait, the
+        first of them is solved."""
+        frame = cls(inputs, chosen, final, before.nbytes, _before=before, _solve=solve)
+        row = frame._row()
+        if len(row) > MOST_WAITING or len(row) * frame.nbytes > MOST_WAITING_BYTES:
+            row[-1]._settle()
+        return frame
+
+    @property
+    def waits(self) -> bool:
+        return self._solve is not None
+
+    @property
+    def state(self) -> Any:
+        return self._settled()[0]
+
+    @state.setter
+    def state(self, state: Any) -> None:
+        self._solved = state, self.report
+
+    @property
+    def report(self) -> Any:
+        return self._settled()[1]
+
+    def _row(self) -> list["CachedFrame"]:
+        """This frame and those before it that wait, the first one last."""
+        row: list[CachedFrame] = []
+        frame: CachedFrame | None = self
+        while frame is not None and frame.waits:
+            row.append(frame)
+            frame = frame._before
+        return row
+
+    def _settled(self) -> tuple[Any, Any]:
+        for frame in reversed(self._row()):  # a loop: Python allows no thousand calls inside one another
+            frame._settle()
+        return self._solved
+
+    def _settle(self) -> None:
+        """After the frame before it."""
+        assert self._solve is not None and self._before is not None
+        self._solved = self._solve(self._before._solved[0])
+        self._solve = self._before = None
 
 
 class FrameCache:
@@ -52,7 +110,7 @@ class FrameCache:
             self._drop(other)
 
     def _drop(self, timeline: Hashable) -> None:
-        self._bytes -= sum(cached.state.nbytes for cached in self._timelines.pop(timeline).values())
+        self._bytes -= sum(cached.nbytes for cached in self._timelines.pop(timeline).values())
 
     def get(self, frame: float) -> CachedFrame | None:
         """The entry of a frame, or None."""
@@ -62,12 +120,12 @@ class FrameCache:
         """Store a frame. When it replaces another solution, whole frames after it are final no more."""
         old = self._entries.get(frame)
         if old is not None:
-            self._bytes -= old.state.nbytes
+            self._bytes -= old.nbytes
             for later, other in self._entries.items():
                 if later > frame:
                     other.final = False
         self._entries[frame] = cached
-        self._bytes += cached.state.nbytes
+        self._bytes += cached.nbytes
         self._evict(frame)
 
     def clear(self) -> None:
@@ -95,7 +153,7 @@ class FrameCache:
         for frame in order:
             if self._bytes <= self.limit_bytes or frame == newest:
                 continue
-            self._bytes -= self._entries.pop(frame).state.nbytes
+            self._bytes -= self._entries.pop(frame).nbytes
 
 
 def digest_of(chosen: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:

@@ -72,8 +72,8 @@ class FrameResult:
 class PreviewFrame:
     """A frame for a viewport that draws the wrinkles itself: the shown mesh is not made."""
 
-    drawing: Any  # native: what is drawn
-    proxy_offset: np.ndarray  # (n, 3) from the coarse vertices to the surface that is drawn, object space
+    drawing: Any = None  # native: what is drawn; None: the viewport solves the frame itself
+    proxy_offset: np.ndarray | None = None  # (n, 3) from the coarse vertices to the surface that is drawn, object space
     report: Any = None
     milliseconds: dict[str, float] = field(default_factory=dict)  # by stage: solve, show
     replayed: bool = False
@@ -81,4 +81,6 @@ class PreviewFrame:
 
     def shows_the_same(self, other: "FrameResult | PreviewFrame") -> bool:
         """Whether an output object would hold the same bits."""
-        return isinstance(other, PreviewFrame) and np.array_equal(self.proxy_offset, other.proxy_offset)
+        if not isinstance(other, PreviewFrame) or self.proxy_offset is None or other.proxy_offset is None:
+            return False
+        return np.array_equal(self.proxy_offset, other.proxy_offset)

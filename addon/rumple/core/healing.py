@@ -10,7 +10,7 @@ import numpy as np
 # What was healed: the kind of its elements, and what to say of it. {}: how many, and which one is the first.
 TURNED, CUT, DOUBLED, REPEATED = "turned", "cut", "doubled", "repeated"
 SENTENCES: dict[str, tuple[str, str]] = {
-    TURNED: ("FACE", "{} faces the other way than those beside it: turned for the wrinkles"),
+    TURNED: ("FACE", "{} faces the other way than those beside it, or inwards: turned for the wrinkles"),
     CUT: ("EDGE", "{} has more faces than two, or none that faces the same way: wrinkles end there"),
     DOUBLED: ("FACE", "{} lies on another face: it gets the same wrinkles"),
     REPEATED: ("FACE", "{} uses a vertex twice: it hangs at one corner less"),

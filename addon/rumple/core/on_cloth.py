@@ -11,6 +11,7 @@ import numpy as np
 from ..native import kernels
 from .body import Body
 from .cloth import BaseCloth, ClothFrame
+from .drape import Drape
 from .settings import ClothSettings
 from .surroundings import Surroundings
 
@@ -51,8 +52,7 @@ class OnClothReport:
             f"Body: it moves the mesh by {offset:.1f} mm on average"
         lines = [f"{moved}, {100.0 * self.cloth.body_known:.0f} % has the body under it"]
         if self.has_body and self.cloth.body_known < LEAST_UNDER:
-            lines.append(f"{name}: its body does not lie under it: see that the normals of both point outwards, or "
-                         "choose another body")
+            lines.append(f"{name}: its body does not lie under it: choose another body")
         return lines
 
 
@@ -74,6 +74,7 @@ class Stage:
         """As BaseCloth() has it."""
         self.cloth = BaseCloth(surface, diagonal, unit_scale, suggest)
         self._cover: Any = None
+        self._drape: Drape | None = None
 
     def solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
               world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None, covers: bool,
@@ -82,9 +83,21 @@ class Stage:
         as well, for what lies on it knows none. Raises ValueError."""
         frame = self.cloth.solve(positions, settings, paint, world_from_object, body, before, seconds, surroundings)
         collider = self.cloth.collider(body)
+        if settings.draped:
+            self._drape = self._drape or Drape(self.cloth.surface)
+            self._drape.add_to(frame, settings, world_from_object, before.drape if before is not None else None,
+                               self.contact(frame, settings, body))
         if covers and body is not None and collider is not None:
             self._lift(frame, settings, collider, body)
         return frame
+
+    def contact(self, frame: ClothFrame, settings: ClothSettings, body: Body | None) -> dict[str, Any]:
+        """What keeps layers over a frame off what is worn under it, as solve_wrinkle_layers() has it."""
+        collider = self.cloth.collider(body)
+        if collider is None or body is None:
+            return dict(gap=frame.gap)
+        return dict(gap=frame.gap, collider=collider, body_positions=body.positions, body_hint=frame.body_hint,
+                    thickness=self.cloth.thickness(settings))
 
     def _lift(self, frame: ClothFrame, settings: ClothSettings, collider: Any, body: Body) -> None:
         """Out of the body, where the smooth surface cuts through it between the vertices."""

@@ -150,9 +150,28 @@ class ClothSettings:
                           low=0.0, high=10.0, soft=3.0)
 
     @property
+    def draped(self) -> bool:
+        """Whether the base cloth itself gets wide folds: see Draped. The Wrinkle Mesh has them in its layers."""
+        return False
+
+    @property
     def swings(self: Any) -> bool:  # stateless is the system's
         """Whether the base cloth depends on time. Frames on their own have no time: they hang."""
         return self.base_cloth == "SWING" and not self.stateless
+
+
+@dataclass
+class Draped:
+    """Wide folds under waves and paths."""
+
+    drape: float = setting(0.0, "Drape", "Wide folds of the base cloth itself. They take cloth up: there are fewer "
+                           "fine ones on them", low=0.0, high=2.0, soft=1.0, unit="FACTOR")
+
+    # self: of a system, that has a base cloth.
+    @property
+    def draped(self: Any) -> bool:
+        """Whether the base cloth itself gets wide folds."""
+        return self.base_cloth != "OFF" and self.drape > 0.0
 
 
 @dataclass
@@ -254,7 +273,7 @@ STARTS = (
 
 
 @dataclass
-class FieldSettings(AdaptiveRest, ClothSettings, Parts):
+class FieldSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     """Settings of one Wrinkle Field. Lengths are metres in world scale unless the unit says otherwise."""
 
     output: str = setting("SHADING", "Output", "What shows the waves", choices=OUTPUTS, affects="MESH")
@@ -325,7 +344,7 @@ PATH_PROFILES = (
 
 
 @dataclass
-class PathsSettings(AdaptiveRest, ClothSettings, Parts):
+class PathsSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     """Settings of the Wrinkle Paths. Lengths are metres in world scale unless the unit says otherwise."""
 
     # Where folds are (chapters 4 and 5 of the thesis)

@@ -2,7 +2,6 @@
 """The Wrinkle Field on plain arrays: prepare and evaluate. Never imports bpy."""
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,9 @@ import numpy as np
 from ..native import kernels
 from .base_mesh import BaseMesh
 from .cloth_surface import checked_surface
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, PROFILE, Attribute, FrameInput, FrameResult, Wrinkles
+from .engine import MOST_VERTICES, PROFILE, Wrinkles
+from .frame_input import FrameInput
+from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from .settings import FieldSettings
 from .wording import user_error
 
@@ -18,8 +19,6 @@ from .wording import user_error
 PHASE, WEIGHT = "rumple_wave_phase", "rumple_wave_weight"
 VECTORS = ("rumple_wave_vector_0", "rumple_wave_vector_1", "rumple_wave_vector_2")
 U_GRADIENT, V_GRADIENT = "rumple_u_gradient", "rumple_v_gradient"
-
-MOST_LEVEL = 5
 
 
 def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
@@ -55,8 +54,7 @@ class WrinkleField(Wrinkles):
         """Bind the waves to the base. See Wrinkles.build()."""
         base, surface, warnings = checked_surface(base, settings.weld, settings.rigid_parts, unit_scale)
         longest = settings.wavelength / settings.detail
-        finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
-        level = min(math.ceil(finer), MOST_LEVEL)
+        level = base.level_for(longest, unit_scale)
         if settings.output == "GEOMETRY" and settings.source == "SUBDIVISION":
             level, notes = base.level_within(level, 0, most_vertices)
             warnings += notes
@@ -73,7 +71,8 @@ class WrinkleField(Wrinkles):
         lines = [f"{report.wrinkled} of {self.model.vertex_count} vertices wrinkle",
                  f"Phases are off by {360.0 * report.misfit_after:.0f} degrees on average"]
         if report.collapsed:
-            lines.append(f"{report.collapsed} vertices have no surface around them in this pose")
+            vertices = "vertex has" if report.collapsed == 1 else "vertices have"
+            lines.append(f"{report.collapsed} {vertices} only collapsed triangles around in this pose")
         return lines
 
     # --- for whoever draws the waves on the GPU (../blender/viewport/preview.py)
@@ -104,11 +103,24 @@ class WrinkleField(Wrinkles):
             before = before.activated()  # under other settings nothing of it may be held
         return kernels.solve_wrinkle_field(self.model, self._native_settings(settings), self._paint, pose, before)
 
+    def _may_wait(self, settings: FieldSettings, frame_input: FrameInput) -> bool:
+        self.model.weld_pose(frame_input.animated)  # raises now what a solve would raise later
+        # Else the preview asks for the state: of the base cloth, of reference triangles, of a start of its own.
+        return (settings.output == "SHADING" and settings.base_cloth == "OFF" and frame_input.body is None
+                and not settings.adapts and not settings.stateless)
+
+    def _preview(self, settings: FieldSettings, positions: np.ndarray, pose: Any, state: Any,
+                 frame_input: FrameInput) -> FrameResult | PreviewFrame:
+        if settings.output == "SHADING" and frame_input.cloth is None:
+            return PreviewFrame()
+        return self._show(settings, positions, pose, state, frame_input)
+
     def _show(self, settings: FieldSettings, positions: np.ndarray, pose: Any, state: Any,
               frame_input: FrameInput) -> FrameResult:
+        gap = None if frame_input.cloth is None else frame_input.cloth.gap
         shown = kernels.show_wrinkle_field(self.model, self._native_settings(settings),
-                                           native_profile(settings.profile, self._drawn), self._paint, pose,
-                                           state, None if frame_input.cloth is None else frame_input.cloth.gap)
+                                           native_profile(settings.profile, self._drawn), self._paint, pose, state,
+                                           gap, pose.solved)
         own = dict(rumple_amplitude=shown.amplitude, rumple_phase=shown.phase, rumple_direction=shown.direction)
         nothing = np.zeros((len(self.corner_vertex), 3), np.float32)
         corners = {PHASE: shown.corner_phase, WEIGHT: shown.corner_weight,

@@ -11,9 +11,10 @@ import numpy as np
 from ..native import kernels
 from .base_mesh import BaseMesh, affordable_level
 from .body import Body
-from .cloth import length_over_cotton, size_factor
+from .cloth import size_factor
 from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
+from .layers import layer_settings, layer_words, native_settings
 from .on_cloth import OnCloth
 from .settings import ClothSettings, MeshSettings
 from .shown_mesh import ViewportMesh
@@ -296,22 +297,14 @@ class WrinkleMesh(Wrinkles):
             before = before.activated()  # under other settings nothing of it may be held
         if not self.layer_count:
             return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, pose, before)
-        layers = layer_settings(settings, self.layer_count, self.finest_share)
+        layers = layer_settings(settings, self.layer_count, self.finest_share, frame_input.world_from_object)
         return kernels.solve_wrinkle_layers(self.model, layers, self._paint, pose, state=before,
                                             **self._contact(settings, frame_input))
 
     def _contact(self, settings: MeshSettings, frame_input: FrameInput) -> dict[str, Any]:
         """What keeps layers off what is worn under the base cloth."""
         cloth = frame_input.cloth
-        if cloth is None:
-            return {}
-        base_cloth = self._base_cloth().cloth
-        collider = base_cloth.collider(frame_input.body)
-        if collider is None or frame_input.body is None:
-            return dict(gap=cloth.gap)
-        return dict(gap=cloth.gap, collider=collider, body_positions=frame_input.body.positions,
-                    body_hint=cloth.body_hint,
-                    thickness=base_cloth.thickness(settings))
+        return {} if cloth is None else self._base_cloth().contact(cloth, settings, frame_input.body)
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any,
               frame_input: FrameInput) -> FrameResult:
@@ -324,57 +317,3 @@ class WrinkleMesh(Wrinkles):
         shown = kernels.show_wrinkle_mesh(self.model, native_settings(settings), pose, state,
                                           in_viewport=frame_input.in_viewport)
         return self._result(shown, frame_input)
-
-
-def native_settings(settings: MeshSettings) -> Any:
-    """The native solver's settings: the fields of the same name."""
-    options = kernels.WrinkleMeshSettings()
-    for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "buckling_threshold",
-                 "compression_limit", "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge",
-                 "seed"):
-        setattr(options, name, getattr(settings, name))
-    settings.fill_reference(options)
-    return options
-
-
-def layer_words(count: int) -> list[str]:
-    """For every layer, coarse first, the setting that says how much of it there is."""
-    words = ["drape"] * max(count - 2, 0) + ["folds", "detail"]
-    return words[-count:]
-
-
-# What layers have their own way, measured on shirts, sweaters and trousers (docs/wrinkle_mesh.md, Layers).
-WIDEST_RADIUS = 0.6  # of the base mesh itself, over that of the others
-LAYER_INSIDE = 1.5  # inward room over that of one layer: the body bounds it
-TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
-APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
-SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
-START_ITERATIONS = 3  # times those of one layer
-LOOSER = 4.0  # slack of the layers over that of the base cloth, where that is not taut
-TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
-LIMPEST = 0.7  # bending length over cotton's, about silk's: limper cloth has no more to spare than that
-LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
-
-
-def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0) -> list[Any]:
-    """The native settings of every layer, coarse first. finest: how much there is of the last one, 0 to 1."""
-    out = []
-    for number, word in enumerate(layer_words(count)):
-        options = native_settings(settings)
-        # Of the radius and of what the layer is wider alike: much cloth in little room is crumpled.
-        share = getattr(settings, word) * (finest if number == count - 1 else 1.0)
-        options.radius = settings.radius * share * (WIDEST_RADIUS if number == 0 else 1.0)
-        options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
-        options.hem_rings = min(settings.hem_rings, number + 1)
-        options.bending = LAYER_BENDING * settings.bending
-        options.tangential_pull, options.normal_pull = TANGENTIAL_PULL, NORMAL_PULL
-        options.apart, options.slide = APART, SLIDE
-        options.start_iterations = START_ITERATIONS * settings.start_iterations
-        if settings.base_cloth != "OFF":
-            # Stiff cloth spends what it has to spare on its widest folds.
-            stiffer = max(length_over_cotton(settings.bending_length), LIMPEST) if number > 0 else 1.0
-            looser = LOOSER / stiffer
-            options.prestretch = settings.prestretch * (1.0 + share * looser * (settings.slack - 1.0))
-            options.slack, options.taut_range = settings.slack, TAUT_RANGE
-        out.append(options)
-    return out

@@ -2,7 +2,6 @@
 """The Wrinkle Paths on plain arrays: prepare and evaluate. Never imports bpy."""
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -16,8 +15,6 @@ from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, Fra
 from .on_cloth import cloth_of
 from .settings import PathsSettings
 from .wording import user_error
-
-MOST_LEVEL = 5
 
 # Table 9.1 has 0.5 (and 1 in one clip), with folds pi L_min / compression wide; ours are pi/2 L_min / compression wide.
 PERCENT_OF_HEIGHT = 1.0
@@ -59,8 +56,7 @@ class WrinklePaths(Wrinkles):
         """Make the fine mesh and bind it. See Wrinkles.build()."""
         base, surface, warnings = checked_surface(base, settings.weld, settings.rigid_parts, unit_scale)
         longest = settings.width / settings.detail
-        finer = math.log2(max(base.mean_edge() * unit_scale / longest, 1.0))
-        level = min(math.ceil(finer), MOST_LEVEL)
+        level = base.level_for(longest, unit_scale)
         if settings.source == "SUBDIVISION":
             level, notes = base.level_within(level, 0, most_vertices)
             warnings += notes

@@ -35,6 +35,15 @@ class Handle:
     def _filled(cls, self: T, function: Any, *arguments: Any) -> T:
         pointer = cls.POINTER()
         function(*arguments, ctypes.byref(pointer))
+        return cls._own(self, pointer)
+
+    @classmethod
+    def owning(cls: type[T], pointer: Any) -> T:
+        """Of a pointer that a function gave beside its own handle. It is freed with this."""
+        return cls._own(cls.__new__(cls), pointer)
+
+    @classmethod
+    def _own(cls, self: T, pointer: Any) -> T:
         self._as_parameter_, self._free, self._seen = pointer, getattr(lib, cls.FREE), None
         return self
 

@@ -2,6 +2,7 @@
 """Wrinkle Field: native/include/rumple/wrinkle_field.h. J. Loviscach, Wrinkling Coarse Meshes on the GPU, 2006."""
 from __future__ import annotations
 
+import ctypes
 from typing import Any
 
 import numpy as np
@@ -138,16 +139,44 @@ class WrinkleFieldProfile(c.WrinkleFieldProfile):
         return np.array(_SLOPE.__get__(self), FLOAT)
 
 
-class WrinkleFieldPose(FramePose):
-    """What the positions of one frame make of a model. Made by WrinkleFieldPose.of(model, positions, ...)."""
+class WrinkleFieldWaves(Handle):
+    """The field of a frame before its phases; w welded vertices."""
 
     __slots__ = ()
+    POINTER, FREE = c.WavesPointer, "rumple_waves_free"
+    VIEW, LOOK = c.WavesView, "rumple_waves_get_view"
+
+    positions = Array("(w, 3) float32, deformed, object space", FLOAT, "vertex_count", 3)
+    normals = Array("(w, 3) float32, unit or zero", FLOAT, "vertex_count", 3)
+    wave_vector = Array("(w, 3) float32, radians per object unit", FLOAT, "vertex_count", 3)
+    height = Array("(w,) float32, h, object units", FLOAT, "vertex_count")
+    fullness = Array("(w,) float32, h over W/4 before strength", FLOAT, "vertex_count")
+    compression = Array("(w,) float32, r", FLOAT, "vertex_count")
+    gather = Array("(w,) float32, rest length over length along the wave", FLOAT, "vertex_count")
+    direction = Array("(w, 2) float32, k in the rest frame", FLOAT, "vertex_count", 2)
+
+
+class WrinkleFieldPose(FramePose):
+    """What the positions of one frame make of a model. Made by WrinkleFieldPose.of(model, positions, ...).
+
+    solved: the waves of the last frame that was solved in this pose, for show_wrinkle_field; or None.
+    """
+
+    __slots__ = ("solved",)
+    solved: WrinkleFieldWaves | None
     POINTER, FREE = c.WrinkleFieldPosePointer, "rumple_wrinkle_field_pose_free"
     BUILD = "rumple_wrinkle_field_pose_build"
 
+    @classmethod
+    def of(cls, model: WrinkleFieldModel, positions: "np.ndarray | FramePose", *others: Any) -> Any:
+        made = super().of(model, positions, *others)
+        if made is not positions:
+            made.solved = None
+        return made
+
 
 class WrinkleFieldState(Handle):
-    """What lives from frame to frame."""
+    """What is kept from frame to frame."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleFieldStatePointer, "rumple_wrinkle_field_state_free"
@@ -228,21 +257,24 @@ def solve_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings
     seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to come, to look ahead when labels
     are cut. Raises ValueError. Sections 4.2 and 5.2.
     """
-    report = WrinkleFieldReport()
-    return WrinkleFieldState.made(
-        lib.rumple_wrinkle_field_solve, model, settings, paint.of(model),
-        WrinkleFieldPose.of(model, positions, time, labels, next_positions, next_time), state, report), report
+    pose = WrinkleFieldPose.of(model, positions, time, labels, next_positions, next_time)
+    report, waves = WrinkleFieldReport(), WrinkleFieldWaves.POINTER()
+    after = WrinkleFieldState.made(lib.rumple_wrinkle_field_solve, model, settings, paint.of(model), pose, state,
+                                   report, ctypes.byref(waves))
+    pose.solved = WrinkleFieldWaves.owning(waves) if waves else None
+    return after, report
 
 
 def show_wrinkle_field(model: WrinkleFieldModel, settings: WrinkleFieldSettings, profile: WrinkleFieldProfile,
                        paint: WrinkleFieldPaint, positions: np.ndarray | WrinkleFieldPose, state: WrinkleFieldState,
-                       gap: np.ndarray | None = None) -> WrinkleFieldPicture:
+                       gap: np.ndarray | None = None, waves: WrinkleFieldWaves | None = None) -> WrinkleFieldPicture:
     """The shown mesh for a frame and its state, and the waves for shaders. gap: (n,) float32, how far the waves of a
-    fine mesh may go inwards, object units; None: as far as outwards."""
+    fine mesh may go inwards, object units; None: as far as outwards. waves: `solved` of the pose, where the state was
+    solved in it under the same settings; None: they are estimated again, the same to the bit."""
     return WrinkleFieldPicture.of(model, lib.rumple_wrinkle_field_show, model, settings, profile, paint.of(model),
-                                  WrinkleFieldPose.of(model, positions), *optional(gap, "gap", FLOAT), state)
+                                  WrinkleFieldPose.of(model, positions), *optional(gap, "gap", FLOAT), waves, state)
 
 
 __all__ = ["PROFILE_INTERVALS", "WrinkleFieldModel", "WrinkleFieldPaint", "WrinkleFieldPicture", "WrinkleFieldPose",
            "WrinkleFieldProfile", "WrinkleFieldReport", "WrinkleFieldSettings", "WrinkleFieldState",
-           "build_wrinkle_field", "show_wrinkle_field", "solve_wrinkle_field"]
+           "WrinkleFieldWaves", "build_wrinkle_field", "show_wrinkle_field", "solve_wrinkle_field"]

@@ -8,27 +8,9 @@ import numpy as np
 
 from . import c
 from .arrays import FLOAT, INT, address, given, new
-from .handle import Array, Handle
 from .library import lib
 from .wrinkle_field import WrinkleFieldModel, WrinkleFieldPaint, WrinkleFieldProfile, WrinkleFieldSettings
-from .wrinkle_field import WrinkleFieldState
-
-
-class WrinkleFieldWaves(Handle):
-    """The field of a frame before its phases; w welded vertices."""
-
-    __slots__ = ()
-    POINTER, FREE = c.WavesPointer, "rumple_waves_free"
-    VIEW, LOOK = c.WavesView, "rumple_waves_get_view"
-
-    positions = Array("(w, 3) float32, deformed, object space", FLOAT, "vertex_count", 3)
-    normals = Array("(w, 3) float32, unit or zero", FLOAT, "vertex_count", 3)
-    wave_vector = Array("(w, 3) float32, radians per object unit", FLOAT, "vertex_count", 3)
-    height = Array("(w,) float32, h, object units", FLOAT, "vertex_count")
-    fullness = Array("(w,) float32, h over W/4 before strength", FLOAT, "vertex_count")
-    compression = Array("(w,) float32, r", FLOAT, "vertex_count")
-    gather = Array("(w,) float32, rest length over length along the wave", FLOAT, "vertex_count")
-    direction = Array("(w, 2) float32, k in the rest frame", FLOAT, "vertex_count", 2)
+from .wrinkle_field import WrinkleFieldState, WrinkleFieldWaves
 
 
 class WrinkleFieldWaveParameters:
@@ -121,6 +103,6 @@ def evaluate_wrinkle_field(model: WrinkleFieldModel, waves: WrinkleFieldWaves, p
     return heights, gradients
 
 
-__all__ = ["WrinkleFieldWaves", "WrinkleFieldWaveParameters", "estimate_waves_wrinkle_field", "evaluate_wrinkle_field",
+__all__ = ["WrinkleFieldWaveParameters", "estimate_waves_wrinkle_field", "evaluate_wrinkle_field",
            "misfit_wrinkle_field", "probe_formula", "random_phases", "reference_stretches", "relax_wrinkle_field",
            "shown_waves_wrinkle_field", "wave_parameters_wrinkle_field"]

@@ -73,7 +73,7 @@ class WrinkleLayersPaint(Handle):
 
 
 class WrinkleLayersState(Handle):
-    """What lives from frame to frame."""
+    """What is kept from frame to frame."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleLayersStatePointer, "rumple_wrinkle_layers_state_free"

@@ -101,7 +101,7 @@ class WrinkleMeshPose(FramePose):
 
 
 class WrinkleMeshState(Handle):
-    """What lives from frame to frame."""
+    """What is kept from frame to frame."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleMeshStatePointer, "rumple_wrinkle_mesh_state_free"

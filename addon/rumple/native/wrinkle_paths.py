@@ -79,7 +79,7 @@ class WrinklePathsPose(FramePose):
 
 
 class WrinklePathsState(Handle):
-    """What lives from frame to frame."""
+    """What is kept from frame to frame."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinklePathsStatePointer, "rumple_wrinkle_paths_state_free"

@@ -122,7 +122,7 @@ RUMPLE_API rumple_status rumple_wrinkle_field_pose_build(const rumple_wrinkle_fi
                                                          rumple_wrinkle_field_pose** pose);
 RUMPLE_API void rumple_wrinkle_field_pose_free(rumple_wrinkle_field_pose* pose);
 
-// What lives from frame to frame.
+// What is kept from frame to frame.
 typedef struct rumple_wrinkle_field_state rumple_wrinkle_field_state;
 RUMPLE_API void rumple_wrinkle_field_state_free(rumple_wrinkle_field_state* state);
 
@@ -155,25 +155,30 @@ typedef struct rumple_wrinkle_field_report {
     int32_t collapsed;     // vertices without a wave because their neighbourhood collapsed
 } rumple_wrinkle_field_report;
 
+// The field of a frame before its phases: equations (1) to (4).
+typedef struct rumple_waves rumple_waves;
+RUMPLE_API void rumple_waves_free(rumple_waves* waves);
+
 // One frame: sections 4.2 and 5.2. paint: or NULL. before: of the frame before, or NULL: the canonical start.
-// report: written, or NULL. Deterministic on any number of threads. Cost: O(rounds x edges).
+// report: written, or NULL. waves: the field that was solved, for rumple_wrinkle_field_show(), to be freed;
+// or NULL. Deterministic on any number of threads. Cost: O(rounds x edges).
 RUMPLE_API rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
                                                     const rumple_wrinkle_field_settings* settings,
                                                     const rumple_wrinkle_field_paint* paint,
                                                     const rumple_wrinkle_field_pose* pose,
                                                     const rumple_wrinkle_field_state* before,
-                                                    rumple_wrinkle_field_report* report,
+                                                    rumple_wrinkle_field_report* report, rumple_waves** waves,
                                                     rumple_wrinkle_field_state** state);
 
 // The shown mesh of a solved frame, with its waves for shaders. gap: (n), how far the waves of a fine mesh
-// may go inwards, object units; or none: as far as outwards. Cost: O(triangles + shown vertices).
-RUMPLE_API rumple_status rumple_wrinkle_field_show(const rumple_wrinkle_field* model,
-                                                   const rumple_wrinkle_field_settings* settings,
-                                                   const rumple_wrinkle_field_profile* profile,
-                                                   const rumple_wrinkle_field_paint* paint,
-                                                   const rumple_wrinkle_field_pose* pose, const float* gap,
-                                                   size_t gap_count, const rumple_wrinkle_field_state* state,
-                                                   rumple_frame** frame);
+// may go inwards, object units; or none: as far as outwards. waves: what rumple_wrinkle_field_solve() gave
+// with `state`, under the same settings, paint and pose; or NULL: they are estimated again, the same to the
+// bit. Cost: O(triangles + shown vertices).
+RUMPLE_API rumple_status rumple_wrinkle_field_show(
+    const rumple_wrinkle_field* model, const rumple_wrinkle_field_settings* settings,
+    const rumple_wrinkle_field_profile* profile, const rumple_wrinkle_field_paint* paint,
+    const rumple_wrinkle_field_pose* pose, const float* gap, size_t gap_count, const rumple_waves* waves,
+    const rumple_wrinkle_field_state* state, rumple_frame** frame);
 
 // The waves of a frame. Values of corners: of every shown triangle in turn, as that corner sees the waves of
 // all three; interpolated over the triangle they give equation (5).
@@ -203,10 +208,6 @@ RUMPLE_API rumple_status rumple_wrinkle_field_label_clip(const rumple_wrinkle_fi
                                                          bool raw, uint8_t* labels, size_t labels_count);
 
 // ---- the steps of a frame: for who draws the waves himself, and for tests
-
-// The field of a frame before its phases: equations (1) to (4).
-typedef struct rumple_waves rumple_waves;
-RUMPLE_API void rumple_waves_free(rumple_waves* waves);
 
 typedef struct rumple_waves_view {
     int32_t vertex_count;      // w

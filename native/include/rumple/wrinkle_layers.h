@@ -54,7 +54,7 @@ RUMPLE_API rumple_status rumple_wrinkle_layers_paint_build(const rumple_wrinkle_
                                                            rumple_wrinkle_layers_paint** paint);
 RUMPLE_API void rumple_wrinkle_layers_paint_free(rumple_wrinkle_layers_paint* paint);
 
-// What lives from frame to frame.
+// What is kept from frame to frame.
 typedef struct rumple_wrinkle_layers_state rumple_wrinkle_layers_state;
 RUMPLE_API void rumple_wrinkle_layers_state_free(rumple_wrinkle_layers_state* state);
 

@@ -79,6 +79,7 @@ typedef struct rumple_wrinkle_mesh_settings {
     float normal_pull;         // the same off the surface, 0..1
     float slack;               // of layers: length over rest length at which the base pulls taut, > 0
     float taut_range;  // of layers: over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere
+    float hang[3];     // of layers: object space, length 0..1: along it its own weight pulls the cloth taut
     float apart;       // of layers: share of the distance to its own cloth that a vertex may go, 0..0.5
     float slide;       // of layers: share of the heights of its triangles that it may go along them, 0..0.5
     float nudge;       // size of the random push of unbuckled vertices, in fine edges, >= 0
@@ -117,7 +118,7 @@ RUMPLE_API rumple_status rumple_wrinkle_mesh_pose_build(const rumple_wrinkle_mes
                                                         rumple_wrinkle_mesh_pose** pose);
 RUMPLE_API void rumple_wrinkle_mesh_pose_free(rumple_wrinkle_mesh_pose* pose);
 
-// What lives from frame to frame.
+// What is kept from frame to frame.
 typedef struct rumple_wrinkle_mesh_state rumple_wrinkle_mesh_state;
 RUMPLE_API void rumple_wrinkle_mesh_state_free(rumple_wrinkle_mesh_state* state);
 

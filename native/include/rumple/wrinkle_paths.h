@@ -89,7 +89,7 @@ RUMPLE_API rumple_status rumple_wrinkle_paths_pose_build(const rumple_wrinkle_pa
                                                          rumple_wrinkle_paths_pose** pose);
 RUMPLE_API void rumple_wrinkle_paths_pose_free(rumple_wrinkle_paths_pose* pose);
 
-// What lives from frame to frame.
+// What is kept from frame to frame.
 typedef struct rumple_wrinkle_paths_state rumple_wrinkle_paths_state;
 RUMPLE_API void rumple_wrinkle_paths_state_free(rumple_wrinkle_paths_state* state);
 

@@ -5,10 +5,12 @@
 // with conjugate gradients; swing.h has inertia. docs/base_cloth.md has the energy.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <vector>
 
+#include "base/lanes.h"
 #include "surface/cloth/clearance.h"
 #include "surface/mesh/topology.h"
 
@@ -54,6 +56,14 @@ struct Model {
         bool diagonal;
     };
     std::vector<Spring> springs;
+    // The same springs in their order, four at a time. The last ones have no weight, and no vertex: the one
+    // after all.
+    struct SpringFour {
+        std::array<Index, kLanes> a, b;
+        Lanes rest{}, weight{};
+        LaneMask diagonal{};
+    };
+    std::vector<SpringFour> spring_fours;
     std::vector<float> area;      // per vertex, object units^2
     std::vector<Index> frame_to;  // per vertex: the neighbour that its tangent points to, or kNone
     SparseRows limit;             // limit position <- vertices

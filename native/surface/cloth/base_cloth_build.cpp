@@ -67,6 +67,24 @@ void place_springs(Model& model) {
     }
 }
 
+void put_springs_in_fours(Model& model) {
+    model.spring_fours.resize(in_fours(model.springs.size()) / kLanes);
+    for (Model::SpringFour& four : model.spring_fours) {
+        four.a.fill(model.surface.welded.vertex_count);
+        four.b = four.a;
+    }
+    for (size_t s = 0; s < model.springs.size(); ++s) {
+        const auto& [a, b, rest, weight, diagonal] = model.springs[s];
+        Model::SpringFour& four = model.spring_fours[s / kLanes];
+        const int k = static_cast<int>(s % kLanes);
+        four.a[k] = a;
+        four.b[k] = b;
+        four.rest[k] = rest;
+        four.weight[k] = weight;
+        four.diagonal[k] = diagonal ? -1 : 0;
+    }
+}
+
 void collect_triangles(Model& model) {
     const Surface& surface = model.surface;
     model.near = near_triangles(surface);
@@ -87,6 +105,7 @@ std::shared_ptr<const Model> build(Surface surface) {
     auto model = std::make_shared<Model>();
     model->surface = std::move(surface);
     place_springs(*model);
+    put_springs_in_fours(*model);
     collect_triangles(*model);
     model->limit = vertex_limit_stencils(model->surface);
     model->clearance = build_clearance(model->surface);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The least energy of docs/base_cloth.md: Newton's method, each step by preconditioned conjugate gradients
-// (Shewchuk 1994, B3).
+// (Shewchuk 1994, B3). Vertices and springs are computed four at a time and summed up in their order, so that
+// every sum has the bits of one after the other.
 #include "surface/cloth/equilibrium.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "base/lanes.h"
 #include "base/tolerances.h"
 
 namespace rumple::base_cloth {
@@ -17,177 +20,307 @@ constexpr float kContact = 2e4f;       // stiffness of the inner surface, 1/s^2
 constexpr double kResidual = 0.05;     // conjugate gradients stop at this share of the force they began with
 constexpr int kShortenings = 4;        // of a step that went too far
 
-// Force along a spring over its weight (towards the other end is positive), and its slope: figure 6 of the
+using FourRows = std::array<Row, kLanes>;
+
+std::span<Row, kLanes> four_of(std::vector<Row>& rows, size_t four) {
+    return four_from(rows, four * kLanes);
+}
+
+struct Matrix {
+    Row column[3];
+};
+Lanes operator*(const Matrix& m, const Row& v) {
+    return m.column[0].xyz * v.xyz[0] + m.column[1].xyz * v.xyz[1] + m.column[2].xyz * v.xyz[2];
+}
+Matrix scaled_identity(float scale) {
+    return {{Row(Lanes{scale}), Row(Lanes{0.0f, scale}), Row(Lanes{0.0f, 0.0f, scale})}};
+}
+void add(const Matrix& more, Matrix& m) {
+    for (int i = 0; i < 3; ++i) m.column[i].xyz += more.column[i].xyz;
+}
+// scale times n x n.
+void add_outer_product(float scale, const Row& n, Matrix& m) {
+    for (int i = 0; i < 3; ++i) m.column[i].xyz += scale * (n.xyz * n.xyz[i]);
+}
+
+// A frame of the cloth as it is computed. Rows end with one vertex, or more, of no weight.
+struct Frame {
+    struct Plane {
+        Vec3Lanes point, normal;
+
+        Lanes height_of(const Vec3Lanes& p) const { return dot(p - point, normal); }
+    };
+    struct Vertices {
+        Vec3Lanes animated;
+        Lanes area, follow, room;
+        Plane under, ahead;
+    };
+    const Model& model;
+    const Settings& settings;
+    std::vector<Row> animated;
+    std::vector<Vertices> vertices;
+    struct Inertia {
+        Row from, push;
+        Matrix resist;
+    };
+    std::vector<Inertia> inertia;  // empty: none
+
+    explicit Frame(const Cloth& cloth);
+
+    std::vector<Row> rows() const { return std::vector<Row>(animated.size()); }
+};
+
+std::vector<Row> rows_with_a_spare(std::span<const Vec3> vectors) {
+    std::vector<Row> rows = to_rows(vectors);
+    rows.resize(in_fours(vectors.size() + 1));
+    return rows;
+}
+
+Frame::Frame(const Cloth& cloth)
+    : model(cloth.model),
+      settings(cloth.settings),
+      animated(rows_with_a_spare(cloth.pose.animated)),
+      vertices(animated.size() / kLanes) {
+    const Pose& pose = cloth.pose;
+    for (size_t v = 0; v < pose.animated.size(); ++v) {
+        Vertices& four = vertices[v / kLanes];
+        const int k = static_cast<int>(v % kLanes);
+        four.animated.set(k, pose.animated[v]);
+        four.area[k] = model.area[v];
+        four.follow[k] = pose.follow[v];
+        four.room[k] = pose.room[v];
+        four.under.point.set(k, cloth.planes[v].point);
+        four.under.normal.set(k, cloth.planes[v].normal);
+        four.ahead.point.set(k, pose.ahead[v].point);
+        four.ahead.normal.set(k, pose.ahead[v].normal);
+    }
+    if (!cloth.inertia) return;
+    inertia.resize(animated.size());
+    for (size_t v = 0; v < pose.animated.size(); ++v) {
+        const glm::mat3& resist = cloth.inertia->resist[v];
+        inertia[v] = {cloth.inertia->from[v], cloth.inertia->push[v], {resist[0], resist[1], resist[2]}};
+    }
+}
+
+Vec3Lanes ends_apart(const Model::SpringFour& springs, const std::vector<Row>& x) {
+    FourRows out;
+    for (int k = 0; k < kLanes; ++k) out[k].xyz = x[springs.b[k]].xyz - x[springs.a[k]].xyz;
+    return columns(out);
+}
+
+void pull_together(const Model::SpringFour& springs, const Vec3Lanes& pull, std::vector<Row>& force) {
+    FourRows rows;
+    store_rows(pull, rows);
+    for (int k = 0; k < kLanes; ++k) {
+        force[springs.a[k]].xyz += rows[k].xyz;
+        force[springs.b[k]].xyz -= rows[k].xyz;
+    }
+}
+
+// Force along springs over their weight (towards the other end is positive), and its slope: figure 6 of the
 // paper.
 struct Tension {
-    float force;
-    float slope;
+    Lanes force;
+    Lanes slope;
 };
-Tension tension(const Settings& settings, bool diagonal, float length, float rest) {
-    const float longer = length - rest;
-    if (longer > 0.0f) {
-        const float k = diagonal ? settings.shear : settings.stretch;
-        const float beyond = length - (1.0f + settings.strain_limit) * rest;
-        if (beyond <= 0.0f) return {k * longer, k};
-        return {k * longer + (kBeyondLimit - 1.0f) * k * beyond, kBeyondLimit * k};
-    }
-    if (diagonal) return {0.0f, 0.0f};
-    const float folded = length - settings.compression_limit * rest;
-    if (folded >= 0.0f) return {settings.compression * longer, settings.compression};
-    return {settings.compression * longer + (settings.folded - settings.compression) * folded,
-            settings.folded};
+Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes& length, const Lanes& rest) {
+    const Lanes zero{};
+    const Lanes longer = length - rest;
+    const Lanes k = diagonal ? all_lanes(settings.shear) : all_lanes(settings.stretch);
+    const Lanes beyond = length - (1.0f + settings.strain_limit) * rest;
+    const LaneMask within = beyond <= zero;
+    const Lanes taut = k * longer;
+    const Lanes very_taut = taut + (kBeyondLimit - 1.0f) * k * beyond;
+    const Lanes folded = length - settings.compression_limit * rest;
+    const LaneMask weak = folded >= zero;
+    const Lanes pushed = settings.compression * longer;
+    const Lanes folding = pushed + (settings.folded - settings.compression) * folded;
+    const Lanes slope = weak ? all_lanes(settings.compression) : all_lanes(settings.folded);
+    return {longer > zero ? (within ? taut : very_taut)
+            : diagonal    ? zero
+                          : (weak ? pushed : folding),
+            longer > zero ? (within ? k : kBeyondLimit * k)
+            : diagonal    ? zero
+                          : slope};
 }
 
 // The energy's Hessian, made positive definite: as the springs and vertices have it.
 struct Hessian {
-    struct Spring {
-        Vec3 direction;
-        float along;  // beyond `across`
-        float across;
+    struct Springs {
+        Vec3Lanes direction;
+        Lanes along;  // beyond `across`
+        Lanes across;
     };
-    struct Vertex {
-        float back;     // times identity
-        Vec3 wall;      // times itself: the pull back grows along the way
-        float contact;  // times normal x normal, of what is worn under it
-        float ahead;    // the same of what is ahead
+    struct Vertices {
+        Lanes back;      // times identity
+        Vec3Lanes wall;  // times itself: the pull back grows along the way
+        Lanes contact;   // times normal x normal, of what is worn under it
+        Lanes ahead;     // the same of what is ahead
     };
-    std::vector<Spring> springs;
-    std::vector<Vertex> vertices;
-    std::vector<glm::mat3> inverse_diagonal;  // preconditioner: of the 3x3 blocks
+    std::vector<Springs> springs;
+    std::vector<Vertices> vertices;
+    std::vector<Matrix> inverse_diagonal;  // preconditioner: of the 3x3 blocks, per vertex
 };
 
 // A vertex without area, of no polygon or of flat ones, has neither weight nor force: it stays.
-glm::mat3 inverse_or_nothing(const glm::mat3& block) {
-    const glm::mat3 inverse = glm::inverse(block);
+Matrix inverse_or_nothing(const Matrix& block) {
+    const glm::mat3 inverse =
+        glm::inverse(glm::mat3(block.column[0].vec(), block.column[1].vec(), block.column[2].vec()));
     const Vec3 sum = inverse[0] + inverse[1] + inverse[2];
-    return std::isfinite(sum.x + sum.y + sum.z) ? inverse : glm::mat3(0.0f);
+    if (!std::isfinite(sum.x + sum.y + sum.z)) return {};
+    return {inverse[0], inverse[1], inverse[2]};
 }
 
 // The forces at x; the Hessian too, where one is asked for.
-void forces(const Cloth& cloth, std::span<const Vec3> x, std::span<Vec3> out, Hessian* hessian) {
-    const auto& [model, settings, pose, planes, inertia] = cloth;
-    for (size_t v = 0; v < x.size(); ++v) {
-        const Vec3 away = x[v] - pose.animated[v];
-        const float room_used =
-            pose.room[v] > 0.0f ? glm::dot(away, away) / (pose.room[v] * pose.room[v]) : 0.0f;
-        const float back = model.area[v] * pose.follow[v] * (1.0f + kWall * room_used * room_used);
-        const float firm = model.area[v] * std::max(kContact, pose.follow[v]);
-        const float inward = -height_above(planes[v], x[v]), beyond = -height_above(pose.ahead[v], x[v]);
-        const float contact = inward > 0.0f ? firm : 0.0f, ahead = beyond > 0.0f ? firm : 0.0f;
-        out[v] = model.area[v] * settings.gravity - back * away + contact * inward * planes[v].normal +
-                 ahead * beyond * pose.ahead[v].normal;
-        if (inertia) out[v] += inertia->push[v] - inertia->resist[v] * (x[v] - inertia->from[v]);
+void forces_at_vertices(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hessian* hessian) {
+    const Settings& settings = frame.settings;
+    const Lanes zero{};
+    const Vec3Lanes gravity(settings.gravity);
+    for (size_t four = 0; four < frame.vertices.size(); ++four) {
+        const auto& [animated, area, follow, room, under, before] = frame.vertices[four];
+        const Vec3Lanes at = columns(four_of(x, four)), away = at - animated;
+        const Lanes room_used = room > zero ? dot(away, away) / (room * room) : zero;
+        const Lanes back = area * follow * (1.0f + kWall * room_used * room_used);
+        const Lanes firm = area * most(all_lanes(kContact), follow);
+        const Lanes inward = -under.height_of(at), beyond = -before.height_of(at);
+        const Lanes contact = inward > zero ? firm : zero, ahead = beyond > zero ? firm : zero;
+        store_rows(
+            area * gravity - back * away + contact * inward * under.normal + ahead * beyond * before.normal,
+            four_of(out, four));
         if (!hessian) continue;
-        const float growth = 4.0f * model.area[v] * pose.follow[v] * kWall * room_used;
-        const Vec3 wall = room_used > 0.0f ? std::sqrt(growth) / pose.room[v] * away : Vec3(0.0f);
-        hessian->vertices[v] = {back, wall, contact, ahead};
-        hessian->inverse_diagonal[v] = glm::mat3(back) + glm::outerProduct(wall, wall) +
-                                       contact * glm::outerProduct(planes[v].normal, planes[v].normal) +
-                                       ahead * glm::outerProduct(pose.ahead[v].normal, pose.ahead[v].normal);
-        if (inertia) hessian->inverse_diagonal[v] += inertia->resist[v];
+        const Lanes growth = 4.0f * area * follow * kWall * room_used;
+        const Vec3Lanes wall = choose(room_used > zero, square_root(growth) / room * away, {});
+        hessian->vertices[four] = {back, wall, contact, ahead};
+        FourRows walls, normals, normals_ahead;
+        store_rows(wall, walls);
+        store_rows(under.normal, normals);
+        store_rows(before.normal, normals_ahead);
+        for (int k = 0; k < kLanes; ++k) {
+            Matrix& block = hessian->inverse_diagonal[four * kLanes + k];
+            block = scaled_identity(back[k]);
+            add_outer_product(1.0f, walls[k], block);
+            add_outer_product(contact[k], normals[k], block);
+            add_outer_product(ahead[k], normals_ahead[k], block);
+        }
     }
-    for (size_t s = 0; s < model.springs.size(); ++s) {
-        const auto& [a, b, rest, weight, diagonal] = model.springs[s];
-        const Vec3 displacement = x[b] - x[a];
-        const float length = std::max(std::sqrt(glm::dot(displacement, displacement)), kShortestEdge);
-        const Vec3 n = displacement / length;
-        const Tension t = tension(settings, diagonal, length, settings.slack * rest);
-        const float smooth = diagonal ? 0.0f : settings.smoothing;
-        const Vec3 pull =
-            weight * (t.force * n + smooth * (displacement - (pose.animated[b] - pose.animated[a])));
-        out[a] += pull;
-        out[b] -= pull;
+    for (size_t v = 0; v < frame.inertia.size(); ++v) {
+        const auto& [from, push, resist] = frame.inertia[v];
+        out[v].xyz += push.xyz - resist * Row(x[v].xyz - from.xyz);
+        if (hessian) add(resist, hessian->inverse_diagonal[v]);
+    }
+}
+
+void forces(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hessian* hessian) {
+    forces_at_vertices(frame, x, out, hessian);
+    const Settings& settings = frame.settings;
+    for (size_t s = 0; s < frame.model.spring_fours.size(); ++s) {
+        const Model::SpringFour& springs = frame.model.spring_fours[s];
+        const Vec3Lanes displacement = ends_apart(springs, x);
+        const Lanes length = most(square_root(dot(displacement, displacement)), all_lanes(kShortestEdge));
+        const Vec3Lanes n{displacement.x / length, displacement.y / length, displacement.z / length};
+        const Tension t = tension(settings, springs.diagonal, length, settings.slack * springs.rest);
+        const Lanes smooth = springs.diagonal ? Lanes{} : all_lanes(settings.smoothing);
+        const Vec3Lanes bent = displacement - ends_apart(springs, frame.animated);
+        pull_together(springs, springs.weight * (t.force * n + smooth * bent), out);
         if (!hessian) continue;
-        const float across = std::max(t.force / length, 0.0f);
-        hessian->springs[s] = {n, weight * (t.slope - across), weight * (across + smooth)};
-        const glm::mat3 block =
-            glm::mat3(weight * (across + smooth)) + weight * (t.slope - across) * glm::outerProduct(n, n);
-        hessian->inverse_diagonal[a] += block;
-        hessian->inverse_diagonal[b] += block;
+        const Lanes across = most(t.force / length, Lanes{});
+        const Lanes along = springs.weight * (t.slope - across), wide = springs.weight * (across + smooth);
+        hessian->springs[s] = {n, along, wide};
+        FourRows directions;
+        store_rows(n, directions);
+        for (int k = 0; k < kLanes; ++k) {
+            Matrix block = scaled_identity(wide[k]);
+            add_outer_product(along[k], directions[k], block);
+            add(block, hessian->inverse_diagonal[springs.a[k]]);
+            add(block, hessian->inverse_diagonal[springs.b[k]]);
+        }
     }
     if (hessian) {
-        for (glm::mat3& block : hessian->inverse_diagonal) block = inverse_or_nothing(block);
+        for (Matrix& block : hessian->inverse_diagonal) block = inverse_or_nothing(block);
     }
 }
 
-void multiply(const Cloth& cloth, const Hessian& hessian, std::span<const Vec3> p, std::span<Vec3> out) {
-    for (size_t v = 0; v < p.size(); ++v) {
-        const auto& [back, wall, contact, ahead] = hessian.vertices[v];
-        const Vec3 &n = cloth.planes[v].normal, &m = cloth.pose.ahead[v].normal;
-        out[v] = back * p[v] + glm::dot(wall, p[v]) * wall + contact * glm::dot(n, p[v]) * n +
-                 ahead * glm::dot(m, p[v]) * m;
-        if (cloth.inertia) out[v] += cloth.inertia->resist[v] * p[v];
+void multiply(const Frame& frame, const Hessian& hessian, std::vector<Row>& p, std::vector<Row>& out) {
+    for (size_t four = 0; four < frame.vertices.size(); ++four) {
+        const auto& [back, wall, contact, ahead] = hessian.vertices[four];
+        const Vec3Lanes &n = frame.vertices[four].under.normal, &m = frame.vertices[four].ahead.normal;
+        const Vec3Lanes at = columns(four_of(p, four));
+        store_rows(back * at + dot(wall, at) * wall + contact * dot(n, at) * n + ahead * dot(m, at) * m,
+                   four_of(out, four));
     }
+    for (size_t v = 0; v < frame.inertia.size(); ++v) out[v].xyz += frame.inertia[v].resist * p[v];
     for (size_t s = 0; s < hessian.springs.size(); ++s) {
-        const Model::Spring& spring = cloth.model.springs[s];
         const auto& [n, along, across] = hessian.springs[s];
-        const Vec3 d = p[spring.b] - p[spring.a];
-        const Vec3 pull = across * d + along * glm::dot(n, d) * n;
-        out[spring.a] -= pull;
-        out[spring.b] += pull;
+        const Vec3Lanes d = ends_apart(frame.model.spring_fours[s], p);
+        pull_together(frame.model.spring_fours[s], -(across * d + along * dot(n, d) * n), out);
     }
 }
 
-double inner_product(std::span<const Vec3> a, std::span<const Vec3> b) {
+double inner_product(const std::vector<Row>& a, const std::vector<Row>& b) {
     double sum = 0.0;
-    for (size_t v = 0; v < a.size(); ++v) sum += double(glm::dot(a[v], b[v]));
+    for (size_t v = 0; v < a.size(); v += kLanes) {
+        FourRows product;
+        for (int k = 0; k < kLanes; ++k) product[k].xyz = a[v + k].xyz * b[v + k].xyz;
+        const Vec3Lanes columns_of_four = columns(product);
+        const Lanes dots = columns_of_four.x + columns_of_four.y + columns_of_four.z;
+        for (int k = 0; k < kLanes; ++k) sum += double(dots[k]);
+    }
     return sum;
 }
 
-// Solves Hessian step = force; returns the number of gradients.
-int conjugate_gradients(const Cloth& cloth, const Hessian& hessian, std::span<const Vec3> force,
-                        std::span<Vec3> step) {
-    const size_t vertices = force.size();
-    std::vector<Vec3> residual(force.begin(), force.end()), z(vertices), p(vertices), product(vertices);
+// Solves Hessian step = force, from step 0; returns the number of gradients.
+int conjugate_gradients(const Frame& frame, const Hessian& hessian, const std::vector<Row>& force,
+                        std::vector<Row>& step) {
+    std::vector<Row> residual = force, z = frame.rows(), product = frame.rows();
     const auto precondition = [&] {
-        for (size_t v = 0; v < vertices; ++v) z[v] = hessian.inverse_diagonal[v] * residual[v];
+        for (size_t v = 0; v < z.size(); ++v) z[v].xyz = hessian.inverse_diagonal[v] * residual[v];
     };
-    std::fill(step.begin(), step.end(), Vec3(0.0f));
     precondition();
-    p = z;
+    std::vector<Row> p = z;
     double now = inner_product(residual, z);
     const double enough = kResidual * kResidual * now;
-    for (int i = 0; i < cloth.settings.gradients; ++i) {
+    for (int i = 0; i < frame.settings.gradients; ++i) {
         if (now <= enough || now <= 0.0) return i;
-        multiply(cloth, hessian, p, product);
+        multiply(frame, hessian, p, product);
         const float alpha = static_cast<float>(now / inner_product(p, product));
-        for (size_t v = 0; v < vertices; ++v) {
-            step[v] += alpha * p[v];
-            residual[v] -= alpha * product[v];
+        for (size_t v = 0; v < p.size(); ++v) {
+            step[v].xyz += alpha * p[v].xyz;
+            residual[v].xyz -= alpha * product[v].xyz;
         }
         precondition();
         const double next = inner_product(residual, z);
         const float beta = static_cast<float>(next / now);
-        for (size_t v = 0; v < vertices; ++v) p[v] = z[v] + beta * p[v];
+        for (size_t v = 0; v < p.size(); ++v) p[v].xyz = z[v].xyz + beta * p[v].xyz;
         now = next;
     }
-    return cloth.settings.gradients;
+    return frame.settings.gradients;
 }
 
 }  // namespace
 
 float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report) {
-    const size_t vertices = x.size();
-    std::vector<Vec3> force(vertices), step(vertices), tried(vertices), there(vertices);
+    const Frame frame(cloth);
+    std::vector<Row> at = rows_with_a_spare(x), force = frame.rows(), step = frame.rows(),
+                     tried = frame.rows(), there = frame.rows();
     Hessian hessian;
-    hessian.springs.resize(cloth.model.springs.size());
-    hessian.vertices.resize(vertices);
-    hessian.inverse_diagonal.resize(vertices);
-    forces(cloth, x, force, &hessian);
-    report.gradients += conjugate_gradients(cloth, hessian, force, step);
+    hessian.springs.resize(cloth.model.spring_fours.size());
+    hessian.vertices.resize(frame.vertices.size());
+    hessian.inverse_diagonal.resize(at.size());
+    forces(frame, at, force, &hessian);
+    report.gradients += conjugate_gradients(frame, hessian, force, step);
     const double slope = inner_product(force, step);
     float fraction = 1.0f;
     for (int i = 0; i < kShortenings; ++i) {
-        for (size_t v = 0; v < vertices; ++v) tried[v] = x[v] + fraction * step[v];
-        forces(cloth, tried, there, nullptr);
+        for (size_t v = 0; v < at.size(); ++v) tried[v].xyz = at[v].xyz + fraction * step[v].xyz;
+        forces(frame, tried, there, nullptr);
         const double slope_there = inner_product(there, step);
         if (slope_there >= -0.1 * slope) break;
         fraction *= static_cast<float>(std::max(slope / (slope - slope_there), 0.1));
     }
     float farthest = 0.0f;
-    for (size_t v = 0; v < vertices; ++v) {
-        x[v] += fraction * step[v];
-        farthest = std::max(farthest, fraction * glm::length(step[v]));
+    for (size_t v = 0; v < x.size(); ++v) {
+        x[v] = Row(at[v].xyz + fraction * step[v].xyz).vec();
+        farthest = std::max(farthest, fraction * glm::length(step[v].vec()));
     }
     return farthest;
 }

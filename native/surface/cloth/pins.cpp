@@ -10,11 +10,14 @@
 namespace rumple {
 namespace {
 
-// Radius of a border over the diagonal of its part: how firmly it is held. Measured on shirts, sweaters and
-// trousers: a wrist is at 0.02, the cuff of trousers at 0.055, a short sleeve at 0.07, a hem at 0.17 and
-// more.
+// Radius of a border over the diagonal of its part: how firmly it is held. A wrist is at 0.02, the leg of
+// trousers at 0.055, a short sleeve at 0.07, a hem at 0.17 and more.
 constexpr float kWrist = 0.03f, kSleeve = 0.05f, kLoose = 0.09f;
-constexpr float kSleeveHeld = 0.4f;
+constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.12f;
+
+// What is at most this share of the diagonal above the lowest border is a hem or a leg: held as a sleeve is,
+// legs were gathered above the feet; free, a foot of a jump came through.
+constexpr float kLowest = 0.1f;
 
 // A border as wide as this is the outline of a sheet (a flag, a cape), not an opening.
 constexpr float kOutline = 0.25f;
@@ -29,10 +32,11 @@ struct Border {
     float radius = 0.0f;
 };
 
-float held_by_width(float fraction) {
+float held_by_width(float fraction, bool lowest) {
+    const float sleeve = lowest ? kLegHeld : kSleeveHeld;
     if (fraction <= kWrist) return 1.0f;
-    if (fraction <= kSleeve) return glm::mix(1.0f, kSleeveHeld, (fraction - kWrist) / (kSleeve - kWrist));
-    return kSleeveHeld * std::clamp((kLoose - fraction) / (kLoose - kSleeve), 0.0f, 1.0f);
+    if (fraction <= kSleeve) return glm::mix(1.0f, sleeve, (fraction - kWrist) / (kSleeve - kWrist));
+    return sleeve * std::clamp((kLoose - fraction) / (kLoose - kSleeve), 0.0f, 1.0f);
 }
 
 // Connected sets of vertices: the number of its set for every vertex that an edge in `chosen` has, else
@@ -112,14 +116,19 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
     const std::vector<Border> borders = collect_borders(surface, part, up);
     const std::vector<float> diagonal = diagonals(surface, part, parts);
     std::vector<float> highest(parts, std::numeric_limits<float>::lowest());
-    for (const Border& border : borders) highest[border.part] = std::max(highest[border.part], border.height);
+    std::vector<float> lowest(parts, std::numeric_limits<float>::max());
+    for (const Border& border : borders) {
+        highest[border.part] = std::max(highest[border.part], border.height);
+        lowest[border.part] = std::min(lowest[border.part], border.height);
+    }
     EdgeGraph graph(surface.welded.vertex_count);
     for (const Edge& edge : surface.edges) connect(surface, edge.a, edge.b, graph);
     std::vector<float> follow(surface.welded.vertex_count, 0.0f);
     for (const Border& border : borders) {
         const float size = diagonal[border.part];
         const bool top = border.height == highest[border.part] && border.radius < kOutline * size;
-        const float firmly = top ? 1.0f : held_by_width(border.radius / size);
+        const bool low = border.height <= lowest[border.part] + kLowest * size;
+        const float firmly = top ? 1.0f : held_by_width(border.radius / size, low);
         if (size > 0.0f && firmly > 0.0f) hold(border, firmly, kFade * size, graph, follow);
     }
     std::vector<float> out;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/lanes.h"
 #include "surface/cloth/base_cloth.h"
 #include "surface/strain/deformation.h"
 
@@ -28,11 +29,11 @@ struct Pose {
     std::vector<Vec3> normal;          // unit, or zero
     std::vector<TriangleFrame> frame;  // tangent frames: rigid motion carries them along
     std::vector<Vec3> inner;           // the inner surface: what cloth stays outside of
-    struct Ball {
-        Vec3 centre;
-        float radius;
+    struct Facet {                     // a triangle of the inner surface
+        Row a, b, c;
+        Row ball;  // around it: x, y, z of its centre, and its radius
     };
-    std::vector<Ball> ball;           // around every triangle of the inner surface
+    std::vector<Facet> facets;
     std::vector<float> clearance;     // Clearance::inwards: object units, negative inside a body
     std::vector<Plane> ahead;         // of a body in front of it, which it stays before; normal zero: none
     std::vector<float> ahead_height;  // of the animated place above that plane, object units; none: its room

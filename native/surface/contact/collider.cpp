@@ -23,10 +23,10 @@ constexpr float kAbove = 0.85f;
 // Share of a triangle: a closest point this near to an edge lies on it.
 constexpr float kOnEdge = 1e-4f;
 
-std::vector<Vec3> checked(const Collider& collider, std::span<const Vec3> positions) {
+std::vector<Row> checked(const Collider& collider, std::span<const Vec3> positions) {
     expect_count("body positions", positions.size(), size_t(collider.vertex_count()), "vertices");
     check_coordinates("body positions", positions);
-    return {positions.begin(), positions.end()};
+    return to_rows(positions);
 }
 
 }  // namespace
@@ -78,6 +78,13 @@ PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> pos
       normals_(positions_, collider.triangles_),
       packets_(collider.hierarchy_, positions_, collider.triangles_, normals_.of_face) {}
 
+bool PosedCollider::is_at(std::span<const Vec3> positions) const {
+    if (positions.size() != size_t(collider_.vertex_count())) return false;
+    for (size_t v = 0; v < positions.size(); ++v)
+        if (glm::floatBitsToUint(positions[v]) != glm::floatBitsToUint(positions_[v].vec())) return false;
+    return true;
+}
+
 bool PosedCollider::on_border(Index triangle, const Vec3& weights) const {
     const std::uint8_t edges = collider_.border_edges_[triangle];
     for (int k = 0; k < 3; ++k) {
@@ -91,14 +98,14 @@ bool PosedCollider::on_border(Index triangle, const Vec3& weights) const {
 Vec3 PosedCollider::point_of(const Best& best) const {
     const auto& t = collider_.triangles_[best.triangle];
     const Vec3& w = best.weights;
-    return w.x * positions_[t[0]] + w.y * positions_[t[1]] + w.z * positions_[t[2]];
+    return w.x * positions_[t[0]].vec() + w.y * positions_[t[1]].vec() + w.z * positions_[t[2]].vec();
 }
 
 Vec3 PosedCollider::normal_of(const Best& best) const {
     const auto& t = collider_.triangles_[best.triangle];
     const Vec3& w = best.weights;
-    const std::vector<Vec3>& normal = normals_.of_vertex;
-    return unit_or_zero(w.x * normal[t[0]] + w.y * normal[t[1]] + w.z * normal[t[2]]);
+    const std::vector<Row>& normal = normals_.of_vertex;
+    return unit_or_zero(w.x * normal[t[0]].vec() + w.y * normal[t[1]].vec() + w.z * normal[t[2]].vec());
 }
 
 // Takes what is nearer than the best, among equals the lowest triangle: so the order of looking does not
@@ -107,14 +114,14 @@ template <typename Counts>
 void PosedCollider::look_at(const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles,
                             const Vec3& p, const Counts& counts, Best& best) const {
     const LaneMask counting = counts(packet);
+    if (bits_of(counting) == 0) return;
     const ClosestOfFour found = closest_of(packet, Vec3Lanes(p));
-    const LaneMask nearer = counting & (found.squared <= all_lanes(best.squared));
-    for (int k = 0; k < kLanes; ++k) {
-        if (!nearer[k] || found.squared[k] > best.squared) continue;
-        if (found.squared[k] == best.squared && triangles[k] >= best.triangle) continue;
+    for_each_true(counting & (found.squared <= all_lanes(best.squared)), [&](int k) {
+        if (found.squared[k] > best.squared) return;
+        if (found.squared[k] == best.squared && triangles[k] >= best.triangle) return;
         const float v = found.at.v[k], w = found.at.w[k];
         best = {found.squared[k], triangles[k], {1.0f - v - w, v, w}};
-    }
+    });
 }
 
 BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const {

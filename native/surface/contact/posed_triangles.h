@@ -3,25 +3,27 @@
 // contact.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "base/array.h"
+#include "base/lanes.h"
 #include "base/tolerances.h"
 
 namespace rumple {
 
 struct Box {
-    Vec3 low{std::numeric_limits<float>::max()};
-    Vec3 high{std::numeric_limits<float>::lowest()};
+    Row low{all_lanes(std::numeric_limits<float>::max())};
+    Row high{all_lanes(std::numeric_limits<float>::lowest())};
 
     void add(const Box& other) {
-        low = glm::min(low, other.low);
-        high = glm::max(high, other.high);
+        low.xyz = least(low.xyz, other.low.xyz);
+        high.xyz = most(high.xyz, other.high.xyz);
     }
-    void add(const Vec3& p) { add(Box{p, p}); }
+    void add(const Row& p) { add(Box{p, p}); }
 };
 
 inline Vec3 unit_or_zero(const Vec3& v) {
@@ -29,20 +31,37 @@ inline Vec3 unit_or_zero(const Vec3& v) {
     return length > kShortestEdge * kShortestEdge ? v / length : Vec3(0.0f);
 }
 
+inline Vec3Lanes unit_or_zero(const Vec3Lanes& v) {
+    const Lanes length = square_root(dot(v, v));
+    const Vec3Lanes unit{v.x / length, v.y / length, v.z / length};
+    return choose(length > all_lanes(kShortestEdge * kShortestEdge), unit, {});
+}
+
 // Unit, or zero where there is no area.
 struct TriangleNormals {
-    std::vector<Vec3> of_face;
-    std::vector<Vec3> of_vertex;  // weighted by area
+    std::vector<Row> of_face;
+    std::vector<Row> of_vertex;  // weighted by area
 
-    TriangleNormals(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles)
-        : of_vertex(positions.size(), Vec3(0.0f)) {
-        of_face.reserve(triangles.size());
-        for (const auto& t : triangles) {
-            const Vec3 n = glm::cross(positions[t[1]] - positions[t[0]], positions[t[2]] - positions[t[0]]);
-            of_face.push_back(unit_or_zero(n));
-            for (const Index v : t) of_vertex[v] += n;
+    // positions: as of to_rows().
+    TriangleNormals(std::span<const Row> positions, std::span<const std::array<Index, 3>> triangles)
+        : of_face(in_fours(triangles.size())), of_vertex(positions.size()) {
+        for (size_t first = 0; first < triangles.size(); first += kLanes) {
+            const size_t count = std::min<size_t>(triangles.size() - first, kLanes);
+            std::array<std::array<Row, kLanes>, 3> corner;
+            for (size_t k = 0; k < count; ++k)
+                for (int i = 0; i < 3; ++i) corner[i][k] = positions[triangles[first + k][i]];
+            const Vec3Lanes a = columns(corner[0]), b = columns(corner[1]), c = columns(corner[2]);
+            const Vec3Lanes n = cross(b - a, c - a);
+            store_rows(unit_or_zero(n), four_from(of_face, first));
+            std::array<Row, kLanes> weighted;
+            store_rows(n, weighted);
+            for (size_t k = 0; k < count; ++k)
+                for (const Index v : triangles[first + k]) of_vertex[v].xyz += weighted[k].xyz;
         }
-        for (Vec3& n : of_vertex) n = unit_or_zero(n);
+        for (size_t v = 0; v < of_vertex.size(); v += kLanes) {
+            const std::span<Row, kLanes> four = four_from(of_vertex, v);
+            store_rows(unit_or_zero(columns(four)), four);
+        }
     }
 };
 

@@ -13,47 +13,49 @@ OwnSurface::OwnSurface(std::span<const Vec3> positions, const std::vector<std::a
 
 PosedOwnSurface::PosedOwnSurface(const OwnSurface& surface, std::span<const Vec3> positions)
     : surface_(surface),
-      positions_(positions),
-      normals_(positions, surface.triangles_),
-      packets_(surface.hierarchy_, positions, surface.triangles_, normals_.of_face) {}
+      count_(positions.size()),
+      positions_(to_rows(positions)),
+      normals_(positions_, surface.triangles_),
+      packets_(surface.hierarchy_, positions_, surface.triangles_, normals_.of_face) {}
 
 OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const {
-    const Vec3 p = positions_[vertex], normal = normals_.of_vertex[vertex];
+    const Vec3 p = positions_[vertex].vec(), normal = normals_.of_vertex[vertex].vec();
     const Vec3Lanes at(p), facing(normal);
     float best = squared_reach(reach);
     found = kNone;
     Vec3 displacement(0.0f);
     const auto look_at = [&](const PosedPackets::Packet& packet,
                              const PacketHierarchy::Triangles& triangles) {
+        const LaneMask faces = dot(packet.normal, facing) <= all_lanes(kFacingNormals);
+        if (bits_of(faces) == 0) return;
         const ClosestOfFour closest = closest_of(packet, at);
-        const LaneMask nearer =
-            (dot(packet.normal, facing) <= all_lanes(kFacingNormals)) & (closest.squared <= all_lanes(best));
-        for (int k = 0; k < kLanes; ++k) {
-            if (!nearer[k] || closest.squared[k] > best) continue;
+        for_each_true(faces & (closest.squared <= all_lanes(best)), [&](int k) {
+            if (closest.squared[k] > best) return;
             const Index t = triangles[k];
             const auto& corner = surface_.triangles_[t];
-            if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex) continue;
-            if (closest.squared[k] == best && (found == kNone || t >= found)) continue;
+            if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex) return;
+            if (closest.squared[k] == best && (found == kNone || t >= found)) return;
             best = closest.squared[k];
             found = t;
             displacement = closest.way.at(k);
-        }
+        });
     };
     // No triangle of a node faces the vertex: so it is with all that lies flat around it.
     const PosedPackets::NoneFaces none_faces{normal, kFacingNormals};
     packets_.search(p, best, &none_faces, look_at);
     if (found == kNone) return {};
     const float distance = std::sqrt(best);
-    const Vec3 towards = distance > kSamePlace * reach ? displacement / distance : -normals_.of_face[found];
+    const Vec3 towards =
+        distance > kSamePlace * reach ? displacement / distance : -normals_.of_face[found].vec();
     return {towards, distance, glm::dot(towards, normal) > 0.0f};
 }
 
 std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach, int threads) const {
-    std::vector<OwnSide> out(positions_.size());
+    std::vector<OwnSide> out(reach.size());
     if (surface_.triangles_.empty()) return out;
-    std::vector<Index> triangle(positions_.size(), kNone);
+    std::vector<Index> triangle(out.size(), kNone);
     for_each_index(out.size(), threads_for_queries(threads, out.size()), [&](size_t v) {
-        if (reach[v] > 0.0f && normals_.of_vertex[v] != Vec3(0.0f))
+        if (reach[v] > 0.0f && normals_.of_vertex[v].vec() != Vec3(0.0f))
             out[v] = nearest(static_cast<Index>(v), reach[v], triangle[v]);
     });
     const std::vector<OwnSide> found = out;
@@ -61,7 +63,7 @@ std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach, int t
         if (triangle[v] == kNone) continue;
         for (const Index u : surface_.triangles_[triangle[v]]) {
             if (found[v].distance >= out[u].distance) continue;
-            const bool outside = glm::dot(found[v].towards, normals_.of_vertex[u]) < 0.0f;
+            const bool outside = glm::dot(found[v].towards, normals_.of_vertex[u].vec()) < 0.0f;
             out[u] = {-found[v].towards, found[v].distance, outside};
         }
     }
@@ -69,10 +71,10 @@ std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach, int t
 }
 
 std::vector<float> PosedOwnSurface::heights() const {
-    std::vector<float> out(positions_.size(), std::numeric_limits<float>::infinity());
+    std::vector<float> out(count_, std::numeric_limits<float>::infinity());
     for (const auto& t : surface_.triangles_) {
-        const Vec3 side[3] = {positions_[t[2]] - positions_[t[1]], positions_[t[0]] - positions_[t[2]],
-                              positions_[t[1]] - positions_[t[0]]};  // opposite of each corner
+        const Vec3 p[3] = {positions_[t[0]].vec(), positions_[t[1]].vec(), positions_[t[2]].vec()};
+        const Vec3 side[3] = {p[2] - p[1], p[0] - p[2], p[1] - p[0]};  // opposite of each corner
         const Vec3 n = glm::cross(side[0], side[1]);
         const float twice_area = std::sqrt(glm::dot(n, n));
         for (int k = 0; k < 3; ++k) {

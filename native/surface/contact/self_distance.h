@@ -58,7 +58,8 @@ class PosedOwnSurface {
     OwnSide nearest(Index vertex, float reach, Index& triangle) const;
 
     const OwnSurface& surface_;
-    std::span<const Vec3> positions_;
+    size_t count_;
+    std::vector<Row> positions_;
     TriangleNormals normals_;
     PosedPackets packets_;
 };

@@ -56,8 +56,8 @@ PacketHierarchy build_packets(std::span<const Vec3> centres) {
     return out;
 }
 
-PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Vec3> positions,
-                           std::span<const std::array<Index, 3>> triangles, std::span<const Vec3> normals)
+PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Row> positions,
+                           std::span<const std::array<Index, 3>> triangles, std::span<const Row> normals)
     : hierarchy_(hierarchy), packets_(hierarchy.packets.size()), nodes_(hierarchy.nodes.size()) {
     struct Volume {
         Box place, normal;
@@ -67,33 +67,39 @@ PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Vec
             normal.add(other.normal);
         }
     };
-    std::vector<Volume> of_packet(packets_.size()), of_node(nodes_.size());
-    for (size_t i = 0; i < packets_.size(); ++i) {
+    const auto fill_packet = [&](size_t packet) {
+        Volume volume;
+        std::array<Row, kLanes> corner[3], normal;
         for (int k = 0; k < kLanes; ++k) {
-            const Index t = hierarchy.packets[i][k];
-            if (t == kNone) {
-                for (Vec3Lanes* corner : {&packets_[i].a, &packets_[i].b, &packets_[i].c})
-                    corner->set(k, Vec3(kInfinitelyFar));
-                continue;
-            }
-            const auto& [a, b, c] = triangles[t];
-            packets_[i].a.set(k, positions[a]);
-            packets_[i].b.set(k, positions[b]);
-            packets_[i].c.set(k, positions[c]);
-            packets_[i].normal.set(k, normals[t]);
-            for (const Index v : {a, b, c}) of_packet[i].place.add(positions[v]);
-            of_packet[i].normal.add(normals[t]);
+            const Index t = hierarchy.packets[packet][k];
+            for (int i = 0; i < 3; ++i)
+                corner[i][k] = t == kNone ? Row(all_lanes(kInfinitelyFar)) : positions[triangles[t][i]];
+            if (t == kNone) continue;
+            normal[k] = normals[t];
+            for (int i = 0; i < 3; ++i) volume.place.add(corner[i][k]);
+            volume.normal.add(normal[k]);
         }
-    }
+        packets_[packet] = {columns(corner[0]), columns(corner[1]), columns(corner[2]), columns(normal)};
+        return volume;
+    };
+    std::vector<Volume> of_node(nodes_.size());
     for (size_t n = nodes_.size(); n-- > 0;) {
+        std::array<Volume, kLanes> of_child;
         for (int k = 0; k < kLanes; ++k) {
             const Index child = hierarchy.nodes[n].child[k];
-            Volume volume;
-            if (child != PacketHierarchy::kEmpty) volume = child < 0 ? of_packet[-1 - child] : of_node[child];
-            nodes_[n].places.set(k, volume.place);
-            nodes_[n].normals.set(k, volume.normal);
-            of_node[n].add(volume);
+            if (child == PacketHierarchy::kEmpty) continue;
+            of_child[k] = child < 0 ? fill_packet(-1 - child) : of_node[child];
+            of_node[n].add(of_child[k]);
         }
+        const auto boxes = [&](Box Volume::*box) {
+            std::array<Row, kLanes> low, high;
+            for (int k = 0; k < kLanes; ++k) {
+                low[k] = (of_child[k].*box).low;
+                high[k] = (of_child[k].*box).high;
+            }
+            return Boxes{columns(low), columns(high)};
+        };
+        nodes_[n] = {boxes(&Volume::place), boxes(&Volume::normal)};
     }
 }
 

@@ -215,25 +215,33 @@ PolygonMesh split_fans(const PolygonMesh& mesh, std::vector<Index>& fans) {
     return split;
 }
 
-void check_manifold(const PolygonMesh& mesh) {
+std::vector<Edge> check_manifold(const PolygonMesh& mesh) {
     using Checker = OpenMesh::PolyConnectivity;  // a mesh without points: we ask only how it is joined
     // OpenMesh also prints what it refuses; we say it ourselves.
     [[maybe_unused]] static const bool silenced = (::omerr().disable(), true);
     Checker checker;
+    checker.reserve(mesh.vertex_count, mesh.vertex_count + mesh.polygons(), mesh.polygons());
     std::vector<Checker::VertexHandle> vertices(mesh.vertex_count);
     for (auto& vertex : vertices) vertex = checker.new_vertex();
     std::vector<Checker::VertexHandle> face;
-    Index refused = kNone;
-    for (Index p = 0; p < mesh.polygons() && refused == kNone; ++p) {
+    for (Index p = 0; p < mesh.polygons(); ++p) {
         face.clear();
         for (Index c = mesh.polygon_start[p]; c < mesh.polygon_start[p + 1]; ++c) {
             face.push_back(vertices[mesh.corner_vertex[c]]);
         }
-        if (!checker.add_face(face).is_valid()) refused = p;
+        if (checker.add_face(face).is_valid()) continue;
+        throw TopologyError("face " + text(p) + " cannot be joined to its neighbours in a manifold");
     }
-    if (refused != kNone) {
-        throw TopologyError("face " + text(refused) + " cannot be joined to its neighbours in a manifold");
+    std::vector<Edge> edges;
+    edges.reserve(checker.n_edges());
+    for (const auto edge : checker.edges()) {
+        const Index a = edge.v0().idx(), b = edge.v1().idx();
+        const Index p = edge.h0().face().idx(), q = edge.h1().face().idx();  // -1, kNone, where there is none
+        const bool is_border = p == kNone || q == kNone;
+        edges.push_back({std::min(a, b), std::max(a, b), is_border ? std::max(p, q) : std::min(p, q),
+                         is_border ? kNone : std::max(p, q)});
     }
+    return edges;
 }
 
 }  // namespace rumple

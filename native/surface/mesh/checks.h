@@ -43,8 +43,9 @@ std::pair<Index, Index> find_duplicate_polygons(const PolygonMesh& mesh);
 // the number of its fans (0: a loose vertex). Edges must have passed check_edges().
 PolygonMesh split_fans(const PolygonMesh& mesh, std::vector<Index>& fans);
 
-// Builds the mesh in OpenMesh, polygon by polygon. Throws TopologyError naming
-// the first polygon that cannot be joined to a manifold.
-void check_manifold(const PolygonMesh& mesh);
+// Builds the mesh in OpenMesh, polygon by polygon, and returns the edges that it has found, in its order;
+// left of an edge is the lower polygon. Throws TopologyError naming the first polygon that cannot be joined
+// to a manifold. Cost: O(corners).
+std::vector<Edge> check_manifold(const PolygonMesh& mesh);
 
 }  // namespace rumple

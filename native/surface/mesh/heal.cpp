@@ -8,6 +8,7 @@
 
 #include "surface/mesh/checks.h"
 #include "surface/mesh/disjoint_sets.h"
+#include "surface/mesh/heal_winding.h"
 #include "surface/mesh/weld.h"
 
 namespace rumple {
@@ -19,24 +20,7 @@ constexpr double kTurned = 0.25;  // how much better polygons must fit that are 
 
 using Pair = std::array<Index, 2>;
 
-// Two polygons that stay joined at an edge, by the corners that begin it.
-struct Joint {
-    Index corner[2];
-    bool turned;  // both run along the edge the same way: one of them is wound the other way
-};
-
 // ---- the parts of a mesh that are polygons
-
-Index next_corner(const PolygonMesh& mesh, Index polygon, Index corner) {
-    return corner + 1 < mesh.polygon_start[polygon + 1] ? corner + 1 : mesh.polygon_start[polygon];
-}
-
-std::vector<Index> polygons_of_corners(const PolygonMesh& mesh) {
-    std::vector<Index> polygon(mesh.corners());
-    for (Index p = 0; p < mesh.polygons(); ++p)
-        std::fill(polygon.begin() + mesh.polygon_start[p], polygon.begin() + mesh.polygon_start[p + 1], p);
-    return polygon;
-}
 
 Index copy_vertex(HealedMesh& healed, Index vertex) {
     healed.vertex_source.push_back(healed.vertex_source[vertex]);
@@ -46,19 +30,6 @@ Index copy_vertex(HealedMesh& healed, Index vertex) {
 Pair named(const HealedMesh& healed, Index a, Index b) {
     const auto [low, high] = std::minmax(healed.vertex_source[a], healed.vertex_source[b]);
     return {low, high};
-}
-
-// Twice the area of a polygon, along its normal (Newell).
-glm::dvec3 area_vector(const HealedMesh& healed, std::span<const Vec3> positions, Index p) {
-    const PolygonMesh& mesh = healed.mesh;
-    const auto at = [&](Index c) {
-        return glm::dvec3(positions[healed.vertex_source[mesh.corner_vertex[c]]]);
-    };
-    const glm::dvec3 origin = at(mesh.polygon_start[p]);
-    glm::dvec3 sum(0.0);
-    for (Index c = mesh.polygon_start[p]; c < mesh.polygon_start[p + 1]; ++c)
-        sum += glm::cross(at(c) - origin, at(next_corner(mesh, p, c)) - origin);
-    return sum;
 }
 
 // ---- repeated and doubled
@@ -214,80 +185,6 @@ std::vector<Joint> join_seams(const HealedMesh& healed, std::span<const Vec3> po
         if (!turned || fold < 0.0) joints.push_back({{c, d}, turned});
     }
     return joints;
-}
-
-// ---- winding
-
-struct Side {
-    Index polygon;
-    bool turned;
-};
-using Sides = std::vector<std::vector<Side>>;  // of every polygon
-
-Sides sides_of(const std::vector<Joint>& joints, const std::vector<Index>& polygon_of, Index polygons) {
-    Sides sides(polygons);
-    for (const Joint& joint : joints) {
-        const Index p = polygon_of[joint.corner[0]], q = polygon_of[joint.corner[1]];
-        sides[p].push_back({q, joint.turned});
-        sides[q].push_back({p, joint.turned});
-    }
-    return sides;
-}
-
-// The polygons that are joined or sewn to one, itself first, and in `turned` which are wound the other way
-// than it.
-std::vector<Index> part_of(Index first, const Sides& joined, const Sides& sewn, std::vector<bool>& reached,
-                           std::vector<bool>& turned) {
-    std::vector<Index> part{first};
-    reached[first] = true;
-    const auto go_on = [&](Index p, const Sides& sides) {
-        for (const auto& [q, against] : sides[p]) {
-            if (reached[q]) continue;
-            reached[q] = true;
-            turned[q] = turned[p] != against;
-            part.push_back(q);
-        }
-    };
-    // All that is joined before what is sewn on: a seam that fits badly cuts nothing.
-    for (std::size_t next = 0, seam = 0; seam < part.size();) {
-        if (next < part.size()) {
-            go_on(part[next++], joined);
-        } else {
-            go_on(part[seam++], sewn);
-        }
-    }
-    return part;
-}
-
-// Which polygons to turn so that joined ones are wound alike, and as the larger area of their part. Joints at
-// which that cannot be (a part with one side only) are removed; cut: gets their edges. seams: joints that
-// count for the winding alone.
-std::vector<bool> wind_polygons(const HealedMesh& healed, std::span<const Vec3> positions,
-                                std::vector<Joint>& joints, const std::vector<Joint>& seams,
-                                std::set<Pair>& cut) {
-    const PolygonMesh& mesh = healed.mesh;
-    const std::vector<Index> polygon = polygons_of_corners(mesh);
-    const Sides joined = sides_of(joints, polygon, mesh.polygons()),
-                sewn = sides_of(seams, polygon, mesh.polygons());
-    std::vector<bool> turned(mesh.polygons(), false), reached(mesh.polygons(), false);
-    for (Index first = 0; first < mesh.polygons(); ++first) {
-        if (reached[first]) continue;
-        const std::vector<Index> part = part_of(first, joined, sewn, reached, turned);
-        double as_it_is = 0.0, other = 0.0;  // areas
-        for (const Index p : part)
-            (turned[p] ? other : as_it_is) += glm::length(area_vector(healed, positions, p));
-        if (other <= as_it_is) continue;
-        for (const Index p : part) turned[p] = !turned[p];
-    }
-    std::erase_if(joints, [&](const Joint& joint) {
-        const Index p = polygon[joint.corner[0]], q = polygon[joint.corner[1]];
-        const bool fits = (turned[p] != turned[q]) == joint.turned;
-        const Index a = mesh.corner_vertex[joint.corner[0]];
-        const Index b = mesh.corner_vertex[next_corner(mesh, p, joint.corner[0])];
-        if (!fits) cut.insert({std::min(a, b), std::max(a, b)});
-        return !fits;
-    });
-    return turned;
 }
 
 // ---- cutting

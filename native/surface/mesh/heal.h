@@ -37,10 +37,11 @@ struct HealedMesh {
 //   best,
 //             then the next two: the cut of Gueziec, Taubin, Lazarus and Horn 2001, chosen by the angle;
 //   turned    within a part, polygons are wound as the larger area of it is, also across seams that will be
-//             welded. A part with one side only (Moebius) is cut where its ends meet;
+//             welded. A part with one side only (Moebius) is cut where its ends meet. A tube or a bag that
+//             faces inwards is turned as a whole: what is worn under a garment lies behind its faces;
 //   then vertices are split into their fans along all cuts.
-// A mesh that is an oriented manifold comes back as it is. Throws InvalidInput as build_surface() does.
-// Cost: O(corners log corners).
+// A mesh that is an oriented manifold and not inside out comes back as it is. Throws InvalidInput as
+// build_surface() does. Cost: O(corners log corners).
 HealedMesh heal_mesh(const SurfaceInput& input);
 
 }  // namespace rumple

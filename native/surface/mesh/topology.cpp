@@ -47,9 +47,21 @@ void join_vertices(Surface& surface, const std::vector<Index>& class_of) {
 
 // One corner per OpenMesh fan. Two fans in one vertex (a bow tie) are tolerated:
 // OpenSubdiv keeps such a vertex as a sharp corner and the solver asks only for edges.
-void check_fans(Surface& surface) {
+// The edges that OpenMesh found there are those of the surface.
+void join_fans(Surface& surface) {
     std::vector<Index> fans;
-    check_manifold(split_fans(surface.welded, fans));
+    const PolygonMesh split = split_fans(surface.welded, fans);
+    surface.edges = check_manifold(split);
+    std::vector<Index> vertex_of(split.vertex_count);
+    for (Index c = 0; c < split.corners(); ++c)
+        vertex_of[split.corner_vertex[c]] = surface.welded.corner_vertex[c];
+    for (Edge& edge : surface.edges) {
+        const auto [a, b] = std::minmax({vertex_of[edge.a], vertex_of[edge.b]});
+        edge.a = a;
+        edge.b = b;
+    }
+    std::sort(surface.edges.begin(), surface.edges.end(),
+              [](const Edge& x, const Edge& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
     Tally loose, bow_ties;
     for (Index w = 0; w < surface.welded.vertex_count; ++w) {
         const std::string name = "vertex " + std::to_string(surface.representative[w]);
@@ -71,8 +83,7 @@ void copy_triangles(Surface& surface, const SurfaceInput& input) {
     }
 }
 
-void collect_rim(Surface& surface) {
-    surface.edges = collect_edges(surface.welded);
+void mark_border(Surface& surface) {
     surface.boundary_vertex.assign(surface.welded.vertex_count, false);
     for (const Edge& edge : surface.edges) {
         if (edge.right != kNone) continue;
@@ -138,14 +149,34 @@ Surface build_surface(const SurfaceInput& input) {
     }
     surface.warnings = weld.warnings;
     join_vertices(surface, weld.class_of);
-    check_fans(surface);
+    join_fans(surface);
 
     surface.positions_rest.resize(surface.welded.vertex_count);
     weld_positions(surface, input.positions_rest, surface.positions_rest);
     copy_triangles(surface, input);
-    collect_rim(surface);
+    mark_border(surface);
     warn_about_sizes(surface, diagonal);
     return surface;
+}
+
+OneRings one_rings(const Surface& surface) {
+    std::vector<std::vector<Index>> around(surface.welded.vertex_count);
+    for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
+        const std::array<Index, 3> corners = welded_vertices(surface, t);
+        for (int k = 0; k < 3; ++k) {
+            const Index a = corners[k], b = corners[(k + 1) % 3];
+            around[a].push_back(b);
+            around[b].push_back(a);
+        }
+    }
+    OneRings rings;
+    for (std::vector<Index>& ring : around) {
+        std::sort(ring.begin(), ring.end());
+        ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+        rings.vertex.insert(rings.vertex.end(), ring.begin(), ring.end());
+        rings.start.push_back(static_cast<Index>(rings.vertex.size()));
+    }
+    return rings;
 }
 
 NearTriangles near_triangles(const Surface& surface) {

@@ -50,7 +50,7 @@ struct Surface {
     PolygonMesh welded;
     std::vector<Index> welded_of;       // display vertex -> welded vertex
     std::vector<Index> representative;  // welded vertex -> its first display vertex
-    std::vector<Vec3> positions_rest;   // per welded vertex, object space, metres
+    std::vector<Vec3> positions_rest;   // per welded vertex, object space, object units
     std::vector<Triangle> triangles;    // of every polygon, as given
     std::vector<Edge> edges;            // of the welded mesh
     std::vector<bool> boundary_vertex;  // per welded vertex
@@ -58,7 +58,7 @@ struct Surface {
 };
 
 struct SurfaceInput {
-    std::span<const Vec3> positions_rest;    // per vertex, object space, metres
+    std::span<const Vec3> positions_rest;    // per vertex, object space, object units
     std::span<const Index> polygon_start;    // polygons + 1, ascending from 0
     std::span<const Index> corner_vertex;    // per corner
     std::span<const Index> triangle_corner;  // 3 per triangle: corner indices of one polygon
@@ -66,7 +66,7 @@ struct SurfaceInput {
 };
 
 // Checks the mesh (through OpenMesh: every polygon must be addable to a
-// manifold), welds it, and collects its edges.
+// manifold), welds it, and takes its edges.
 // Welding joins boundary edges that lie on one another (both ends within
 // kWeldDistance x bounding box diagonal) in opposite directions, as the two
 // sides of a cut do, unless that makes an edge non-manifold, a polygon degenerate
@@ -82,6 +82,14 @@ struct SurfaceInput {
 // polygon), naming the first bad element in the caller's numbering.
 // Cost: O(corners log corners).
 Surface build_surface(const SurfaceInput& input);
+
+// The one-rings: of every welded vertex v the others of the triangles around it, ascending: vertex[start[v]]
+// to vertex[start[v + 1] - 1]. Cost: O(triangles x log valence).
+struct OneRings {
+    std::vector<Index> start{0};
+    std::vector<Index> vertex;
+};
+OneRings one_rings(const Surface& surface);
 
 // For every triangle t, those that share a welded vertex with it, itself included, ascending:
 // triangle[start[t]] to triangle[start[t + 1] - 1]. Cost: O(triangles x valence log valence).

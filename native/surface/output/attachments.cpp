@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/formulas.h"
+#include "base/lanes.h"
 #include "base/tolerances.h"
 
 namespace rumple {
@@ -38,6 +39,8 @@ Vec3 pn_triangle(const Vec3 p[3], const Vec3 n[3], float b0, float b1) {
 
 void attach(const Surface& surface, const Attachments& attachments, std::span<const Vec3> positions,
             std::span<const Vec3> normals, std::span<Vec3> out, size_t begin, size_t end) {
+    const bool on_limit = attachments.kind == AttachmentKind::kLimit;
+    const std::vector<Row> rows = to_rows(on_limit ? positions : std::span<const Vec3>());
     for (size_t i = begin; i < end; ++i) {
         const SurfacePoint& place = attachments.places[i];
         if (place.triangle == kNone) {
@@ -53,11 +56,7 @@ void attach(const Surface& surface, const Attachments& attachments, std::span<co
             }
             out[i] = pn_triangle(p, n, place.b0, place.b1);
         } else {
-            Vec3 sum(0.0f);
-            for (Index k = attachments.limit.start[i]; k < attachments.limit.start[i + 1]; ++k) {
-                sum += attachments.limit.weight[k] * positions[attachments.limit.index[k]];
-            }
-            out[i] = sum;
+            out[i] = Row(weighted_sum(attachments.limit, static_cast<Index>(i), rows)).vec();
         }
     }
 }

@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "base/expect.h"
+#include "base/lanes.h"
 #include "base/tolerances.h"
 #include "surface/mesh/positions.h"
 
@@ -209,8 +210,8 @@ void show_frame(const Surface& base, const ShownMesh& mesh, const StretchModel& 
     out.positions.resize(shown);
     out.offset.resize(shown);
     out.local_offset.resize(shown);
-    apply<Vec3>(mesh.from_solved, solved, out.positions);
-    apply<Vec3>(mesh.from_solved, offset, out.offset);
+    apply(mesh.from_solved, to_rows(solved), out.positions);
+    apply(mesh.from_solved, to_rows(offset), out.offset);
     embed(base, mesh, base_positions, frames, out);
     measure_stretch(base, stretch, base_positions, mesh.places, out.stretch);
 }

@@ -38,11 +38,12 @@ ClosestPoint<Real> closest_point(const Real& d1, const Real& d2, const Real& d3,
     return {v / of, w / of};
 }
 
-// The same as weights of the three corners (they sum to 1).
-inline Vec3 closest_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-    const auto [v, w] = closest_point(glm::dot(ab, ap), glm::dot(ac, ap), glm::dot(ab, bp), glm::dot(ac, bp),
-                                      glm::dot(ab, cp), glm::dot(ac, cp));
+// The same as weights of the three corners (they sum to 1). Vector: Vec3, or Vec3Lanes.
+template <typename Vector>
+Vector closest_weights(const Vector& p, const Vector& a, const Vector& b, const Vector& c) {
+    const Vector ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+    const auto [v, w] =
+        closest_point(dot(ab, ap), dot(ac, ap), dot(ab, bp), dot(ac, bp), dot(ab, cp), dot(ac, cp));
     return {1.0f - v - w, v, w};
 }
 

@@ -44,7 +44,7 @@ SparseRows subdivision_stencils(const PolygonMesh& parent, Index levels, bool li
 FineMesh refine_regular(const Surface& surface, Index segments);
 
 // Edges of the triangulated surface are split at their middle until the
-// longest (at rest, metres) is at most `longest` (> 0); the result conforms (no
+// longest (at rest, object units) is at most `longest` (> 0); the result conforms (no
 // T-junction). Throws InvalidInput when that would need more than `most_vertices`.
 FineMesh refine_longest_edge(const Surface& surface, float longest, Index most_vertices);
 
@@ -66,7 +66,7 @@ std::vector<SurfacePoint> locate_on_parents(const Surface& surface, const FineMe
 
 // Closest point on the whole surface at rest for every query (an artist's own
 // mesh), by a bounding volume hierarchy; ties go to the lowest triangle index.
-// distance gets metres. Cost: O(log triangles) a query.
+// distance gets object units. Cost: O(log triangles) a query.
 std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const Vec3> queries,
                                          std::span<float> distance);
 

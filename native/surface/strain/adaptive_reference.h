@@ -52,7 +52,7 @@ struct FrameTime {
     double next_time = 0.0;
 };
 
-// What lives from frame to frame. All plain values: a stored state continues as the one that was stored.
+// What is kept from frame to frame. All plain values: a stored state continues as the one that was stored.
 struct ReferenceState {
     double time = 0.0;                    // seconds
     Labels labels;                        // per triangle

@@ -287,6 +287,7 @@ std::vector<Vec3> scatter(const Model& model, const Scatter& settings) {
     expect_within("length", settings.length, 0.0, kLongestPainted);
     const std::vector<Vec3>& rest = model.base.positions_rest;
     std::vector<float> cover;
+    cover.reserve(rest.size());
     for (const Vec3& p : rest) cover.push_back(noise3(p / settings.size, hashed(settings.seed, 1)).x);
     const float bar = exceeded_by(cover, settings.density);
     std::vector<Vec3> field(rest.size(), Vec3(0.0f));

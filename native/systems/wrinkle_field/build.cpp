@@ -26,27 +26,10 @@ Profile profile(float (*height)(float), float (*slope)(float)) {
     return out;
 }
 
-Index corner_vertex(const Surface& surface, Index triangle, int corner) {
-    return surface.welded.corner_vertex[surface.triangles[triangle].corner[corner]];
-}
-
 void collect_neighbours(Model& model) {
-    std::vector<std::vector<Index>> around(model.base.welded.vertex_count);
-    const Index triangles = static_cast<Index>(model.base.triangles.size());
-    for (Index t = 0; t < triangles; ++t) {
-        for (int k = 0; k < 3; ++k) {
-            const Index a = corner_vertex(model.base, t, k), b = corner_vertex(model.base, t, (k + 1) % 3);
-            around[a].push_back(b);
-            around[b].push_back(a);
-        }
-    }
-    model.neighbour_start = {0};
-    for (std::vector<Index>& ring : around) {
-        std::sort(ring.begin(), ring.end());
-        ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
-        for (const Index n : ring) model.neighbours.push_back({n, Vec2(0.0f)});
-        model.neighbour_start.push_back(static_cast<Index>(model.neighbours.size()));
-    }
+    OneRings rings = one_rings(model.base);
+    model.neighbour_start = std::move(rings.start);
+    for (const Index n : rings.vertex) model.neighbours.push_back({n, Vec2(0.0f)});
 }
 
 // The rest frames of section 4.2 and the part of equation (1) that does not change.

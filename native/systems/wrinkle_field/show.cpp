@@ -172,8 +172,14 @@ Waves shown_waves(const Model& model, const Settings& settings, const Profile& p
 Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
                   const Pose& pose, const State& state) {
     expect_count("state", state.phase.size(), model.base.positions_rest.size(), "welded vertices");
-    Waves waves = estimate_waves(model, settings, paint, pose, state.direction,
-                                 reference_stretches(model, state.reference, pose));
+    Waves estimated = estimate_waves(model, settings, paint, pose, state.direction,
+                                     reference_stretches(model, state.reference, pose));
+    return shown_waves(model, settings, profile, std::move(estimated), state);
+}
+
+Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, Waves waves,
+                  const State& state) {
+    expect_count("state", state.phase.size(), model.base.positions_rest.size(), "welded vertices");
     if (model.output == Output::kGeometry && settings.keep_length) keep_length(profile, waves);
     if (settings.dissolve) dissolve(model, settings, state.phase, waves);
     return waves;
@@ -187,8 +193,13 @@ Picture show(const Model& model, const Settings& settings, const Profile& profil
 Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
              std::span<const Vec3> positions, const Pose& pose, const State& state,
              std::span<const float> gap) {
+    return show(model, shown_waves(model, settings, profile, paint, pose, state), profile, positions, state,
+                gap);
+}
+
+Picture show(const Model& model, const Waves& waves, const Profile& profile, std::span<const Vec3> positions,
+             const State& state, std::span<const float> gap) {
     if (!gap.empty()) expect_count("gap", gap.size(), model.base.display.vertex_count, "vertices");
-    const Waves waves = shown_waves(model, settings, profile, paint, pose, state);
     Picture picture;
     if (model.output == Output::kGeometry) {
         displace(model, waves, profile, state.phase, gap, picture);

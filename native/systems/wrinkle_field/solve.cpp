@@ -333,7 +333,7 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, st
 }
 
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
-            const State* state, Report& report, const FrameTime& frame_time) {
+            const State* state, Report& report, const FrameTime& frame_time, Waves* estimated) {
     if (state && (state->phase.size() != model.base.positions_rest.size() ||
                   state->direction.size() != state->phase.size() ||
                   state->solved_offset.size() != model.neighbours.size())) {
@@ -344,9 +344,9 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
         after.reference = adapt(model.base, model.triangles, settings.rest, frame_time, pose.positions,
                                 state ? state->reference : ReferenceState{});
     }
-    const Waves waves = estimate_waves(model, settings, paint, pose,
-                                       state ? std::span(state->direction) : std::span<const Vec2>(),
-                                       reference_stretches(model, after.reference, pose));
+    Waves waves = estimate_waves(model, settings, paint, pose,
+                                 state ? std::span(state->direction) : std::span<const Vec2>(),
+                                 reference_stretches(model, after.reference, pose));
     const std::vector<Pull> pulls = collect_pulls(model, settings, waves);
     after.direction = waves.direction;
     report = {};
@@ -370,6 +370,7 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
         report.wrinkled += formulas::attenuation(waves.fullness[v]) > 0.0f;
         report.collapsed += waves.compression[v] < formulas::kCollapsed;
     }
+    if (estimated) *estimated = std::move(waves);
     return after;
 }
 

@@ -109,7 +109,7 @@ struct Plan {
 // Cost: O(edges); for kGeometry that of the fine mesh.
 std::shared_ptr<const Model> build(Surface base, const Plan& plan);
 
-// What lives from frame to frame, per welded vertex.
+// What is kept from frame to frame, per welded vertex.
 struct State {
     std::vector<float> phase;          // phi, radians, -pi..pi
     std::vector<Vec2> direction;       // k in the rest frame: the sign that phi belongs to
@@ -230,14 +230,17 @@ float misfit(const Model& model, const Waves& waves, std::span<const float> phas
 // phase. A state of another model counts as none; one without a reference starts one. frame_time: read by an
 // adaptive rest shape only. Throws InvalidInput as estimate_waves() and check() do, and when frame_time or
 // reference do not match the model. Cost: O(rounds x edges).
-// pose: of make_pose(); so in all that follows.
+// pose: of make_pose(); so in all that follows. waves: becomes the field that was solved, for show().
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
-            const State* state, Report& report, const FrameTime& frame_time = {});
+            const State* state, Report& report, const FrameTime& frame_time = {}, Waves* waves = nullptr);
 State solve(const Model& model, const Settings& settings, const Paint& paint, std::span<const Vec3> positions,
             const State* state, Report& report, const FrameTime& frame_time = {});
 
 // The waves that show() draws: estimate_waves(), dissolve() and, as geometry, keep_length(), as far as
-// settings ask for them. Throws as show() does.
+// settings ask for them. Throws as show() does. estimated: what solve() gave with `state`, the same to the
+// bit: over the directions of a state its estimate finds these again.
+Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, Waves estimated,
+                  const State& state);
 Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
                   const Pose& pose, const State& state);
 Waves shown_waves(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
@@ -264,6 +267,9 @@ Picture show(const Model& model, const Settings& settings, const Profile& profil
              std::span<const float> gap = {});
 Picture show(const Model& model, const Settings& settings, const Profile& profile, const Paint& paint,
              std::span<const Vec3> positions, const State& state, std::span<const float> gap = {});
+// waves: of shown_waves().
+Picture show(const Model& model, const Waves& waves, const Profile& profile, std::span<const Vec3> positions,
+             const State& state, std::span<const float> gap = {});
 
 // Equations (5) and (8) at places on the deformed base triangles: for tests and the geometry.
 struct Height {

@@ -20,49 +20,115 @@ constexpr int kFloorSteps = 4;
 // Of squared distances, relative: a rounding.
 constexpr float kEquallyNear = 1e-4f;
 
+// The bounds by the own cloth.
+template <typename Real>
+void keep_off_own(const Bound<Real>& bound, Vec3Of<Real>& p) {
+    const Real one = all<Real>(1.0f);
+    const auto along = [&] { return p - bound.at - dot(p - bound.at, bound.normal) * bound.normal; };
+    // By how much the way along the surface is too long: 1 where it is not.
+    const auto slide_scale = [&] {
+        const Vec3Of<Real> way = along();
+        const Real slid = square_root(dot(way, way));
+        return slid > bound.slide ? bound.slide / slid : one;
+    };
+    p = p - (one - slide_scale()) * along();
+    // Where what faces it lies behind the vertex the two may have passed each other already, and neither
+    // way is the safe one.
+    const Real moved = dot(p - bound.at, bound.towards);
+    p = choose(moved > bound.ahead, p - (moved - bound.ahead) * bound.towards, p);
+    p = choose(moved < bound.behind, p - (moved - bound.behind) * bound.towards, p);
+    // What that broke is mended straight towards the attachment, which breaks nothing: all bounds hold at
+    // once, so a held vertex is not pushed again in every frame. (kNeighbourhood: keep_above_floor().)
+    const Real height = dot(p - bound.at, bound.normal), slid = slide_scale();
+    const Real raised = height < bound.lowest ? bound.lowest / height : one;
+    const Real scale = raised < slid ? raised : slid;
+    p = choose(scale < one, bound.at + scale * (p - bound.at), p);
+}
+
+// Collision with the plane, the own cloth, the ball.
+template <typename Real>
+void hold_within(const Bound<Real>& bound, bool own, Vec3Of<Real>& p) {
+    const Real height = dot(p - bound.at, bound.normal);
+    p = choose(height < bound.lowest, p + (bound.lowest - height) * bound.normal, p);
+    if (own) keep_off_own(bound, p);
+    const Vec3Of<Real> offset = p - bound.at;
+    const Real length = square_root(dot(offset, offset));
+    p = choose(length > bound.radius, bound.at + bound.radius / length * offset, p);  // (7)
+}
+
 }  // namespace
 
 Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose)
     : model_(model),
       pose_(pose),
       collision_(settings.collision),
-      apart_(pose.own.empty() ? 0.0f : settings.apart),
-      slide_(pose.heights.empty() ? 0.0f : settings.slide),
+      own_((settings.apart > 0.0f && !pose.own.empty()) || (settings.slide > 0.0f && !pose.heights.empty())),
       tangential_pull_(settings.tangential_pull),
       normal_pull_(settings.normal_pull),
-      radii_(attachment_radii(model, settings, paint)) {
-    depth_.resize(radii_.size());
-    for (size_t v = 0; v < radii_.size(); ++v)
-        depth_[v] = settings.inside * painted(paint.inside, v) * radii_[v];
-    for (size_t v = 0; v < pose.gap.size(); ++v) depth_[v] = std::min(depth_[v], pose.gap[v]);
-    if (collision_ != Collision::kNeighbourhood) return;
-    // The attachments of curved patches may lie below the flat triangles already.
+      radii_(attachment_radii(model, settings, paint)),
+      fours_(in_fours(radii_.size()) / kLanes),
+      floor_(settings.collision == Collision::kNeighbourhood ? radii_.size() : 0) {
     for (size_t v = 0; v < radii_.size(); ++v) {
-        floor_.push_back(std::min(side_of(v, pose.attachment[v]).height, 0.0f) - depth_[v]);
+        Bound<Lanes>& four = fours_[v / kLanes];
+        const int k = static_cast<int>(v % kLanes);
+        four.at.set(k, pose.attachment[v]);
+        four.normal.set(k, pose.normal[v]);
+        if (!model.attached[v]) continue;
+        float depth = settings.inside * painted(paint.inside, v) * radii_[v];
+        if (!pose.gap.empty()) depth = std::min(depth, pose.gap[v]);
+        four.radius[k] = radii_[v];
+        if (collision_ == Collision::kPlane) four.lowest[k] = -depth;
+        // The attachments of curved patches may lie below the flat triangles already.
+        if (collision_ == Collision::kNeighbourhood)
+            floor_[v] = std::min(side_of(v, pose.attachment[v]).height, 0.0f) - depth;
+        if (settings.slide > 0.0f && !pose.heights.empty()) four.slide[k] = settings.slide * pose.heights[v];
+        if (settings.apart <= 0.0f || pose.own.empty() || pose.own[v].towards == Vec3(0.0f)) continue;
+        four.towards.set(k, pose.own[v].towards);
+        four.ahead[k] = settings.apart * pose.own[v].distance;
+        if (!pose.own[v].outside) four.behind[k] = -four.ahead[k];
     }
+}
+
+Bound<float> Bounds::bound(size_t v) const {
+    const Bound<Lanes>& four = fours_[v / kLanes];
+    const int k = static_cast<int>(v % kLanes);
+    return {four.at.at(k), four.normal.at(k),  four.radius[k], four.lowest[k],
+            four.slide[k], four.towards.at(k), four.ahead[k],  four.behind[k]};
 }
 
 void Bounds::project(size_t v, Vec3& p) const {
     put_within(v, 0.25f * kHeldOutside * radii_[v], p);
 }
 
+void Bounds::pull(const Bound<Lanes>& bound, Vec3Lanes& p) const {
+    const Vec3Lanes away = p - bound.at;
+    const Vec3Lanes off = dot(away, bound.normal) * bound.normal;
+    p = p - (all_lanes(tangential_pull_) * (away - off) + all_lanes(normal_pull_) * off);
+}
+
+void Bounds::pull_and_project_four(size_t four, std::span<Row, kLanes> positions) const {
+    Vec3Lanes p = columns(positions);
+    if (pulls()) pull(fours_[four], p);
+    if (collision_ != Collision::kNeighbourhood) hold_within(fours_[four], own_, p);
+    store_rows(p, positions);
+    if (collision_ != Collision::kNeighbourhood) return;
+    for (size_t k = 0; k < kLanes && kLanes * four + k < radii_.size(); ++k) {
+        Vec3 one = positions[k].vec();
+        project(kLanes * four + k, one);
+        positions[k] = Row(one);
+    }
+}
+
 void Bounds::put_within(size_t v, float slack, Vec3& p) const {
     if (!model_.attached[v]) return;
-    const Vec3& a = pose_.attachment[v];
-    const bool own = apart_ > 0.0f || slide_ > 0.0f;
-    if (collision_ == Collision::kPlane) {
-        const float height = glm::dot(p - a, pose_.normal[v]);
-        if (height < -depth_[v]) p += (-depth_[v] - height) * pose_.normal[v];
-    } else if (collision_ == Collision::kNeighbourhood) {
+    const bool neighbourhood = collision_ == Collision::kNeighbourhood;
+    if (neighbourhood) {
         const Side side = side_of(v, p);
         // What keep_above_floor() left is above it.
-        if (side.height < floor_[v] - (own ? slack : 0.0f)) p += (floor_[v] - side.height) * side.normal;
+        if (side.height < floor_[v] - (own_ ? slack : 0.0f)) p += (floor_[v] - side.height) * side.normal;
     }
-    if (own) keep_off_own(v, p);
-    const Vec3 offset = p - a;
-    const float length = std::sqrt(glm::dot(offset, offset));
-    if (length > radii_[v]) p = a + offset * (radii_[v] / length);  // (7)
-    if (own && collision_ == Collision::kNeighbourhood) keep_above_floor(v, slack, p);
+    hold_within(bound(v), own_, p);
+    if (neighbourhood && own_) keep_above_floor(v, slack, p);
 }
 
 void Bounds::keep_above_floor(size_t v, float slack, Vec3& p) const {
@@ -76,37 +142,11 @@ void Bounds::keep_above_floor(size_t v, float slack, Vec3& p) const {
     if (side_of(v, p).height < floor_[v] - slack) p = a;
 }
 
-void Bounds::keep_off_own(size_t v, Vec3& p) const {
-    const Vec3 &a = pose_.attachment[v], &normal = pose_.normal[v];
-    const auto along = [&] { return p - a - glm::dot(p - a, normal) * normal; };
-    // By how much the way along the surface is too long: 1 where it is not.
-    const auto slide_scale = [&] {
-        const float slid = glm::length(along()), most = slide_ * pose_.heights[v];
-        return slide_ > 0.0f && slid > most ? most / slid : 1.0f;
-    };
-    p -= (1.0f - slide_scale()) * along();
-    if (apart_ > 0.0f && pose_.own[v].towards != Vec3(0.0f)) {
-        // Where what faces it lies behind the vertex the two may have passed each other already, and neither
-        // way is the safe one.
-        const OwnSide& side = pose_.own[v];
-        const float moved = glm::dot(p - a, side.towards), left = apart_ * side.distance;
-        if (moved > left) p -= (moved - left) * side.towards;
-        if (!side.outside && moved < -left) p -= (moved + left) * side.towards;
-    }
-    // What that broke is mended straight towards the attachment, which breaks nothing: all bounds hold at
-    // once, so a held vertex is not pushed again in every frame. (kNeighbourhood: keep_above_floor().)
-    float scale = slide_scale();
-    const float height = glm::dot(p - a, normal);
-    if (collision_ == Collision::kPlane && height < -depth_[v]) scale = std::min(scale, -depth_[v] / height);
-    if (scale < 1.0f) p = a + scale * (p - a);
-}
-
 bool Bounds::kept_apart(size_t v, const Vec3& p) const {
-    if (apart_ <= 0.0f || pose_.own[v].towards == Vec3(0.0f) || radii_[v] <= 0.0f) return false;
-    const float moved = glm::dot(p - pose_.attachment[v], pose_.own[v].towards);
-    const float left = apart_ * pose_.own[v].distance;
-    const float nearly = left - kHeldOutside * radii_[v];
-    return moved > nearly || (!pose_.own[v].outside && moved < -nearly);
+    const Bound<float> b = bound(v);
+    if (b.towards == Vec3(0.0f) || radii_[v] <= 0.0f) return false;
+    const float moved = glm::dot(p - b.at, b.towards), rounding = kHeldOutside * radii_[v];
+    return moved > b.ahead - rounding || moved < b.behind + rounding;
 }
 
 bool Bounds::push_back(size_t v, Vec3& p) const {

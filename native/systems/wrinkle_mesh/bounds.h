@@ -1,13 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <vector>
 
+#include "base/lanes.h"
 #include "systems/wrinkle_mesh/pose.h"
 
 namespace rumple::wrinkle_mesh {
 
-// Where one vertex may be: section 3.1 (attachment, equation 7) and 4.2 (collision).
+// Where a vertex may be (Real: float), or four of them (Lanes), in numbers: what does not bound it is
+// infinitely far.
+template <typename Real>
+struct Bound {
+    static constexpr float kFar = std::numeric_limits<float>::infinity();
+
+    Vec3Of<Real> at{}, normal{};                    // of the attachment
+    Real radius = all<Real>(kFar);                  // around it
+    Real lowest = all<Real>(-kFar);                 // above it along the normal
+    Real slide = all<Real>(kFar);                   // from it along the surface
+    Vec3Of<Real> towards{};                         // its own cloth, unit; zero: nothing faces it
+    Real ahead = all<Real>(kFar), behind = -ahead;  // from the attachment towards that
+};
+
+// Where vertices may be: section 3.1 (attachment, equation 7) and 4.2 (collision).
 class Bounds {
   public:
     // model and pose must outlive it.
@@ -17,14 +33,9 @@ class Bounds {
     // the attachment never crosses a plane that lies below it, so both hold.
     void project(size_t v, Vec3& p) const;
 
-    bool pulls() const { return tangential_pull_ > 0.0f || normal_pull_ > 0.0f; }
-
-    // Towards the attachment by Settings::tangential_pull and normal_pull.
-    void pull(size_t v, Vec3& p) const {
-        const Vec3 away = p - pose_.attachment[v];
-        const Vec3 off = glm::dot(away, pose_.normal[v]) * pose_.normal[v];
-        p -= tangential_pull_ * (away - off) + normal_pull_ * off;
-    }
+    // Of the vertices from kLanes * four on: towards the attachment by Settings::tangential_pull and
+    // normal_pull, and then project().
+    void pull_and_project_four(size_t four, std::span<Row, kLanes> positions) const;
 
     // Whether its own cloth keeps a vertex from going on.
     bool kept_apart(size_t v, const Vec3& p) const;
@@ -44,8 +55,9 @@ class Bounds {
     // project(); with kNeighbourhood and bounds by the own cloth a vertex may be so far below its floor.
     void put_within(size_t v, float slack, Vec3& p) const;
 
-    // The bounds by the own cloth.
-    void keep_off_own(size_t v, Vec3& p) const;
+    Bound<float> bound(size_t v) const;
+    bool pulls() const { return tangential_pull_ > 0.0f || normal_pull_ > 0.0f; }
+    void pull(const Bound<Lanes>& bound, Vec3Lanes& p) const;
 
     // Straight towards the attachment until it is above its floor, but for the slack: the floor is no plane,
     // so the other bounds hold after it, and it not after them.
@@ -54,12 +66,11 @@ class Bounds {
     const Model& model_;
     const Pose& pose_;
     Collision collision_;
-    float apart_;
-    float slide_;
+    bool own_;  // whether the own cloth bounds anything
     float tangential_pull_;
     float normal_pull_;
     std::vector<float> radii_;
-    std::vector<float> depth_;  // how far below the surface a vertex may be
+    std::vector<Bound<Lanes>> fours_;
     std::vector<float> floor_;  // kNeighbourhood: the lowest signed distance
 };
 

@@ -4,29 +4,55 @@
 #include <string>
 
 #include "base/expect.h"
+#include "base/lanes.h"
 #include "base/smooth_step.h"
 #include "surface/mesh/positions.h"
 
 namespace rumple::wrinkle_mesh {
 namespace {
 
-// s of a pair. Cloth that is pulled taut has nothing to spare along the pull, and folds across it (tension
-// field theory: Wagner 1929): where the base is taut along the pair, s is what the base has itself.
-float pre_stretch(const Settings& settings, float paint, float strain) {
-    const float s = 1.0f + (settings.prestretch - 1.0f) * paint;
-    if (settings.taut_range <= 0.0f) return s;
-    return glm::mix(s, std::min(s, settings.slack),
-                    smooth_step(settings.slack - settings.taut_range, settings.slack, strain));
+// From vertex a to vertex b of pairs [first, first + count).
+Vec3Lanes ways_along(const Pairs& pairs, const std::vector<Row>& rows, size_t first, size_t count) {
+    std::array<Row, kLanes> way;
+    for (size_t k = 0; k < count; ++k)
+        way[k].xyz = rows[pairs.b[first + k]].xyz - rows[pairs.a[first + k]].xyz;
+    return columns(way);
 }
 
-// The length that a pair is asked to keep in this pose. The paper asks for s l0
+// s of pairs on a base that is nowhere taut.
+Lanes most_pre_stretch(const Settings& settings, const Lanes& paint) {
+    return all_lanes(1.0f) + (settings.prestretch - 1.0f) * paint;
+}
+
+Lanes mix(const Lanes& from, const Lanes& to, const Lanes& share) {
+    return from * (all_lanes(1.0f) - share) + to * share;
+}
+
+// s of pairs that go such a way on the base without folds. Cloth that is pulled taut has nothing to spare
+// along the pull, and folds across it (tension field theory: Wagner 1929): where the base is taut along the
+// pair, s is what the base has itself; where its own weight pulls the cloth, too, and no less than 1.
+Lanes pre_stretch(const Settings& settings, const Lanes& paint, const Vec3Lanes& way, const Lanes& rest) {
+    const Lanes one = all_lanes(1.0f), shortest = all_lanes(kShortestEdge),
+                length = square_root(dot(way, way));
+    const Lanes strain = length / most(rest, shortest);
+    const float low = settings.slack - settings.taut_range;
+    const Lanes t = within((strain - low) / (settings.slack - low), Lanes{}, one);
+    const Lanes pulled = t * t * (3.0f - 2.0f * t);  // smooth_step()
+    const Lanes hanging = dot(way, Vec3Lanes(settings.hang)) / most(length, shortest);
+    const Lanes s = most_pre_stretch(settings, paint);
+    const Lanes taut = mix(s, least(all_lanes(settings.slack), s), pulled);
+    return mix(taut, least(most(strain, one), taut), hanging * hanging);
+}
+
+// The length that pairs are asked to keep in this pose. The paper asks for s l0
 // always; we give in to a part of the stretch of the base and to a small compression, and make no more cloth
 // from a collapsed base than compression_limit allows.
-float target_length(const Settings& settings, float s, float rest, float at_attachments) {
-    float target = s * rest;
-    target += settings.stretch_relief * std::max(at_attachments - target, 0.0f);
-    target -= std::clamp(target - at_attachments, 0.0f, settings.buckling_threshold * target);
-    return std::min(target, settings.compression_limit * at_attachments);
+Lanes target_length(const Settings& settings, const Lanes& s, const Lanes& rest,
+                    const Lanes& at_attachments) {
+    Lanes target = s * rest;
+    target += settings.stretch_relief * most(at_attachments - target, Lanes{});
+    target -= within(target - at_attachments, Lanes{}, settings.buckling_threshold * target);
+    return least(settings.compression_limit * at_attachments, target);
 }
 
 // A body is looked for within so many fine edges around a vertex.
@@ -168,37 +194,51 @@ std::vector<float> attachment_radii(const Model& model, const Settings& settings
 std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positions) {
     std::vector<float> lengths;
     if (positions.empty()) return lengths;
-    lengths.reserve(model.distance.size() + model.bending.size());
+    lengths.resize(model.distance.size() + model.bending.size());
+    const std::vector<Row> rows = to_rows(positions);
+    size_t begin = 0;
     for (const Pairs* pairs : {&model.distance, &model.bending}) {
-        for (size_t i = 0; i < pairs->size(); ++i) {
-            lengths.push_back(glm::distance(positions[pairs->a[i]], positions[pairs->b[i]]));
-        }
+        for_each_four(pairs->size(), [&](size_t first, size_t count) {
+            const Vec3Lanes d = ways_along(*pairs, rows, first, count);
+            store_lanes(square_root(dot(d, d)), &lengths[begin + first], count);
+        });
+        begin += pairs->size();
     }
     return lengths;
 }
 
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
-                     std::span<const float> lengths, std::span<const float> unwrinkled,
+                     std::span<const float> lengths, std::span<const Vec3> unwrinkled,
                      const std::vector<float>& rest_scales) {
     Targets targets;
-    const auto both = [](const std::vector<float>& values, Index a, Index b) {
-        return 0.5f * (painted(values, a) + painted(values, b));
+    const auto both = [](const std::vector<float>& values, const Pairs& pairs, size_t first, size_t count) {
+        Lanes sum = all_lanes(2.0f);
+        for (size_t k = 0; k < count && !values.empty(); ++k)
+            sum[k] = values[pairs.a[first + k]] + values[pairs.b[first + k]];
+        return 0.5f * sum;
     };
-    const auto fill = [&](const Pairs& pairs, size_t first, std::vector<float>& out) {
-        for (size_t i = 0; i < pairs.size(); ++i) {
-            const float rest = scale_of(rest_scales, first + i) * pairs.rest[i];
-            const float strain =
-                unwrinkled.empty() ? 0.0f : unwrinkled[first + i] / std::max(rest, kShortestEdge);
-            const float s = pre_stretch(settings, both(paint.prestretch, pairs.a[i], pairs.b[i]), strain);
-            out.push_back(target_length(settings, s, rest, lengths[first + i]));
-        }
+    const bool by_tension = settings.taut_range > 0.0f && !unwrinkled.empty();
+    const std::vector<Row> rows = to_rows(by_tension ? unwrinkled : std::span<const Vec3>());
+    const auto fill = [&](const Pairs& pairs, size_t begin, std::vector<float>& out) {
+        out.resize(pairs.size());
+        for_each_four(pairs.size(), [&](size_t first, size_t count) {
+            Lanes rest = load_lanes(&pairs.rest[first], count);
+            if (!rest_scales.empty()) rest = load_lanes(&rest_scales[begin + first], count) * rest;
+            const Lanes length = load_lanes(&lengths[begin + first], count);
+            const Lanes painted_here = both(paint.prestretch, pairs, first, count);
+            const Lanes s =
+                by_tension ? pre_stretch(settings, painted_here, ways_along(pairs, rows, first, count), rest)
+                           : most_pre_stretch(settings, painted_here);
+            store_lanes(target_length(settings, s, rest, length), &out[first], count);
+        });
     };
     fill(model.distance, 0, targets.distance);
     fill(model.bending, model.distance.size(), targets.bending);
-    for (size_t i = 0; i < model.bending.size(); ++i) {
-        targets.stiffness.push_back(settings.bending *
-                                    both(paint.bending, model.bending.a[i], model.bending.b[i]));
-    }
+    targets.stiffness.resize(model.bending.size());
+    for_each_four(model.bending.size(), [&](size_t first, size_t count) {
+        store_lanes(settings.bending * both(paint.bending, model.bending, first, count),
+                    &targets.stiffness[first], count);
+    });
     return targets;
 }
 

@@ -96,8 +96,8 @@ inline float scale_of(const std::vector<float>& scales, size_t pair) {
     return scales.empty() ? 1.0f : scales[pair];
 }
 
-// What every pair is asked for in this pose, of its lengths at the attachments and without folds (empty: no
-// layers).
+// What every pair is asked for in this pose, of its lengths at the attachments and of the vertices without
+// folds (empty: no layers).
 struct Targets {
     std::vector<float> distance;
     std::vector<float> bending;
@@ -105,7 +105,7 @@ struct Targets {
 };
 
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
-                     std::span<const float> lengths, std::span<const float> unwrinkled,
+                     std::span<const float> lengths, std::span<const Vec3> unwrinkled,
                      const std::vector<float>& rest_scales);
 
 // Relative errors of the lengths of pairs.

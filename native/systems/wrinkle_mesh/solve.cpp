@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
-#include <tuple>
 
 #include "base/expect.h"
 #include "base/parallel.h"
@@ -13,6 +11,7 @@
 #include "base/tolerances.h"
 #include "systems/wrinkle_mesh/bounds.h"
 #include "systems/wrinkle_mesh/pose.h"
+#include "systems/wrinkle_mesh/relax.h"
 #include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
 namespace rumple::wrinkle_mesh {
@@ -72,83 +71,6 @@ void perturb_unbuckled(const Model& model, const Settings& settings, const Pose&
     }
 }
 
-// Equations (3) to (5), scaled with a stiffness.
-inline void project_pair(Vec3& p1, Vec3& p2, float target, float stiffness) {
-    const Vec3 difference = p2 - p1;
-    const float length = std::sqrt(glm::dot(difference, difference));
-    if (length < kShortestEdge) return;
-    const Vec3 half = (0.5f * stiffness * (length - target) / length) * difference;
-    p1 += half;
-    p2 -= half;
-}
-
-// One pass over pairs [begin, end) of one colour: the loop that a SIMD kernel may replace.
-void sweep_pairs(const Pairs& pairs, std::span<const float> target, std::span<const float> stiffness,
-                 std::span<Vec3> positions, size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-        project_pair(positions[pairs.a[i]], positions[pairs.b[i]], target[i],
-                     stiffness.empty() ? 1.0f : stiffness[i]);
-    }
-}
-
-// Gauss-Seidel colour by colour (section 4.1). Pairs of one colour share no
-// vertex, so their order, and the number of threads, cannot change a bit.
-void relax_coloured(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
-                    int threads, std::span<Vec3> positions) {
-    const bool pulled = bounds.pulls();
-    Team team(threads);
-    team.run([&](int thread) {
-        const auto sweep = [&](const Pairs& pairs, std::span<const float> target,
-                               std::span<const float> stiffness) {
-            for (size_t c = 0; c + 1 < pairs.colour_start.size(); ++c) {
-                const Team::Range part =
-                    team.partition(pairs.colour_start[c], pairs.colour_start[c + 1], thread);
-                sweep_pairs(pairs, target, stiffness, positions, part.begin, part.end);
-                team.barrier();
-            }
-        };
-        for (int i = 0; i < iterations; ++i) {
-            sweep(model.distance, targets.distance, {});
-            sweep(model.bending, targets.bending, targets.stiffness);
-            const Team::Range part = team.partition(0, positions.size(), thread);
-            for (size_t v = part.begin; v < part.end; ++v) {
-                if (pulled) bounds.pull(v, positions[v]);
-                bounds.project(v, positions[v]);
-            }
-            team.barrier();
-        }
-    });
-}
-
-// The printed solver: every constraint in turn, by the vertices it joins.
-void relax_sequential(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
-                      std::span<Vec3> positions) {
-    const auto natural_order = [](const Pairs& pairs) {
-        std::vector<size_t> order(pairs.size());
-        for (size_t i = 0; i < order.size(); ++i) order[i] = i;
-        std::sort(order.begin(), order.end(), [&](size_t i, size_t j) {
-            return std::tuple(pairs.a[i], pairs.b[i], i) < std::tuple(pairs.a[j], pairs.b[j], j);
-        });
-        return order;
-    };
-    const std::vector<size_t> distance = natural_order(model.distance),
-                              bending = natural_order(model.bending);
-    for (int i = 0; i < iterations; ++i) {
-        for (const size_t c : distance) {
-            project_pair(positions[model.distance.a[c]], positions[model.distance.b[c]], targets.distance[c],
-                         1.0f);
-        }
-        for (const size_t c : bending) {
-            project_pair(positions[model.bending.a[c]], positions[model.bending.b[c]], targets.bending[c],
-                         targets.stiffness[c]);
-        }
-        for (size_t v = 0; v < positions.size(); ++v) {
-            bounds.pull(v, positions[v]);
-            bounds.project(v, positions[v]);
-        }
-    }
-}
-
 float share_above_zero(std::span<const float> values) {
     size_t above = 0;
     for (const float value : values) above += value > 0.0f;
@@ -197,8 +119,7 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
                 adapt_rest(model, settings, input, pose, before)};
     const std::vector<float> scales = rest_scales(model, settings, state.reference, pose, lengths);
     for (size_t i = 0; i < scales.size(); ++i) state.solved_length[i] /= std::max(scales[i], kShortestEdge);
-    const Targets targets =
-        make_targets(model, settings, paint, lengths, pair_lengths(model, pose.unwrinkled), scales);
+    const Targets targets = make_targets(model, settings, paint, lengths, pose.unwrinkled, scales);
     const std::vector<float> active = before ? activity(model, state.solved_length, *before)
                                              : std::vector<float>(pose.attachment.size(), 1.0f);
 
@@ -242,6 +163,7 @@ void check(const Settings& settings) {
     expect_within("prestretch", settings.prestretch, 1e-3, 1e3);
     expect_within("slack", settings.slack, 1e-3, 1e3);
     expect_within("taut_range", settings.taut_range, 0.0, 1e3);
+    expect_within("hang", glm::length(settings.hang), 0.0, 1.001);
     expect_within("bending", settings.bending, 0.0, 1.0);
     expect_within("inside", settings.inside, 0.0, 1.0);
     expect_within("stretch_relief", settings.stretch_relief, 0.0, 1.0);
@@ -284,11 +206,7 @@ State solve_reference(const Model& model, const Settings& settings, const Paint&
 
 State solve_pose_reference(const Model& model, const Settings& settings, const Paint& paint,
                            const Input& input, const Pose& pose, const State* state, Report& report) {
-    const Relax printed = [](const Model& m, const Targets& targets, const Bounds& bounds, int iterations,
-                             int, std::span<Vec3> positions) {
-        relax_sequential(m, targets, bounds, iterations, positions);
-    };
-    return solve_with(printed, model, settings, paint, input, pose, state, report);
+    return solve_with(relax_sequential, model, settings, paint, input, pose, state, report);
 }
 
 }  // namespace rumple::wrinkle_mesh

@@ -80,7 +80,7 @@ struct Path {
     std::vector<PathPoint> points;  // >= 2; consecutive ones share a triangle
 };
 
-// What lives from frame to frame. All plain values: a stored state continues as the one that was stored.
+// What is kept from frame to frame. All plain values: a stored state continues as the one that was stored.
 struct State : ReferenceState {
     std::vector<FlatTriangle> shapes;  // per triangle, smoothed in time
     std::vector<float> compression;    // per triangle, as the paths see it: of `shapes`, masked

@@ -2,7 +2,7 @@
 """The live solve: called between Blender's two evaluation passes, for every depsgraph and every subframe.
 
 The picture is a function of the pose and of stored state (core/frame_cache.py), so it does not matter how often,
-for which depsgraph and in which order this is called. Rules that keep Blender alive:
+for which depsgraph and in which order this is called. Rules that keep Blender from crashing:
 never update a depsgraph here; while a render runs leave viewport depsgraphs alone; write nothing but attributes of
 the output mesh, and nothing at all when nothing changed; leave baked objects alone.
 """
@@ -128,17 +128,9 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         return False
     clip_fault = ""
     if modifier.is_baked(nodes_mod):
-        frame = float(scene.frame_current_final)
-        clip_fault = clip_status.cannot_play(obj, output_obj, frame)
-        if clip_fault and runtime.evaluator is None:
-            evaluator.ensure(obj, runtime)
-        can_solve = bool(clip_fault) and _fits(nodes_mod, runtime)  # a clip that comes back counts on it as it is
-        if modifier.play_clip(nodes_mod, not can_solve):
-            runtime.stale = True
-            scheduler.request()
-        if not can_solve:
-            text = clip_fault or clip_status.compare_pose(obj, runtime, depsgraph, frame)
-            messages.set_frame_error(runtime, text)
+        clip_fault, is_played = _play_clip(obj, nodes_mod, output_obj, runtime, depsgraph,
+                                           float(scene.frame_current_final))
+        if is_played:
             return False
     if runtime.evaluator is None:
         evaluator.ensure(obj, runtime)
@@ -158,17 +150,38 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         messages.set_frame_error(runtime, clip_fault)  # what was wrong in between is as it was before
         messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
         return False
+    return _solve_and_show(obj, nodes_mod, shown, runtime, inputs, scene, depsgraph.mode, clip_fault)
+
+
+def _play_clip(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj: bpy.types.Object,
+               runtime: Runtime, depsgraph: bpy.types.Depsgraph, frame: float) -> tuple[str, bool]:
+    """What is wrong with this frame of a baked clip, and whether the clip is shown all the same: else it is solved."""
+    fault = clip_status.cannot_play(obj, output_obj, frame)
+    if fault and runtime.evaluator is None:
+        evaluator.ensure(obj, runtime)
+    can_solve = bool(fault) and _fits(nodes_mod, runtime)  # a clip that comes back counts on it as it is
+    if modifier.play_clip(nodes_mod, not can_solve):
+        runtime.stale = True
+        scheduler.request()
+    if not can_solve:
+        messages.set_frame_error(runtime, fault or clip_status.compare_pose(obj, runtime, depsgraph, frame))
+    return fault, not can_solve
+
+
+def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, shown: bpy.types.Object,
+                    runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene, mode: str, clip_fault: str) -> bool:
+    """True when an output object was written: `shown`."""
     result = _solve(runtime, inputs, scene, inputs.uses_proxy, inputs.in_viewport)
     runtime.inputs = inputs
     messages.set_frame_error(runtime, clip_fault)
     unplayed = runtime.evaluator.unplayed_message(inputs.frame, scene.frame_start) if result.unplayed else ""
-    messages.note_unplayed(runtime, unplayed, depsgraph.mode == "RENDER")
+    messages.note_unplayed(runtime, unplayed, mode == "RENDER")
     if runtime.evaluator.HAS_CURVES:
         path_curves.write(obj, runtime)
     if not first_pass.is_shown(nodes_mod):
         runtime.result = result
         return False
-    written = _show(shown, runtime, result, depsgraph.mode == "VIEWPORT")
+    written = _show(shown, runtime, result, mode == "VIEWPORT")
     if written:
         runtime.written_at = compat.session_key(scene), inputs.frame
     return written
@@ -304,6 +317,9 @@ def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameRe
     key = compat.session_key(output_obj.data)
     last = runtime.result
     runtime.result = result
+    if isinstance(result, engine.PreviewFrame) and result.proxy_offset is None:
+        runtime.output_key = key  # nobody looks at its attributes: they stay as they were written last
+        return False
     if last is not None and runtime.output_key == key and last.shows_the_same(result):
         return False
     if isinstance(result, engine.PreviewFrame):

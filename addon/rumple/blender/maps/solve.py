@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A frame of the Wrinkle Maps. The rules that keep Blender alive are those of frame/solve.py.
+"""A frame of the Wrinkle Maps. The rules that keep Blender from crashing are those of frame/solve.py.
 
 Nodes compute the masks (nodes/maps_mask_tree.py). The handler only sees to what they cannot: gain, strength, mute and
 solo where they change, and weights, bones or poses that were edited.

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ...core import engine
-from ...core.body import Body
+from ...core.body import Body, facing_outwards
 from .. import compat
 from ..nodes import path_curves_tree
 from . import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes
@@ -215,7 +215,8 @@ def forget_all() -> None:
 def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.ndarray:
     """(t, 3) int32 vertices, kept as long as the connections stay: how a frame bends a polygon does not count.
 
-    Where modifiers leave the connections alone they are those of the mesh at rest, whichever frame comes first.
+    Where modifiers leave the connections alone they are those of the mesh at rest, whichever frame comes first. Those
+    of a body that is inside out are turned.
     """
     key, now = (compat.session_key(body), mode), _connections(mesh)
     kept, triangles = _triangulated.get(key, (b"", None))
@@ -224,7 +225,7 @@ def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.nd
         rest.calc_loop_triangles()
         triangles = np.empty(len(rest.loop_triangles) * 3, np.int32)
         rest.loop_triangles.foreach_get("vertices", triangles)
-        triangles = triangles.reshape(-1, 3)
+        triangles = facing_outwards(compat.positions(rest), triangles.reshape(-1, 3))
         _triangulated[key] = now, triangles
     return triangles
 

@@ -9,6 +9,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
+from ...core.healing import TURNED
 from . import bodies, incoming_mesh, mesh_reader, modifier
 
 SAMPLES = 500  # vertices at most that are asked what lies under them
@@ -81,9 +82,16 @@ def _cloth(obj: bpy.types.Object) -> _Cloth:
     rest, vertices = _rest(obj), incoming_mesh.of(obj).vertices
     finite = np.flatnonzero(np.isfinite(rest).all(axis=1))
     chosen = finite[np.linspace(0, len(finite) - 1, min(SAMPLES, len(finite))).astype(int)].tolist()
-    turn = obj.matrix_world.to_3x3().inverted_safe().transposed()
+    turn = obj.matrix_world.to_3x3().inverted_safe().transposed() * (-1.0 if _is_inside_out(obj) else 1.0)
     reach = NEAR * Vector(np.ptp(rest[finite], axis=0)).length if chosen else 0.0
     return _Cloth([Vector(rest[i]) for i in chosen], [turn @ vertices[i].normal for i in chosen], reach)
+
+
+def _is_inside_out(obj: bpy.types.Object) -> bool:
+    """Whether most of the faces are turned where the mesh is healed."""
+    base = mesh_reader.base_mesh(obj, "REST_POSE", "")
+    turned = base.healed(weld=True).origin
+    return turned is not None and 2 * len(turned.elements[TURNED]) > len(base.polygon_start) - 1
 
 
 def _tree(obj: bpy.types.Object) -> BVHTree:

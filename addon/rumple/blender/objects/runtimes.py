@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What lives from frame to frame for every wrinkled object, outside the file."""
+"""What is kept from frame to frame for every wrinkled object, outside the file."""
 from __future__ import annotations
 
 from dataclasses import dataclass

@@ -23,6 +23,8 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
             return
         if settings.base_cloth == "SWING":
             _draw_swing(column, settings)
+        if obj.rumple.method != "MESH":
+            column.prop(settings, "drape")
         for name in ("slack", "bending_length", "gravity"):
             column.prop(settings, name)
         painted(column, obj, "room")

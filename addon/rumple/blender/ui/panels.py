@@ -235,7 +235,8 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
                       f"{fewer.vertex_count:,} vertices are shown, {fine.vertex_count:,} in renders", "MESH_DATA"))
     if result is not None:
         times = ", ".join(f"{stage} {ms:.2f}" for stage, ms in result.milliseconds.items())
-        lines.append((f"Milliseconds: {times}" + (" (stored frame)" if result.replayed else ""), "TIME"))
+        if times:
+            lines.append((f"Milliseconds: {times}" + (" (stored frame)" if result.replayed else ""), "TIME"))
         lines += [(line, "BLANK1") for line in fine.status(result)]
     notes = [*runtime.notes, clip_status.late_in_renders(obj), runtime.unplayed]
     return lines + [(note, "INFO") for note in notes if note]

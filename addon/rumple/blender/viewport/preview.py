@@ -4,8 +4,9 @@
 All of it happens in a viewport draw handler: in the main thread, with a drawing context. What a system draws is in
 preview_field.py and preview_paths.py. Off in background mode and while a render runs.
 
-The waves of a Wrinkle Field are drawn over Blender's own triangles, from the last solved state; the solver does not
-depend on it.
+The waves of a Wrinkle Field are drawn over Blender's own triangles. While all viewports draw them (uses_proxy()), the
+handlers write no attributes for shaders, and a frame that the GPU goes on to by itself is not solved on the CPU until
+somebody asks for it (core/frame_cache.py).
 The folds of Wrinkle Paths change the shape: while all viewports draw them (uses_proxy()), the handlers leave out the
 fine mesh, and Blender has a coarse mesh just under the drawn surface, for depth, outlines and clicks.
 """
@@ -20,7 +21,7 @@ import numpy as np
 from mathutils import Matrix
 
 from .. import compat, scheduler
-from ..objects import incoming_mesh, messages, modifier, runtimes, viewport_mesh
+from ..objects import bodies, incoming_mesh, messages, modifier, runtimes, viewport_mesh
 from . import gpu_arrays, preview_field, preview_paths, studio_light
 from .draw_handler import DrawHandler
 
@@ -103,12 +104,24 @@ def _draws_in(space: bpy.types.SpaceView3D) -> bool:
     return space.shading.type == "SOLID" and not space.shading.show_xray
 
 
+def _mesh_is_read(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether more than the viewport's material needs the output mesh of a Wrinkle Field: it lies on a base cloth or
+    a body, whose offsets are in it; or nodes behind it may read its attributes."""
+    if obj.rumple.method != "FIELD":
+        return False
+    behind = list(obj.modifiers)[list(obj.modifiers).index(nodes_mod) + 1:]
+    return (obj.rumple.field.base_cloth != "OFF" or bool(bodies.of(obj))
+            or any(m.type == "NODES" and m.show_viewport for m in behind))
+
+
 def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Whether viewports draw the folds of an object themselves, all that are open, so that none needs its fine mesh.
+    """Whether viewports draw the wrinkles of an object themselves, all that are open, so that none needs what is
+    solved for its output mesh.
 
     Never in background mode; in the main thread.
     """
-    if not handler.added or viewport_mesh.is_paused() or obj.rumple.method != "PATHS" or not _is_wanted(obj, nodes_mod):
+    if (not handler.added or viewport_mesh.is_paused() or not _is_wanted(obj, nodes_mod)
+            or _mesh_is_read(obj, nodes_mod)):
         return False
     on_gpu = _on_gpu.get(compat.session_key(obj))
     if on_gpu is not None and on_gpu.refused:
@@ -145,7 +158,7 @@ def _ask_for_meshes() -> None:
     """Another shading of a viewport updates nothing: let objects be evaluated that should have another mesh now."""
     for obj, nodes_mod in modifier.wrinkled_objects():
         runtime = runtimes.known(obj)
-        if runtime is None or runtime.inputs is None or obj.rumple.method != "PATHS":
+        if runtime is None or runtime.inputs is None or obj.rumple.method not in _DRAWINGS:
             continue
         over = uses_proxy(obj, nodes_mod)
         if over != runtime.asked_for_proxy:  # once: what cannot be evaluated now is not asked for again

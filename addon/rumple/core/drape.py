@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wide folds under a Wrinkle Field or Wrinkle Paths: the first layer of a Wrinkle Mesh, over their base cloth. Never
+imports bpy."""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..native import kernels
+from .cloth import ClothFrame
+from .layers import layer_settings
+from .settings import MeshSettings
+
+
+class Drape:
+    """The layer of one garment. No state: that of a frame stands in its ClothFrame."""
+
+    def __init__(self, surface: Any) -> None:
+        """surface: native, at rest."""
+        self.model = kernels.build_wrinkle_layers(surface, 0, display_steps=0)
+        weights = self.model.shown.barycentric  # without subdivisions every vertex is a corner of its triangle
+        corner = np.column_stack([1.0 - weights.sum(axis=1), weights]).argmax(axis=1)
+        self._vertex = self.model.shown.triangle_vertex[np.arange(len(corner)), corner]
+
+    def add_to(self, frame: ClothFrame, settings: Any, world_from_object: np.ndarray | None, before: Any,
+               contact: dict[str, Any]) -> None:
+        """Move the base cloth of a frame to its folds. settings: of a Wrinkle Field or Wrinkle Paths; before: the
+        layer's state of the frame before, or None; contact: what keeps it off bodies, as solve_wrinkle_layers() has
+        it. Raises ValueError."""
+        options = layer_settings(_mesh_settings(settings), 1, world_from_object=world_from_object)
+        frame.drape, _ = kernels.solve_wrinkle_layers(self.model, options, None, frame.positions, state=before,
+                                                      **contact)
+        shown = kernels.show_wrinkle_layers(self.model, frame.positions, frame.positions, frame.drape)
+        draped = frame.positions.copy()  # what is loose is not in the layer
+        draped[self._vertex] = shown.positions
+        frame.positions = draped
+
+
+def _mesh_settings(settings: Any) -> MeshSettings:
+    """Of a Wrinkle Mesh whose only layer is as strong as the drape, on the same cloth."""
+    same = {name: getattr(settings, name) for name in ("base_cloth", "slack", "gravity", "bending_length")}
+    return MeshSettings(detail=settings.drape, hem_rings=0, **same)

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a frame is solved from, beside settings and state. Never imports bpy."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .body import Body
+from .cloth import ClothFrame
+from .frame_cache import digest_of
+from .surroundings import Surroundings
+
+
+@dataclass(frozen=True)
+class FrameInput:
+    """When and where a frame is solved."""
+
+    frame: float
+    seconds: float
+    world_from_object: np.ndarray | None  # (3, 3) float32, where the system reads it
+    animated: np.ndarray  # (n, 3) what the shown mesh is embedded in
+    labels: np.ndarray | None = None  # (t,) uint8, cut for the whole clip: see Wrinkles.analyze_clip()
+    next_seconds: float = 0.0  # of the frame to come ...
+    next_positions: np.ndarray | None = None  # ... where it is known
+    body: Body | None = None  # what cloth stays outside of
+    cloth: ClothFrame | None = None  # the base cloth that a system is solved over; None: over the animated mesh
+    surroundings: Surroundings = Surroundings()  # where the system reads them
+    in_viewport: bool = False  # the mesh that viewports show is asked for: Wrinkles.in_viewport
+
+    def in_time(self) -> tuple[float, np.ndarray | None, np.ndarray | None, float]:
+        """As native poses take it."""
+        return self.seconds, self.labels, self.next_positions, self.next_seconds
+
+    def digest(self, chosen: bytes, swings: bool) -> bytes:
+        """What tells it from another. chosen: digest of the settings; swings: cloth meets the surroundings."""
+        return digest_of(chosen, self.animated, self.world_from_object, self.labels, self.next_positions,
+                         *(self.body.arrays() if self.body else ()),
+                         *([self.surroundings.array()] if swings else ()))

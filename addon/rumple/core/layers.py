@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the layers of a Wrinkle Mesh are solved with: its settings as the native solver takes them. Never imports bpy.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..native import kernels
+from .cloth import downwards, length_over_cotton
+from .settings import MeshSettings
+
+
+def native_settings(settings: MeshSettings) -> Any:
+    """The native solver's settings: the fields of the same name."""
+    options = kernels.WrinkleMeshSettings()
+    for name in ("radius", "prestretch", "bending", "collision", "inside", "stretch_relief", "buckling_threshold",
+                 "compression_limit", "hem_rings", "iterations", "start_iterations", "damping", "offset_space", "nudge",
+                 "seed"):
+        setattr(options, name, getattr(settings, name))
+    settings.fill_reference(options)
+    return options
+
+
+def layer_words(count: int) -> list[str]:
+    """For every layer, coarse first, the setting that says how much of it there is."""
+    words = ["drape"] * max(count - 2, 0) + ["folds", "detail"]
+    return words[-count:]
+
+
+# What layers have their own way, measured on shirts, sweaters and trousers (docs/wrinkle_mesh.md, Layers).
+WIDEST_RADIUS = 0.6  # of the base mesh itself, over that of the others
+LAYER_INSIDE = 1.5  # inward room over that of one layer: the body bounds it
+TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
+APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
+SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
+START_ITERATIONS = 3  # times those of one layer
+LOOSER = 4.0  # slack of the layers over that of the base cloth, where that is not taut
+TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
+LIMPEST = 0.7  # bending length over cotton's, about silk's: limper cloth has no more to spare than that
+LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
+
+
+def hanging(gravity: float, world_from_object: np.ndarray | None) -> tuple[float, ...]:
+    """Object space: along it its own weight pulls the cloth taut. gravity: over the earth's."""
+    return tuple(float(part) for part in np.clip(gravity, 0.0, 1.0) * downwards(world_from_object))
+
+
+def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
+                   world_from_object: np.ndarray | None = None) -> list[Any]:
+    """The native settings of every layer, coarse first. finest: how much there is of the last one, 0 to 1.
+    world_from_object: (3, 3), for where cloth hangs down; None: the identity."""
+    out = []
+    for number, word in enumerate(layer_words(count)):
+        options = native_settings(settings)
+        # Of the radius and of what the layer is wider alike: much cloth in little room is crumpled.
+        share = getattr(settings, word) * (finest if number == count - 1 else 1.0)
+        options.radius = settings.radius * share * (WIDEST_RADIUS if number == 0 else 1.0)
+        options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
+        options.hem_rings = min(settings.hem_rings, number + 1)
+        options.bending = LAYER_BENDING * settings.bending
+        options.tangential_pull, options.normal_pull = TANGENTIAL_PULL, NORMAL_PULL
+        options.apart, options.slide = APART, SLIDE
+        options.start_iterations = START_ITERATIONS * settings.start_iterations
+        if settings.base_cloth != "OFF":
+            # Stiff cloth spends what it has to spare on its widest folds.
+            stiffer = max(length_over_cotton(settings.bending_length), LIMPEST) if number > 0 else 1.0
+            looser = LOOSER / stiffer
+            options.prestretch = settings.prestretch * (1.0 + share * looser * (settings.slack - 1.0))
+            options.slack, options.taut_range = settings.slack, TAUT_RANGE
+            options.hang = hanging(settings.gravity, world_from_object)
+        out.append(options)
+    return out

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The garments that the demo is made of: closed but for their openings, faces outward, clear of the body."""
+from __future__ import annotations
+
+import sys
+import unittest
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+if str(SCRIPTS) not in sys.path:
+    sys.path.insert(0, str(SCRIPTS))
+import demo_body  # noqa: E402
+import demo_shirt  # noqa: E402
+import demo_trousers  # noqa: E402
+
+
+class Garment:
+    """What holds for each of them."""
+
+    openings: int
+
+    @classmethod
+    def build(cls) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Points, quads, UVs."""
+        raise NotImplementedError
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.points, cls.quads, cls.uvs = cls.build()
+
+    def test_two_faces_at_an_edge_that_run_along_it_in_opposite_ways(self) -> None:
+        uses = Counter((int(quad[k]), int(quad[(k + 1) % 4])) for quad in self.quads for k in range(4))
+        self.assertEqual(max(uses.values()), 1)
+        self.assertTrue((np.bincount(self.quads.ravel()) > 0).all())
+
+    def test_its_openings(self) -> None:
+        uses = {(int(quad[k]), int(quad[(k + 1) % 4])) for quad in self.quads for k in range(4)}
+        onwards = {b: a for a, b in uses if (b, a) not in uses}
+        loops = 0
+        while onwards:
+            loops += 1
+            at = next(iter(onwards))
+            while at in onwards:
+                at = onwards.pop(at)
+        self.assertEqual(loops, self.openings)
+
+    def test_faces_look_outwards(self) -> None:
+        a, b, c, d = (self.points[self.quads[:, k]] for k in range(4))
+        normals = np.cross(c - a, d - b)
+        middles = (a + b + c + d) / 4.0
+        away = demo_body.distance_gradient(middles, demo_body.body_distance)
+        self.assertGreater((np.einsum("ij,ij->i", normals, away) > 0.0).mean(), 0.97)
+
+    def test_it_lies_outside_the_body(self) -> None:
+        self.assertGreater(demo_body.body_distance(self.points).min(), 0.004)
+
+    def test_each_side_is_that_of_the_mirror(self) -> None:
+        mirrored = {tuple(np.round(p * (-1.0, 1.0, 1.0), 4) + 0.0) for p in self.points}
+        same = {tuple(np.round(p, 4) + 0.0) for p in self.points}
+        self.assertLess(len(same - mirrored), 0.02 * len(same))
+
+    def test_the_texture_is_within_the_image(self) -> None:
+        self.assertTrue((self.uvs >= 0.0).all() and (self.uvs <= 1.0).all())
+
+
+class Shirt(Garment, unittest.TestCase):
+    openings = 4
+
+    @classmethod
+    def build(cls) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        shirt = demo_shirt.build_shirt()
+        return shirt.points, shirt.quads, shirt.uvs
+
+
+class Trousers(Garment, unittest.TestCase):
+    openings = 3
+
+    @classmethod
+    def build(cls) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        trousers = demo_trousers.build_trousers()
+        return trousers.points, trousers.quads, trousers.uvs
+
+
+if __name__ == "__main__":
+    unittest.main()

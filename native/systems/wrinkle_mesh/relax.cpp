@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "systems/wrinkle_mesh/relax.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <vector>
+
+#include "base/lanes.h"
+#include "base/parallel.h"
+#include "base/tolerances.h"
+
+namespace rumple::wrinkle_mesh {
+namespace {
+
+// Equations (3) to (5), scaled with a stiffness.
+inline void project_pair(Row& p1, Row& p2, float target, float stiffness) {
+    const Row difference{p2.xyz - p1.xyz};
+    const float length = square_root(dot(difference, difference));
+    if (length < kShortestEdge) return;
+    const Lanes half = 0.5f * stiffness * (length - target) / length * difference.xyz;
+    p1.xyz += half;
+    p2.xyz -= half;
+}
+
+// The same for pairs that share no vertex.
+inline void project_four(const Index* a, const Index* b, const Lanes& target, const Lanes& stiffness,
+                         std::span<Row> positions) {
+    std::array<Row, kLanes> difference;
+    for (int k = 0; k < kLanes; ++k) difference[k].xyz = positions[b[k]].xyz - positions[a[k]].xyz;
+    const Vec3Lanes d = columns(difference);
+    const Lanes length = square_root(dot(d, d));
+    const Lanes share = 0.5f * stiffness * (length - target) / length;
+    const LaneMask too_short = length < all_lanes(kShortestEdge);
+    const bool all_move = bits_of(too_short) == 0;
+    for (int k = 0; k < kLanes; ++k) {
+        if (!all_move && too_short[k]) continue;
+        const Lanes half = share[k] * difference[k].xyz;
+        positions[a[k]].xyz += half;
+        positions[b[k]].xyz -= half;
+    }
+}
+
+// One pass over pairs [begin, end) of one colour.
+void sweep_pairs(const Pairs& pairs, std::span<const float> target, std::span<const float> stiffness,
+                 std::span<Row> positions, size_t begin, size_t end) {
+    size_t i = begin;
+    for (; i + kLanes <= end; i += kLanes) {
+        project_four(&pairs.a[i], &pairs.b[i], load_lanes(&target[i]),
+                     stiffness.empty() ? all_lanes(1.0f) : load_lanes(&stiffness[i]), positions);
+    }
+    for (; i < end; ++i) {
+        project_pair(positions[pairs.a[i]], positions[pairs.b[i]], target[i],
+                     stiffness.empty() ? 1.0f : stiffness[i]);
+    }
+}
+
+void from_rows(std::span<const Row> rows, std::span<Vec3> positions) {
+    for (size_t v = 0; v < positions.size(); ++v) positions[v] = rows[v].vec();
+}
+
+std::vector<size_t> natural_order(const Pairs& pairs) {
+    std::vector<size_t> order(pairs.size());
+    for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](size_t i, size_t j) {
+        return std::tuple(pairs.a[i], pairs.b[i], i) < std::tuple(pairs.a[j], pairs.b[j], j);
+    });
+    return order;
+}
+
+}  // namespace
+
+void relax_coloured(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
+                    int threads, std::span<Vec3> positions) {
+    std::vector<Row> rows = to_rows(positions);
+    Team team(threads);
+    team.run([&](int thread) {
+        const auto sweep = [&](const Pairs& pairs, std::span<const float> target,
+                               std::span<const float> stiffness) {
+            for (size_t c = 0; c + 1 < pairs.colour_start.size(); ++c) {
+                const Team::Range part =
+                    team.partition(pairs.colour_start[c], pairs.colour_start[c + 1], thread);
+                sweep_pairs(pairs, target, stiffness, rows, part.begin, part.end);
+                team.barrier();
+            }
+        };
+        for (int i = 0; i < iterations; ++i) {
+            sweep(model.distance, targets.distance, {});
+            sweep(model.bending, targets.bending, targets.stiffness);
+            const Team::Range part = team.partition(0, rows.size() / kLanes, thread);
+            for (size_t four = part.begin; four < part.end; ++four)
+                bounds.pull_and_project_four(four, four_from(rows, kLanes * four));
+            team.barrier();
+        }
+    });
+    from_rows(rows, positions);
+}
+
+void relax_sequential(const Model& model, const Targets& targets, const Bounds& bounds, int iterations, int,
+                      std::span<Vec3> positions) {
+    const std::vector<size_t> distance = natural_order(model.distance),
+                              bending = natural_order(model.bending);
+    std::vector<Row> rows = to_rows(positions);
+    for (int i = 0; i < iterations; ++i) {
+        for (const size_t c : distance)
+            project_pair(rows[model.distance.a[c]], rows[model.distance.b[c]], targets.distance[c], 1.0f);
+        for (const size_t c : bending) {
+            project_pair(rows[model.bending.a[c]], rows[model.bending.b[c]], targets.bending[c],
+                         targets.stiffness[c]);
+        }
+        for (size_t four = 0; four < rows.size() / kLanes; ++four)
+            bounds.pull_and_project_four(four, four_from(rows, kLanes * four));
+    }
+    from_rows(rows, positions);
+}
+
+}  // namespace rumple::wrinkle_mesh

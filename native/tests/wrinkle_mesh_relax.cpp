@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pairs and vertices are relaxed four at a time: the same bits as one after the other, in plain floats.
+#include <gtest/gtest.h>
+
+#include "systems/wrinkle_mesh/relax.h"
+#include "tests/wrinkle_mesh_cloth.h"
+
+namespace rumple::tests {
+namespace {
+
+using namespace wrinkle_mesh;
+
+void project_plainly(Vec3& p1, Vec3& p2, float target, float stiffness) {
+    const Vec3 difference = p2 - p1;
+    const float length = std::sqrt(glm::dot(difference, difference));
+    if (length < kShortestEdge) return;
+    const Vec3 half = (0.5f * stiffness * (length - target) / length) * difference;
+    p1 += half;
+    p2 -= half;
+}
+
+struct Frame {
+    Cloth cloth;
+    Settings settings;
+    Pose pose;
+    Targets targets;
+    Pose3 start;
+
+    // Squeezed, off its attachments, and some vertices in one place; bounded by cloth of its own that is made
+    // up.
+    Frame(MeshData mesh, Collision collision, bool own) : cloth(std::move(mesh)) {
+        settings.collision = collision;
+        settings.tangential_pull = own ? 0.2f : 0.0f;
+        settings.normal_pull = own ? 0.02f : 0.0f;
+        settings.apart = settings.slide = 0.45f;
+        const Model& model = *cloth.model;
+        pose = make_pose(model, {cloth.squeezed(0.8f, 2.0f)});
+        targets = make_targets(model, settings, {}, pair_lengths(model, pose.attachment), {}, {});
+        std::mt19937 random(7);
+        const auto within = [&](float least, float most) {
+            return std::uniform_real_distribution<float>(least, most)(random);
+        };
+        const float edge = model.local_edge[0];
+        for (const Vec3& a : pose.attachment)
+            start.push_back(a + edge * Vec3(within(-1, 1), within(-1, 1), within(-1, 1)));
+        for (size_t i = 0; i < model.distance.size(); i += 11)
+            start[model.distance.b[i]] = start[model.distance.a[i]];
+        for (size_t v = 0; own && v < start.size(); ++v) {
+            const Vec3 towards = glm::normalize(Vec3(within(-1, 1), within(-1, 1), 0.1f));
+            pose.heights.push_back(within(0.1f, 2.0f) * edge);
+            pose.own.push_back(v % 3 == 0 ? OwnSide{} : OwnSide{towards, within(0, edge), v % 2 == 0});
+        }
+    }
+
+    Pose3 relaxed(int threads) const {
+        Pose3 x = start;
+        relax_coloured(*cloth.model, targets, Bounds(*cloth.model, settings, {}, pose), 3, threads, x);
+        return x;
+    }
+
+    Pose3 relaxed_plainly() const {
+        const Model& model = *cloth.model;
+        const Bounds bounds(model, settings, {}, pose);
+        Pose3 x = start;
+        for (int iteration = 0; iteration < 3; ++iteration) {
+            for (size_t i = 0; i < model.distance.size(); ++i)
+                project_plainly(x[model.distance.a[i]], x[model.distance.b[i]], targets.distance[i], 1.0f);
+            for (size_t i = 0; i < model.bending.size(); ++i) {
+                project_plainly(x[model.bending.a[i]], x[model.bending.b[i]], targets.bending[i],
+                                targets.stiffness[i]);
+            }
+            for (size_t v = 0; v < x.size(); ++v) {
+                const Vec3 away = x[v] - pose.attachment[v];
+                const Vec3 off = glm::dot(away, pose.normal[v]) * pose.normal[v];
+                x[v] -= settings.tangential_pull * (away - off) + settings.normal_pull * off;
+                bounds.project(v, x[v]);
+            }
+        }
+        return x;
+    }
+};
+
+TEST(Relaxing, FourAtATimeAndOnAnyThreadsHasTheBitsOfOneAfterTheOther) {
+    for (const Collision collision : {Collision::kNone, Collision::kPlane, Collision::kNeighbourhood}) {
+        for (const bool own : {false, true}) {
+            for (const auto& [columns, rows] :
+                 {std::pair(1, 1), std::pair(2, 1), std::pair(5, 3), std::pair(7, 4)}) {
+                const Frame frame(grid(columns, rows, 0.1f), collision, own);
+                const Pose3 plain = frame.relaxed_plainly();
+                EXPECT_NE(plain, frame.start);
+                for (const int threads : {1, 2, 3, 4, 8}) {
+                    const Pose3 x = frame.relaxed(threads);
+                    EXPECT_EQ(std::memcmp(x.data(), plain.data(), x.size() * sizeof(Vec3)), 0)
+                        << columns << " x " << rows << ", collision " << int(collision) << ", own " << own
+                        << ", threads " << threads;
+                }
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace rumple::tests
