@@ -56,16 +56,23 @@ class Farm(unittest.TestCase):
         self.check_nodes(report, jobs, (victim, survivor), drained, before)
 
     def wait_for_two_long_bakes(self) -> tuple[int, list[str]]:
-        """Two garments of the first shot have some frames: the process of the second, and the nodes of both."""
-        clips = self.folder / "shots" / "rumple"
+        """Two garments of the first shot have some frames: the process of the second, and the nodes of both.
 
-        def far_enough() -> list[Path]:
-            return [path for path in clips.glob(".shot_a-*.journal") if len(path.read_bytes().splitlines()) > KEPT]
+        Whoever is first is stopped until the other is there: on a fast machine it would be done by then.
+        """
+        clips, held = self.folder / "shots" / "rumple", set[int]()
 
-        self.slurm.wait_for(lambda: clips.is_dir() and len(far_enough()) == 2, 60.0)
-        processes = [int(path.name.rsplit(".", 2)[1].split("-")[0]) for path in far_enough()]
+        def both_held() -> bool:
+            for path in clips.glob(".shot_a-*.journal"):
+                process = int(path.name.rsplit(".", 2)[1].split("-")[0])
+                if process not in held and len(path.read_bytes().splitlines()) > KEPT:
+                    os.kill(process, signal.SIGSTOP)
+                    held.add(process)
+            return len(held) == 2
+
+        self.slurm.wait_for(both_held, 120.0)
         nodes = self.slurm.processes()
-        return processes[1], [nodes[process] for process in processes]
+        return max(held), [nodes[process] for process in (min(held), max(held))]
 
     @staticmethod
     def starts(jobs: Path) -> list[str]:
