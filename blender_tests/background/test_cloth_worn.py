@@ -294,7 +294,6 @@ class Baked(Cloth):
         inner.rumple.mesh.gravity = 8.0
         self.bake(inner)
         played(outer, 10)
-        print("APART", apart(10))
         self.assertGreater(apart(10), 5e-4)
 
 

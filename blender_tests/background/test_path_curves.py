@@ -55,7 +55,6 @@ class Curves(unittest.TestCase):
             if heights[nearest] < 1.2 * height:  # else it runs below a higher fold there
                 away.append(surface.find_nearest(p)[3])
         self.assertGreater(len(away), 0.5 * len(positions))
-        print("AWAY", max(away) / width)
         self.assertLess(max(away), 0.2 * width)
 
     def test_nothing_is_written_when_nothing_changed(self) -> None:

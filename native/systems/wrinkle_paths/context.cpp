@@ -40,6 +40,13 @@ float hem_weight(const Model& model, const Settings& settings, Index vertex) {
     return x * x * (3.0f - 2.0f * x);
 }
 
+float hem_weight(const Model& model, const Settings& settings, const SurfacePoint& place) {
+    const auto corner = [&](Index k) {
+        return hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]);
+    };
+    return (1.0f - place.b0 - place.b1) * corner(0) + place.b0 * corner(1) + place.b1 * corner(2);
+}
+
 PathContext make_context(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
                          const std::vector<FlatTriangle>& shapes, const std::vector<FlatTriangle>& reference,
                          const std::vector<Stretch>& changes) {

@@ -58,5 +58,6 @@ inline Index segment_triangle(const Model& model, const std::vector<PathPoint>& 
 
 // 0 at open borders, 1 from settings.hem_rings on: for compression and height.
 float hem_weight(const Model& model, const Settings& settings, Index vertex);
+float hem_weight(const Model& model, const Settings& settings, const SurfacePoint& place);
 
 }  // namespace rumple::wrinkle_paths

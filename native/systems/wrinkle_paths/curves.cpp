@@ -42,14 +42,6 @@ SurfacePoint place_of(const PathContext& context, Index triangle, const Vec3& p)
     return {triangle, weights.y, weights.z};
 }
 
-float hem_weight_at(const Model& model, const Settings& settings, const SurfacePoint& place) {
-    float weight = 0.0f;
-    const float fraction[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
-    for (Index k = 0; k < 3; ++k)
-        weight += fraction[k] * hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]);
-    return weight;
-}
-
 // The unwrinkled surface that the fine mesh rides on; the limit surface as PN triangles between its vertices.
 struct SmoothBase {
     const Model& model;
@@ -100,7 +92,7 @@ RidingCurves ride(const Model& model, const Settings& settings, const Pose& pose
     const SmoothBase smooth(model, pose);
     for (size_t i = 0; i < out.positions.size(); ++i) {
         const SurfacePoint place = place_of(context, out.triangle[i], out.positions[i]);
-        out.height[i] *= hem_weight_at(model, settings, place);
+        out.height[i] *= hem_weight(model, settings, place);
         out.positions[i] = smooth.at(place) + out.height[i] * smooth.normal_at(place);
         out.weights.push_back({place.b0, place.b1});
         out.local_offset.push_back(ridden.frames[place.triangle].to_local(

@@ -34,39 +34,50 @@ std::vector<float> lengths_along(const std::vector<FoldEnd>& ends) {
     return arc_length;
 }
 
-// The mean of a line around its point i, by a Gaussian of its length; nothing at the ends.
-Vec3 smoothed(const std::vector<FoldEnd>& ends, const std::vector<float>& arc_length, size_t i, float most) {
+// Where a path runs, as it is: a point, and the normal of the triangle that it goes on over.
+struct RawPoint {
+    Vec3 at, normal;
+};
+
+// The mean of a line around its point i, by a Gaussian of its length; nothing at the ends. It moves along the
+// surface only: around a bend the mean itself lies beside the surface, and a fold there would be too low on it.
+Vec3 smoothed(const std::vector<RawPoint>& points, const std::vector<float>& arc_length, size_t i, float most) {
+    const Vec3& at = points[i].at;
     const float sigma = std::min(most, 0.5f * std::min(arc_length[i], arc_length.back() - arc_length[i]));
-    if (sigma <= kShortestEdge) return ends[i].at;
-    Vec3 sum(0.0f);
+    if (sigma <= kShortestEdge) return at;
+    Vec3 sum(0.0f), normals(0.0f);
     float weights = 0.0f;
     const auto add = [&](size_t j) {
         const float x = (arc_length[j] - arc_length[i]) / sigma;
         const float span = arc_length[std::min(j + 1, arc_length.size() - 1)] - arc_length[j > 0 ? j - 1 : 0];
         const float weight = elementary::exp(-0.5f * x * x) * span;
-        sum += weight * ends[j].at;
+        sum += weight * points[j].at;
+        normals += weight * points[j].normal;
         weights += weight;
     };
     for (size_t j = i; j < arc_length.size() && arc_length[j] - arc_length[i] <= 3.0f * sigma; ++j) add(j);
     for (size_t j = i; j-- > 0 && arc_length[i] - arc_length[j] <= 3.0f * sigma;) add(j);
-    return sum / weights;
+    const Vec3 shift = sum / weights - at, normal = unit(normals);
+    return at + shift - glm::dot(shift, normal) * normal;
 }
 
 // Section 6.2: a fold cannot bend within its own width.
-void smooth(const Settings& settings, const std::vector<Vec3>& points, Fold& fold) {
-    std::vector<FoldEnd> raw;
+void smooth(const PathContext& context, const Settings& settings, const Path& path, Fold& fold) {
+    const std::vector<Vec3> points = positions(context, path.points);
+    std::vector<RawPoint> raw;
     for (size_t i = 0; i + 1 < points.size(); ++i) {
         const float size = glm::distance(points[i], points[i + 1]);
         const float wanted = std::ceil(kPiecesPerWidth * size / settings.width);
         const int pieces = wanted >= 1.0f ? int(std::min(wanted, float(kMostPieces))) : 1;
+        const Vec3& normal = context.pose.frames[segment_triangle(context.model, path.points, i)].normal;
         fold.first.push_back(static_cast<Index>(raw.size()));
         for (int k = 0; k < pieces; ++k)
-            raw.push_back({glm::mix(points[i], points[i + 1], float(k) / float(pieces)), 0.0f, {}, 0.0f});
+            raw.push_back({glm::mix(points[i], points[i + 1], float(k) / float(pieces)), normal});
     }
     fold.first.push_back(static_cast<Index>(raw.size()));
-    raw.push_back({points.back(), 0.0f, {}, 0.0f});
-    fold.ends = raw;
-    const std::vector<float> arc_length = lengths_along(raw);
+    raw.push_back({points.back(), Vec3(0.0f)});
+    for (const RawPoint& point : raw) fold.ends.push_back({point.at, 0.0f, {}, 0.0f});
+    const std::vector<float> arc_length = lengths_along(fold.ends);
     const float most = kStiffness * settings.width;
     for (size_t i = 1; i + 1 < raw.size(); ++i) fold.ends[i].at = smoothed(raw, arc_length, i, most);
 }
@@ -151,7 +162,7 @@ Vec3 unit(const Vec3& v) {
 
 Fold make_fold(const PathContext& context, const Settings& settings, const Path& path) {
     Fold fold;
-    smooth(settings, positions(context, path.points), fold);
+    smooth(context, settings, path, fold);
     shape(context, settings, path, fold);
     return fold;
 }

@@ -125,13 +125,6 @@ TriangleLists build_triangle_lists(const PathContext& context, const Settings& s
     return out;
 }
 
-float hem_weight_at(const Model& model, const Settings& settings, const SurfacePoint& place) {
-    const auto corner = [&](Index k) {
-        return hem_weight(model, settings, model.net.vertex[3 * place.triangle + k]);
-    };
-    return (1.0f - place.b0 - place.b1) * corner(0) + place.b0 * corner(1) + place.b1 * corner(2);
-}
-
 // Beyond it a piece's height is zero: most points of the triangles that it reaches are.
 struct Ball {
     Vec3 middle{0.0f};
@@ -196,7 +189,7 @@ void fine_heights(const PathContext& context, const Settings& settings, const Tr
             const SurfacePoint& place = model.attachments.places[v];
             const Vec3 p = interpolate(model.base, place, context.pose.positions);
             height[v] = height_at(lists, balls, pieces, settings.profile, p);
-            if (height[v] != 0.0f) height[v] *= hem_weight_at(model, settings, place);
+            if (height[v] != 0.0f) height[v] *= hem_weight(model, settings, place);
         }
     }
 }
