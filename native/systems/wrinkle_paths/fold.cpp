@@ -40,8 +40,10 @@ struct RawPoint {
 };
 
 // The mean of a line around its point i, by a Gaussian of its length; nothing at the ends. It moves along the
-// surface only: around a bend the mean itself lies beside the surface, and a fold there would be too low on it.
-Vec3 smoothed(const std::vector<RawPoint>& points, const std::vector<float>& arc_length, size_t i, float most) {
+// surface only: around a bend the mean itself lies beside the surface, and a fold there would be too low on
+// it.
+Vec3 smoothed(const std::vector<RawPoint>& points, const std::vector<float>& arc_length, size_t i,
+              float most) {
     const Vec3& at = points[i].at;
     const float sigma = std::min(most, 0.5f * std::min(arc_length[i], arc_length.back() - arc_length[i]));
     if (sigma <= kShortestEdge) return at;
