@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+import bmesh
 import bpy
 import demo_body
 import demo_rig
@@ -90,21 +91,34 @@ def face_weights(points: Array) -> dict[str, Array]:
     return {**weights, "head": 1.0 - sum(weights.values())}
 
 
+def cut_below(mesh: bpy.types.Mesh, z: float) -> Array:
+    """Cut off what lies below z, metres, by a plane. Returns the vertices that are left, (n, 3) metres."""
+    cut = bmesh.new()
+    cut.from_mesh(mesh)
+    bmesh.ops.bisect_plane(cut, geom=[*cut.verts, *cut.edges, *cut.faces], plane_co=(0.0, 0.0, z),
+                           plane_no=(0.0, 0.0, 1.0), clear_inner=True)
+    cut.to_mesh(mesh)
+    cut.free()
+    points = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", points.reshape(-1))
+    return points
+
+
 def build_face_scene() -> bpy.types.Object:
     """The mannequin's head with two brows and a jaw to pose, and a UV map. Returns the head."""
     demo_scene.clear_scene()
     demo_scene.set_up_render()
     rig = face_rig()
-    points, quads = demo_body.build_body(FACE_SPACING, FACE_LOW - 0.02)
-    quads = quads[points[quads, 2].min(axis=1) > FACE_LOW]
-    kept, quads = np.unique(quads, return_inverse=True)
-    points, quads = points[kept], quads.reshape(-1, 4)
-    face = demo_scene.mesh_object("Face", points, quads, ("Mannequin",))
+    face = demo_scene.mesh_object("Face", *demo_body.build_body(FACE_SPACING, FACE_LOW - 0.02), ("Mannequin",))
+    points = cut_below(face.data, FACE_LOW)
+    polygon_size, corners = np.empty(len(face.data.polygons), np.int32), np.empty(len(face.data.loops), np.int32)
+    face.data.polygons.foreach_get("loop_total", polygon_size)
+    face.data.loops.foreach_get("vertex_index", corners)
     # From the front, what is behind beside it: no two places of the skin share a texel.
-    back = np.repeat((points[quads, 1].mean(axis=1) > 0.02)[:, None], 4, 1)
-    corners = points[quads]
-    u = (corners[..., 0] + 0.1) / 0.2 * 0.62
-    uv = np.stack([np.where(back, 0.64 + u * 0.56, u), (corners[..., 2] - 1.55) / 0.28], axis=-1)
+    first = np.cumsum(polygon_size) - polygon_size
+    back = np.repeat(np.add.reduceat(points[corners, 1], first) / polygon_size > 0.02, polygon_size)
+    u = (points[corners, 0] + 0.1) / 0.2 * 0.62
+    uv = np.stack([np.where(back, 0.64 + u * 0.56, u), (points[corners, 2] - 1.55) / 0.28], axis=-1)
     face.data.uv_layers.new(name="UVMap").data.foreach_set("uv", np.ascontiguousarray(uv, np.float32).ravel())
     for name, weights in face_weights(points).items():
         group = face.vertex_groups.new(name=name)
