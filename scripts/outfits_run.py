@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Outfits of MakeHuman from the first click to a sheet of renders, inside Blender. Started by scripts/outfits."""
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Quaternion, Vector
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE"]]
+import demo_scene  # noqa: E402
+import gallery_light  # noqa: E402
+import makehuman  # noqa: E402
+
+OUTFITS = ("female_casualsuit01", "female_casualsuit02", "female_elegantsuit01", "female_sportsuit01",
+           "male_casualsuit01", "male_casualsuit02", "male_casualsuit03", "male_casualsuit04", "male_casualsuit05",
+           "male_casualsuit06", "male_elegantsuit01", "male_worksuit01")
+FRAMES, SHOWN = 66, (1, 30, 48, 66)
+TILE, OVERVIEW_WIDTH = (360, 480), 190  # pixels
+X, Y, Z = Vector((1.0, 0.0, 0.0)), Vector((0.0, 1.0, 0.0)), Vector((0.0, 0.0, 1.0))
+# Bone: axis in the world at rest, then (frame, degrees).
+CLIP = {
+    "upperarm01.L": (Y, (1, 0), (12, 25), (30, -70), (48, 10), (66, 30)),
+    "upperarm01.R": (Y, (1, 0), (12, -25), (30, -20), (48, -10), (66, -35)),
+    "lowerarm01.L": (X, (1, 0), (12, 10), (30, 60), (48, 70), (66, 20)),
+    "lowerarm01.R": (X, (1, 0), (12, 10), (30, 80), (48, 70), (66, 10)),
+    "upperleg01.L": (X, (1, 0), (30, 0), (48, 75), (66, 0)),
+    "upperleg01.R": (X, (1, 0), (30, 0), (48, 75), (66, 0)),
+    "lowerleg01.L": (X, (1, 0), (30, 0), (48, -100), (66, 0)),
+    "lowerleg01.R": (X, (1, 0), (30, 0), (48, -100), (66, 0)),
+    "spine03": (Z, (1, 0), (48, 0), (66, 35)),
+    "spine05": (X, (1, 0), (30, 0), (48, 25), (66, 0)),
+}
+# Linear colours of cloth, one after the other; and of skin.
+CLOTH, SKIN = ((0.20, 0.36, 0.52), (0.42, 0.16, 0.13), (0.20, 0.30, 0.22), (0.40, 0.33, 0.22)), (0.62, 0.44, 0.34)
+
+
+@dataclass
+class Row:
+    """What one outfit cost. Seconds and milliseconds by the clock, on a machine that may be busy."""
+
+    name: str
+    vertices: int
+    shown: int = 0
+    click: float = 0.0
+    frame: float = 0.0
+    said: str = ""
+
+    def __str__(self) -> str:
+        return (f"| {self.name} | {self.vertices:,} | {self.shown:,} | {self.click:.1f} | {self.frame:.0f} "
+                f"| {self.said or '-'} |")
+
+
+def skinned(name: str, mesh: makehuman.Polygons, weights: np.ndarray, bones: list[str], rig: bpy.types.Object,
+            colour: tuple[float, float, float]) -> bpy.types.Object:
+    """A smooth object of some polygons that follows the rig."""
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(mesh.points.tolist(), [], mesh.corners)
+    data.polygons.foreach_set("use_smooth", np.ones(len(mesh.corners), bool))
+    if len(mesh.uvs) == len(mesh.corners):
+        uv = np.concatenate([np.array(polygon, np.float32) for polygon in mesh.uvs])
+        data.uv_layers.new(name="UVMap").data.foreach_set("uv", np.ascontiguousarray(uv).ravel())
+    data.materials.append(painted(name, colour))
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    for column, bone in enumerate(bones):
+        vertices = np.flatnonzero(weights[:, column] > 1e-4)
+        group = obj.vertex_groups.new(name=bone) if len(vertices) else None
+        for vertex in vertices.tolist():
+            group.add([vertex], float(weights[vertex, column]), "REPLACE")
+    obj.modifiers.new("Armature", "ARMATURE").object = rig
+    return obj
+
+
+def painted(name: str, colour: tuple[float, float, float]) -> bpy.types.Material:
+    """A rough material of one colour."""
+    made = bpy.data.materials.new(name)
+    made.use_nodes = True
+    shader = next(node for node in made.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Base Color"].default_value = (*colour, 1.0)
+    shader.inputs["Roughness"].default_value = 0.85
+    return made
+
+
+def build_rig(bones: dict[str, tuple[str | None, np.ndarray, np.ndarray]]) -> bpy.types.Object:
+    """An armature of these bones, with the clip."""
+    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name, (parent, head, tail) in bones.items():
+        bone = rig.data.edit_bones.new(name)
+        bone.head, bone.tail = Vector(head), Vector(tail)
+        bone.parent = rig.data.edit_bones[parent] if parent else None
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for name, (axis, *keys) in CLIP.items():
+        bone = rig.pose.bones[name]
+        bone.rotation_mode = "QUATERNION"
+        around = bone.bone.matrix_local.to_3x3().inverted() @ axis
+        for frame, degrees in keys:
+            bone.rotation_quaternion = Quaternion(around, math.radians(degrees))
+            bone.keyframe_insert("rotation_quaternion", frame=frame)
+    return rig
+
+
+def build_scene(data: Path, clothes: Path, name: str, colour: tuple[float, float, float]) -> bpy.types.Object:
+    """An empty file with the figure in its outfit. Returns the outfit."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    kind = name.split("_")[0]
+    figure = makehuman.read_figure(data, (f"macrodetails/caucasian-{kind}-young",
+                                          f"macrodetails/universal-{kind}-young-averagemuscle-averageweight"))
+    outfit = makehuman.read_outfit(clothes / name / f"{name}.mhclo", figure)
+    rig, bones = build_rig(figure.bones), list(figure.bones)
+    skinned("Body", *makehuman.skin_of(figure, outfit.hidden), bones, rig, SKIN)
+    obj = skinned(name, outfit.mesh, outfit.weights, bones, rig, colour)
+    demo_scene.add_camera_and_lights()
+    camera = bpy.context.scene.camera
+    camera.location = Vector((1.9, -4.05, 0.36))
+    demo_scene.aim(camera, (0.0, 0.0, -0.02))
+    bpy.context.scene.frame_end = FRAMES
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def render(folder: Path, frames: tuple[int, ...], row: Row | None, obj: bpy.types.Object) -> list[Path]:
+    """Plays the clip; leaves a picture of each of these frames. row: gets the time of a frame and what was said."""
+    scene, pictures, seconds = bpy.context.scene, [], 0.0
+    for frame in range(1, FRAMES + 1):
+        begun = time.perf_counter()
+        scene.frame_set(frame)
+        seconds += time.perf_counter() - begun
+        if row is not None:
+            check(obj, frame)
+        if frame in frames:
+            scene.render.filepath = str(folder / f"{obj.name}_{'bare' if row is None else 'wrinkled'}_{frame}.png")
+            bpy.ops.render.render(write_still=True)
+            pictures.append(Path(scene.render.filepath))
+    if row is not None:
+        row.frame, row.said = 1e3 * seconds / FRAMES, obj.rumple.message
+    return pictures
+
+
+def check(obj: bpy.types.Object, frame: int) -> None:
+    """Every position of a frame is finite, and within a metre and a half of the middle of the figure."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    evaluated.to_mesh_clear()
+    if not np.abs(points).max(initial=0.0) < 1.5:
+        raise ValueError(f"{obj.name}: frame {frame} has positions that are wild")
+
+
+def sheet(rows: list[list[Path]], path: Path, width: int = TILE[0]) -> None:
+    """Pictures in rows, as JPEG, their middles of this width."""
+    from PIL import Image
+    out, left = Image.new("RGB", (width * len(rows[0]), TILE[1] * len(rows))), (TILE[0] - width) // 2
+    for y, row in enumerate(rows):
+        for x, picture in enumerate(row):
+            with Image.open(picture) as tile:
+                out.paste(tile.convert("RGB").crop((left, 0, left + width, TILE[1])), (x * width, y * TILE[1]))
+    out.save(path, quality=85, optimize=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="scripts/outfits")
+    for name in ("data", "clothes", "out"):
+        parser.add_argument(f"--{name}", type=Path, required=True)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--method", default="MESH", choices=("MESH", "FIELD", "PATHS"))
+    parser.add_argument("--samples", type=int, default=24)
+    options = parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+    import rumple
+    rumple.register()
+    print("| | outfit | vertices | shown | first click, s | a frame, ms | said |")
+    print("| |---|---|---|---|---|---|", flush=True)
+    names = options.only.split(",") if options.only else list(OUTFITS)
+    pairs: list[Path] = []
+    for number, name in enumerate(names):
+        obj = build_scene(options.data, options.clothes, name, CLOTH[number % len(CLOTH)])
+        gallery_light.light(bpy.context.scene)
+        bpy.context.scene.cycles.samples = options.samples
+        settings = bpy.context.scene.render
+        settings.resolution_x, settings.resolution_y = TILE
+        settings.image_settings.file_format = "PNG"
+        bare = render(options.out, SHOWN, None, obj)
+        bpy.context.scene.frame_set(1)
+        row = Row(name, len(obj.data.vertices))
+        begun = time.perf_counter()
+        bpy.ops.object.rumple_add(method=options.method)
+        row.click = time.perf_counter() - begun
+        wrinkled = render(options.out, SHOWN, row, obj)
+        row.shown = len(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices)
+        sheet([bare, wrinkled], options.out / f"{name}.jpg")
+        pairs += [bare[-1], wrinkled[-1]]
+        print(f"| {row}", flush=True)
+    across = 2 * min(4, len(names))
+    rows = [pairs[begin:begin + across] for begin in range(0, len(pairs), across)]
+    sheet(rows, options.out / "outfits.jpg", OVERVIEW_WIDTH)
+
+
+main()
