@@ -119,18 +119,24 @@ MeshData standing_square() {
 
 // A garment whose faces all look inwards is shown as any other, but what is worn under it would lie before
 // them.
+// Inside out, and wherever it stands.
+void expect_turned_unless_a_sheet(const MeshData& right, const Vec3& place) {
+    MeshData mesh = right;
+    for (Vec3& p : mesh.positions) p += place;
+    const Index polygons = static_cast<Index>(mesh.polygon_start.size()) - 1;
+    for (Index p = 0; p < polygons; ++p)
+        std::reverse(mesh.corner_vertex.begin() + mesh.polygon_start[p] + 1,
+                     mesh.corner_vertex.begin() + mesh.polygon_start[p + 1]);
+    const HealedMesh healed = heal(mesh);
+    const bool is_sheet = polygons == 15;
+    EXPECT_EQ(healed.turned.size(), is_sheet ? 0u : static_cast<std::size_t>(polygons));
+    EXPECT_EQ(healed.mesh.corner_vertex, is_sheet ? mesh.corner_vertex : right.corner_vertex);
+}
+
 TEST(Healing, AGarmentThatIsInsideOutIsTurnedAndASheetIsNot) {
-    for (const MeshData& right : {cube(), tube(16, 8, 0.1f, 1.0f), grid(5, 3, 0.1f)}) {
-        MeshData mesh = right;
-        const Index polygons = static_cast<Index>(mesh.polygon_start.size()) - 1;
-        for (Index p = 0; p < polygons; ++p)
-            std::reverse(mesh.corner_vertex.begin() + mesh.polygon_start[p] + 1,
-                         mesh.corner_vertex.begin() + mesh.polygon_start[p + 1]);
-        const HealedMesh healed = heal(mesh);
-        const bool is_sheet = polygons == 15;
-        EXPECT_EQ(healed.turned.size(), is_sheet ? 0u : static_cast<std::size_t>(polygons));
-        EXPECT_EQ(healed.mesh.corner_vertex, is_sheet ? mesh.corner_vertex : right.corner_vertex);
-    }
+    for (const Vec3& place : {Vec3(0.0f), Vec3(3.0f, -7.0f, 5.0f), Vec3(-3.0f, 7.0f, -5.0f)})
+        for (const MeshData& right : {cube(), tube(16, 8, 0.1f, 1.0f), grid(5, 3, 0.1f)})
+            expect_turned_unless_a_sheet(right, place);
 }
 
 TEST(Healing, WhatStandsOnASheetIsCutOffAndTheSheetIsNot) {
