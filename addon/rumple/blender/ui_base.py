@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import compat
+from . import compat, manual
 from .frame import path_curves
 from .objects import modifier, properties
 
@@ -92,15 +92,20 @@ def draw_message(layout: bpy.types.UILayout, text: str) -> None:
         return
     box = layout.box()
     box.alert = True
-    for number, line in enumerate(wrapped(text)):
-        box.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
+    _draw_lines(box, text, "ERROR")
 
 
 def draw_note(layout: bpy.types.UILayout, text: str, icon: str = "INFO") -> None:
     """The same, of what is not wrong."""
-    column = layout.column(align=True)
+    _draw_lines(layout.column(align=True), text, icon)
+
+
+def _draw_lines(column: bpy.types.UILayout, text: str, icon: str) -> None:
     for number, line in enumerate(wrapped(text)):
-        column.label(text=line, icon=icon if number == 0 else "BLANK1")
+        row = column.row()
+        row.label(text=line, icon=icon if number == 0 else "BLANK1")
+        if number == 0:
+            manual.draw_more(row, text)
 
 
 def wrapped(text: str) -> list[str]:
