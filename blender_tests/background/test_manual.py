@@ -32,7 +32,7 @@ class OnlineManual(unittest.TestCase):
     def setUp(self) -> None:
         folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         (folder / guide.PAGE).touch()
-        self.enterContext(mock.patch.object(guide, "FOLDER", folder))
+        self.enterContext(mock.patch.object(guide, "FOLDERS", (folder,)))
 
     def looked_up(self, name: str) -> str:
         """By Blender's own search."""
@@ -60,7 +60,7 @@ class OnlineManual(unittest.TestCase):
         self.assertNotIn(guide.address(), self.looked_up("bpy.types.ClothSettings.mass"))
 
     def test_without_a_guide_nothing_is_promised(self) -> None:
-        (guide.FOLDER / guide.PAGE).unlink()
+        (guide.FOLDERS[0] / guide.PAGE).unlink()
         self.assertNotIn("rumple", self.looked_up("bpy.types.RUMPLE_Object.body"))
 
 

@@ -49,7 +49,7 @@ class Anchors(unittest.TestCase):
 
 class Address(unittest.TestCase):
     def test_the_site_where_there_is_one_else_the_copy_else_none(self) -> None:
-        with tempfile.TemporaryDirectory() as name, mock.patch.object(guide, "FOLDER", Path(name)):
+        with tempfile.TemporaryDirectory() as name, mock.patch.object(guide, "FOLDERS", (Path(name),)):
             with mock.patch.object(guide, "WEBSITE", ""):
                 self.assertEqual(guide.address("bake"), "")
                 Path(name, guide.PAGE).touch()

@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 WEBSITE = ""  # of the site that scripts/site makes; empty while there is none. The manifest says the same
-FOLDER = Path(__file__).resolve().parents[1] / "guide"  # packages have it; in a checkout scripts/site makes it
+_ADDON = Path(__file__).resolve().parents[1]
+FOLDERS = (_ADDON / "guide", _ADDON.parents[1] / "out" / "site")  # packages have the one, scripts/site makes the other
 PAGE = "user_guide.html"
 
 # A heading's anchor -> settings and operators described below it. Names are patterns of fnmatch; the first one counts.
@@ -67,10 +68,8 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
 
 def address(anchor: str = "") -> str:
     """Of the guide, at one of its headings. Empty where there is neither a site nor a copy of it."""
-    if not WEBSITE and not (FOLDER / PAGE).is_file():
-        return ""
-    page = f"{WEBSITE or FOLDER.as_uri()}/{PAGE}"
-    return f"{page}#{anchor}" if anchor else page
+    site = WEBSITE or next((folder.as_uri() for folder in FOLDERS if (folder / PAGE).is_file()), "")
+    return f"{site}/{PAGE}" + (f"#{anchor}" if anchor else "") if site else ""
 
 
 def anchors() -> set[str]:
