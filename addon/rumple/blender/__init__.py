@@ -2,11 +2,11 @@
 """What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code.
 
 Each folder imports only from those below it: ui, farm, bake, brush, maps, ui_base.py, frame, viewport, objects, nodes,
-scheduler.py, compat.py (blender_tests/without_blender/test_import_order.py).
+scheduler.py, translation.py, manual.py, compat.py (blender_tests/without_blender/test_import_order.py).
 """
 from __future__ import annotations
 
-from . import handlers, manual, scheduler
+from . import handlers, manual, scheduler, translation
 from .bake import operators as bake_operators
 from .brush import operators as brush_operators
 from .farm import command as farm_command, operators as farm_operators
@@ -16,8 +16,8 @@ from .objects import properties
 from .ui import copy_settings, examples, healing, operators, panels, paths_operators, saved_settings
 from .viewport import paths_overlay, preview
 
-_MODULES = (manual, properties, maps_properties, operators, paths_operators, healing, copy_settings, saved_settings,
-            examples, maps_operators, maps_pose_operators, maps_export, maps_bake, bake_operators, panels, maps_panel,
+_MODULES = (manual, translation, properties, maps_properties, operators, paths_operators, healing, copy_settings,
+            saved_settings, examples, maps_operators, maps_pose_operators, maps_export, maps_bake, bake_operators, panels, maps_panel,
             maps_overlay, handlers, farm_command, farm_operators, preview, paths_overlay,
             brush_operators)  # the last three draw, in this order
 

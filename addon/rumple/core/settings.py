@@ -50,7 +50,7 @@ STARTS_FROM = (
 )
 OFFSET_SPACES = (
     ("TRIANGLE", "Surface", "Folds turn with the surface: a spinning dancer keeps the same folds"),
-    ("WORLD", "World", "Folds keep their direction in the world, as the paper has it"),
+    ("WORLD", "World Space", "Folds keep their direction in the world, as the paper has it"),
 )
 COLLISIONS = (
     ("PLANE", "Plane", "Folds stay outside a plane just inside the surface: fast"),
@@ -65,7 +65,7 @@ class AdaptiveRest:
 
     reference: str = setting("REST", "Starts From", "What counts as unwrinkled before anything has lasted",
                              choices=STARTS_FROM)
-    window: float = setting(0.1, "Window", "Time back to the pose that tells compressing from stretching", low=0.0,
+    window: float = setting(0.1, "Time Window", "Time back to the pose that tells compressing from stretching", low=0.0,
                             high=2.0, unit="SECONDS")
     relaxation: float = setting(0.01, "Relaxation", "Share of a compressed shape that the reference takes over in a "
                                 "thirtieth of a second", low=0.0, high=1.0)
@@ -146,7 +146,7 @@ class ClothSettings:
     locomotion: float = setting(0.2, "Locomotion", "Share of the motion of the garment as a whole that its inertia "
                                 "feels. 1: as it is. 0: walks, turns and stops do not move the cloth on the body",
                                 low=0.0, high=1.0, unit="FACTOR")
-    drag: float = setting(1.0, "Drag", "How much wind and still air push the cloth. 1: a sheet across the wind",
+    drag: float = setting(1.0, "Air Drag", "How much wind and still air push the cloth. 1: a sheet across the wind",
                           low=0.0, high=10.0, soft=3.0)
 
     @property

@@ -13,6 +13,7 @@ from ..frame import clip_status
 from ..maps import modifier as maps_modifier
 from ..nodes import field_profile
 from ..objects import changes, modifier, properties, runtimes, stack_notes
+from ..translation import OWN_CONTEXT, said
 from ..ui_base import Panel, draw_message, draw_note, named_paint, property_column, settings_column
 from . import cloth_panel, examples, healing, paths_panel, rest_panel, saved_settings
 
@@ -108,6 +109,7 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
 
 class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
     bl_label = "Waves"
+    bl_translation_context = OWN_CONTEXT  # of the sea, in Blender's own French
     method = "FIELD"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -188,11 +190,11 @@ class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
             return
         history = runtime.evaluator.frame_cache
         frames = history.frames()
-        for label, final in (("Played through", True), ("After a jump", False)):
+        for label, final in (("Played through: {0}", True), ("After a jump: {0}", False)):
             numbers = [frame for frame, is_final in frames if is_final == final]
             if numbers:
-                column.label(text=f"{label}: {ranges(numbers)}")
-        column.label(text=f"{len(frames)} frames, {history.bytes / 2**20:.1f} MB")
+                draw_note(column, said(label).format(ranges(numbers)), "BLANK1")
+        draw_note(column, f"{len(frames)} frames, {history.bytes / 2**20:.1f} MB", "BLANK1")
         column.operator("object.rumple_clear_frames")
 
 
