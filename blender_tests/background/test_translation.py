@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Iterator
 from unittest import mock
 
+import blf
 import bpy
 from rumple.blender import compat, translation, ui_base
 from rumple.blender.objects import properties
@@ -17,7 +18,8 @@ from rumple.blender.ui import panels
 from support import sentences, sleeve
 from support.registered import own_classes, own_properties
 
-CODES = {"en": ("en_US",), "de": ("de", "de_DE")}
+CODES = {"en": ("en_US",), "de": ("de", "de_DE"), "fr": ("fr", "fr_FR"), "es": ("es",), "ja": ("ja", "ja_JP"),
+         "zh": ("zh_CN", "zh_HANS")}
 ADDON = Path(translation.__file__).resolve().parents[1]
 TABLES = {path.stem: translation.read(path) for path in sorted(translation.FOLDER.glob("*.po"))}
 _NOT_WORDS = re.compile(r"-?[XYZ]|[a-z_]+|")  # axes, and properties that nobody sees: their name is their identifier
@@ -85,7 +87,7 @@ class Files(unittest.TestCase):
                 self.assertTrue(text)
 
 
-class InGerman(unittest.TestCase):
+class InLanguage(unittest.TestCase):
     def setUp(self) -> None:
         self.speak("de")
         self.addCleanup(self.speak, "en")
@@ -97,6 +99,8 @@ class InGerman(unittest.TestCase):
                 bpy.context.preferences.view.language = code
         self.assertTrue((bpy.app.translations.locale or "en").startswith(language))
 
+
+class InGerman(InLanguage):
     def test_labels_and_tooltips_come_from_the_table(self) -> None:
         words = bpy.app.translations
         self.assertEqual(words.pgettext_iface("Base Cloth"), "Grundstoff")
@@ -150,6 +154,25 @@ class InGerman(unittest.TestCase):
         lines = " ".join(translation.said(line) for line, _icon in panels.status_lines(obj))
         self.assertRegex(lines, r"\d Punkte werden gezeigt")
         self.assertIn("Millisekunden: ", lines)
+
+
+class Widths(InLanguage):
+    """No label is cut off in the properties editor at its default width. As Blender lays it out: 95 pixels."""
+    MOST = 95.0
+    SHOWN_OTHERWISE = {"display_steps", "viewport_steps"}   # by another text
+
+    def test_every_language(self) -> None:
+        blf.size(0, 11)
+        words = {prop.name for cls in own_classes(bpy.types.PropertyGroup) for prop in own_properties(cls)
+                 if prop.type != "BOOLEAN" and not prop.is_hidden and not _NOT_WORDS.fullmatch(prop.name)
+                 and prop.identifier not in self.SHOWN_OTHERWISE} | {"Smooth Viewport", "Render"}
+        self.assertGreater(len(words), 90)
+        for language in CODES:
+            self.speak(language)
+            shown = {word: bpy.app.translations.pgettext_iface(word) for word in words}
+            self.assertGreater(sum(text != word for word, text in shown.items()), 80 if language != "en" else -1)
+            wide = {text: blf.dimensions(0, text)[0] for text in shown.values()}
+            self.assertEqual({text: pixels for text, pixels in wide.items() if pixels > self.MOST}, {}, language)
 
 
 class Registering(unittest.TestCase):

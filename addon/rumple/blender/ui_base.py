@@ -87,9 +87,11 @@ def settings_column(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bpy.ty
 
 def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
     """The name of a vertex group or an attribute, and the button that paints the group."""
-    row = column.row(align=True)
-    row.prop(properties.group_of(obj), name)
-    exists = getattr(properties.group_of(obj), name) in obj.vertex_groups
+    row, wanted = column.row(align=True), getattr(properties.group_of(obj), name)
+    exists = wanted in obj.vertex_groups
+    field = row.row(align=True)
+    field.active = exists or wanted in obj.data.attributes  # greyed: a name that nothing has yet
+    field.prop(properties.group_of(obj), name)
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = group
 
 

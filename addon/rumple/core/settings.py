@@ -146,7 +146,7 @@ class ClothSettings:
     locomotion: float = setting(0.2, "Locomotion", "Share of the motion of the garment as a whole that its inertia "
                                 "feels. 1: as it is. 0: walks, turns and stops do not move the cloth on the body",
                                 low=0.0, high=1.0, unit="FACTOR")
-    drag: float = setting(1.0, "Air Drag", "How much wind and still air push the cloth. 1: a sheet across the wind",
+    drag: float = setting(1.0, "Wind Drag", "How much wind and still air push the cloth. 1: a sheet across the wind",
                           low=0.0, high=10.0, soft=3.0)
 
     @property
@@ -233,7 +233,7 @@ class MeshSettings(AdaptiveRest, ClothSettings, Parts):
     # The solver
     iterations: int = setting(10, "Iterations", "Solver passes per frame. More: sharper folds, more time, less calm",
                               low=0, high=200)
-    start_iterations: int = setting(20, "Iterations From Start", "Solver passes of a frame that starts from no other",
+    start_iterations: int = setting(20, "First Iterations", "Solver passes of a frame that starts from no other",
                                     low=0, high=500)
     damping: float = setting(0.3, "Damping", "Share of the last frame's folds that is kept. Calms fast motion",
                              low=0.0, high=0.95, unit="FACTOR")
@@ -350,7 +350,7 @@ class PathsSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     # Where folds are (chapters 4 and 5 of the thesis)
     width: float = setting(0.02, "Width", "Width of the tightest folds. Weaker compression makes them wider",
                            low=0.0001, high=10.0, unit="LENGTH", affects="MESH")
-    threshold: float = setting(1.25, "Compression Threshold", "Rest length over length from which folds start. "
+    threshold: float = setting(1.25, "Threshold", "Rest length over length from which folds start. "
                                "Nearer to 1: more folds", low=1.01, high=5.0, soft=2.0)
     reach: float = setting(0.25, "Reach", "Folds sink below the compression that they start from, and end at this "
                            "share of it",
