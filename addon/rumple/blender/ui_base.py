@@ -87,11 +87,17 @@ def settings_column(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bpy.ty
 
 def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
     """The name of a vertex group or an attribute, and the button that paints the group."""
-    row, wanted = column.row(align=True), getattr(properties.group_of(obj), name)
+    settings = properties.group_of(obj)
+    wanted = getattr(settings, name)
     exists = wanted in obj.vertex_groups
+    split = column.split(factor=0.4)  # as a column of properties has it, which cannot grey a part of a row
+    label = split.row()
+    label.alignment = "RIGHT"
+    label.label(text=settings.bl_rna.properties[name].name)
+    row = split.row(align=True)
     field = row.row(align=True)
     field.active = exists or wanted in obj.data.attributes  # greyed: a name that nothing has yet
-    field.prop(properties.group_of(obj), name)
+    field.prop(settings, name, text="")
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = group
 
 

@@ -221,7 +221,7 @@ class MeshSettings(AdaptiveRest, ClothSettings, Parts):
     stretch_relief: float = setting(0.3, "Stretch Relief", "Share of the stretch of the mesh that the cloth takes "
                                     "over. 0 pulls diagonal folds strongest, 1 never pulls", low=0.0, high=1.0,
                                     unit="FACTOR")
-    buckling_threshold: float = setting(0.0, "Buckling Threshold", "Share of its length by which the mesh may be "
+    buckling_threshold: float = setting(0.0, "Buckling Limit", "Share of its length by which the mesh may be "
                                         "compressed before folds form. A simulated garment is a little compressed "
                                         "everywhere", low=0.0, high=1.0,
                                         soft=0.1, unit="FACTOR")
