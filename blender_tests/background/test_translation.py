@@ -12,6 +12,7 @@ from unittest import mock
 
 import blf
 import bpy
+from bl_ui.utils import PresetPanel
 from rumple.blender import compat, translation, ui_base
 from rumple.blender.objects import properties
 from rumple.blender.ui import panels
@@ -37,7 +38,7 @@ def properties_shown() -> Iterator[Any]:
 def labels() -> set[str]:
     """Of all that is registered."""
     found = {cls.bl_label for base in (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu)
-             for cls in own_classes(base)}
+             for cls in own_classes(base) if not issubclass(cls, PresetPanel)}  # has the name of the last preset
     for prop in properties_shown():
         found.add(prop.name)
         if prop.type == "ENUM" and prop.identifier != "rna_type":
