@@ -52,6 +52,8 @@ def zips(installed: Path, out: Path) -> None:
     version = project_version()
     addon = files_below(ADDON) | {"LICENSE": (ROOT / "LICENSE").read_bytes()}
     addon |= {f"shaders/{name}": data for name, data in files_below(ROOT / "shaders").items()}  # see viewport/glsl.py
+    guide = files_below(ROOT / "build" / "guide")  # see core/guide.py
+    addon |= {f"guide/{name}": data for name, data in guide.items()}
     libraries = {f"lib/{name}": data for name, data in files_below(installed).items()}  # see native/library.py
     libraries |= {f"{name}.sha256": hashlib.sha256(data).hexdigest().encode() for name, data in libraries.items()}
     platforms = sorted({name.split("/")[1] for name in libraries})

@@ -4,14 +4,17 @@ way before it is used."""
 from __future__ import annotations
 
 import unittest
+from unittest import mock
 
 import bpy
 import numpy as np
+from rumple.blender.nodes import field_shader
 from rumple.blender.objects import properties, runtimes
-from rumple.blender.ui import panels
+from rumple.blender.ui import menus, panels
 from rumple.core.settings import MeshSettings
 from rumple.core.systems import SYSTEMS
 from support import sleeve
+from support.registered import own_classes
 
 
 class Budget(unittest.TestCase):
@@ -98,12 +101,64 @@ class Words(unittest.TestCase):
             tips.add(bpy.types.OBJECT_OT_rumple_add.description(bpy.context, Chosen))
         self.assertEqual(len(tips), len(SYSTEMS) + 1)
 
+    def test_the_header_says_system_and_fabric(self) -> None:
+        obj = sleeve.scene()
+        self.assertEqual(panels.title(obj), "Wrinkle Mesh \u00b7 Cotton")
+        bpy.ops.object.rumple_preset(preset="DENIM")
+        self.assertEqual(panels.title(obj), "Wrinkle Mesh \u00b7 Denim")
+        bpy.ops.object.rumple_remove()
+        bpy.ops.object.rumple_add(method="FIELD")
+        self.assertEqual(panels.title(obj), "Wrinkle Field")
+
+    def test_the_status_in_one_line(self) -> None:
+        obj = sleeve.scene()
+        self.assertRegex(panels.status_line(obj), r"^[\d,]+ vertices, \d+ ms$")
+        runtimes.forget(obj)
+        self.assertEqual(panels.status_line(obj), "")
+
+    def test_the_button_of_materials_says_what_it_will_do(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        bpy.ops.object.rumple_add(method="FIELD")
+        self.assertTrue(field_shader.is_shaded(obj))
+        bpy.ops.object.rumple_unshade()
+        self.assertFalse(field_shader.is_shaded(obj))
+
     def test_the_panel_is_hidden_before_it_is_used(self) -> None:
         obj = sleeve.scene(wrinkles=False)
         self.assertFalse(panels.DATA_PT_rumple.poll(bpy.context))
         bpy.ops.object.rumple_add(method="MESH")
         self.assertTrue(panels.DATA_PT_rumple.poll(bpy.context))
         self.assertEqual(bpy.context.object, obj)
+
+
+class Menu(unittest.TestCase):
+    """F3 finds what stands in a menu."""
+    # Of another button, of a list in the panel, or not for hands
+    ELSEWHERE = {"object.rumple_brush_stroke", "object.rumple_save_settings", "object.rumple_use_settings",
+                 "object.rumple_select_healed", "rumple.pose_move", "rumple.pose_rename", "rumple.pose_mute",
+                 "rumple.pose_solo"}
+
+    def drawn(self, menu: type) -> list[str]:
+        """Operators and menus that it shows."""
+        layout = mock.Mock()
+        menu.draw(mock.Mock(layout=layout), bpy.context)
+        calls = (*layout.operator.call_args_list, *layout.operator_menu_enum.call_args_list,
+                 *layout.menu.call_args_list)
+        return [call.args[0] for call in calls]
+
+    def test_every_operator_is_in_one(self) -> None:
+        sleeve.scene(wrinkles=False)
+        found = set(self.drawn(menus.OBJECT_MT_rumple)) | set(self.drawn(menus.OBJECT_MT_rumple_add))
+        self.assertIn("OBJECT_MT_rumple_add", found)
+        operators = {cls.bl_idname for cls in own_classes(bpy.types.Operator)}
+        self.assertEqual(operators - found - self.ELSEWHERE, {"wm.rumple_open_example"})  # in a checkout without any
+        self.assertEqual(self.ELSEWHERE & found, set())
+
+    def test_it_hangs_in_the_object_menu(self) -> None:
+        self.assertIn(menus._object_entry, bpy.types.VIEW3D_MT_object.draw._draw_funcs)
+        menus.unregister()
+        self.addCleanup(menus.register)
+        self.assertNotIn(menus._object_entry, bpy.types.VIEW3D_MT_object.draw._draw_funcs)
 
 
 class CopyToSelected(unittest.TestCase):

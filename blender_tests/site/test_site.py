@@ -7,6 +7,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from rumple.core import guide
 from support import site_check
 from support.browser import Browser, Server
 
@@ -101,6 +102,11 @@ class Site(unittest.TestCase):
         links = sum(link.startswith(self.server.address) for page in self.pages.values() for link in page.links)
         self.assertGreater(links, 1000)
         self.assertEqual(site_check.dead_links(self.pages, self.server.address, SITE), [])
+
+    def test_the_add_on_knows_the_anchors_of_the_guide(self) -> None:
+        page = (SITE / guide.PAGE).read_text(encoding="utf-8")
+        for anchor in guide.anchors():
+            self.assertIn(f'<section id="{anchor}">', page)
 
     def test_every_picture_loads_and_is_said_in_words(self) -> None:
         self.without("picture", "words for a picture")

@@ -73,7 +73,7 @@ def cycle_in(graph: Graph) -> list[str]:
 def wrong_order(package: Path, order: list[str]) -> list[str]:
     """What is wrong, in sentences. order: files and folders of the package, each may import those before it."""
     there = {file.stem for file in package.glob("*.py") if file.name != "__init__.py"}
-    there |= {folder.name for folder in package.iterdir() if folder.is_dir() and folder.name != "__pycache__"}
+    there |= {folder.name for folder in package.iterdir() if any(folder.rglob("*.py"))}  # others hold data
     wrong = [f"{name} is not in {package.name}" for name in order if name not in there]
     wrong += [f"{package.name}/{name} has no place in the order" for name in sorted(there - set(order))]
     wrong += [f"{package.name}/{name} has no modules" for name in order if (package / name).is_dir()

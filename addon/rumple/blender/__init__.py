@@ -2,23 +2,23 @@
 """What an artist sees in Blender. It reads and writes data-blocks; the mathematics is in ../core and in native code.
 
 Each folder imports only from those below it: ui, farm, bake, brush, maps, ui_base.py, frame, viewport, objects, nodes,
-scheduler.py, compat.py (blender_tests/without_blender/test_import_order.py).
+scheduler.py, translation.py, manual.py, compat.py (blender_tests/without_blender/test_import_order.py).
 """
 from __future__ import annotations
 
-from . import handlers, scheduler
+from . import handlers, manual, scheduler, translation
 from .bake import operators as bake_operators
 from .brush import operators as brush_operators
 from .farm import command as farm_command, operators as farm_operators
 from .maps import (bake as maps_bake, export as maps_export, operators as maps_operators, overlay as maps_overlay,
                    panel as maps_panel, pose_operators as maps_pose_operators, properties as maps_properties)
 from .objects import properties
-from .ui import copy_settings, examples, healing, operators, panels, paths_operators, saved_settings
+from .ui import copy_settings, examples, healing, menus, operators, panels, paths_operators, saved_settings
 from .viewport import paths_overlay, preview
 
-_MODULES = (properties, maps_properties, operators, paths_operators, healing, copy_settings, saved_settings,
-            examples, maps_operators, maps_pose_operators, maps_export, maps_bake, bake_operators, panels, maps_panel,
-            maps_overlay, handlers, farm_command, farm_operators, preview, paths_overlay,
+_MODULES = (manual, translation, properties, maps_properties, operators, paths_operators, healing, copy_settings,
+            saved_settings, examples, maps_operators, maps_pose_operators, maps_export, maps_bake, bake_operators,
+            panels, menus, maps_panel, maps_overlay, handlers, farm_command, farm_operators, preview, paths_overlay,
             brush_operators)  # the last three draw, in this order
 
 

@@ -128,6 +128,13 @@ def action_curves(action: bpy.types.Action) -> Iterator[bpy.types.FCurve]:
                 yield from bag.fcurves
 
 
+# ---------------------------------------------------------------- words
+def translated_report(text: str) -> str:
+    """A message in Blender's language, where messages are to be translated."""
+    words = bpy.app.translations
+    return (words.pgettext_rpt if hasattr(words, "pgettext_rpt") else words.pgettext_tip)(text)  # 4.1 has the one
+
+
 # ---------------------------------------------------------------- meshes
 def positions(mesh: bpy.types.Mesh) -> np.ndarray:
     """Vertex positions, (n, 3) float32."""

@@ -2,13 +2,20 @@
 """What operators and panels have in common."""
 from __future__ import annotations
 
+import re
+import unicodedata
+
 import bpy
 
-from . import compat
+from . import compat, manual
 from .frame import path_curves
 from .objects import modifier, properties
+from .translation import said
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
+# Chinese and Japanese letters are twice as wide, and a line may break behind each, but not in front of a full stop.
+_WORDS = re.compile("(?:[\u3040-\u9fff\uff00-\uffef][\u3001\u3002\uff01-\uff0f\uff1a-\uff1f\u300d\u30fc]*)|"
+                    "[^\\s\u3040-\u9fff\uff00-\uffef]+|\\s+")
 
 
 # ---------------------------------------------------------------- operators
@@ -43,7 +50,7 @@ class OnWrinkled:
         if not why and cls.method is not None and context.object.rumple.method != cls.method:
             why = cls.other_method
         if why:
-            cls.poll_message_set(why)
+            cls.poll_message_set(said(why))
         return not why
 
 
@@ -80,9 +87,17 @@ def settings_column(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bpy.ty
 
 def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
     """The name of a vertex group or an attribute, and the button that paints the group."""
-    row = column.row(align=True)
-    row.prop(properties.group_of(obj), name)
-    exists = getattr(properties.group_of(obj), name) in obj.vertex_groups
+    settings = properties.group_of(obj)
+    wanted = getattr(settings, name)
+    exists = wanted in obj.vertex_groups
+    split = column.split(factor=0.4)  # as a column of properties has it, which cannot grey a part of a row
+    label = split.row()
+    label.alignment = "RIGHT"
+    label.label(text=settings.bl_rna.properties[name].name)
+    row = split.row(align=True)
+    field = row.row(align=True)
+    field.active = exists or wanted in obj.data.attributes  # greyed: a name that nothing has yet
+    field.prop(settings, name, text="")
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if exists else "BRUSH_DATA").group = group
 
 
@@ -92,15 +107,20 @@ def draw_message(layout: bpy.types.UILayout, text: str) -> None:
         return
     box = layout.box()
     box.alert = True
-    for number, line in enumerate(wrapped(text)):
-        box.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
+    _draw_lines(box, text, "ERROR")
 
 
 def draw_note(layout: bpy.types.UILayout, text: str, icon: str = "INFO") -> None:
     """The same, of what is not wrong."""
-    column = layout.column(align=True)
-    for number, line in enumerate(wrapped(text)):
-        column.label(text=line, icon=icon if number == 0 else "BLANK1")
+    _draw_lines(layout.column(align=True), text, icon)
+
+
+def _draw_lines(column: bpy.types.UILayout, text: str, icon: str) -> None:
+    for number, line in enumerate(wrapped(said(text))):
+        row = column.row()
+        row.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
+        if number == 0:
+            manual.draw_more(row, text)
 
 
 def wrapped(text: str) -> list[str]:
@@ -108,8 +128,13 @@ def wrapped(text: str) -> list[str]:
     region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
     width = max(24, int(region.width / (LETTER_PIXELS * scale))) if region is not None else 60
     lines = [""]
-    for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+    for word in _WORDS.findall(text):
+        if lines[-1] and letters(lines[-1]) + letters(word) > width:
             lines.append("")
-        lines[-1] = f"{lines[-1]} {word}".strip()
-    return lines
+        lines[-1] = f"{lines[-1]}{word}".lstrip()
+    return [line.rstrip() for line in lines if line.strip()] or [""]
+
+
+def letters(text: str) -> int:
+    """How many Latin letters are as wide."""
+    return sum(2 if unicodedata.east_asian_width(letter) in "WF" else 1 for letter in text)

@@ -48,9 +48,10 @@ class OnClothReport:
     def lines(self, name: str, unit_scale: float) -> list[str]:
         """For the artist. name: of the object; unit_scale: metres per object unit."""
         offset = 1000.0 * unit_scale * self.cloth.offset_mean
-        moved = f"Base cloth: {offset:.1f} mm from the animation on average" if self.is_free else \
-            f"Body: it moves the mesh by {offset:.1f} mm on average"
-        lines = [f"{moved}, {100.0 * self.cloth.body_known:.0f} % has the body under it"]
+        under = 100.0 * self.cloth.body_known
+        lines = [f"Base cloth: {offset:.1f} mm from the animation on average, {under:.0f} % has the body under it"
+                 if self.is_free else
+                 f"Body: it moves the mesh by {offset:.1f} mm on average, {under:.0f} % has the body under it"]
         if self.has_body and self.cloth.body_known < LEAST_UNDER:
             lines.append(f"{name}: its body does not lie under it: choose another body")
         return lines

@@ -51,7 +51,7 @@ MESH_PRESETS = {
                        dict(bending=1.0, compression_limit=1.25), old_fold_width=2.0),
     "LEATHER": of_fabric(2, "Leather", "Stiff: few wide rolls, nothing fine", "LEATHER",
                          dict(bending=1.0, stretch_relief=0.6, compression_limit=1.2), old_fold_width=2.0),
-    "SKIN": Preset(4, "Skin", "Low creases that never leave the body", dict(
+    "SKIN": Preset(4, "Bare Skin", "Low creases that never leave the body", dict(
         bending=0.3, radius=0.35, inside=0.8, prestretch=0.99, stretch_relief=1.0, compression_limit=1.15,
         slack=1.0)),
     "PAPER": Preset(5, "As in the Paper", "Mueller and Chentanez 2010, sections 3 and 4: one layer on the animated "

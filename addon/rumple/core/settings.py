@@ -50,7 +50,7 @@ STARTS_FROM = (
 )
 OFFSET_SPACES = (
     ("TRIANGLE", "Surface", "Folds turn with the surface: a spinning dancer keeps the same folds"),
-    ("WORLD", "World", "Folds keep their direction in the world, as the paper has it"),
+    ("WORLD", "World Space", "Folds keep their direction in the world, as the paper has it"),
 )
 COLLISIONS = (
     ("PLANE", "Plane", "Folds stay outside a plane just inside the surface: fast"),
@@ -65,7 +65,7 @@ class AdaptiveRest:
 
     reference: str = setting("REST", "Starts From", "What counts as unwrinkled before anything has lasted",
                              choices=STARTS_FROM)
-    window: float = setting(0.1, "Window", "Time back to the pose that tells compressing from stretching", low=0.0,
+    window: float = setting(0.1, "Time Window", "Time back to the pose that tells compressing from stretching", low=0.0,
                             high=2.0, unit="SECONDS")
     relaxation: float = setting(0.01, "Relaxation", "Share of a compressed shape that the reference takes over in a "
                                 "thirtieth of a second", low=0.0, high=1.0)
@@ -146,7 +146,7 @@ class ClothSettings:
     locomotion: float = setting(0.2, "Locomotion", "Share of the motion of the garment as a whole that its inertia "
                                 "feels. 1: as it is. 0: walks, turns and stops do not move the cloth on the body",
                                 low=0.0, high=1.0, unit="FACTOR")
-    drag: float = setting(1.0, "Drag", "How much wind and still air push the cloth. 1: a sheet across the wind",
+    drag: float = setting(1.0, "Wind Drag", "How much wind and still air push the cloth. 1: a sheet across the wind",
                           low=0.0, high=10.0, soft=3.0)
 
     @property
@@ -221,7 +221,7 @@ class MeshSettings(AdaptiveRest, ClothSettings, Parts):
     stretch_relief: float = setting(0.3, "Stretch Relief", "Share of the stretch of the mesh that the cloth takes "
                                     "over. 0 pulls diagonal folds strongest, 1 never pulls", low=0.0, high=1.0,
                                     unit="FACTOR")
-    buckling_threshold: float = setting(0.0, "Buckling Threshold", "Share of its length by which the mesh may be "
+    buckling_threshold: float = setting(0.0, "Buckling Limit", "Share of its length by which the mesh may be "
                                         "compressed before folds form. A simulated garment is a little compressed "
                                         "everywhere", low=0.0, high=1.0,
                                         soft=0.1, unit="FACTOR")
@@ -233,7 +233,7 @@ class MeshSettings(AdaptiveRest, ClothSettings, Parts):
     # The solver
     iterations: int = setting(10, "Iterations", "Solver passes per frame. More: sharper folds, more time, less calm",
                               low=0, high=200)
-    start_iterations: int = setting(20, "Iterations From Start", "Solver passes of a frame that starts from no other",
+    start_iterations: int = setting(20, "First Iterations", "Solver passes of a frame that starts from no other",
                                     low=0, high=500)
     damping: float = setting(0.3, "Damping", "Share of the last frame's folds that is kept. Calms fast motion",
                              low=0.0, high=0.95, unit="FACTOR")
@@ -350,7 +350,7 @@ class PathsSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     # Where folds are (chapters 4 and 5 of the thesis)
     width: float = setting(0.02, "Width", "Width of the tightest folds. Weaker compression makes them wider",
                            low=0.0001, high=10.0, unit="LENGTH", affects="MESH")
-    threshold: float = setting(1.25, "Compression Threshold", "Rest length over length from which folds start. "
+    threshold: float = setting(1.25, "Threshold", "Rest length over length from which folds start. "
                                "Nearer to 1: more folds", low=1.01, high=5.0, soft=2.0)
     reach: float = setting(0.25, "Reach", "Folds sink below the compression that they start from, and end at this "
                            "share of it",

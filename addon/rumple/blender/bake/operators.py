@@ -8,6 +8,7 @@ import bpy
 
 from .. import ui_base
 from ..objects import modifier
+from ..translation import said
 from . import clip, shape_keys
 from .playback import BakeError, Playback
 
@@ -65,7 +66,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         done, count = self._running.done, self._running.playback.count
         context.window_manager.progress_update(done)
         if context.workspace is not None:
-            context.workspace.status_text_set(f"Baking wrinkles: {done} of {count} samples. Esc cancels")
+            context.workspace.status_text_set(said(f"Baking wrinkles: {done} of {count} samples. Esc cancels"))
 
     def _end_modal(self, context: bpy.types.Context) -> None:
         context.window_manager.event_timer_remove(self._timer)
@@ -77,12 +78,12 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         try:
             return clip.ClipBake(context, context.object)
         except BakeError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return None
 
     def _give_up(self, bake: clip.ClipBake, error: Exception, kind: str = "ERROR") -> set[str]:
         bake.cancel()
-        self.report({kind}, str(error))
+        self.report({kind}, said(str(error)))
         return {"CANCELLED"}
 
     def _finish(self, bake: clip.ClipBake) -> set[str]:
@@ -91,7 +92,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         except BakeError as error:
             return self._give_up(bake, error)
         self.report({"WARNING"} if bake.note else {"INFO"},
-                    f"Baked {bake.writer.manifest.sample_count} samples to {written}{bake.note}")
+                    said(f"Baked {bake.writer.manifest.sample_count} samples to {written}{bake.note}"))
         return {"FINISHED"}
 
 
@@ -110,13 +111,13 @@ class OBJECT_OT_rumple_bake_free(ui_base.OnWrinkled, bpy.types.Operator):
             return False
         baked = modifier.is_baked(modifier.find(context.object))
         if not baked:
-            cls.poll_message_set("Nothing is baked")
+            cls.poll_message_set(said("Nothing is baked"))
         return baked
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         note = clip.free(context.object, self.delete_file)
         if note:
-            self.report({"WARNING"}, note)
+            self.report({"WARNING"}, said(note))
         return {"FINISHED"}
 
 
@@ -138,7 +139,7 @@ class OBJECT_OT_rumple_bake_shape_keys(ui_base.OnWrinkled, bpy.types.Operator):
             playback = Playback(context, obj, start, end, 1)
             shapes = [result.positions.copy() for wanted, result, _ in playback.samples_in_order() if wanted]
         except BakeError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         finally:
             if playback is not None:
@@ -149,7 +150,7 @@ class OBJECT_OT_rumple_bake_shape_keys(ui_base.OnWrinkled, bpy.types.Operator):
         obj.select_set(False)
         copy.select_set(True)
         context.view_layer.objects.active = copy
-        self.report({"INFO"}, f"{copy.name}: {len(shapes)} shape keys. {obj.name} is hidden")
+        self.report({"INFO"}, said(f"{copy.name}: {len(shapes)} shape keys. {obj.name} is hidden"))
         return {"FINISHED"}
 
 

@@ -6,6 +6,7 @@ import bpy
 
 from ..frame import clip_status
 from ..objects import modifier
+from ..translation import said
 from ..ui_base import Panel, property_column
 
 
@@ -16,7 +17,7 @@ def draw_header(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     clip = clip_status.clip_path(obj)
     about = None if clip is None else clip_status.manifest(clip)
     row = layout.row(align=True)
-    row.label(text="Baked" if about is None else f"Baked {about.start}\u2013{about.end}", icon="CHECKMARK")
+    row.label(text=said("Baked" if about is None else f"Baked {about.start}\u2013{about.end}"), icon="CHECKMARK")
     row.operator("object.rumple_bake_free", text="Free")
 
 

@@ -17,12 +17,13 @@ from ...core.brush import DEFAULT_LENGTH, LONGEST
 from ...core.engine import UserError
 from .. import compat, scheduler
 from ..objects import messages, modifier
+from ..translation import said
 from . import canvas as brush_canvas, overlay as brush_overlay
 from .stroke import Stroke
 
 TOOL = "rumple.rest_wrinkles"
 
-_LENGTH = dict(name="Length", min=0.0, max=LONGEST, default=DEFAULT_LENGTH, subtype="FACTOR",
+_LENGTH = dict(name="Depth", min=0.0, max=LONGEST, default=DEFAULT_LENGTH, subtype="FACTOR",
                description="How strong the wrinkles are that are painted: of the stored vectors, below 1. Squared, the "
                            "share of its width that the cloth loses to folds")
 
@@ -90,7 +91,7 @@ class _OnField:
     def poll(cls, context: bpy.types.Context) -> bool:
         why = refusal(context.object)
         if why:
-            cls.poll_message_set(why)
+            cls.poll_message_set(said(why))
         return not why
 
     @staticmethod
@@ -130,7 +131,7 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         why = refusal(context.object)
         if why:
-            self.report({"WARNING"}, why)
+            self.report({"WARNING"}, said(why))
             return {"CANCELLED"}
         self.stroke: Stroke | None = None
         result = self._guarded(context, lambda: self._press(context, event))
@@ -168,10 +169,10 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
         try:
             return step()
         except UserError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return self._take_back()
         except Exception as error:  # a message, never a traceback; the mesh may be gone
-            self.report({"ERROR"}, messages.unexpected(context.object, error))
+            self.report({"ERROR"}, said(messages.unexpected(context.object, error)))
             return {"CANCELLED"}
 
 
@@ -196,10 +197,10 @@ class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
             metres = self.size * context.scene.unit_settings.scale_length
             scattered = brush_canvas.canvas_of(obj).easel.scatter(self.seed, self.density, metres, self.length)
         except UserError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         brush_canvas.write(obj.data, scattered)
-        self.report({"INFO"}, f"{int(np.any(scattered != 0.0, axis=1).sum())} points wrinkle at rest")
+        self.report({"INFO"}, said(f"{int(np.any(scattered != 0.0, axis=1).sum())} points wrinkle at rest"))
         return {"FINISHED"}
 
 

@@ -12,6 +12,7 @@ from ...core.clip_manifest import ClipFault, Manifest
 from .. import ui_base
 from ..bake.playback import BakeError
 from ..objects import modifier
+from ..translation import said
 from . import publish, shown, vat
 
 
@@ -29,7 +30,7 @@ class _OfClip(ui_base.OnWrinkled):
         why = ("Bake first: the baked clip is exported" if not modifier.is_baked(modifier.find(context.object)) else
                "" if bpy.data.filepath else "Save the file first: the export is stored beside it")
         if why:
-            cls.poll_message_set(why)
+            cls.poll_message_set(said(why))
         return not why
 
     def export(self, context: bpy.types.Context, manifest: Manifest, folder: Path) -> shown.Exported:
@@ -41,12 +42,12 @@ class _OfClip(ui_base.OnWrinkled):
         try:
             done = self.export(context, shown.clip_shown(obj), Path(bpy.data.filepath).parent / "publish")
         except (BakeError, ClipFault) as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         finally:
             scene.frame_set(now[0], subframe=now[1])
-        self.report({"INFO"}, f"{obj.name}: {done.frames} frames of {done.vertices} points, {megabytes(done.bytes)} MB"
-                    f"{done.note}: {done.path}")
+        self.report({"INFO"}, said(f"{obj.name}: {done.frames} frames of {done.vertices} points, "
+                                   f"{megabytes(done.bytes)} MB{done.note}: {done.path}"))
         return {"FINISHED"}
 
 

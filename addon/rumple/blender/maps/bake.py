@@ -20,6 +20,7 @@ from .. import compat, scheduler
 from ..frame import rebuild
 from ..nodes import maps_shader
 from ..objects import modifier, properties, runtimes, units
+from ..translation import said
 from . import (changes as maps_changes, export as maps_export, modifier as maps_modifier, operators as maps_operators,
                rig as maps_rig)
 
@@ -234,7 +235,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
             for _ in bake.steps():
                 pass
         except UserError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         finally:
             if bake is not None:
@@ -247,7 +248,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         try:
             self._running = self._begin(context)
         except UserError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         self._steps = self._running.steps()
         manager = context.window_manager
@@ -259,7 +260,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if event.type == "ESC":
             self._end_modal(context)
-            self.report({"INFO"}, f"Bake cancelled; finished maps: {', '.join(self._running.names) or 'none'}")
+            self.report({"INFO"}, said(f"Bake cancelled; finished maps: {', '.join(self._running.names) or 'none'}"))
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
@@ -270,11 +271,12 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
             return self._finished(self._running)
         except UserError as error:
             self._end_modal(context)
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         context.window_manager.progress_update(self._running.done)
         if context.workspace is not None:
-            context.workspace.status_text_set(f"{text} ({self._running.done} of {self._running.count}). Esc cancels")
+            context.workspace.status_text_set(
+                said(f"{text} ({self._running.done} of {self._running.count}). Esc cancels"))
         return {"RUNNING_MODAL"}
 
     def _begin(self, context: bpy.types.Context) -> MapBake:
@@ -291,7 +293,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
             context.workspace.status_text_set(None)
 
     def _finished(self, bake: MapBake) -> set[str]:
-        self.report({"INFO"}, f"Baked {', '.join(bake.names)}")
+        self.report({"INFO"}, said(f"Baked {', '.join(bake.names)}"))
         return {"FINISHED"}
 
 

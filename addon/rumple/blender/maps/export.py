@@ -16,6 +16,7 @@ from ...core.engine import UserError
 from ...core.poses import PoseComparison, PoseRig, SkinWeights
 from ...core.poses_json import from_json
 from ..nodes import maps_mask_tree, maps_shader
+from ..translation import said
 from . import modifier as maps_modifier, operators as maps_operators, rig as maps_rig
 
 
@@ -119,10 +120,10 @@ class RUMPLE_OT_maps_weights(maps_operators.OnPose, bpy.types.Operator):
         try:
             clip = sampled(context, obj, maps_rig.rig_of(obj)[0], scene.frame_start, scene.frame_end)
         except UserError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         copy = weighted_copy(obj, clip)
-        self.report({"INFO"}, f"{copy.name}: {len(clip['poses'])} weights, {len(clip['presence'])} frames")
+        self.report({"INFO"}, said(f"{copy.name}: {len(clip['poses'])} weights, {len(clip['presence'])} frames"))
         return {"FINISHED"}
 
 
@@ -154,9 +155,9 @@ class RUMPLE_OT_maps_export(maps_operators.OnPose, bpy.types.Operator):
                 written.append(path.with_suffix(".frames.json"))
                 written[-1].write_text(json.dumps(clip) + "\n", encoding="utf-8")
         except (UserError, OSError) as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Wrote {', '.join(file.name for file in written)}")
+        self.report({"INFO"}, said(f"Wrote {', '.join(file.name for file in written)}"))
         return {"FINISHED"}
 
 

@@ -15,6 +15,7 @@ from ... import native
 from ...core.engine import UserError
 from .. import compat, scheduler
 from ..nodes import maps_shader
+from ..translation import said
 from . import changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild, rig as maps_rig
 
 
@@ -40,7 +41,7 @@ class OnMaps:
         elif not compat.is_editable(obj):
             why = "This object is linked from another file: make a library override or append it"
         if why:
-            cls.poll_message_set(why)
+            cls.poll_message_set(said(why))
         return not why
 
     def guarded(self, work: Callable[[], None]) -> set[str]:
@@ -48,14 +49,14 @@ class OnMaps:
         try:
             work()
         except (UserError, native.NativeMissing) as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         except TypeError:
             obj = target(bpy.context)
             if obj.override_library is None:
                 raise
-            self.report({"ERROR"}, f"{obj.name}: it is a library override, in which Blender lets lists grow only: mute "
-                                   "a pose instead, or change it in the linked file")
+            self.report({"ERROR"}, said(f"{obj.name}: it is a library override, in which Blender lets lists grow only: "
+                                        "mute a pose instead, or change it in the linked file"))
             return {"CANCELLED"}
         return {"FINISHED"}
 
@@ -70,7 +71,7 @@ class OnPose(OnMaps):
         settings = target(context).rumple_maps
         if 0 <= settings.active < len(settings.poses):
             return True
-        cls.poll_message_set("Add a reference pose first")
+        cls.poll_message_set(said("Add a reference pose first"))
         return False
 
 
@@ -142,14 +143,14 @@ class RUMPLE_OT_maps_add(bpy.types.Operator):
         elif obj.find_armature() is None:
             why = "No armature deforms this mesh: Wrinkle Maps follow bones"
         if why:
-            cls.poll_message_set(why)
+            cls.poll_message_set(said(why))
         return not why
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             add_maps(context.object)
         except (UserError, native.NativeMissing) as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         context.scene.render.use_lock_interface = True  # handlers write while the window draws
         return {"FINISHED"}

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from ..nodes import maps_shader
-from ..ui_base import draw_message, wrapped
+from ..ui_base import draw_message, draw_note
 from . import modifier as maps_modifier, operators as maps_operators, runtimes as maps_runtimes
 
 
@@ -151,8 +151,7 @@ class _Status(_Maps):
             model = runtime.comparison.model
             lines.insert(0, f"{model.bone_count} bones, {model.pose_count} poses, {model.vertex_count} vertices")
         for line in lines:
-            for number, part in enumerate(wrapped(line)):
-                self.layout.label(text=part, icon="INFO" if number == 0 else "BLANK1")
+            draw_note(self.layout, line)
 
 
 def _panel(body: Any, place: type, name: str, parent: str = "") -> type:

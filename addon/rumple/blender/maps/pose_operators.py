@@ -12,6 +12,7 @@ import bpy
 
 from ...core.engine import UserError
 from ...core.poses import MOST_POSES, PoseComparison
+from ..translation import said
 from . import changes as maps_changes, rig as maps_rig
 from .operators import OnMaps, OnPose, target
 from .properties import unused_name
@@ -182,7 +183,7 @@ class RUMPLE_OT_pose_go(OnMaps, bpy.types.Operator):
         obj = target(context)
         settings, armature = obj.rumple_maps, obj.find_armature()
         if not self.neutral and not 0 <= settings.active < len(settings.poses):
-            self.report({"ERROR"}, f"{obj.name}: there is no reference pose to go to")
+            self.report({"ERROR"}, said(f"{obj.name}: there is no reference pose to go to"))
             return {"CANCELLED"}
         if self.neutral and not settings.neutral:
             maps_rig.go_to_rest(armature)
@@ -191,7 +192,7 @@ class RUMPLE_OT_pose_go(OnMaps, bpy.types.Operator):
             records = settings.neutral if self.neutral else settings.poses[settings.active].bones
             missing = maps_rig.go_to(records, armature)
         if missing:
-            self.report({"WARNING"}, f"{armature.name} has no bone {', '.join(missing)}: renamed or deleted?")
+            self.report({"WARNING"}, said(f"{armature.name} has no bone {', '.join(missing)}: renamed or deleted?"))
         context.view_layer.update()
         return {"FINISHED"}
 

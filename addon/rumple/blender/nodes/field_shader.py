@@ -229,6 +229,11 @@ def materials_of(obj: bpy.types.Object) -> list[bpy.types.Material]:
     return sorted((m for m in found if compat.is_editable(m)), key=lambda m: m.name_full)
 
 
+def is_shaded(obj: bpy.types.Object) -> bool:
+    """Whether a material of an object draws the waves."""
+    return any(_our_nodes(material) for material in materials_of(obj))
+
+
 def shade_object(obj: bpy.types.Object) -> int:
     """Let the materials of an object show its waves; one is made where it has none. The number of materials."""
     if not any(slot.material for slot in obj.material_slots):

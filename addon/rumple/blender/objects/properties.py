@@ -144,7 +144,7 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                              description="The node group with the curve that was drawn as profile")
     rest_key: bpy.props.StringProperty(name="Rest Key", options=set(), override=_OVERRIDE, update=_changed("MESH"),
                                        description="The shape key that is the unwrinkled cloth")
-    rest_frame: bpy.props.IntProperty(name="Rest Frame", default=1, options=set(), override=_OVERRIDE,
+    rest_frame: bpy.props.IntProperty(name="Frame At Rest", default=1, options=set(), override=_OVERRIDE,
                                       description="The frame whose shape Capture takes as the unwrinkled cloth")
     viewport_steps: bpy.props.IntProperty(name="Viewport", default=0, min=0, max=2, options=set(), override=_OVERRIDE,
                                           update=_changed("MESH"),

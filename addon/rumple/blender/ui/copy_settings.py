@@ -6,6 +6,7 @@ import bpy
 
 from .. import compat, ui_base
 from ..objects import modifier, properties
+from ..translation import said
 
 OWN = frozenset(("up", "rest_shape", "source"))  # what belongs to a mesh, not to its cloth
 
@@ -23,7 +24,7 @@ class OBJECT_OT_rumple_copy_settings(ui_base.OnWrinkled, bpy.types.Operator):
                    and compat.is_editable(obj) and modifier.find(obj) is not None
                    and obj.rumple.method == source.rumple.method]
         if not targets:
-            self.report({"ERROR"}, f"Select other objects with a {properties.system_of(source).label} too")
+            self.report({"ERROR"}, said(f"Select other objects with a {said(properties.system_of(source).label)} too"))
             return {"CANCELLED"}
         group = properties.group_of(source)
         names = [name for name in properties.fields_of(source) if name not in OWN]
@@ -34,7 +35,7 @@ class OBJECT_OT_rumple_copy_settings(ui_base.OnWrinkled, bpy.types.Operator):
                     setattr(to, name, getattr(group, name))
             obj.rumple.most_vertices = source.rumple.most_vertices
             obj.rumple.viewport_steps = source.rumple.viewport_steps
-        self.report({"INFO"}, f"{source.name}: settings copied to {', '.join(obj.name for obj in targets)}")
+        self.report({"INFO"}, said(f"{source.name}: settings copied to {', '.join(obj.name for obj in targets)}"))
         return {"FINISHED"}
 
 

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import bpy
 
+from ..translation import said
+
 FOLDER = Path(__file__).resolve().parents[2] / "examples"
 
 
@@ -26,7 +28,7 @@ class WM_OT_rumple_open_example(bpy.types.Operator):
         path = files().get(self.name or next(iter(files()), ""))  # by a search no name comes
         if path is None:
             known = ", ".join(files()) or "none here"
-            self.report({"ERROR"}, f"There is no example named \"{self.name}\": {known}")
+            self.report({"ERROR"}, said(f"There is no example named \"{self.name}\": {known}"))
             return {"CANCELLED"}
         return bpy.ops.wm.read_homefile(filepath=str(path), load_ui=False)
 

@@ -20,6 +20,7 @@ from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
                        properties, runtimes, stack_notes, units, viewport_mesh)
+from ..translation import said
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
@@ -39,13 +40,14 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     @classmethod
     def description(cls, _context: bpy.types.Context, chosen: bpy.types.OperatorProperties) -> str:
         """The tooltip of the method that is chosen."""
-        return next(tip for method, _label, tip in (*properties.METHODS, properties.MAPS) if method == chosen.method)
+        return said(next(tip for method, _label, tip in (*properties.METHODS, properties.MAPS)
+                         if method == chosen.method))
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         why = ui_base.refusal(context.object, wrinkled=False)
         if why:
-            cls.poll_message_set(why)
+            cls.poll_message_set(said(why))
         return not why
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -54,12 +56,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             try:
                 return bpy.ops.rumple.maps_add()
             except RuntimeError as error:  # how bpy.ops hands on a refusal
-                self.report({"ERROR"}, f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}")
+                self.report({"ERROR"}, said(f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}"))
                 return {"CANCELLED"}
         try:
             native.load()
         except native.NativeMissing as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
         runtimes.forget(obj)
         lengths = self._set_defaults(context, obj)
@@ -78,7 +80,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         rebuild.prepare(obj, nodes_mod)
         bodies.connect_all()
         if modifier.output_object(nodes_mod) is None:
-            self.report({"ERROR"}, runtimes.message(obj) or f"{obj.name}: nothing to wrinkle")
+            self.report({"ERROR"}, said(runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"))
             _remove(obj)
             return {"CANCELLED"}
         self._report(obj)
@@ -115,14 +117,15 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
 
     def _report(self, obj: bpy.types.Object) -> None:
         for note in stack_notes.of(obj):
-            self.report({"WARNING"}, note)
+            self.report({"WARNING"}, said(note))
         fine = runtimes.of(obj).evaluator
         origin = fine.base.origin
         for note in [] if origin is None else origin.notes(obj.name):
-            self.report({"INFO"}, note)
+            self.report({"INFO"}, said(note))
         worn_over = ", ".join(body.name for body in bodies.of(obj))
-        self.report({"INFO"}, f"{properties.system_of(obj).label} added, {fine.vertex_count:,} vertices"
-                              + (f", over {worn_over}" if worn_over else ""))
+        label = said(properties.system_of(obj).label)
+        self.report({"INFO"}, said(f"{label} added, {fine.vertex_count:,} vertices, over {worn_over}" if worn_over else
+                                   f"{label} added, {fine.vertex_count:,} vertices"))
 
 
 class _OnWaves(ui_base.OnWrinkled):
@@ -142,9 +145,9 @@ class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
         runtimes.of(context.object).stale = True  # a new slot is carried
         scheduler.sync_all()
         if count == 0:
-            self.report({"ERROR"}, f"{context.object.name}: its materials are linked from another file")
+            self.report({"ERROR"}, said(f"{context.object.name}: its materials are linked from another file"))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{count} material(s) show the waves")
+        self.report({"INFO"}, said(f"{count} material(s) show the waves"))
         return {"FINISHED"}
 
 
@@ -190,7 +193,7 @@ class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
             mesh = evaluated_mesh(context, obj)
         if wrinkle_tree.BASE_POSITION not in mesh.attributes:
             bpy.data.meshes.remove(mesh)
-            self.report({"ERROR"}, runtimes.message(obj) or _NOT_SHOWN)
+            self.report({"ERROR"}, said(runtimes.message(obj) or _NOT_SHOWN))
             return {"CANCELLED"}
         before = list(obj.modifiers)[:list(obj.modifiers).index(modifier.find(obj))]
         for name in [m.name for m in before]:
@@ -246,7 +249,7 @@ class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
             return False
         system = properties.system_of(context.object)
         if not system.presets:
-            cls.poll_message_set(f"The {system.label} has no presets")
+            cls.poll_message_set(said(f"The {said(system.label)} has no presets"))
         return bool(system.presets)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -304,7 +307,7 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
             scheduler.sync_all()
         scene.frame_set(now[0], subframe=now[1])
         if positions is None:
-            self.report({"ERROR"}, runtimes.message(obj) or _NOT_SHOWN)
+            self.report({"ERROR"}, said(runtimes.message(obj) or _NOT_SHOWN))
             return {"CANCELLED"}
         return {"FINISHED"}
 
@@ -322,7 +325,7 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
         obj = context.object
         name = mesh_reader.paint_groups(properties.settings_of(obj, context.scene)).get(self.group)
         if not name:
-            self.report({"ERROR"}, f"{obj.name}: its wrinkles have no {self.group} to paint")
+            self.report({"ERROR"}, said(f"{obj.name}: its wrinkles have no {self.group} to paint"))
             return {"CANCELLED"}
         active = obj.vertex_groups.active
         if obj.mode == "WEIGHT_PAINT" and active is not None and active.name == name:
@@ -343,7 +346,7 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         if is_new:
             _set_brush_weight(context, 0.0)  # the new group is full already
-            self.report({"INFO"}, f"Paint with weight 0 where {self.group} fades, with 1 where it comes back")
+            self.report({"INFO"}, said(f"Paint with weight 0 where {self.group} fades, with 1 where it comes back"))
         return {"FINISHED"}
 
 

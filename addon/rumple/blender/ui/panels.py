@@ -1,26 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel in the modifier tab and the entry in the Add Modifier menu."""
+"""The panel in the modifier tab."""
 from __future__ import annotations
 
 import bpy
 
 from ...core.base_mesh import RAISE_MOST
-from ...core.systems import SYSTEMS
-from .. import compat, ui_base
 from ..bake import panel as bake_panel
 from ..brush import panel as brush_panel
 from ..frame import clip_status
 from ..maps import modifier as maps_modifier
-from ..nodes import field_profile
+from ..nodes import field_profile, field_shader
 from ..objects import changes, modifier, properties, runtimes, stack_notes
+from ..translation import OWN_CONTEXT, said
 from ..ui_base import Panel, draw_message, draw_note, named_paint, property_column, settings_column
-from . import cloth_panel, examples, healing, paths_panel, rest_panel, saved_settings
+from . import cloth_panel, healing, paths_panel, rest_panel, saved_settings
 
-_ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
+ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
 
 
 class DATA_PT_rumple(bpy.types.Panel):
-    bl_label = "Wrinkles"
+    bl_label = ""  # draw_header() says system and fabric
     bl_idname = "DATA_PT_rumple"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -32,6 +31,9 @@ class DATA_PT_rumple(bpy.types.Panel):
         """Hidden before it is used: the Add Modifier menu has the entries."""
         obj = context.object
         return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None
+
+    def draw_header(self, context: bpy.types.Context) -> None:
+        self.layout.label(text=title(context.object), translate=False)
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         nodes_mod = modifier.find(context.object)
@@ -46,11 +48,9 @@ class DATA_PT_rumple(bpy.types.Panel):
         for note in stack_notes.of(obj):
             draw_message(layout, note)
         system = properties.system_of(obj)
-        row = layout.row()
-        row.label(text=system.label, icon=_ICONS[system.method])
         if system.presets:
-            row.operator_menu_enum("object.rumple_preset", "preset",
-                                   text=system.presets[properties.group_of(obj).preset].label)
+            layout.operator_menu_enum("object.rumple_preset", "preset", icon=ICONS[system.method],
+                                      text=system.presets[properties.group_of(obj).preset].label)
         _draw_first(settings_column(layout, obj), obj)
         runtime = runtimes.known(obj)
         for note in runtime.notes if runtime is not None else ():
@@ -61,7 +61,14 @@ class DATA_PT_rumple(bpy.types.Panel):
         row.operator("object.rumple_apply", text="Apply")
         row.operator("object.rumple_copy_settings", text="", icon="COPYDOWN")
         row.operator("object.rumple_remove", text="Remove", icon="X")
-        _add_maps_button(layout)
+        add_maps_button(layout)
+
+
+def title(obj: bpy.types.Object) -> str:
+    """Wrinkle Mesh, and the fabric that was chosen last."""
+    system = properties.system_of(obj)
+    words = [system.label] + ([system.presets[properties.group_of(obj).preset].label] if system.presets else [])
+    return " \u00b7 ".join(said(word) for word in words)
 
 
 def _draw_first(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
@@ -98,7 +105,7 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
         else:
             column.prop(obj.rumple, "own_mesh")
         steps = column.column(align=True)
-        steps.prop(obj.rumple, "viewport_steps", text="Smoothing Viewport")
+        steps.prop(obj.rumple, "viewport_steps", text="Smooth Viewport")
         steps.prop(settings, "display_steps", text="Render")
         column.prop(obj.rumple, "most_vertices")
         column.prop(settings, "weld")
@@ -108,6 +115,7 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
 
 class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
     bl_label = "Waves"
+    bl_translation_context = OWN_CONTEXT  # of the sea, in Blender's own French
     method = "FIELD"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -115,9 +123,8 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
         settings = obj.rumple.field
         column.prop(settings, "output")
         if settings.output == "SHADING":
-            row = column.row(align=True)
-            row.operator("object.rumple_shade", icon="MATERIAL")
-            row.operator("object.rumple_unshade", text="", icon="X")
+            shaded = field_shader.is_shaded(obj)
+            column.operator(f"object.rumple_{'unshade' if shaded else 'shade'}", icon="X" if shaded else "MATERIAL")
             column.prop(settings, "gpu_preview")
         else:
             for name in ("source", "detail", "attachment", "keep_length"):
@@ -188,11 +195,11 @@ class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
             return
         history = runtime.evaluator.frame_cache
         frames = history.frames()
-        for label, final in (("Played through", True), ("After a jump", False)):
+        for label, final in (("Played through: {0}", True), ("After a jump: {0}", False)):
             numbers = [frame for frame, is_final in frames if is_final == final]
             if numbers:
-                column.label(text=f"{label}: {ranges(numbers)}")
-        column.label(text=f"{len(frames)} frames, {history.bytes / 2**20:.1f} MB")
+                draw_note(column, said(label).format(ranges(numbers)), "BLANK1")
+        draw_note(column, f"{len(frames)} frames, {history.bytes / 2**20:.1f} MB", "BLANK1")
         column.operator("object.rumple_clear_frames")
 
 
@@ -212,11 +219,26 @@ class DATA_PT_rumple_status(Panel, bpy.types.Panel):
     bl_label = "Status"
     bl_options = {"DEFAULT_CLOSED"}
 
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        self.layout.label(text=said(status_line(context.object)), translate=False)
+
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
         for line, icon in status_lines(context.object):
             draw_note(column, line, icon)
         healing.draw(column, context.object)
+
+
+def status_line(obj: bpy.types.Object) -> str:
+    """What matters most, beside the closed panel: how much is shown, and what the last frame took."""
+    runtime = runtimes.known(obj)
+    if modifier.plays_clip(modifier.find(obj)) or runtime is None or runtime.evaluator is None:
+        return ""
+    fine = runtime.evaluator
+    in_viewport = runtime.inputs is not None and runtime.inputs.in_viewport and fine.in_viewport is not None
+    count = fine.in_viewport.vertex_count if in_viewport else fine.vertex_count
+    took = 0.0 if runtime.result is None else sum(runtime.result.milliseconds.values())
+    return f"{count:,} vertices, {took:.0f} ms"
 
 
 def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
@@ -242,24 +264,7 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     return lines + [(note, "INFO") for note in notes if note]
 
 
-class OBJECT_MT_rumple_add(bpy.types.Menu):
-    bl_label = "Wrinkles"
-
-    def draw(self, context: bpy.types.Context) -> None:
-        if not ui_base.refusal(context.object, wrinkled=False):
-            for system in SYSTEMS.values():
-                self.layout.operator("object.rumple_add", text=system.label,
-                                     icon=_ICONS[system.method]).method = system.method
-        _add_maps_button(self.layout)
-        examples.draw_menu(self.layout)
-
-
-def _menu_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
-    if context.object is not None and context.object.type == "MESH":
-        self.layout.menu("OBJECT_MT_rumple_add", icon="MOD_CLOTH")
-
-
-def _add_maps_button(layout: bpy.types.UILayout) -> None:
+def add_maps_button(layout: bpy.types.UILayout) -> None:
     """They stand beside other wrinkles, whose folds they may be baked from."""
     obj = bpy.context.object
     if maps_modifier.find(obj) is None and obj.find_armature() is not None:
@@ -270,22 +275,7 @@ CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT
            DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
            *paths_panel.CLASSES, brush_panel.DATA_PT_rumple_rest_wrinkles, rest_panel.DATA_PT_rumple_rest,
            DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,
-           bake_panel.DATA_PT_rumple_bake, DATA_PT_rumple_status, OBJECT_MT_rumple_add)
+           bake_panel.DATA_PT_rumple_bake, DATA_PT_rumple_status)
 
 
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    if compat.HAS_MODIFIER_MENU:
-        bpy.types.OBJECT_MT_modifier_add.append(_menu_entry)
-    else:
-        bpy.types.DATA_PT_modifiers.prepend(_menu_entry)
-
-
-def unregister() -> None:
-    if compat.HAS_MODIFIER_MENU:
-        bpy.types.OBJECT_MT_modifier_add.remove(_menu_entry)
-    else:
-        bpy.types.DATA_PT_modifiers.remove(_menu_entry)
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

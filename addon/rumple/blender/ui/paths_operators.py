@@ -13,6 +13,7 @@ import numpy as np
 from ...core.wrinkle_paths import PERCENT_OF_HEIGHT, width_of_height
 from ..frame import path_curves
 from ..objects import mesh_reader, modifier, properties
+from ..translation import said
 from ..ui_base import OnWrinkled
 
 
@@ -37,15 +38,15 @@ armature at rest, else of the mesh that this one is parented to, else of this me
         obj = context.object
         found = character_height(obj)
         if found is None:
-            self.report({"ERROR"}, f"{obj.name}: no height to go by: it is flat, and has neither an armature with "
-                                   "deforming bones nor a mesh that it is parented to")
+            self.report({"ERROR"}, said(f"{obj.name}: no height to go by: it is flat, and has neither an armature "
+                                        "with deforming bones nor a mesh that it is parented to"))
             return {"CANCELLED"}
         character, height = found
         metres = height * context.scene.unit_settings.scale_length
         width = width_of_height(metres, self.percent)
         properties.apply_values(obj, context.scene, dict(width=width))
-        self.report({"INFO"}, f"Width {1e3 * width:.3g} mm: {self.percent:g} % of the height of {character.name}, "
-                              f"{metres:.3g} m")
+        self.report({"INFO"}, said(f"Width {1e3 * width:.3g} mm: {self.percent:g} % of the height of {character.name}, "
+                                   f"{metres:.3g} m"))
         return {"FINISHED"}
 
 
@@ -88,12 +89,12 @@ class OBJECT_OT_rumple_curves_add(OnPaths, bpy.types.Operator):
         elif modifier.is_baked(modifier.find(context.object)):
             why = "The folds are baked: free the bake, add the curves, bake again"
         if why:
-            cls.poll_message_set(why)
+            cls.poll_message_set(said(why))
         return not why
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         child = path_curves.add(context.object)
-        self.report({"INFO"}, f"{child.name} shows the paths")
+        self.report({"INFO"}, said(f"{child.name} shows the paths"))
         return {"FINISHED"}
 
 
@@ -109,7 +110,7 @@ class OBJECT_OT_rumple_curves_remove(OnPaths, bpy.types.Operator):
             return False
         found = bool(path_curves.of(context.object))
         if not found:
-            cls.poll_message_set("There are no curves")
+            cls.poll_message_set(said("There are no curves"))
         return found
 
     def execute(self, context: bpy.types.Context) -> set[str]:

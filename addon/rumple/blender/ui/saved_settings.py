@@ -16,6 +16,7 @@ from bl_ui.utils import PresetPanel
 
 from .. import ui_base
 from ..objects import properties
+from ..translation import said
 from .copy_settings import OWN
 
 _FILE = '''# Settings of a {label} of Rumple. Lengths are metres.
@@ -96,16 +97,16 @@ class OBJECT_OT_rumple_use_settings(ui_base.OnWrinkled, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
         if self.method != obj.rumple.method:
-            self.report({"ERROR"}, f"{obj.name}: these settings are not of a {properties.system_of(obj).label}")
+            self.report({"ERROR"}, said(f"{obj.name}: these settings are not of a {properties.system_of(obj).label}"))
             return {"CANCELLED"}
         try:
             known, refused = checked(obj, self.values)
         except ValueError as error:
-            self.report({"ERROR"}, f"{obj.name}: this preset cannot be read: {error}")
+            self.report({"ERROR"}, said(f"{obj.name}: this preset cannot be read: {error}"))
             return {"CANCELLED"}
         properties.apply_values(obj, context.scene, known)
         if refused:
-            self.report({"WARNING"}, f"{obj.name}: not known here, and left as they were: {', '.join(refused)}")
+            self.report({"WARNING"}, said(f"{obj.name}: not known here, and left as they were: {', '.join(refused)}"))
         return {"FINISHED"}
 
 

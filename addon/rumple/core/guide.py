@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where docs/user_guide.md describes what: settings, buttons and messages, by the headings of that page."""
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+WEBSITE = ""  # of the site that scripts/site makes; empty while there is none. The manifest says the same
+_ADDON = Path(__file__).resolve().parents[1]
+FOLDERS = (_ADDON / "guide", _ADDON.parents[1] / "out" / "site")  # packages have the one, scripts/site makes the other
+PAGE = "user_guide.html"
+
+# A heading's anchor -> settings and operators described below it. Names are patterns of fnmatch; the first one counts.
+# mesh., field., paths., object., brush., pose., bone. and maps. are groups of properties, ops. is bpy.ops.
+_PLACES = {
+    "one-click": "ops.object.rumple_add object.method",
+    "presets": "*.preset ops.object.rumple_preset ops.object.rumple_save_settings ops.object.rumple_use_settings "
+               "ops.object.rumple_copy_settings",
+    "the-panel": "object.most_vertices object.mesh object.field object.paths",
+    "user-guide": "ops.wm.rumple_open_example",
+    "where-it-stands": "ops.object.rumple_apply ops.object.rumple_remove ops.object.rumple_select_healed "
+                       "*.rigid_parts object.incoming",
+    "gpu-preview": "*.gpu_preview",
+    "swing": "*.mass *.swing_damping *.substeps *.locomotion *.drag",
+    "pinned-to-the-animation": "*.up",
+    "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.bending_length mesh.layers mesh.folds mesh.detail",
+    "body": "*.thickness object.body object.body_collection",
+    "paint": "ops.object.rumple_paint",
+    "rest-shape": "mesh.reference mesh.rest_shape field.reference field.rest_shape paths.rest_shape *.window "
+                  "*.relaxation *.growth object.captured object.rest_key object.rest_frame "
+                  "ops.object.rumple_capture_rest",
+    "attachment-constraints": "mesh.attachment mesh.radius mesh.prestretch mesh.bending mesh.collision mesh.inside "
+                              "mesh.stretch_relief mesh.buckling_threshold mesh.compression_limit mesh.hem_rings",
+    "solver-and-stored-frames": "*.stateless mesh.iterations mesh.start_iterations mesh.damping mesh.offset_space "
+                                "mesh.nudge mesh.seed object.memory_limit ops.object.rumple_clear_frames",
+    "bake": "object.bake_* ops.object.rumple_bake* ops.object.rumple_publish ops.object.rumple_vat",
+    "status": "object.message",
+    "fine-mesh": "mesh.source mesh.density mesh.wavelength mesh.level mesh.segments mesh.edge_length "
+                 "mesh.display_steps mesh.weld object.own_mesh object.viewport_steps",
+    "waves-and-relaxation": "field.* object.profile_curve",
+    "wrinkle-field": "ops.object.rumple_shade ops.object.rumple_unshade",
+    "rest-wrinkles": "brush.* ops.object.rumple_brush* ops.object.rumple_scatter "
+                     "ops.object.rumple_clear_rest_wrinkles",
+    "curves-and-overlay": "paths.show_overlay paths.overlay_opacity ops.object.rumple_curves_*",
+    "wrinkle-paths": "ops.object.rumple_width_from_height",
+    "folds-and-persistence": "paths.*",
+    "wrinkle-maps": "ops.rumple.maps_add ops.rumple.maps_remove",
+    "poses-bones-and-shading": "pose.* posed.* bone.* maps.* ops.rumple.*",
+}
+_GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "paths": "rumple_pathssettings",
+           "object": "rumple_object", "brush": "rumple_brush", "pose": "rumple_referencepose",
+           "posed": "rumple_posedbone", "bone": "rumple_trackedbone", "maps": "rumple_maps",
+           "*": "rumple_*settings"}
+
+# What a message says -> the heading below which the guide says what to do.
+MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
+    (r"worn over|its body|of its bodies|was reached by a jump|linked from a file of an older Rumple", "body-and-cloth"),
+    (r"outside the bake|[Bb]aked clip|of it is damaged|the disk of|nothing can be written|the folder .* is gone"
+     r"|changed since the bake", "bakes"),
+    (r"pose .* every bone|to be the root|do not sum to 1|has no bone", "reference-poses"),
+    (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
+     r"|deforms the mesh|is nowhere|scale is zero|the fine mesh would have|of the own mesh|has no room for"
+     r"|rest wrinkle of|away from the origin", "the-mesh-and-its-modifiers"),
+    (r"raise Most Vertices", "the-panel"),
+    (r"was healed", "where-it-stands"),
+))
+
+
+def address(anchor: str = "") -> str:
+    """Of the guide, at one of its headings. Empty where there is neither a site nor a copy of it."""
+    site = WEBSITE or next((folder.as_uri() for folder in FOLDERS if (folder / PAGE).is_file()), "")
+    return f"{site}/{PAGE}" + (f"#{anchor}" if anchor else "") if site else ""
+
+
+def anchors() -> set[str]:
+    """Every heading that is named here."""
+    return {*_PLACES, *(anchor for _pattern, anchor in MESSAGES)}
+
+
+def places() -> tuple[tuple[str, str], ...]:
+    """(pattern of Blender's name of a property or operator, in lower case; anchor): those that name one thing first."""
+    found = [(_blender_name(word), anchor) for anchor, words in _PLACES.items() for word in words.split()]
+    return tuple(sorted(found, key=lambda place: place[0].endswith("*")))
+
+
+def _blender_name(word: str) -> str:
+    group, _, name = word.partition(".")
+    return f"bpy.ops.{name}" if group == "ops" else f"bpy.types.{_GROUPS[group]}.{name}"
+
+
+def place_of_message(text: str) -> str:
+    """The anchor of the heading that says what to do about a message; empty where none does."""
+    return next((anchor for pattern, anchor in MESSAGES if pattern.search(text)), "")

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The add-on knows where the guide describes what."""
+from __future__ import annotations
+
+import re
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from rumple.core import guide
+
+ROOT = Path(__file__).resolve().parents[2]
+GUIDE = (ROOT / "docs" / "user_guide.md").read_text(encoding="utf-8")
+
+
+def anchor_of(heading: str) -> str:
+    """As Sphinx makes it of a heading: the site's test compares with the page itself."""
+    return re.sub(r"[^a-z0-9]+", "-", heading.lower()).strip("-")
+
+
+HEADINGS = [anchor_of(heading) for heading in re.findall(r"(?m)^#+ (.+)$", GUIDE)]
+
+
+class Anchors(unittest.TestCase):
+    def test_headings_are_named_once(self) -> None:
+        self.assertEqual(len(set(HEADINGS)), len(HEADINGS))
+        self.assertIn("attachment-constraints", HEADINGS)
+
+    def test_every_place_is_a_heading(self) -> None:
+        self.assertEqual(guide.anchors() - set(HEADINGS), set())
+
+    def test_a_message_opens_the_part_that_has_it(self) -> None:
+        trouble = GUIDE.split("\n## When something is wrong\n")[1].split("\n## ")[0]
+        found = 0
+        for part in trouble.split("### ")[1:]:
+            heading, *rows = part.splitlines()
+            for row in rows:
+                cells = row.strip("| ").split(" | ")
+                if len(cells) < 2 or cells[0] in ("message", "---|---"):
+                    continue
+                for words in cells[0].split("; "):
+                    message = words.replace("...", "Shirt 12")
+                    self.assertEqual(guide.place_of_message(message), anchor_of(heading), message)
+                    found += 1
+        self.assertGreater(found, 25)
+        self.assertEqual(guide.place_of_message("Baking wrinkles: 3 of 4"), "")
+
+
+class Address(unittest.TestCase):
+    def test_the_site_where_there_is_one_else_the_copy_else_none(self) -> None:
+        with tempfile.TemporaryDirectory() as name, mock.patch.object(guide, "FOLDERS", (Path(name),)):
+            with mock.patch.object(guide, "WEBSITE", ""):
+                self.assertEqual(guide.address("bake"), "")
+                Path(name, guide.PAGE).touch()
+                self.assertEqual(guide.address("bake"), f"{Path(name).as_uri()}/user_guide.html#bake")
+            with mock.patch.object(guide, "WEBSITE", "https://example.org/docs"):
+                self.assertEqual(guide.address("bake"), "https://example.org/docs/user_guide.html#bake")
+                self.assertEqual(guide.address(), "https://example.org/docs/user_guide.html")
+
+    def test_the_manifest_says_the_same(self) -> None:
+        said = re.findall(r'(?m)^website = "(.+)"', (ROOT / "addon/rumple/blender_manifest.toml").read_text())
+        self.assertEqual(said, [guide.WEBSITE] if guide.WEBSITE else [])
+
+
+if __name__ == "__main__":
+    unittest.main()
