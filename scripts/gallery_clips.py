@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+ROOT = Path(__file__).resolve().parents[1]
+DATA, OUTFITS = ROOT.parent / "shared" / "data", ROOT / "out" / "outfits"
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ BARE, CLOTH = Column("As it was animated"), Column("Wrinkle Mesh, one click", "M
 class Clip:
     """A scene, played through."""
 
-    file: str  # of ../shared/data; none: the demo's; skirt: that of the lessons
+    file: str  # of the folder; none: the demo's; skirt: that of the lessons
     garments: tuple[str, ...]  # what is wrinkled, what is worn under others first
     frames: tuple[int, int]
     columns: tuple[Column, ...] = (BARE, CLOTH)
@@ -41,11 +42,12 @@ class Clip:
     distance: float = 3.0  # metres
     raised: float = 0.0  # metres: how far above that middle the camera looks
     size: tuple[int, int] = (360, 440)  # pixels of a column
+    folder: Path = DATA
 
     @property
     def path(self) -> Path | None:
         """Where the scene is; None for what is made by scripts."""
-        return DATA / f"{self.file}.blend" if self.file not in ("", "skirt") else None
+        return self.folder / f"{self.file}.blend" if self.file not in ("", "skirt") else None
 
 
 FABRICS = tuple(Column(preset.capitalize(), "MESH", preset) for preset in ("SILK", "COTTON", "DENIM", "LEATHER"))
@@ -59,6 +61,8 @@ CLIPS = {
     "close": Clip("", ("Trousers", "Shirt"), (1, 72), distance=2.3, view=(0.75, -1.0, 0.15), looks_at=("Shirt",)),
     "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.6, view=WALKING, raised=0.1),
     "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=4.6, view=WALKING, raised=0.12),
+    "suit": Clip("male_elegantsuit01", ("male_elegantsuit01",), (2, 66), distance=4.3, view=FRONT, looks_at=("Body",),
+                 folder=OUTFITS),
     "skirt": Clip("skirt", ("Skirt",), (1, 60), (Column("As it was animated"), HANG, SWING), distance=3.2,
                   view=FRONT, looks_at=("Skirt",), size=(320, 400)),
     "dance": Clip("S3_skirt_sim", ("skirt",), (20, 110), (

@@ -6,6 +6,7 @@ import argparse
 import math
 import os
 import sys
+import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -170,6 +171,41 @@ def sheet(rows: list[list[Path]], path: Path, width: int = TILE[0]) -> None:
     out.save(path, quality=85, optimize=True)
 
 
+def render_one(options: argparse.Namespace, folder: Path, name: str,
+               colour: tuple[float, float, float]) -> tuple[Row, list[Path], list[Path]]:
+    """Leaves the scene and the sheet of an outfit. Returns what it cost, and its pictures, bare and wrinkled."""
+    obj = build_scene(options.data, options.clothes, name, colour)
+    bpy.ops.wm.save_as_mainfile(filepath=str(options.out / f"{name}.blend"), compress=True)
+    scene = bpy.context.scene
+    gallery_light.light(scene)
+    scene.cycles.samples = options.samples
+    scene.render.resolution_x, scene.render.resolution_y = TILE
+    scene.render.image_settings.file_format = "PNG"
+    bare = render(folder, SHOWN, None, obj)
+    scene.frame_set(1)
+    row = Row(name, len(obj.data.vertices))
+    begun = time.perf_counter()
+    bpy.ops.object.rumple_add(method=options.method)
+    row.click = time.perf_counter() - begun
+    wrinkled = render(folder, SHOWN, row, obj)
+    row.shown = len(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices)
+    sheet([bare, wrinkled], options.out / f"{name}.jpg")
+    return row, bare, wrinkled
+
+
+def render_all(options: argparse.Namespace, folder: Path) -> None:
+    """folder: for pictures that go into the sheets."""
+    pairs: list[Path] = []
+    names = options.only.split(",") if options.only else OUTFITS
+    for number, name in enumerate(names):
+        row, bare, wrinkled = render_one(options, folder, name, CLOTH[number % len(CLOTH)])
+        pairs += [bare[-1], wrinkled[-1]]
+        print(f"| {row}", flush=True)
+    across = 2 * min(4, len(names))
+    rows = [pairs[begin:begin + across] for begin in range(0, len(pairs), across)]
+    sheet(rows, options.out / "outfits.jpg", OVERVIEW_WIDTH)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="scripts/outfits")
     for name in ("data", "clothes", "out"):
@@ -182,29 +218,8 @@ def main() -> None:
     rumple.register()
     print("| | outfit | vertices | shown | first click, s | a frame, ms | said |")
     print("| |---|---|---|---|---|---|", flush=True)
-    names = options.only.split(",") if options.only else list(OUTFITS)
-    pairs: list[Path] = []
-    for number, name in enumerate(names):
-        obj = build_scene(options.data, options.clothes, name, CLOTH[number % len(CLOTH)])
-        gallery_light.light(bpy.context.scene)
-        bpy.context.scene.cycles.samples = options.samples
-        settings = bpy.context.scene.render
-        settings.resolution_x, settings.resolution_y = TILE
-        settings.image_settings.file_format = "PNG"
-        bare = render(options.out, SHOWN, None, obj)
-        bpy.context.scene.frame_set(1)
-        row = Row(name, len(obj.data.vertices))
-        begun = time.perf_counter()
-        bpy.ops.object.rumple_add(method=options.method)
-        row.click = time.perf_counter() - begun
-        wrinkled = render(options.out, SHOWN, row, obj)
-        row.shown = len(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices)
-        sheet([bare, wrinkled], options.out / f"{name}.jpg")
-        pairs += [bare[-1], wrinkled[-1]]
-        print(f"| {row}", flush=True)
-    across = 2 * min(4, len(names))
-    rows = [pairs[begin:begin + across] for begin in range(0, len(pairs), across)]
-    sheet(rows, options.out / "outfits.jpg", OVERVIEW_WIDTH)
+    with tempfile.TemporaryDirectory() as folder:
+        render_all(options, Path(folder))
 
 
 main()
