@@ -212,6 +212,12 @@ class Lines(unittest.TestCase):
                 self.assertLessEqual(ui_base.letters(line), width + 2, line)  # a full stop may hang
                 self.assertNotRegex(line, "^[。、，：]")
 
+    def test_a_header_that_is_too_long_is_cut_before_its_buttons(self) -> None:
+        self.assertEqual(ui_base.shortened("Wrinkle Mesh", 12), "Wrinkle Mesh")
+        self.assertEqual(ui_base.shortened("Wrinkle Mesh", 8), "Wrinkle\u2026")
+        self.assertLessEqual(ui_base.letters(ui_base.shortened("\u3057\u308f\u30e1\u30c3\u30b7\u30e5", 7)), 7)
+        self.assertEqual(ui_base.shortened("Wrinkle Mesh", -3), "")
+
     def test_a_word_that_is_too_long_has_a_line(self) -> None:
         self.assertEqual(self.lines("A " + 40 * "x" + " b", 200), ["A", 40 * "x", "b"])
         self.assertEqual(self.lines("", 200), [""])

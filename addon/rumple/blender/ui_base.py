@@ -125,14 +125,27 @@ def _draw_lines(column: bpy.types.UILayout, text: str, icon: str) -> None:
 
 def wrapped(text: str) -> list[str]:
     """Lines that fit the region that is drawn: Blender's labels do not wrap."""
-    region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
-    width = max(24, int(region.width / (LETTER_PIXELS * scale))) if region is not None else 60
+    width = max(24, letters_across() - 3)  # beside the button that says more
     lines = [""]
     for word in _WORDS.findall(text):
         if lines[-1] and letters(lines[-1]) + letters(word) > width:
             lines.append("")
         lines[-1] = f"{lines[-1]}{word}".lstrip()
     return [line.rstrip() for line in lines if line.strip()] or [""]
+
+
+def letters_across() -> int:
+    """How many letters fit beside one another in the region that is drawn."""
+    region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
+    return 60 if region is None else int(region.width / (LETTER_PIXELS * scale))
+
+
+def shortened(text: str, most: int) -> str:
+    """At most so many letters: Blender draws the words of a header over its buttons."""
+    if letters(text) <= most:
+        return text
+    kept = next((kept for kept in range(len(text), 0, -1) if letters(text[:kept]) < most), 0)
+    return f"{text[:kept]}\u2026" if kept else ""
 
 
 def letters(text: str) -> int:

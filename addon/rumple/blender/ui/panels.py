@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...core.base_mesh import RAISE_MOST
+from .. import ui_base
 from ..bake import panel as bake_panel
 from ..brush import panel as brush_panel
 from ..frame import clip_status
@@ -33,7 +34,8 @@ class DATA_PT_rumple(bpy.types.Panel):
         return obj is not None and obj.type == "MESH" and modifier.find(obj) is not None
 
     def draw_header(self, context: bpy.types.Context) -> None:
-        self.layout.label(text=title(context.object), translate=False)
+        room = ui_base.letters_across() - 12  # of the buttons
+        self.layout.label(text=ui_base.shortened(title(context.object), room), translate=False)
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         nodes_mod = modifier.find(context.object)
