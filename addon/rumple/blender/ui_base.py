@@ -125,7 +125,7 @@ def _draw_lines(column: bpy.types.UILayout, text: str, icon: str) -> None:
 
 def wrapped(text: str) -> list[str]:
     """Lines that fit the region that is drawn: Blender's labels do not wrap."""
-    width = max(24, letters_across() - 3)  # beside the button that says more
+    width = max(24, letters_across())
     lines = [""]
     for word in _WORDS.findall(text):
         if lines[-1] and letters(lines[-1]) + letters(word) > width:

@@ -85,8 +85,9 @@ class _Poses(_Maps):
             pose = settings.poses[settings.active]
             layout.template_ID(pose, "image", new="image.new", open="image.open")
             layout.prop(pose, "strength", slider=True)
-        row = layout.row(align=True)
-        row.label(text="Neutral: captured" if settings.neutral else "Neutral: rest pose")
+        column = layout.column(align=True)
+        column.label(text="Neutral: captured" if settings.neutral else "Neutral: rest pose")
+        row = column.row(align=True)
         row.operator("rumple.pose_go", text="Go").neutral = True
         row.operator("rumple.neutral_capture", text="Capture")
         if settings.neutral:
