@@ -2,8 +2,8 @@
 """Run by Blender: frames of a sheet that is squeezed, with wrinkles and with what Blender has itself, in turns.
 
 Prints `RATIO number name` for each pair: processor time of the rival over ours, both with everything that Blender does
-in a frame. Wrinkle Mesh: Subdivision to as many points. Wrinkle Field in shading: a tension map in Geometry Nodes, which
-knows one number and no direction. Started by scripts/benchmark_ratios.py.
+in a frame. Wrinkle Mesh: Subdivision to as many points. Wrinkle Field in shading: a tension map in Geometry Nodes,
+which knows one number and no direction. Started by scripts/benchmark_ratios.py.
 """
 from __future__ import annotations
 
