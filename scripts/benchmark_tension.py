@@ -110,4 +110,5 @@ def main() -> None:
         bpy.data.objects.remove(obj)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -15,11 +15,12 @@ namespace {
 using namespace wrinkle_mesh;
 
 struct Scene {
-    tests::MeshData mesh = tests::triangulated(tests::grid(32, 32, 0.03f));
+    tests::MeshData mesh;
     std::shared_ptr<const Model> model;
     std::vector<std::vector<Vec3>> poses;
 
-    explicit Scene(AttachmentKind kind) {
+    explicit Scene(AttachmentKind kind, Index squares = 32)
+        : mesh(tests::triangulated(tests::grid(squares, squares, 0.03f))) {
         Source source;
         source.kind = Source::Kind::kRegular;
         source.segments = 4;
@@ -98,6 +99,25 @@ BENCHMARK_CAPTURE(solve_step, only_solve_limit, AttachmentKind::kLimit, kSolve)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(solve_step, whole_frame_limit, AttachmentKind::kLimit, kWholeFrame)
     ->Arg(1)
+    ->Unit(benchmark::kMillisecond);
+
+// Solves on a smooth surface of so many squares a side, in 32 triangles each, on so many threads.
+void solve_on_threads(benchmark::State& bench) {
+    const Scene scene(AttachmentKind::kLimit, static_cast<Index>(bench.range(0)));
+    Settings settings;
+    settings.threads = static_cast<int>(bench.range(1));
+    Report report;
+    State state = solve(*scene.model, settings, {}, {scene.poses[0]}, nullptr, report);
+    size_t frame = 0;
+    for (auto _ : bench)
+        state =
+            solve(*scene.model, settings, {}, {scene.poses[++frame % scene.poses.size()]}, &state, report);
+    bench.counters["triangles"] = double(scene.model->triangles.size());
+}
+BENCHMARK(solve_on_threads)
+    ->ArgsProduct({{32, 64, 177}, {1, 2}})
+    ->ArgNames({"squares", "threads"})
+    ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
 void build_step(benchmark::State& bench) {

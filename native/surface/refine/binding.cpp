@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "base/tolerances.h"
 #include "surface/refine/refinement.h"
@@ -52,12 +51,16 @@ SparseRows corners_from_display(const Surface& surface, const FineMesh& fine) {
 }
 
 // The columns of a row that really carry weight, ascending.
-std::vector<Index> columns_with_weight(const SparseRows& rows, Index r) {
-    std::vector<Index> columns;
-    for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k) {
-        if (std::abs(rows.weight[k]) > kZeroWeight) columns.push_back(rows.index[k]);
+// Whether two rows have weights in the same columns.
+bool have_same_columns(const SparseRows& rows, Index r, Index s) {
+    Index i = rows.start[r], j = rows.start[s];
+    while (true) {
+        while (i < rows.start[r + 1] && std::abs(rows.weight[i]) <= kZeroWeight) ++i;
+        while (j < rows.start[s + 1] && std::abs(rows.weight[j]) <= kZeroWeight) ++j;
+        if (i == rows.start[r + 1] || j == rows.start[s + 1])
+            return i == rows.start[r + 1] && j == rows.start[s + 1];
+        if (rows.index[i++] != rows.index[j++]) return false;
     }
-    return columns;
 }
 
 }  // namespace
@@ -117,13 +120,17 @@ Unwelded unweld(const Surface& surface, const FineMesh& fine) {
     result.mesh.polygon_start = fine.mesh.polygon_start;
     result.mesh.corner_vertex.resize(fine.mesh.corner_vertex.size());
     for (Index v = 0; v < fine.mesh.vertex_count; ++v) {
-        std::map<std::vector<Index>, Index> vertex_of;  // display columns -> new vertex
+        std::vector<Index> differing;  // corners, one of every new vertex
         for (Index c : corners_of[v]) {
-            const auto [found, fresh] =
-                vertex_of.try_emplace(columns_with_weight(corner_rows, c), result.mesh.vertex_count);
-            result.mesh.corner_vertex[c] = found->second;
-            if (!fresh) continue;
-            ++result.mesh.vertex_count;
+            const auto same = std::find_if(differing.begin(), differing.end(), [&](Index other) {
+                return have_same_columns(corner_rows, other, c);
+            });
+            if (same != differing.end()) {
+                result.mesh.corner_vertex[c] = result.mesh.corner_vertex[*same];
+                continue;
+            }
+            differing.push_back(c);
+            result.mesh.corner_vertex[c] = result.mesh.vertex_count++;
             result.fine_vertex.push_back(v);
             for (Index k = corner_rows.start[c]; k < corner_rows.start[c + 1]; ++k) {
                 result.vertex_from_display.add(corner_rows.index[k], corner_rows.weight[k]);

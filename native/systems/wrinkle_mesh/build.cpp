@@ -3,7 +3,6 @@
 // the base, and its constraints.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <string>
 
@@ -54,18 +53,28 @@ struct PairSets {
 };
 
 PairSets collect_pairs(const std::vector<std::array<Index, 3>>& triangles) {
-    std::map<Pair, std::vector<Index>> across;  // edge -> the third vertex of each triangle beside it
-    for (const auto& t : triangles) {
-        for (int k = 0; k < 3; ++k) across[sorted_pair(t[k], t[(k + 1) % 3])].push_back(t[(k + 2) % 3]);
-    }
+    struct Side {
+        Pair edge;
+        Index third;  // of the triangle
+    };
+    std::vector<Side> sides;
+    sides.reserve(3 * triangles.size());
+    for (const auto& t : triangles)
+        for (int k = 0; k < 3; ++k) sides.push_back({sorted_pair(t[k], t[(k + 1) % 3]), t[(k + 2) % 3]});
+    std::stable_sort(sides.begin(), sides.end(),
+                     [](const Side& s, const Side& t) { return s.edge < t.edge; });
     PairSets sets;
-    for (const auto& [edge, thirds] : across) {
+    for (size_t i = 0, next; i < sides.size(); i = next) {
+        const Pair edge = sides[i].edge;
+        for (next = i + 1; next < sides.size() && sides[next].edge == edge;) ++next;
         sets.edges.push_back(edge);
-        if (thirds.size() == 1) sets.border.push_back(edge);
-        if (thirds.size() < 2 || thirds[0] == thirds[1]) continue;
-        const Pair pair = sorted_pair(thirds[0], thirds[1]);
-        if (!across.contains(pair)) sets.opposite.push_back(pair);
+        if (next == i + 1) sets.border.push_back(edge);
+        if (next == i + 1 || sides[i].third == sides[i + 1].third) continue;
+        sets.opposite.push_back(sorted_pair(sides[i].third, sides[i + 1].third));
     }
+    std::erase_if(sets.opposite, [&](const Pair& pair) {
+        return std::binary_search(sets.edges.begin(), sets.edges.end(), pair);
+    });
     std::sort(sets.opposite.begin(), sets.opposite.end());
     sets.opposite.erase(std::unique(sets.opposite.begin(), sets.opposite.end()), sets.opposite.end());
     return sets;
