@@ -48,11 +48,26 @@ def files_below(folder: Path) -> dict[str, bytes]:
             if file.is_file() and "__pycache__" not in file.parts}
 
 
+def guide_files(site: Path) -> dict[str, bytes]:
+    """The guide's page of a site with its pictures and styles, without menu, search and links to the other pages: those
+    stay out, for they are twice as large. Nothing where there is no site."""
+    page = site / "user_guide.html"
+    if not page.is_file():
+        return {}
+    text = page.read_text(encoding="utf-8")
+    for tag in ("script", "form", 'nav class="site"'):
+        text = re.sub(f"<{tag}.*?</{tag.split()[0]}>", "", text, flags=re.S)
+    text = re.sub(r'<a\b[^>]* href="(?!https?:|#)[^"]*\.html[^"]*"[^>]*>(.*?)</a>', r"\1", text, flags=re.S)
+    styles = {f"_static/{file.name}" for file in site.glob("_static/*.css")}
+    named = styles.union(re.findall(r'(?:src|href)="([^"#?:]+)', text))
+    return {page.name: text.encode()} | {name: (site / name).read_bytes() for name in sorted(named)}
+
+
 def zips(installed: Path, out: Path) -> None:
     version = project_version()
     addon = files_below(ADDON) | {"LICENSE": (ROOT / "LICENSE").read_bytes()}
     addon |= {f"shaders/{name}": data for name, data in files_below(ROOT / "shaders").items()}  # see viewport/glsl.py
-    guide = files_below(ROOT / "build" / "guide")  # see core/guide.py
+    guide = guide_files(ROOT / "build" / "guide")  # see core/guide.py
     addon |= {f"guide/{name}": data for name, data in guide.items()}
     libraries = {f"lib/{name}": data for name, data in files_below(installed).items()}  # see native/library.py
     libraries |= {f"{name}.sha256": hashlib.sha256(data).hexdigest().encode() for name, data in libraries.items()}

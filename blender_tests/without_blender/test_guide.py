@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -11,6 +12,9 @@ from unittest import mock
 from rumple.core import guide
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import packaging  # noqa: E402
+
 GUIDE = (ROOT / "docs" / "user_guide.md").read_text(encoding="utf-8")
 
 
@@ -61,6 +65,21 @@ class Address(unittest.TestCase):
     def test_the_manifest_says_the_same(self) -> None:
         said = re.findall(r'(?m)^website = "(.+)"', (ROOT / "addon/rumple/blender_manifest.toml").read_text())
         self.assertEqual(said, [guide.WEBSITE] if guide.WEBSITE else [])
+
+    def test_packages_have_its_page_with_what_it_shows_and_no_way_to_pages_that_stay_out(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            site = Path(name)
+            self.assertEqual(packaging.guide_files(site), {})
+            for file, text in {"_images/a.png": "picture", "_static/site.css": "style", "other.html": "other",
+                               guide.PAGE: '<nav class="site"><a href="other.html">Other</a></nav><script>x</script>'
+                                           '<form action="search.html"></form><img src="_images/a.png">'
+                                           '<a class="r" href="other.html#x"><i>Other</i></a> <a href="#here">Here</a>'
+                               }.items():
+                (site / file).parent.mkdir(exist_ok=True)
+                (site / file).write_text(text, encoding="utf-8")
+            page = b'<img src="_images/a.png"><i>Other</i> <a href="#here">Here</a>'
+            self.assertEqual(packaging.guide_files(site),
+                             {guide.PAGE: page, "_images/a.png": b"picture", "_static/site.css": b"style"})
 
 
 if __name__ == "__main__":
