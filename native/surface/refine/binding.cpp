@@ -50,8 +50,7 @@ SparseRows corners_from_display(const Surface& surface, const FineMesh& fine) {
     return compose(fine.corner_from_parent, pick);
 }
 
-// The columns of a row that really carry weight, ascending.
-// Whether two rows have weights in the same columns.
+// Whether two rows have weights in the same columns, which are ascending.
 bool have_same_columns(const SparseRows& rows, Index r, Index s) {
     Index i = rows.start[r], j = rows.start[s];
     while (true) {
