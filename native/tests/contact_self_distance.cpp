@@ -61,11 +61,27 @@ TEST(SelfDistance, OfTwoSheetsIsTheGapBetweenThem) {
 }
 
 TEST(SelfDistance, WhatIsFarOrFacesTheSameWayOrLiesAroundIsNothing) {
-    for (const auto& sides :
-         {sides_of(two_sheets(kGap, true), 0.9f * kGap), sides_of(two_sheets(kGap, false), 2.0f * kGap),
-          sides_of(grid(5, 5, 1.0f), 4.0f), sides_of(two_sheets(kGap, true), 0.0f)}) {
+    MeshData joined = two_sheets(kGap, false);
+    const Index other = static_cast<Index>(joined.positions.size()) / 2;
+    joined.add_polygon({0, other, other + 1, 1});
+    for (const auto& sides : {sides_of(two_sheets(kGap, true), 0.9f * kGap), sides_of(joined, 2.0f * kGap),
+                              sides_of(grid(5, 5, 1.0f), 4.0f), sides_of(two_sheets(kGap, true), 0.0f)}) {
         for (const OwnSide& side : sides) EXPECT_EQ(side.towards, Vec3(0.0f));
     }
+}
+
+// A hem of a blouse sank into the skirt under it: they face the same way.
+TEST(SelfDistance, OfAnotherPartCountsWhatFacesTheSameWay) {
+    const MeshData mesh = two_sheets(kGap, false);
+    const size_t half = mesh.positions.size() / 2;
+    const auto sides = sides_of(mesh, 2.0f * kGap);
+    for (size_t v = 0; v < sides.size(); ++v) {
+        EXPECT_NEAR(sides[v].distance, kGap, kRounding);
+        EXPECT_LT(glm::distance(sides[v].towards, Vec3(0.0f, 0.0f, v < half ? 1.0f : -1.0f)), 1e-4f);
+        EXPECT_TRUE(sides[v].outside);
+    }
+    // Where they touch they were cut apart.
+    for (const OwnSide& side : sides_of(two_sheets(0.0f, false), kGap)) EXPECT_EQ(side.towards, Vec3(0.0f));
 }
 
 TEST(SelfDistance, HeightsAreThoseOfTheTriangles) {

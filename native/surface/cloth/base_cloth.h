@@ -12,6 +12,7 @@
 
 #include "base/lanes.h"
 #include "surface/cloth/clearance.h"
+#include "surface/cloth/overlaps.h"
 #include "surface/mesh/topology.h"
 
 namespace rumple::base_cloth {
@@ -70,6 +71,7 @@ struct Model {
     NearTriangles near;
     std::vector<Index> triangle_of;  // per vertex: one of its triangles, or kNone (loose)
     ClearanceModel clearance;
+    std::vector<Overlap> overlaps;
 };
 std::shared_ptr<const Model> build(Surface surface);
 

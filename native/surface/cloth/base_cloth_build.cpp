@@ -109,6 +109,7 @@ std::shared_ptr<const Model> build(Surface surface) {
     collect_triangles(*model);
     model->limit = vertex_limit_stencils(model->surface);
     model->clearance = build_clearance(model->surface);
+    model->overlaps = find_overlaps(model->surface);
     return model;
 }
 

@@ -139,6 +139,35 @@ void look_ahead(const Settings& settings, const PosedCollider* bodies, Pose& pos
     }
 }
 
+// Height of a vertex over a place of another part, along its normal, in the animation; below it negative.
+float height_over(const Model& model, const Pose& pose, const Overlap& overlap) {
+    const Vec3& p = pose.animated[overlap.vertex];
+    return glm::dot(p - interpolate(model.surface, overlap.place, pose.animated),
+                    pose.normal[overlap.vertex]);
+}
+
+// Parts that lie over one another keep to their side of the middle between them. Where the animation has the
+// outer one nearer to the inner one than the thickness, or below it, it comes out, as out of a body.
+void keep_outer_parts_outside(const Model& model, const Settings& settings, Pose& pose) {
+    for (const Overlap& overlap : model.overlaps) {
+        const float height = height_over(model, pose, overlap);
+        if (!overlap.outer || std::abs(height) > settings.clearance.depth) continue;
+        float& inwards = pose.clearance[overlap.vertex];
+        inwards = std::min({inwards, 0.5f * height, height - settings.clearance.thickness});
+    }
+}
+
+void keep_inner_parts_inside(const Model& model, const Settings& settings, Pose& pose) {
+    for (const Overlap& overlap : model.overlaps) {
+        const float depth = -height_over(model, pose, overlap), outwards = std::max(0.5f * depth, 0.0f);
+        const Index v = overlap.vertex;
+        if (overlap.outer || std::abs(depth) > settings.clearance.depth) continue;
+        if (outwards >= pose.ahead_height[v]) continue;
+        pose.ahead_height[v] = outwards;
+        pose.ahead[v] = {pose.animated[v] + outwards * pose.normal[v], -pose.normal[v]};
+    }
+}
+
 // Stays outside of the inner surface, before what is ahead, and within the room around the animated place.
 void project(const Pose& pose, const Plane& plane, size_t v, Vec3& p) {
     const float below = height_above(pose.ahead[v], p);
@@ -201,10 +230,12 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     Clearance found = clearance(model.clearance, settings.clearance, smooth, pose.normal, bodies, body_hint);
     pose.clearance = std::move(found.inwards);
     pose.body_known = found.known;
+    keep_outer_parts_outside(model, settings, pose);
     for (size_t v = 0; v < vertices; ++v)
         pose.inner.push_back(pose.animated[v] - pose.clearance[v] * pose.normal[v]);
     place_facets(model.surface, pose);
     look_ahead(settings, bodies, pose);
+    keep_inner_parts_inside(model, settings, pose);
     pose.length.reserve(model.springs.size());
     for (const Model::Spring& spring : model.springs)
         pose.length.push_back(glm::distance(pose.animated[spring.a], pose.animated[spring.b]));

@@ -5,11 +5,32 @@
 #include <cmath>
 
 #include "base/tolerances.h"
+#include "surface/mesh/disjoint_sets.h"
 
 namespace rumple {
+namespace {
+
+// Per vertex the lowest one of its part; empty where all triangles are in one.
+std::vector<Index> parts_of(size_t vertices, const std::vector<std::array<Index, 3>>& triangles) {
+    DisjointSets sets(static_cast<Index>(vertices));
+    for (const auto& [a, b, c] : triangles) {
+        sets.unite(a, b);
+        sets.unite(b, c);
+    }
+    if (std::ranges::all_of(triangles,
+                            [&](const auto& t) { return sets.find(t[0]) == sets.find(triangles[0][0]); }))
+        return {};
+    std::vector<Index> part;
+    for (Index v = 0; v < static_cast<Index>(vertices); ++v) part.push_back(sets.find(v));
+    return part;
+}
+
+}  // namespace
 
 OwnSurface::OwnSurface(std::span<const Vec3> positions, const std::vector<std::array<Index, 3>>& triangles)
-    : triangles_(triangles), hierarchy_(build_packets(centres_of(positions, triangles))) {}
+    : triangles_(triangles),
+      hierarchy_(build_packets(centres_of(positions, triangles))),
+      part_(parts_of(positions.size(), triangles)) {}
 
 PosedOwnSurface::PosedOwnSurface(const OwnSurface& surface, std::span<const Vec3> positions)
     : surface_(surface),
@@ -18,15 +39,24 @@ PosedOwnSurface::PosedOwnSurface(const OwnSurface& surface, std::span<const Vec3
       normals_(positions_, surface.triangles_),
       packets_(surface.hierarchy_, positions_, surface.triangles_, normals_.of_face) {}
 
+bool PosedOwnSurface::face_the_same_way(Index vertex, Index triangle) const {
+    return glm::dot(normals_.of_face[triangle].vec(), normals_.of_vertex[vertex].vec()) > kFacingNormals;
+}
+
 OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const {
     const Vec3 p = positions_[vertex].vec(), normal = normals_.of_vertex[vertex].vec();
     const Vec3Lanes at(p), facing(normal);
+    const bool several = !surface_.part_.empty();
+    const float touching = squared_reach(kSamePlace * reach);
     float best = squared_reach(reach);
     found = kNone;
     Vec3 displacement(0.0f);
     const auto look_at = [&](const PosedPackets::Packet& packet,
                              const PacketHierarchy::Triangles& triangles) {
-        const LaneMask faces = dot(packet.normal, facing) <= all_lanes(kFacingNormals);
+        LaneMask faces = dot(packet.normal, facing) <= all_lanes(kFacingNormals);
+        for (int k = 0; several && k < kLanes; ++k) {
+            if (triangles[k] != kNone && surface_.in_other_parts(vertex, triangles[k])) faces[k] = -1;
+        }
         if (bits_of(faces) == 0) return;
         const ClosestOfFour closest = closest_of(packet, at);
         for_each_true(faces & (closest.squared <= all_lanes(best)), [&](int k) {
@@ -34,6 +64,8 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
             const Index t = triangles[k];
             const auto& corner = surface_.triangles_[t];
             if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex) return;
+            // Parts that touch there were cut apart.
+            if (closest.squared[k] <= touching && surface_.in_other_parts(vertex, t)) return;
             if (closest.squared[k] == best && (found == kNone || t >= found)) return;
             best = closest.squared[k];
             found = t;
@@ -42,12 +74,12 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
     };
     // No triangle of a node faces the vertex: so it is with all that lies flat around it.
     const PosedPackets::NoneFaces none_faces{normal, kFacingNormals};
-    packets_.search(p, best, &none_faces, look_at);
+    packets_.search(p, best, several ? nullptr : &none_faces, look_at);
     if (found == kNone) return {};
     const float distance = std::sqrt(best);
     const Vec3 towards =
         distance > kSamePlace * reach ? displacement / distance : -normals_.of_face[found].vec();
-    return {towards, distance, glm::dot(towards, normal) > 0.0f};
+    return {towards, distance, face_the_same_way(vertex, found) || glm::dot(towards, normal) > 0.0f};
 }
 
 std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach, int threads) const {
@@ -63,7 +95,8 @@ std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach, int t
         if (triangle[v] == kNone) continue;
         for (const Index u : surface_.triangles_[triangle[v]]) {
             if (found[v].distance >= out[u].distance) continue;
-            const bool outside = glm::dot(found[v].towards, normals_.of_vertex[u].vec()) < 0.0f;
+            const bool outside = face_the_same_way(static_cast<Index>(v), triangle[v]) ||
+                                 glm::dot(found[v].towards, normals_.of_vertex[u].vec()) < 0.0f;
             out[u] = {-found[v].towards, found[v].distance, outside};
         }
     }

@@ -24,16 +24,23 @@ class OwnSurface {
   private:
     friend class PosedOwnSurface;
 
+    bool in_other_parts(Index vertex, Index triangle) const {
+        return !part_.empty() && part_[vertex] != part_[triangles_[triangle][0]];
+    }
+
     std::vector<std::array<Index, 3>> triangles_;
     PacketHierarchy hierarchy_;
+    std::vector<Index> part_;  // per vertex the lowest one of its part; empty: there is but one
 };
 
 // The nearest point of the cloth that faces a vertex: on a triangle that it is no corner of, and whose normal
-// points against that of the vertex.
+// points against that of the vertex, or that is of another part: of what is worn over or under it.
 struct OwnSide {
     Vec3 towards{0.0f};  // unit: from the vertex to that point; zero: nothing faces it
     float distance = std::numeric_limits<float>::infinity();  // object units
-    bool outside = false;  // whether the point lies on the side that the vertex's normal points to
+    // Whether the point lies on the side that the vertex's normal points to. Where both face the same way
+    // always: then one is worn over the other, and they have not passed each other.
+    bool outside = false;
 };
 
 // A cloth in the pose of one frame.
@@ -54,6 +61,8 @@ class PosedOwnSurface {
     std::vector<float> heights() const;
 
   private:
+    // Only triangles of other parts do.
+    bool face_the_same_way(Index vertex, Index triangle) const;
     // The side that faces a vertex, and the triangle that it is on.
     OwnSide nearest(Index vertex, float reach, Index& triangle) const;
 

@@ -85,22 +85,8 @@ TriangleTree::TriangleTree(const Surface& surface) : surface_(surface) {
 }
 
 TrianglePoint TriangleTree::closest(const Vec3& p) const {
-    TrianglePoint best;
-    best.squared_distance = std::numeric_limits<double>::infinity();
-    const glm::dvec3 query(p);
-    const auto distance = [&](Index node) { return squared_distance(bounds_[node], query); };
-    visit_nearest_first(
-        hierarchy_, distance,
-        [&](Index node) { return distance(node) > best.squared_distance * (1.0 + kTieSlack); },
-        [&](Index place) {
-            const TrianglePoint point = closest_point(surface_, hierarchy_.order[place], p);
-            const bool tie = point.squared_distance == best.squared_distance;
-            if (point.squared_distance < best.squared_distance ||
-                (tie && point.place.triangle < best.place.triangle)) {
-                best = point;
-            }
-        });
-    return best;
+    return closest_within(p, std::numeric_limits<double>::infinity(),
+                          [](const TrianglePoint&) { return true; });
 }
 
 }  // namespace rumple

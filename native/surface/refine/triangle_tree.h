@@ -2,6 +2,7 @@
 // Closest points on the triangles of a surface at rest. Internal to surface.
 #pragma once
 
+#include "base/tolerances.h"
 #include "surface/query/bounds.h"
 #include "surface/query/hierarchy.h"
 #include "surface/refine/refinement.h"
@@ -24,11 +25,33 @@ class TriangleTree {
 
     // Ties go to the lowest triangle.
     TrianglePoint closest(const Vec3& p) const;
+    // Of those within a distance that are accepted; no triangle where there is none. accept(TrianglePoint).
+    template <typename Accept>
+    TrianglePoint closest_within(const Vec3& p, double farthest, Accept&& accept) const;
 
   private:
     const Surface& surface_;
     Hierarchy hierarchy_;         // of the triangles
     std::vector<Bounds> bounds_;  // per node
 };
+
+template <typename Accept>
+TrianglePoint TriangleTree::closest_within(const Vec3& p, double farthest, Accept&& accept) const {
+    TrianglePoint best;
+    best.squared_distance = farthest * farthest;
+    const glm::dvec3 query(p);
+    const auto distance = [&](Index node) { return squared_distance(bounds_[node], query); };
+    visit_nearest_first(
+        hierarchy_, distance,
+        [&](Index node) { return distance(node) > best.squared_distance * (1.0 + kTieSlack); },
+        [&](Index place) {
+            const TrianglePoint point = closest_point(surface_, hierarchy_.order[place], p);
+            const bool tie = point.squared_distance == best.squared_distance;
+            const bool lower = best.place.triangle == kNone || point.place.triangle < best.place.triangle;
+            if ((point.squared_distance < best.squared_distance || (tie && lower)) && accept(point))
+                best = point;
+        });
+    return best;
+}
 
 }  // namespace rumple

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Parts of a garment that lie over one another.
+#include <gtest/gtest.h>
+
+#include "surface/cloth/overlaps.h"
+#include "surface/output/attachments.h"
+#include "tests/base_cloth_rig.h"
+
+namespace rumple::tests {
+namespace {
+
+using namespace base_cloth;
+
+constexpr float kSquare = 0.1f, kAbove = 0.005f;
+constexpr Index kOfOne = 16;  // vertices of one sheet
+
+// Two sheets of three by three squares; the second one is moved.
+MeshData two_sheets(const Vec3& shift) {
+    MeshData mesh = grid(3, 3, kSquare);
+    const MeshData one = mesh;
+    for (const Vec3& p : one.positions) mesh.positions.push_back(p + shift);
+    for (size_t c = 0; c < one.corner_vertex.size(); c += 4) {
+        const Index* v = &one.corner_vertex[c];
+        mesh.add_polygon({v[0] + kOfOne, v[1] + kOfOne, v[2] + kOfOne, v[3] + kOfOne});
+    }
+    return mesh;
+}
+
+// Of the vertices of a sheet, all of which are pinned where `value` is 1.
+Paint pinned(Index first) {
+    Paint paint;
+    paint.follow.assign(2 * kOfOne, 0.0f);
+    std::fill_n(paint.follow.begin() + first, kOfOne, 1.0f);
+    return paint;
+}
+
+Settings falling(float gravity) {
+    Settings settings;
+    settings.follow = 20.0f;
+    settings.gravity = {0.0f, 0.0f, gravity};
+    return settings;
+}
+
+TEST(BaseClothOverlaps, VerticesKnowWhatLiesUnderAndOverThem) {
+    const Surface surface = build(two_sheets({0.5f * kSquare, 0.5f * kSquare, kAbove}));
+    int outer = 0, inner = 0;
+    for (const Overlap& overlap : find_overlaps(surface)) {
+        const Vec3 way = surface.positions_rest[overlap.vertex] -
+                         interpolate(surface, overlap.place, surface.positions_rest);
+        EXPECT_LT(glm::distance(way, Vec3(0.0f, 0.0f, overlap.outer ? kAbove : -kAbove)), 1e-6f);
+        EXPECT_EQ(overlap.outer, overlap.vertex >= kOfOne);
+        ++(overlap.outer ? outer : inner);
+    }
+    EXPECT_EQ(outer, 9);
+    EXPECT_EQ(inner, 9);
+}
+
+TEST(BaseClothOverlaps, NeitherOneSheetNorSheetsBesideOrFarFromOneAnotherHaveAny) {
+    EXPECT_TRUE(find_overlaps(build(grid(3, 3, kSquare))).empty());
+    EXPECT_TRUE(find_overlaps(build(two_sheets({3.05f * kSquare, 0.0f, 0.0f}))).empty());
+    EXPECT_TRUE(find_overlaps(build(two_sheets({0.0f, 0.0f, 0.05f}))).empty());
+    MeshData back_to_back = two_sheets({0.0f, 0.0f, kAbove});
+    for (size_t p = 9; p < 18; ++p)
+        std::reverse(back_to_back.corner_vertex.begin() + back_to_back.polygon_start[p],
+                     back_to_back.corner_vertex.begin() + back_to_back.polygon_start[p + 1]);
+    EXPECT_TRUE(find_overlaps(build(back_to_back)).empty());
+}
+
+TEST(BaseClothOverlaps, TheOuterPartSinksNoDeeperThanTheThickness) {
+    const Garment garment(two_sheets({0.0f, 0.0f, kAbove}));
+    const Settings settings = falling(-9.81f);
+    const float thickness = settings.clearance.thickness;
+    for (const float lowered : {0.0f, 0.008f}) {  // in the animation: then it lies under the inner one
+        Points pose = garment.mesh.positions;
+        for (Index v = kOfOne; v < 2 * kOfOne; ++v) pose[v].z -= lowered;
+        const Result result = garment.solve(settings, pose, nullptr, pinned(0));
+        for (Index v = kOfOne; v < 2 * kOfOne; ++v) {
+            EXPECT_GT(result.positions[v].z, thickness - 1e-4f) << "vertex " << v;
+            EXPECT_LT(result.positions[v].z, thickness + 1e-4f) << "vertex " << v;  // it does sink
+        }
+    }
+}
+
+TEST(BaseClothOverlaps, TheInnerPartStaysBelowTheMiddle) {
+    const Garment garment(two_sheets({0.0f, 0.0f, kAbove}));
+    const Result result = garment.solve(falling(9.81f), garment.mesh.positions, nullptr, pinned(kOfOne));
+    for (Index v = 0; v < kOfOne; ++v) {
+        EXPECT_LT(result.positions[v].z, 0.5f * kAbove + 1e-4f) << "vertex " << v;
+        EXPECT_GT(result.positions[v].z, 0.5f * kAbove - 1e-4f) << "vertex " << v;
+    }
+}
+
+}  // namespace
+}  // namespace rumple::tests
