@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from rumple.core.base_mesh import BaseMesh
-from rumple.core.cloth_surface import checked_surface
+from rumple.core.cloth_surface import without_rigid_parts
 from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WrinkleField
@@ -162,7 +162,7 @@ class Buttons(unittest.TestCase):
 
 class WhichAreRigid(unittest.TestCase):
     def rigid_faces(self, base: BaseMesh, weld: bool = True) -> list[int]:
-        parts = checked_surface(base, weld, True, 1.0)[0].rigid
+        parts = without_rigid_parts(base.healed(weld), weld).rigid
         return [] if parts is None else parts.polygon.tolist()
 
     def test_a_garment_alone_has_none(self) -> None:
@@ -194,25 +194,6 @@ class WhichAreRigid(unittest.TestCase):
                           for a in np.linspace(0, 6, 20) for z in np.linspace(0, 0.3, 20)))
         self.assertEqual(self.rigid_faces(mail), [])
         self.assertEqual(self.rigid_faces(together(GARMENT, mail)), [])
-
-
-class OverOneAnother(unittest.TestCase):
-    """Garments in one object: the outer one does not lie on the inner one, which is said."""
-
-    def said(self, *garments: BaseMesh) -> int:
-        warnings = checked_surface(together(*garments), True, True, 1.0)[2]
-        return sum("garments over one another" in line for line in warnings)
-
-    def test_a_jacket_over_trousers_and_a_lining_are_two(self) -> None:
-        self.assertEqual(self.said(GARMENT, tube(24, 12, 0.06, 0.1)), 1)
-        self.assertEqual(self.said(GARMENT, tube(24, 24, 0.045)), 1)
-
-    def test_a_garment_a_button_two_socks_and_mail_are_not(self) -> None:
-        sock = tube(24, 24)
-        self.assertEqual(self.said(GARMENT), 0)
-        self.assertEqual(self.said(GARMENT, BUTTON), 0)
-        self.assertEqual(self.said(sock, replace(sock, positions=sock.positions + np.float32((0.2, 0.0, 0.0)))), 0)
-        self.assertEqual(self.said(*(box((0.006 * k, 0.0, 0.0), (0.01, 0.01, 0.01)) for k in range(20))), 0)
 
 
 class Motions(unittest.TestCase):
