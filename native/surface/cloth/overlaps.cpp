@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/cloth/overlaps.h"
 
-#include <algorithm>
-
 #include "base/tolerances.h"
 #include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/positions.h"
@@ -18,44 +16,64 @@ constexpr double kReach = 1.0 / 30.0;  // of the garment's diagonal
 // Cosines: parts face the same way, and one is above the other, not beside it.
 constexpr float kSameWay = 0.5f, kAbove = 0.7f;
 
-// Per welded vertex: the lowest vertex of its part.
-std::vector<Index> parts_of(const Surface& surface) {
-    DisjointSets sets(surface.welded.vertex_count);
-    for (const Edge& edge : surface.edges) sets.unite(edge.a, edge.b);
-    std::vector<Index> parts;
-    for (Index v = 0; v < surface.welded.vertex_count; ++v) parts.push_back(sets.find(v));
-    return parts;
-}
+class Search {
+  public:
+    explicit Search(const Surface& surface)
+        : surface_(surface), rest_(surface.positions_rest), normals_(rest_.size()) {
+        DisjointSets sets(surface.welded.vertex_count);
+        for (const Edge& edge : surface.edges) sets.unite(edge.a, edge.b);
+        for (Index v = 0; v < surface.welded.vertex_count; ++v) part_.push_back(sets.find(v));
+        vertex_normals(surface, rest_, normals_);
+    }
 
-bool has_several(const Surface& surface, const std::vector<Index>& part) {
-    const auto of = [&](const Triangle& t) { return part[surface.welded.corner_vertex[t.corner[0]]]; };
-    return std::ranges::any_of(surface.triangles,
-                               [&](const Triangle& t) { return of(t) != of(surface.triangles[0]); });
-}
+    bool has_several_parts() const {
+        const Index triangles = static_cast<Index>(surface_.triangles.size());
+        for (Index t = 1; t < triangles; ++t) {
+            if (part_of(t) != part_of(0)) return true;
+        }
+        return false;
+    }
+
+    // The nearest place of another part that lies under a vertex (outer), or over it.
+    SurfacePoint nearest(const TriangleTree& tree, double reach, Index v, bool outer) const {
+        return tree
+            .closest_within(
+                rest_[v], reach, [&](Index t) { return part_of(t) != part_[v]; },
+                [&](const TrianglePoint& point) { return lies(v, outer, point.place); })
+            .place;
+    }
+
+  private:
+    Index part_of(Index triangle) const {  // the lowest vertex of it
+        return part_[surface_.welded.corner_vertex[surface_.triangles[triangle].corner[0]]];
+    }
+    // Upwards from the lower one to the upper one, and both facing the same way.
+    bool lies(Index v, bool outer, const SurfacePoint& place) const {
+        const Vec3 way = (outer ? -1.0f : 1.0f) * (interpolate(surface_, place, rest_) - rest_[v]);
+        const Vec3 normal = interpolate(surface_, place, normals_);
+        const float height = glm::dot(way, normals_[v]);
+        return glm::dot(normal, normals_[v]) > kSameWay * glm::length(normal) &&
+               height > kAbove * glm::length(way) && height > kShortestEdge;
+    }
+
+    const Surface& surface_;
+    const std::vector<Vec3>& rest_;
+    std::vector<Vec3> normals_;
+    std::vector<Index> part_;  // per welded vertex: the lowest vertex of its part
+};
 
 }  // namespace
 
 std::vector<Overlap> find_overlaps(const Surface& surface) {
-    const std::vector<Index> part = parts_of(surface);
-    if (!has_several(surface, part)) return {};
-    const std::vector<Vec3>& rest = surface.positions_rest;
-    std::vector<Vec3> normals(rest.size());
-    vertex_normals(surface, rest, normals);
+    const Search search(surface);
+    if (!search.has_several_parts()) return {};
     const TriangleTree tree(surface);
-    const double reach = kReach * bounding_diagonal(rest);
+    const double reach = kReach * bounding_diagonal(surface.positions_rest);
     std::vector<Overlap> overlaps;
     for (Index v = 0; v < surface.welded.vertex_count; ++v) {
         for (const bool outer : {true, false}) {
-            const TrianglePoint found = tree.closest_within(rest[v], reach, [&](const TrianglePoint& point) {
-                const Triangle& triangle = surface.triangles[point.place.triangle];
-                if (part[surface.welded.corner_vertex[triangle.corner[0]]] == part[v]) return false;
-                const Vec3 down = interpolate(surface, point.place, rest) - rest[v];
-                const Vec3 normal = interpolate(surface, point.place, normals);
-                const float along = glm::dot(down, normals[v]) * (outer ? -1.0f : 1.0f);
-                return glm::dot(normal, normals[v]) > kSameWay * glm::length(normal) &&
-                       along > kAbove * glm::length(down) && along > kShortestEdge;
-            });
-            if (found.place.triangle != kNone) overlaps.push_back({v, found.place, outer});
+            const SurfacePoint place = search.nearest(tree, reach, v, outer);
+            if (place.triangle != kNone) overlaps.push_back({v, place, outer});
         }
     }
     return overlaps;

@@ -85,8 +85,9 @@ TriangleTree::TriangleTree(const Surface& surface) : surface_(surface) {
 }
 
 TrianglePoint TriangleTree::closest(const Vec3& p) const {
-    return closest_within(p, std::numeric_limits<double>::infinity(),
-                          [](const TrianglePoint&) { return true; });
+    return closest_within(
+        p, std::numeric_limits<double>::infinity(), [](Index) { return true; },
+        [](const TrianglePoint&) { return true; });
 }
 
 }  // namespace rumple

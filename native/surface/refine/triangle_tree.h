@@ -25,9 +25,10 @@ class TriangleTree {
 
     // Ties go to the lowest triangle.
     TrianglePoint closest(const Vec3& p) const;
-    // Of those within a distance that are accepted; no triangle where there is none. accept(TrianglePoint).
-    template <typename Accept>
-    TrianglePoint closest_within(const Vec3& p, double farthest, Accept&& accept) const;
+    // Of those within a distance that are accepted; no triangle where there is none. wanted(Index): a
+    // triangle, asked before its point is looked for; accept(TrianglePoint).
+    template <typename Wanted, typename Accept>
+    TrianglePoint closest_within(const Vec3& p, double farthest, Wanted&& wanted, Accept&& accept) const;
 
   private:
     const Surface& surface_;
@@ -35,8 +36,9 @@ class TriangleTree {
     std::vector<Bounds> bounds_;  // per node
 };
 
-template <typename Accept>
-TrianglePoint TriangleTree::closest_within(const Vec3& p, double farthest, Accept&& accept) const {
+template <typename Wanted, typename Accept>
+TrianglePoint TriangleTree::closest_within(const Vec3& p, double farthest, Wanted&& wanted,
+                                           Accept&& accept) const {
     TrianglePoint best;
     best.squared_distance = farthest * farthest;
     const glm::dvec3 query(p);
@@ -45,7 +47,9 @@ TrianglePoint TriangleTree::closest_within(const Vec3& p, double farthest, Accep
         hierarchy_, distance,
         [&](Index node) { return distance(node) > best.squared_distance * (1.0 + kTieSlack); },
         [&](Index place) {
-            const TrianglePoint point = closest_point(surface_, hierarchy_.order[place], p);
+            const Index triangle = hierarchy_.order[place];
+            if (!wanted(triangle)) return;
+            const TrianglePoint point = closest_point(surface_, triangle, p);
             const bool tie = point.squared_distance == best.squared_distance;
             const bool lower = best.place.triangle == kNone || point.place.triangle < best.place.triangle;
             if ((point.squared_distance < best.squared_distance || (tie && lower)) && accept(point))
