@@ -21,6 +21,7 @@ std::vector<Index> parts_of(size_t vertices, const std::vector<std::array<Index,
                             [&](const auto& t) { return sets.find(t[0]) == sets.find(triangles[0][0]); }))
         return {};
     std::vector<Index> part;
+    part.reserve(vertices);
     for (Index v = 0; v < static_cast<Index>(vertices); ++v) part.push_back(sets.find(v));
     return part;
 }
