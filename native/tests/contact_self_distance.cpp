@@ -47,15 +47,18 @@ std::vector<OwnSide> sides_of(const MeshData& mesh, float reach) {
     return PosedOwnSurface(own, mesh.positions).facing(std::vector<float>(mesh.positions.size(), reach), 1);
 }
 
-TEST(SelfDistance, OfTwoSheetsIsTheGapBetweenThem) {
-    const MeshData mesh = two_sheets(kGap, true);
-    const size_t half = mesh.positions.size() / 2;
-    const auto sides = sides_of(mesh, 2.0f * kGap);
+// Of two sheets each vertex knows of the other one, across the gap.
+void expect_the_gap(const std::vector<OwnSide>& sides) {
     for (size_t v = 0; v < sides.size(); ++v) {
         EXPECT_NEAR(sides[v].distance, kGap, kRounding);
-        EXPECT_LT(glm::distance(sides[v].towards, Vec3(0.0f, 0.0f, v < half ? 1.0f : -1.0f)), 1e-4f);
+        const float up = v < sides.size() / 2 ? 1.0f : -1.0f;
+        EXPECT_LT(glm::distance(sides[v].towards, Vec3(0.0f, 0.0f, up)), 1e-4f);
         EXPECT_TRUE(sides[v].outside);
     }
+}
+
+TEST(SelfDistance, OfTwoSheetsIsTheGapBetweenThem) {
+    expect_the_gap(sides_of(two_sheets(kGap, true), 2.0f * kGap));
     // Passed through each other, each lies behind the other.
     for (const OwnSide& side : sides_of(two_sheets(-kGap, true), 2.0f * kGap)) EXPECT_FALSE(side.outside);
 }
@@ -72,14 +75,7 @@ TEST(SelfDistance, WhatIsFarOrFacesTheSameWayOrLiesAroundIsNothing) {
 
 // A hem of a blouse sank into the skirt under it: they face the same way.
 TEST(SelfDistance, OfAnotherPartCountsWhatFacesTheSameWay) {
-    const MeshData mesh = two_sheets(kGap, false);
-    const size_t half = mesh.positions.size() / 2;
-    const auto sides = sides_of(mesh, 2.0f * kGap);
-    for (size_t v = 0; v < sides.size(); ++v) {
-        EXPECT_NEAR(sides[v].distance, kGap, kRounding);
-        EXPECT_LT(glm::distance(sides[v].towards, Vec3(0.0f, 0.0f, v < half ? 1.0f : -1.0f)), 1e-4f);
-        EXPECT_TRUE(sides[v].outside);
-    }
+    expect_the_gap(sides_of(two_sheets(kGap, false), 2.0f * kGap));
     // Where they touch they were cut apart.
     for (const OwnSide& side : sides_of(two_sheets(0.0f, false), kGap)) EXPECT_EQ(side.towards, Vec3(0.0f));
 }

@@ -22,7 +22,7 @@ class Search {
         : surface_(surface), rest_(surface.positions_rest), normals_(rest_.size()) {
         DisjointSets sets(surface.welded.vertex_count);
         for (const Edge& edge : surface.edges) sets.unite(edge.a, edge.b);
-        for (Index v = 0; v < surface.welded.vertex_count; ++v) part_.push_back(sets.find(v));
+        part_ = sets.roots();
         vertex_normals(surface, rest_, normals_);
     }
 

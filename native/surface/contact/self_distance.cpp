@@ -17,12 +17,9 @@ std::vector<Index> parts_of(size_t vertices, const std::vector<std::array<Index,
         sets.unite(a, b);
         sets.unite(b, c);
     }
-    if (std::ranges::all_of(triangles,
-                            [&](const auto& t) { return sets.find(t[0]) == sets.find(triangles[0][0]); }))
-        return {};
-    std::vector<Index> part;
-    part.reserve(vertices);
-    for (Index v = 0; v < static_cast<Index>(vertices); ++v) part.push_back(sets.find(v));
+    std::vector<Index> part = sets.roots();
+    const auto in_first = [&](const auto& t) { return part[t[0]] == part[triangles[0][0]]; };
+    if (std::ranges::all_of(triangles, in_first)) part.clear();
     return part;
 }
 

@@ -21,6 +21,12 @@ class DisjointSets {
         }
         return i;
     }
+    // Of every member.
+    std::vector<Index> roots() {
+        std::vector<Index> out(parent_.size());
+        for (size_t i = 0; i < out.size(); ++i) out[i] = find(static_cast<Index>(i));
+        return out;
+    }
     void unite(Index i, Index j) {
         i = find(i);
         j = find(j);
