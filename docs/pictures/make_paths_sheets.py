@@ -25,6 +25,7 @@ from mathutils import Vector
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "scripts"), os.environ["RUMPLE_NATIVE"]]
+import rumple  # noqa: E402
 import rumple_native as native  # noqa: E402
 from contact_sheet import compose, studio  # noqa: E402
 from rumple.blender.objects import mesh_reader  # noqa: E402
@@ -138,6 +139,7 @@ def sheet(key: str, folder: Path) -> None:
     Image.open(folder / f"{key}.png").save(HERE / f"{key}_paths.jpg", quality=85, optimize=True)
 
 
+rumple.register()
 with tempfile.TemporaryDirectory() as place:
     for scene_key in SCENES:
         sheet(scene_key, Path(place))
