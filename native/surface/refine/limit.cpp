@@ -102,12 +102,12 @@ SparseRows spread_rows(const SparseRows& attached, std::span<const SurfacePoint>
 
 }  // namespace
 
-SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> places) {
+SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> places, Index exact_levels) {
     if (places.empty()) return {};
     const UsedVertices used(surface.welded);
     const Refiner refiner = make_refiner(surface.welded, used);
     // Irregular vertices are isolated so far, then OpenSubdiv puts Gregory patches around them.
-    refiner->RefineAdaptive(Far::TopologyRefiner::AdaptiveOptions(kExactLimitLevels));
+    refiner->RefineAdaptive(Far::TopologyRefiner::AdaptiveOptions(exact_levels));
     const Far::PtexIndices ptex(*refiner);
     const bool loop = refiner->GetSchemeType() == Sdc::SCHEME_LOOP;
 
@@ -137,18 +137,6 @@ SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> 
     }
     assert(attached.rows() == static_cast<Index>(locations.size()));
     return spread_rows(attached, places);
-}
-
-SparseRows vertex_limit_stencils(const Surface& surface) {
-    std::vector<SurfacePoint> places(surface.welded.vertex_count);
-    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
-        const std::array<Index, 3> vertex = welded_vertices(surface, t);
-        for (int k = 0; k < 3; ++k) {
-            SurfacePoint& place = places[vertex[k]];
-            if (place.triangle == kNone) place = {t, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f};
-        }
-    }
-    return limit_stencils(surface, places);
 }
 
 }  // namespace rumple

@@ -14,7 +14,7 @@ inline constexpr Index kMostLevels = 8;
 // The most segments of an edge: a triangle in a million pieces.
 inline constexpr Index kMostSegments = 1024;
 
-// limit_stencils() is exact at the vertices of so many levels.
+// limit_stencils() is exact at the vertices of so many levels, unless it is asked for fewer.
 inline constexpr Index kExactLimitLevels = 6;
 
 // A fine mesh and where every piece of it comes from. The weights are *linear*
@@ -73,13 +73,15 @@ std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const
 // Limit-surface stencils at arbitrary places of the base: row i gives the
 // position of places[i] from the welded vertices (Catmull-Clark, or Loop when
 // the base has only triangles). An unattached place (kNone) gets an empty row.
-// Exact at the vertices of kExactLimitLevels subdivision levels and away from
+// Exact at the vertices of `exact_levels` subdivision levels and away from
 // irregular vertices; else within about 1e-3 of an edge. A place in a quad is one
 // of the square, a place in another polygon one of the regular polygon.
-// Cost: dominated by the irregular vertices of the base, about 0.25 ms each.
-SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> places);
+// Cost: dominated by the irregular vertices of the base, about 0.25 ms each with six levels.
+SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> places,
+                          Index exact_levels = kExactLimitLevels);
 
-// The same at the welded vertices; a vertex without a triangle gets an empty row.
+// Limit positions of the welded vertices, exact; a vertex without a triangle gets an empty row.
+// Cost: a mask a vertex; a subdivision too where faces are not all quads, or all triangles.
 SparseRows vertex_limit_stencils(const Surface& surface);
 
 // The fine mesh with its vertices split again where the artist's mesh was split

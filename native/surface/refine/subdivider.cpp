@@ -33,23 +33,14 @@ UsedVertices::UsedVertices(const PolygonMesh& mesh) {
 Refiner make_refiner(const PolygonMesh& mesh, const UsedVertices& used) {
     std::vector<int> sizes(mesh.polygons());
     for (Index p = 0; p < mesh.polygons(); ++p) sizes[p] = mesh.polygon_size(p);
-    std::vector<int> own_value(mesh.corners());
-    for (Index c = 0; c < mesh.corners(); ++c) own_value[c] = c;
-    Far::TopologyDescriptor::FVarChannel channel;
-    channel.numValues = mesh.corners();
-    channel.valueIndices = own_value.data();
-
     Far::TopologyDescriptor descriptor;
     descriptor.numVertices = static_cast<int>(used.vertex_of.size());
     descriptor.numFaces = mesh.polygons();
     descriptor.numVertsPerFace = sizes.data();
     descriptor.vertIndicesPerFace = used.corner.data();
-    descriptor.numFVarChannels = 1;
-    descriptor.fvarChannels = &channel;
 
     Sdc::Options options;
     options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
-    options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_ALL);
     const Sdc::SchemeType scheme = all_triangles(mesh) ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK;
     using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
     Refiner refiner(Factory::Create(descriptor, Factory::Options(scheme, options)));

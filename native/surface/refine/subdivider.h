@@ -25,9 +25,16 @@ struct UsedVertices {
 };
 
 // Level 0 of the mesh, not yet refined: Loop when all polygons are triangles,
-// else Catmull-Clark. Face-varying channel 0 gives every corner a value of its
-// own, interpolated linearly: its stencils are the rows corner <- parent corners.
+// else Catmull-Clark.
 Refiner make_refiner(const PolygonMesh& mesh, const UsedVertices& used);
+
+// Linear weights (bilinear in a quad) of a uniformly refined mesh's last level.
+struct LinearRows {
+    SparseRows corner;           // corner <- corners of the mesh
+    SparseRows vertex;           // vertex <- vertices of the mesh
+    std::vector<Index> polygon;  // face -> polygon of the mesh
+};
+LinearRows linear_rows(const Far::TopologyRefiner& refiner, const PolygonMesh& mesh);
 
 // The rows of an OpenSubdiv table, columns renamed by `column_of`, sorted, zeros dropped.
 SparseRows copy_rows(const Far::StencilTableReal<double>& table, std::span<const Index> column_of);

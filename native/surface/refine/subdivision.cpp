@@ -40,11 +40,9 @@ SparseRows identity_rows(Index count) {
     return rows;
 }
 
-// Rows of the last level in terms of the parent.
-SparseRows make_rows(const Far::TopologyRefiner& refiner, StencilFactory::Mode mode,
-                     std::span<const Index> column_of) {
+// Vertices of the last level <- parent vertices, smooth.
+SparseRows make_rows(const Far::TopologyRefiner& refiner, std::span<const Index> column_of) {
     StencilFactory::Options options;
-    options.interpolationMode = mode;
     options.generateIntermediateLevels = false;
     options.factorizeIntermediateLevels = true;
     options.generateControlVerts = false;
@@ -80,6 +78,17 @@ SparseRows make_limit_rows(const Far::TopologyRefiner& refiner) {
     return rows;
 }
 
+// OpenSubdiv's masks of the limit take every face for a quad, or with Loop a triangle: what else there is
+// must have been split once.
+Index levels_before_masks(const PolygonMesh& mesh) {
+    const Index size = mesh.polygons() > 0 ? mesh.polygon_size(0) : 3;
+    if (size > 4) return 1;
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        if (mesh.polygon_size(p) != size) return 1;
+    }
+    return 0;
+}
+
 PolygonMesh copy_last_level(const Far::TopologyRefiner& refiner) {
     const Far::TopologyLevel& level = refiner.GetLevel(refiner.GetMaxLevel());
     PolygonMesh mesh;
@@ -90,34 +99,6 @@ PolygonMesh copy_last_level(const Far::TopologyRefiner& refiner) {
         mesh.polygon_start.push_back(mesh.corners());
     }
     return mesh;
-}
-
-std::vector<Index> trace_polygons(const Far::TopologyRefiner& refiner) {
-    std::vector<Index> ancestor(refiner.GetLevel(0).GetNumFaces());
-    for (std::size_t p = 0; p < ancestor.size(); ++p) ancestor[p] = static_cast<Index>(p);
-    for (int l = 1; l <= refiner.GetMaxLevel(); ++l) {
-        const Far::TopologyLevel& level = refiner.GetLevel(l);
-        std::vector<Index> next(level.GetNumFaces());
-        for (int f = 0; f < level.GetNumFaces(); ++f) next[f] = ancestor[level.GetFaceParentFace(f)];
-        ancestor = std::move(next);
-    }
-    return ancestor;
-}
-
-// Face-varying values are numbered by OpenSubdiv; we want them by corner.
-SparseRows make_corner_rows(const Far::TopologyRefiner& refiner, Index parent_corners) {
-    std::vector<Index> same(parent_corners);
-    for (Index c = 0; c < parent_corners; ++c) same[c] = c;
-    const SparseRows values = make_rows(refiner, StencilFactory::INTERPOLATE_FACE_VARYING, same);
-    const Far::TopologyLevel& level = refiner.GetLevel(refiner.GetMaxLevel());
-    SparseRows pick;
-    for (int f = 0; f < level.GetNumFaces(); ++f) {
-        for (int value : level.GetFaceFVarValues(f)) {
-            pick.add(value, 1.0f);
-            pick.end_row();
-        }
-    }
-    return compose(pick, values);
 }
 
 FineMesh copy_parent(const PolygonMesh& parent, const UsedVertices& used) {
@@ -133,6 +114,13 @@ FineMesh copy_parent(const PolygonMesh& parent, const UsedVertices& used) {
     return fine;
 }
 
+// Vertices of the last level <- parent vertices.
+SparseRows refined_rows(const PolygonMesh& parent, const UsedVertices& used,
+                        const Far::TopologyRefiner& refiner) {
+    return refiner.GetMaxLevel() == 0 ? copy_parent(parent, used).vertex_from_parent
+                                      : make_rows(refiner, used.vertex_of);
+}
+
 }  // namespace
 
 FineMesh refine_subdivision(const PolygonMesh& parent, Index levels) {
@@ -142,9 +130,10 @@ FineMesh refine_subdivision(const PolygonMesh& parent, Index levels) {
     const Refiner refiner = refine_uniformly(parent, used, levels);
     FineMesh fine;
     fine.mesh = copy_last_level(*refiner);
-    fine.vertex_from_parent = make_rows(*refiner, StencilFactory::INTERPOLATE_VARYING, used.vertex_of);
-    fine.corner_from_parent = make_corner_rows(*refiner, parent.corners());
-    fine.polygon_parent = trace_polygons(*refiner);
+    LinearRows rows = linear_rows(*refiner, parent);
+    fine.vertex_from_parent = std::move(rows.vertex);
+    fine.corner_from_parent = std::move(rows.corner);
+    fine.polygon_parent = std::move(rows.polygon);
     return fine;
 }
 
@@ -152,10 +141,27 @@ SparseRows subdivision_stencils(const PolygonMesh& parent, Index levels, bool li
     check_levels(parent, levels);
     const UsedVertices used(parent);
     const Refiner refiner = refine_uniformly(parent, used, levels);
-    const SparseRows refined = levels == 0
-                                   ? copy_parent(parent, used).vertex_from_parent
-                                   : make_rows(*refiner, StencilFactory::INTERPOLATE_VERTEX, used.vertex_of);
+    const SparseRows refined = refined_rows(parent, used, *refiner);
     return limit ? compose(make_limit_rows(*refiner), refined) : refined;
+}
+
+SparseRows vertex_limit_stencils(const Surface& surface) {
+    const UsedVertices used(surface.welded);
+    const Index levels = levels_before_masks(surface.welded);
+    const Refiner refiner = refine_uniformly(surface.welded, used, levels);
+    const SparseRows masks = make_limit_rows(*refiner);
+    SparseRows at_vertices;  // vertex <- vertices of the last level
+    Index next = 0;          // of the used vertices
+    for (Index v = 0; v < surface.welded.vertex_count; ++v) {
+        if (next < Index(used.vertex_of.size()) && used.vertex_of[next] == v) {
+            const Index row = levels == 0 ? next : refiner->GetLevel(0).GetVertexChildVertex(next);
+            for (Index k = masks.start[row]; k < masks.start[row + 1]; ++k)
+                at_vertices.add(masks.index[k], masks.weight[k]);
+            ++next;
+        }
+        at_vertices.end_row();
+    }
+    return compose(at_vertices, refined_rows(surface.welded, used, *refiner));
 }
 
 }  // namespace rumple

@@ -10,10 +10,13 @@ namespace {
 // What lies within an edge of the coarse mesh from it moves with it, what is two away does not.
 constexpr float kNear = 1.0f, kFar = 2.0f;
 
+// The finest layer is as fine as the folds: within a thousandth of its edges is exact enough.
+constexpr Index kFinestLimitLevels = 2;
+
 SparseRows ways_from(const Surface& finest, std::span<const Vec3> points, float edge) {
     std::vector<float> distance(points.size());
     const std::vector<SurfacePoint> places = closest_points(finest, points, distance);
-    const SparseRows smooth = limit_stencils(finest, places);
+    const SparseRows smooth = limit_stencils(finest, places, kFinestLimitLevels);
     SparseRows out;
     for (Index v = 0; v < smooth.rows(); ++v) {
         const float fraction = 1.0f - smooth_step(kNear * edge, kFar * edge, distance[v]);
