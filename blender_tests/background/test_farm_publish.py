@@ -5,13 +5,12 @@ from __future__ import annotations
 from unittest import mock
 
 import bpy
-import test_farm
 from rumple.blender.farm import commands
 from rumple.core import usd_text
-from support import farm_scene
+from support import farm_case, farm_scene
 
 
-class Publish(test_farm.Case):
+class Publish(farm_case.Case):
 
     def test_without_a_whole_clip_nothing_is_published(self) -> None:
         self.assertEqual(self.run_command("publish"), 1)

@@ -78,6 +78,8 @@ def parser() -> argparse.ArgumentParser:
                      help="bake nothing: solve so many samples again (all) and compare bits")
     one.add_argument("--lock-age", type=float, default=600.0, metavar="SECONDS",
                      help="a lock of another host that was not touched for so long is taken over (600)")
+    one.add_argument("--checkpoint", type=float, default=bake.CHECKPOINT, metavar="SECONDS",
+                     help="so often the solver's state is kept for --resume, where frames go on from one another (20)")
     check = kinds.add_parser("check", parents=[common], help="say what this worker lacks for a file")
     check.add_argument("--to-bake", action="store_true", help="before a bake: clips that are stale or gone are notes")
     kinds.add_parser("list", parents=[common], help="what can be baked, in order, and what rests on what")
@@ -157,7 +159,8 @@ def _override(chosen: argparse.Namespace, there: list[bpy.types.Object],
 
 def _bake(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
     with _ended_by_signal():
-        return commands.bake_all(garments, chosen.resume, chosen.lock_age, say, complain)
+        return commands.bake_all(garments, bake.Options(chosen.resume, chosen.lock_age, chosen.checkpoint), say,
+                                 complain)
 
 
 @contextmanager
