@@ -134,6 +134,7 @@ void activate_cloth(World& world, Bytes& bytes) {
     const auto state = world.cloth_states.pick(bytes);
     world.cloth_states.add(MAKE(rumple_base_cloth_state, rumple_base_cloth_state_activated, state.handle),
                            state.base, state.model);
+    restore_cloth(world, bytes);
 }
 
 void lift_cover(World& world, Bytes& bytes) {
@@ -182,7 +183,7 @@ rumple_bodies bodies(const World& world, std::vector<float>& keep, Bytes& bytes)
     return {collider.handle, keep.data(), keep.size() / 3 - (bytes.hostile() ? 1 : 0)};
 }
 
-const std::vector<Operation> kCloth = {build_cloth, build_collider, paint_cloth, solve_cloth,  solve_cloth,
-                                       lift_cover,  activate_cloth, free_one,    restore_cloth};
+const std::vector<Operation> kCloth = {build_cloth, build_collider, paint_cloth,    solve_cloth,
+                                       solve_cloth, lift_cover,     activate_cloth, free_one};
 
 }  // namespace rumple::fuzz

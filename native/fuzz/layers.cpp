@@ -110,12 +110,6 @@ void show(World& world, Bytes& bytes) {
     add_frame(world, frame, model.base, model.model);
 }
 
-void activate(World& world, Bytes& bytes) {
-    const auto state = world.layers_states.pick(bytes);
-    keep_state(world, MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_state_activated, state.handle),
-               state.base, state.model);
-}
-
 // What a file may hold: the arrays of a state, changed, for a model that may be another one.
 void restore(World& world, Bytes& bytes) {
     const auto from = world.layers_states.pick(bytes);
@@ -135,6 +129,13 @@ void restore(World& world, Bytes& bytes) {
         MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_state_build, model.handle, layers.data(),
              layers.size() - (layers.empty() ? 0 : lost), solved.data(), size_t(view.solved_count)),
         model.base, model.model);
+}
+
+void activate(World& world, Bytes& bytes) {
+    const auto state = world.layers_states.pick(bytes);
+    keep_state(world, MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_state_activated, state.handle),
+               state.base, state.model);
+    restore(world, bytes);
 }
 
 // The whole way: a dense mesh, a coarse one over it, layers on that.
@@ -206,7 +207,7 @@ void free_one(World& world, Bytes& bytes) {
 
 }  // namespace
 
-const std::vector<Operation> kLayers = {build_model, solve,          solve,         show,     build_paint,
-                                        activate,    build_transfer, show_transfer, free_one, restore};
+const std::vector<Operation> kLayers = {build_model, solve,          solve,         show,    build_paint,
+                                        activate,    build_transfer, show_transfer, free_one};
 
 }  // namespace rumple::fuzz
