@@ -36,6 +36,15 @@ def arguments() -> argparse.Namespace:
     slurm.add_argument("--sbatch", action="append", default=[], metavar="OPTION",
                        help="for sbatch, as --sbatch=--partition=night; may be given again")
     slurm.add_argument("--dry-run", action="store_true", help="write everything, submit nothing")
+    night = kinds.add_parser("simulate", help="a Slurm of its own schedules tasks that sleep in place of bakes")
+    night.add_argument("--garments", type=int, default=1000, metavar="N")
+    night.add_argument("--workers", type=int, default=200, metavar="N", help="nodes, each bakes one garment at a time")
+    night.add_argument("--killed", type=float, default=0.05, metavar="SHARE", help="of the starts die in mid-bake")
+    night.add_argument("--broken", type=float, default=0.01, metavar="SHARE", help="of the garments cannot be baked")
+    night.add_argument("--nodes-lost", type=int, default=2, metavar="N", help="nodes that die while they bake")
+    night.add_argument("--scale", type=float, default=0.3, metavar="FACTOR", help="of a second of the bakes it sleeps")
+    night.add_argument("--seed", type=int, default=1)
+    night.add_argument("--keep", type=Path, metavar="DIR", help="keep the jobs and their report")
     for name, text in (("report", "write the report now"), ("run", "a task of an array")):
         kind = kinds.add_parser(name, help=text)
         kind.add_argument("jobs", type=Path, metavar="DIR")
@@ -57,6 +66,9 @@ def main() -> int:
     try:
         if chosen.command == "run":
             return farm_task.run(farm_jobs.Jobs.read(chosen.jobs), chosen.array, os.environ)
+        if chosen.command == "simulate":
+            import farm_simulate  # its Slurm is of the tests: tasks do not wait for it
+            return farm_simulate.simulate(chosen)
         if chosen.command == "report":
             return farm_report.write(farm_jobs.Jobs.read(chosen.jobs))
         jobs = farm_jobs.plan(chosen)

@@ -2,19 +2,22 @@
 """Baked clips: shown without handlers, whole or not at all, and stale ones are said."""
 from __future__ import annotations
 
+import json
 import os
 import struct
 import tempfile
 import unittest
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import bpy
 import numpy as np
 from rumple.blender import handlers, scheduler
+from rumple.blender.bake import clip, playback
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import modifier, runtimes
-from rumple.core import engine
+from rumple.core import clip_folder, clip_lock, engine
 from support import sleeve, vanilla_blender
 
 ATTRIBUTES = tuple(attribute.name for attribute in engine.COMMON_ATTRIBUTES)
@@ -34,6 +37,53 @@ class Baked(unittest.TestCase):
 
     def cache_object(self) -> bpy.types.Object:
         return modifier.cache_object(modifier.find(self.obj))
+
+    def test_a_clip_that_a_worker_bakes_is_left_to_it(self) -> None:
+        """The lock is that of `rumple bake`; who holds it and what to do is said, and nothing is changed."""
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+        path = self.clip()
+        before, lock = path.read_bytes(), path.with_name(f".{path.name}.lock")
+        self.assertEqual([file.name for file in path.parent.iterdir()], [path.name])  # it was given back
+        lock.write_text(json.dumps(dict(host="node_7", process=4711, started="", task="slurm 12_3")))
+        self.obj.rumple.mesh.bending = 0.5
+        with self.assertRaisesRegex(RuntimeError, "is being baked by process 4711 on node_7 .* ago: wait for it"):
+            bpy.ops.object.rumple_bake()
+        self.assertEqual(path.read_bytes(), before)
+        self.assertTrue(lock.is_file())
+        lock.write_text(json.dumps(dict(host=clip_folder.HOST, process=1 << 29, started="", task="")))
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})  # of a Blender that is gone
+        self.assertNotEqual(path.read_bytes(), before)
+        self.assertEqual([file.name for file in path.parent.iterdir()], [path.name])
+
+    def test_a_worker_leaves_a_clip_to_a_window_that_bakes_it(self) -> None:
+        for end in ("cancel", "finish"):
+            running = clip.ClipBake(bpy.context, self.obj)
+            running.step()
+            with self.assertRaisesRegex(clip_lock.Held, f"is being baked by process {os.getpid()} on "):
+                clip_lock.Lock(running.writer.clip)
+            while end == "finish" and running.step():
+                pass
+            getattr(running, end)()
+            clip_lock.Lock(running.writer.clip).release()
+        with mock.patch.object(clip.ClipBake, "_begin", side_effect=ValueError("no room")):
+            self.assertRaises(RuntimeError, bpy.ops.object.rumple_bake)
+        clip_lock.Lock(self.clip()).release()
+
+    def test_a_window_that_lost_its_lock_leaves_the_clip_alone(self) -> None:
+        """A computer that slept for long, say."""
+        for behind in (2, 20):
+            running = clip.ClipBake(bpy.context, self.obj)
+            path = running.writer.clip
+            for _ in range(behind):
+                running.step()
+            lock = running.lock.path
+            lock.write_text(json.dumps(dict(host="node_7", process=1, started="", task="")))
+            with mock.patch.object(clip_lock, "_TOUCHED", -1.0), self.assertRaisesRegex(
+                    playback.BakeError, "was taken over by process 1 on node_7: wait for it"):
+                running.step() if behind == 2 else running.finish()
+            running.cancel()
+            self.assertEqual([file.name for file in path.parent.iterdir()], [lock.name])
+            lock.unlink()
 
     def test_is_the_played_through_clip_and_needs_no_handlers(self) -> None:
         sleeve.play()

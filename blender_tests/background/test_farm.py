@@ -1,70 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command without a window: all or those that are named, ended and resumed to the bit, locked, verified."""
+"""The command without a window: all or those that are named, locked, verified. test_farm_ended.py: ended and resumed.
+"""
 from __future__ import annotations
 
-import contextlib
-import hashlib
-import io
 import json
 import os
 import shutil
-import tempfile
 import time
-import unittest
-from pathlib import Path
 from unittest import mock
 
 import bpy
-from rumple.blender.farm import bake, command, commands, source
+from rumple.blender.farm import bake, commands
 from rumple.blender.objects import modifier
 from rumple.core import clip_file, clip_folder
 from support import farm_scene, sleeve
-
-FRAMES = 8
-
-
-class Case(unittest.TestCase):
-
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-        self.blend, self.clips = self.folder / "shot.blend", self.folder / "rumple"
-        farm_scene.shot(FRAMES)
-        farm_scene.save(self.blend)
-
-    def run_command(self, *words: str) -> int:
-        """The exit code; what it said is in self.out and self.err."""
-        out, err = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            code = command.main([words[0], str(self.blend), *words[1:]])
-        self.out, self.err = out.getvalue(), err.getvalue()
-        return code
-
-    def data(self, *words: str) -> dict:
-        """What it says to machines."""
-        self.run_command(*words, "--json")
-        return json.loads(self.out.splitlines()[-1].removeprefix("Rumple: "))
-
-    def clip(self, name: str) -> Path:
-        """That of a garment: of its readable name."""
-        return next(self.clips.glob(f"shot-{clip_folder.clip_name('', name)[1:-13]}-*.pc2"))
-
-    def read_all(self, folder: Path | None = None) -> dict[str, str]:
-        """Hashes: unittest takes minutes to compare what is long and differs."""
-        return {path.name: hashlib.sha256(path.read_bytes()).hexdigest()
-                for path in sorted((folder or self.clips).iterdir())}
-
-    def end_after(self, name: str, samples: int) -> None:
-        """A bake of one garment that is ended."""
-        commands.open_file(self.blend, False)
-        obj = bpy.data.objects[name]
-        files = source.of_files()
-        bake.show_needed(obj, files)
-        running = bake.FarmBake(bpy.context, obj, source.of_garment(obj, files), False)
-        while running.partial.done < samples:
-            running.step()
-        running.stop()
+from support.farm_case import FRAMES, Case
 
 
 class Bakes(Case):
@@ -161,68 +111,6 @@ class Bakes(Case):
         about = bpy.data.objects[farm_scene.INNER].rumple
         self.assertEqual((about.bake_start, about.bake_end, about.bake_folder), (1, FRAMES, ""))
         self.assertEqual(self.run_command("check"), 0)
-
-
-class Ended(Case):
-    """The law: what was ended and resumed is, byte for byte, what was never ended."""
-
-    def check_resumed(self, name: str, passed: int) -> None:
-        """Ends it after five samples, with bits gone wrong in the third in a second round."""
-        self.assertEqual(self.run_command("bake"), 0)
-        clip = self.clip(name)
-        whole = clip.read_bytes()
-        for harm in (False, True):
-            clip.unlink()
-            self.end_after(name, 5)
-            partial = next(self.clips.glob(".*.partial"))
-            if harm:
-                data = bytearray(partial.read_bytes())
-                data[len(data) // 2] ^= 1
-                partial.write_bytes(data)
-            self.assertFalse(clip.exists())
-            found = self.data("bake", "--resume")["garments"][name]
-            self.assertEqual((found["resumed"], found["passed"]), (2, min(passed, 2)) if harm else (5, passed))
-            self.assertTrue(clip.read_bytes() == whole)
-            self.assertEqual(len(list(self.clips.iterdir())), 3)
-
-    def test_frames_that_depend_on_one_another(self) -> None:
-        self.check_resumed(farm_scene.OUTER, 0)
-
-    def test_independent_frames_are_not_solved_again(self) -> None:
-        self.check_resumed(farm_scene.FREE, 5)
-
-    def test_subframes_and_angles_go_on(self) -> None:
-        obj = bpy.data.objects[farm_scene.FREE]
-        bpy.ops.object.rumple_remove()
-        obj.rumple.field.stateless, obj.rumple.bake_samples = True, 2
-        sleeve.make_active(obj)
-        bpy.ops.object.rumple_add(method="FIELD")
-        obj.rumple.bake_end = FRAMES
-        farm_scene.save(self.blend)
-        self.check_resumed(farm_scene.FREE, 5)
-        self.assertEqual(self.run_command("bake", "--verify", "3", "--object", farm_scene.FREE), 0)
-
-    def test_of_another_file_nothing_is_used(self) -> None:
-        self.run_command("bake")
-        former = self.clip(farm_scene.FREE).read_bytes()
-        self.clip(farm_scene.FREE).unlink()
-        self.end_after(farm_scene.FREE, 5)
-        bpy.data.objects[farm_scene.FREE].rumple.mesh.bending = 0.1
-        farm_scene.save(self.blend)
-        self.assertEqual(self.data("bake", "--resume")["garments"][farm_scene.FREE]["resumed"], 0)
-        now = self.clip(farm_scene.FREE).read_bytes()
-        self.assertFalse(now == former)
-        self.clip(farm_scene.FREE).unlink()
-        self.run_command("bake")
-        self.assertTrue(self.clip(farm_scene.FREE).read_bytes() == now)
-
-    def test_sigterm_keeps_what_is_solved(self) -> None:
-        with mock.patch.object(bake, "_end_wanted", True):
-            self.assertEqual(self.run_command("bake", "--object", farm_scene.FREE), 143)
-        self.assertIn("kept for --resume", self.err)
-        self.assertEqual({path.suffix for path in self.clips.iterdir()}, {".partial", ".journal"})
-        self.assertEqual(self.data("bake", "--resume")["garments"][farm_scene.FREE]["resumed"], 1)
-        self.assertEqual({path.suffix for path in self.clips.iterdir()}, {".pc2"})
 
 
 class Locked(Case):

@@ -6,13 +6,12 @@ import shutil
 from unittest import mock
 
 import bpy
-import test_farm
 from rumple.blender.farm import check, commands
 from rumple.blender.nodes import wrinkle_tree
-from support import farm_scene
+from support import farm_case, farm_scene
 
 
-class Check(test_farm.Case):
+class Check(farm_case.Case):
 
     def kinds(self, *words: str) -> dict[str, str]:
         """Text of what is lacking, by kind."""

@@ -8,11 +8,10 @@ import shutil
 import subprocess
 from unittest import mock
 
-import test_farm
-from support import farm_scene
+from support import farm_case, farm_scene
 
 
-class Disk(test_farm.Case):
+class Disk(farm_case.Case):
 
     def mount(self, options: str, name: str = "rumple") -> None:
         """A file system of its own in the place of the clips, or of another folder beside the file."""

@@ -11,10 +11,9 @@ from typing import Any
 
 import bpy
 import numpy as np
-import test_farm
 from rumple.blender.farm import bake, commands, poses, source
 from rumple.core import pose_set
-from support import farm_scene
+from support import farm_case, farm_scene
 
 NAME = farm_scene.FREE
 FIRST = "c5d2a8bdb13445e4"  # of SHAKE-128 of "rumple poses 0 0"
@@ -37,7 +36,7 @@ class Drawn(unittest.TestCase):
         np.testing.assert_allclose(pose_set.widened(-1.0, 2.0, 100.0), (0.5 - math.pi, 0.5 + math.pi))
 
 
-class SetCase(test_farm.Case):
+class SetCase(farm_case.Case):
 
     def setUp(self) -> None:
         super().setUp()

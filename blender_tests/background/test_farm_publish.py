@@ -2,16 +2,18 @@
 """Publishing: only whole clips, into the folder that is named, whole or not at all."""
 from __future__ import annotations
 
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, Callable
 from unittest import mock
 
 import bpy
-import test_farm
-from rumple.blender.farm import commands
+from rumple.blender.farm import alembic, commands
 from rumple.core import usd_text
-from support import farm_scene
+from support import farm_case, farm_scene
 
 
-class Publish(test_farm.Case):
+class Publish(farm_case.Case):
 
     def test_without_a_whole_clip_nothing_is_published(self) -> None:
         self.assertEqual(self.run_command("publish"), 1)
@@ -47,3 +49,61 @@ class Publish(test_farm.Case):
             self.assertEqual(self.run_command("publish", "--object", farm_scene.INNER), 1)
         self.assertIn("is full: make room", self.err)
         self.assertEqual(list((self.folder / "publish").iterdir()), [])
+
+
+class Alembic(farm_case.Case):
+    """Debian's Blenders have no exporter: a stand-in has its interface, and writes what its file begins with."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        for name in (farm_scene.INNER, farm_scene.FREE):
+            bpy.data.objects[name].rumple.bake_samples = 2
+        farm_scene.save(self.blend)
+        self.run_command("bake", "--frames", "2-4")
+        self.asked: list[dict[str, Any]] = []
+
+    def publish(self, write: Callable[[Path], Any], *words: str) -> int:
+        def export(**asked: Any) -> None:
+            chosen = [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()]
+            self.asked.append(dict(asked, chosen=chosen))
+            write(Path(asked["filepath"]))
+        here = SimpleNamespace(app=SimpleNamespace(alembic=SimpleNamespace(supported=True)),
+                               ops=SimpleNamespace(wm=SimpleNamespace(alembic_export=export)))
+        with mock.patch.object(alembic, "bpy", here):
+            return self.run_command("publish", "--format", "alembic", *words)
+
+    def left(self) -> list[str]:
+        folder = self.folder / "publish"
+        return sorted(path.name for path in folder.iterdir()) if folder.exists() else []
+
+    def test_a_blender_without_it_says_so_and_writes_nothing(self) -> None:
+        self.assertFalse(bpy.app.alembic.supported)  # where one has it, the other tests are to be run with it
+        self.assertEqual(self.run_command("publish", "--format", "alembic"), 1)
+        self.assertEqual(self.err.count("this Blender was built without Alembic: publish USD"), 3)
+        self.assertEqual(self.left(), [])
+
+    def test_each_garment_alone_with_the_samples_of_its_bake(self) -> None:
+        self.assertEqual(self.publish(lambda path: path.write_bytes(b"Ogawa\xff\0\1")), 0, self.err)
+        self.assertEqual(sorted(found["chosen"] for found in self.asked),
+                         sorted([name] for name in (farm_scene.INNER, farm_scene.OUTER, farm_scene.FREE)))
+        for found in self.asked:
+            samples = 1 if found["chosen"] == [farm_scene.OUTER] else 2
+            self.assertEqual([found[word] for word in ("start", "end", "gsamples", "xsamples", "selected", "uvs")],
+                             [2, 4, samples, samples, True, True])
+        self.assertEqual(len(self.left()), 3)
+        for name in self.left():
+            self.assertRegex(name, r"^shot-\w+-[0-9a-f]+-2-4\.abc$")
+
+    def test_what_is_not_whole_is_not_left(self) -> None:
+        def fails(path: Path) -> None:
+            raise RuntimeError("Error: no room\n")
+        for write, said in ((lambda path: path.write_bytes(b"Ogawa\0\0\1"), "was not written as a whole"),
+                            (lambda path: None, "was not written as a whole"), (fails, "exporter failed: Error: no")):
+            self.assertEqual(self.publish(write, "--object", farm_scene.FREE), 1)
+            self.assertIn(said, self.err)
+            self.assertEqual(self.left(), [])
+
+    def test_what_is_of_usd_is_refused(self) -> None:
+        for words in (["--attributes"], ["--scheme", "catmullClark"]):
+            self.assertEqual(self.run_command("publish", "--format", "alembic", *words), 2)
+            self.assertIn("are of USD", self.err)

@@ -9,12 +9,11 @@ from unittest import mock
 
 import bpy
 import numpy as np
-import test_farm
 from rumple.blender import compat
 from rumple.blender.farm import commands, images
 from rumple.core import clip_file, clip_folder, clip_partial, vat
 from rumple.core.clip_manifest import ClipFault
-from support import farm_scene, textures
+from support import farm_case, farm_scene, textures
 
 MOST = 2e-4  # metres
 
@@ -63,7 +62,7 @@ def fetched(picture: np.ndarray, uv: np.ndarray, frame: int) -> np.ndarray:
     return picture[np.floor((1.0 - v + frame / height) * height).astype(int), np.floor(u * width).astype(int)]
 
 
-class Textures(test_farm.Case):
+class Textures(farm_case.Case):
     """Of the coat, which has a UV map with seams."""
 
     NAME, FRAMES = farm_scene.OUTER, range(1, 7)
@@ -180,7 +179,7 @@ def numbers_of(uv: np.ndarray, size: tuple[int, int], frames: int) -> np.ndarray
     return np.floor((1.0 - uv[:, 1]) * size[1]).astype(int) // frames * size[0] + column
 
 
-class Refused(test_farm.Case):
+class Refused(farm_case.Case):
 
     def left(self) -> list[str]:
         folder = self.folder / "publish"

@@ -114,6 +114,10 @@ class InGerman(InLanguage):
         self.assertEqual(
             translation.said("Shirt: frame 3 is outside the bake (10 to 20), so live folds are shown there"),
             "Shirt: Bild 3 liegt außerhalb des Gebackenen (10 bis 20), dort sind die Falten live")
+        self.assertEqual(
+            translation.said("Shirt: a-Shirt-1.pc2 is being baked by process 7 on n1, last heard of 3 s ago: wait for "
+                             "it"),
+            "Shirt: a-Shirt-1.pc2 wird gerade von process 7 on n1 gebacken, zuletzt vor 3 s gehört: darauf warten")
         self.assertEqual(translation.said("Body: nothing to wrinkle"), "Body: nichts, was Falten werfen kann")
         self.assertEqual(translation.said("A: B: nothing to wrinkle"), "A: B: nichts, was Falten werfen kann")
         self.assertEqual(translation.said("Choose a mesh object first"), "Erst ein Mesh-Objekt wählen")

@@ -34,12 +34,12 @@ MpiDefault=none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 SchedulerType=sched/builtin
-SchedulerParameters=sched_interval=1,sched_min_interval=0
+SchedulerParameters=sched_interval=1,sched_min_interval=0,default_queue_depth=2000
 JobAcctGatherType=jobacct_gather/none
 AccountingStorageType=accounting_storage/none
 ReturnToService=2
-SlurmdTimeout=6
-MessageTimeout=5
+SlurmdTimeout={timeout}
+MessageTimeout={message}
 KillWait=2
 MinJobAge=3600
 NodeName=n[1-{nodes}] NodeHostname={host} NodeAddr=127.0.0.1 Port=[{ports[1]}-{ports[2]}] CPUs=1 RealMemory=500
@@ -59,7 +59,9 @@ def _path() -> str:
 class Slurm:
     """Runs from start() to stop()."""
 
-    def __init__(self, folder: Path, nodes: int) -> None:
+    def __init__(self, folder: Path, nodes: int, timeout: int = 6) -> None:
+        """timeout: seconds after which a node that says nothing is dead."""
+        self.timeout = timeout
         self.folder, self.nodes = folder, [f"n{number}" for number in range(1, nodes + 1)]
         self.environment = {**os.environ, "PATH": _path(), "SLURM_CONF": str(folder / "slurm.conf")}
 
@@ -73,6 +75,7 @@ class Slurm:
         first = _free_ports(len(self.nodes) + 1)
         (folder / "slurm.conf").write_text(CONFIGURATION.format(
             host=platform.node().split(".")[0], folder=folder, user=getpass.getuser(), nodes=len(self.nodes),
+            timeout=self.timeout, message=max(5, self.timeout // 2),
             ports=(first, first + 1, first + len(self.nodes))))
         self.run("munged", "--force", f"--key-file={folder}/key/key", f"--socket={folder}/munge/socket",
                  f"--pid-file={folder}/munged.pid", f"--log-file={folder}/munged.log", f"--seed-file={folder}/seed",
@@ -80,12 +83,13 @@ class Slurm:
         self.run("slurmctld")
         for node in self.nodes:
             self.run("slurmd", "-N", node)
-        self.wait_for(lambda: self.run("sinfo", "-h", "-o", "%D", "-t", "idle").strip() == str(len(self.nodes)), 30.0)
+        self.wait_for(lambda: self.run("sinfo", "-h", "-o", "%D", "-t", "idle").strip() == str(len(self.nodes)),
+                      30.0 + len(self.nodes))
 
-    def run(self, *command: str, check: bool = True) -> str:
+    def run(self, *command: str, check: bool = True, seconds: float = 60.0) -> str:
         """What a program of this Slurm says."""
         done = subprocess.run(command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              text=True, timeout=60)
+                              text=True, timeout=seconds)
         if check and done.returncode:
             raise AssertionError(f"{' '.join(command)}: {done.stdout}")
         return done.stdout

@@ -8,9 +8,11 @@ import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
+from rumple.core.checkpoint import Checkpoint
 from rumple.core.clip_manifest import Manifest
 from rumple.core.clip_partial import PartialWriter
 from rumple.core.frame_result import FrameResult
@@ -105,6 +107,43 @@ class Case(unittest.TestCase):
                  lambda data: data.__delitem__(slice(-cut, None)))
         file = self.end_after(4)
         harm(file.with_name(file.name.removesuffix(".partial") + ".journal"), 0, lambda data: data.__setitem__(0, 0xff))
+
+    def test_a_state_is_of_samples_that_are_whole_and_of_this_bake(self) -> None:
+        def end_with_state(sample: int) -> PartialWriter:
+            writer = self.writer(resume=False)
+            self.add(writer, 0, 4)
+            writer.save(Checkpoint(sample, {"a": np.arange(5)}))
+            writer.keep()
+            return writer
+
+        end_with_state(2)
+        for _ in range(2):  # who goes on has it at once, and hands it on where it is ended before its own
+            writer = self.writer()
+            self.assertIsNotNone(writer.checkpoint)
+            self.assertEqual((writer.checkpoint.sample, writer.kept), (2, 4))
+            np.testing.assert_array_equal(writer.checkpoint.arrays["a"], np.arange(5))
+            writer.keep()
+        self.finish(self.writer())  # nothing of it is left
+        self.clip.unlink()
+        end_with_state(4)  # behind samples that the disk has lost
+        self.assertIsNone(self.writer().checkpoint)
+        end_with_state(2)
+        writer = self.writer(inputs="other")
+        self.assertIsNone(writer.checkpoint)
+        writer.discard()
+        self.assertEqual(os.listdir(self.clip.parent), [])
+
+    def test_a_state_that_cannot_be_written_is_left_out(self) -> None:
+        writer = self.writer(resume=False)
+        self.add(writer, 0, 4)
+        writer.save(Checkpoint(1, {"a": np.arange(5)}))
+        with mock.patch("os.replace", side_effect=OSError(28, "")):
+            writer.save(Checkpoint(3, {"a": np.arange(5)}))
+        self.assertEqual({path.suffix for path in self.clip.parent.iterdir()}, {".partial", ".journal", ".state"})
+        writer.keep()
+        again = self.writer()
+        self.assertEqual(again.checkpoint.sample, 1)
+        self.finish(again)
 
     def test_of_several_the_longest_is_used_and_all_are_removed(self) -> None:
         first = self.end_after(3)

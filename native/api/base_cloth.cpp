@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <limits>
+
 #include "api/handles.h"
 #include "api/sound.h"
+#include "base/expect.h"
+#include "base/tolerances.h"
 #include "rumple.h"
 #include "surface/cloth/cover.h"
 #include "surface/cloth/swing.h"
@@ -76,6 +80,108 @@ rumple_base_cloth_report report_of(const base_cloth::Report& r) {
 
 const base_cloth::State* state_in(const rumple_base_cloth_state* state) {
     return state ? &state->result.state : nullptr;
+}
+
+// ---- what is kept, as plain arrays
+
+constexpr double kAnyTriangle = double(std::numeric_limits<Index>::max()) + 1.0;
+
+rumple_base_cloth_kept kept_of(const base_cloth::State& s) {
+    const base_cloth::Motion& m = s.motion;
+    rumple_base_cloth_kept kept{flat<float>(s.offset),
+                                s.offset.size(),
+                                s.length.data(),
+                                s.length.size(),
+                                s.clearance.data(),
+                                s.clearance.size(),
+                                s.ahead_height.data(),
+                                s.ahead_height.size(),
+                                s.body_hint.data(),
+                                s.body_hint.size(),
+                                s.contact_hint.data(),
+                                s.contact_hint.size(),
+                                flat<float>(m.position),
+                                m.position.size(),
+                                flat<float>(m.velocity),
+                                m.velocity.size(),
+                                flat<float>(m.animated),
+                                m.animated.size(),
+                                flat<float>(m.animated_before),
+                                m.animated_before.size(),
+                                s.moved,
+                                m.seconds,
+                                m.fastest,
+                                {},
+                                {}};
+    for (int k = 0; k < 3; ++k) {
+        kept.gravity[k] = m.gravity[k];
+        kept.wind[k] = m.wind[k];
+    }
+    return kept;
+}
+
+std::vector<Vec3> kept_vectors(const float* data, size_t count, size_t expected, const char* name) {
+    expect_rows_or_none(name, count, expected);
+    std::vector<Vec3> out = copied(vectors(data, count, name));
+    expect_finite<Vec3>(name, out, "vertex");
+    expect_range(name, floats_of(out), -kFarthestCoordinate, kFarthestCoordinate);
+    return out;
+}
+
+std::vector<float> kept_numbers(const float* data, size_t count, size_t expected, const char* name) {
+    expect_rows(name, count, expected);
+    std::vector<float> out = copied(values(data, count, name));
+    expect_numbers(name, out);
+    return out;
+}
+
+// triangles: that a hint may name. Those of the cloth are looked up as they are; those of a body are not,
+// since it may have become another one.
+std::vector<Index> kept_hints(const int32_t* data, size_t count, size_t expected, double triangles,
+                              const char* name) {
+    expect_rows_or_none(name, count, expected);
+    std::vector<Index> out = copied(values(data, count, name));
+    for (const Index hint : out) expect_within(name, hint, kNone, triangles - 1.0);
+    return out;
+}
+
+Vec3 kept_vector(const float* data, const char* name) {
+    for (int k = 0; k < 3; ++k) expect_within(name, data[k], -kFarthestCoordinate, kFarthestCoordinate);
+    return {data[0], data[1], data[2]};
+}
+
+base_cloth::Motion motion_of(size_t vertices, const rumple_base_cloth_kept& from) {
+    base_cloth::Motion m;
+    m.position = kept_vectors(from.position, from.position_count, vertices, "position");
+    m.velocity = kept_vectors(from.velocity, from.velocity_count, m.position.size(), "velocity");
+    m.animated = kept_vectors(from.animated, from.animated_count, m.position.size(), "animated");
+    m.animated_before =
+        kept_vectors(from.animated_before, from.animated_before_count, m.position.size(), "animated_before");
+    m.seconds = from.seconds;
+    m.fastest = from.fastest;
+    m.gravity = kept_vector(from.gravity, "gravity");
+    m.wind = kept_vector(from.wind, "wind");
+    expect_within("seconds", m.seconds, 0.0, kFarthestCoordinate);
+    expect_within("fastest", m.fastest, 0.0, base_cloth::Motion{}.fastest);
+    return m;
+}
+
+base_cloth::State state_of(const Model& model, const rumple_base_cloth_kept& from) {
+    const size_t vertices = model.area.size();
+    base_cloth::State s;
+    s.motion = motion_of(vertices, from);
+    expect_rows("offset", from.offset_count, s.motion.position.empty() ? vertices : 0);
+    s.offset = kept_vectors(from.offset, from.offset_count, vertices, "offset");
+    s.length = kept_numbers(from.length, from.length_count, model.springs.size(), "length");
+    s.clearance = kept_numbers(from.clearance, from.clearance_count, vertices, "clearance");
+    s.ahead_height = kept_numbers(from.ahead_height, from.ahead_height_count, vertices, "ahead_height");
+    s.body_hint = kept_hints(from.body_hint, from.body_hint_count, vertices, kAnyTriangle, "body_hint");
+    expect_rows("contact_hint", from.contact_hint_count, vertices);
+    s.contact_hint = kept_hints(from.contact_hint, from.contact_hint_count, vertices,
+                                double(model.surface.triangles.size()), "contact_hint");
+    s.moved = from.moved;
+    expect_within("moved", s.moved, 0.0, kFarthestCoordinate);
+    return s;
 }
 
 base_cloth::Paint paint_in(const rumple_base_cloth_paint* paint) {
@@ -162,6 +268,22 @@ rumple_status rumple_base_cloth_state_get_view(const rumple_base_cloth_state* st
                                flat<float>(r.state.motion.velocity),
                                flat<float>(r.state.offset),
                                r.state.clearance.data()};
+    });
+}
+
+rumple_status rumple_base_cloth_state_get_kept(const rumple_base_cloth_state* state,
+                                               rumple_base_cloth_kept* kept) {
+    return guarded([&] { given(kept, "kept") = kept_of(given(state, "state").result.state); });
+}
+
+rumple_status rumple_base_cloth_state_build(const rumple_base_cloth* model,
+                                            const rumple_base_cloth_kept* kept,
+                                            rumple_base_cloth_state** state) {
+    return made(state, "state", [&] {
+        const rumple_base_cloth& m = given(model, "model");
+        base_cloth::Result result;
+        result.state = state_of(*m.model, given(kept, "kept"));
+        return new rumple_base_cloth_state{m.model, std::move(result)};
     });
 }
 

@@ -16,6 +16,7 @@ struct StructSize {
 #define RUMPLE_SIZE(type) \
     { #type, sizeof(type) }
 inline constexpr StructSize kStructSizes[] = {
+    RUMPLE_SIZE(rumple_base_cloth_kept),
     RUMPLE_SIZE(rumple_base_cloth_painted),
     RUMPLE_SIZE(rumple_base_cloth_report),
     RUMPLE_SIZE(rumple_base_cloth_settings),

@@ -132,6 +132,25 @@ rumple_status rumple_wrinkle_layers_state_get_layer(const rumple_wrinkle_layers_
     });
 }
 
+rumple_status rumple_wrinkle_layers_state_build(const rumple_wrinkle_layers* model,
+                                                const rumple_wrinkle_mesh_state_view* layers,
+                                                size_t layers_count, const float* solved, size_t solved_count,
+                                                rumple_wrinkle_layers_state** state) {
+    return made(state, "state", [&] {
+        const rumple_wrinkle_layers& m = given(model, "model");
+        const auto from = values(layers, layers_count, "layers");
+        expect_rows("layers", from.size(), m.model->layers.size());
+        LayersState read;
+        for (size_t k = 0; k < from.size(); ++k)
+            read.layers.push_back(state_of(*m.model->layers[k], from[k]));
+        expect_rows("solved", solved_count, m.model->layers.back()->attached.size());
+        read.solved = copied(vectors(solved, solved_count, "solved"));
+        expect_finite<Vec3>("solved", read.solved, "vertex");
+        expect_range("solved", floats_of(read.solved), -kFarthestCoordinate, kFarthestCoordinate);
+        return new rumple_wrinkle_layers_state{m.model, std::move(read)};
+    });
+}
+
 rumple_status rumple_wrinkle_layers_state_activated(const rumple_wrinkle_layers_state* state,
                                                     rumple_wrinkle_layers_state** activated) {
     return made(activated, "activated", [&] {

@@ -83,6 +83,20 @@ rumple_wrinkle_mesh_state_view view_of(const State& s) {
             s.solved_length.size(), view_of(s.reference), bytes};
 }
 
+State state_of(const Model& model, const rumple_wrinkle_mesh_state_view& from) {
+    expect_rows("offset", from.offset_count, size_t(model.solved.vertex_count));
+    expect_rows_or_none("solved_length", from.solved_length_count,
+                        model.distance.size() + model.bending.size());
+    State read{copied(vectors(from.offset, from.offset_count, "offset")),
+               copied(values(from.solved_length, from.solved_length_count, "solved_length")),
+               state_of(from.reference)};
+    expect_finite<Vec3>("offset", read.offset, "vertex");
+    expect_range("offset", floats_of(read.offset), -kFarthestCoordinate, kFarthestCoordinate);
+    expect_numbers("solved_length", read.solved_length);
+    if (!read.reference.empty()) check_reference(model.base, read.reference);
+    return read;
+}
+
 rumple_wrinkle_mesh_report report_of(const Report& r) {
     return {r.iterations, r.error_before,        r.error_after, r.largest_error,
             r.active,     r.collapsed_triangles, r.kept_apart};
@@ -223,18 +237,7 @@ rumple_status rumple_wrinkle_mesh_state_build(const rumple_wrinkle_mesh* model,
                                               rumple_wrinkle_mesh_state** state) {
     return made(state, "state", [&] {
         const rumple_wrinkle_mesh& m = given(model, "model");
-        const rumple_wrinkle_mesh_state_view& from = given(arrays, "arrays");
-        expect_rows("offset", from.offset_count, size_t(m.model->solved.vertex_count));
-        expect_rows_or_none("solved_length", from.solved_length_count,
-                            m.model->distance.size() + m.model->bending.size());
-        State read{copied(vectors(from.offset, from.offset_count, "offset")),
-                   copied(values(from.solved_length, from.solved_length_count, "solved_length")),
-                   state_of(from.reference)};
-        expect_finite<Vec3>("offset", read.offset, "vertex");
-        expect_range("offset", floats_of(read.offset), -kFarthestCoordinate, kFarthestCoordinate);
-        expect_numbers("solved_length", read.solved_length);
-        if (!read.reference.empty()) check_reference(m.model->base, read.reference);
-        return new rumple_wrinkle_mesh_state{m.model, std::move(read)};
+        return new rumple_wrinkle_mesh_state{m.model, state_of(*m.model, given(arrays, "arrays"))};
     });
 }
 

@@ -11,6 +11,8 @@ wrinkle_mesh::Settings mesh_settings(const rumple_wrinkle_mesh_settings* setting
 wrinkle_mesh::Paint mesh_painted(const rumple_wrinkle_mesh_painted& painted, const Surface& base);
 rumple_wrinkle_mesh_view view_of(const wrinkle_mesh::Model& model);
 rumple_wrinkle_mesh_state_view view_of(const wrinkle_mesh::State& state);
+// Checked as a whole. Throws InvalidInput.
+wrinkle_mesh::State state_of(const wrinkle_mesh::Model& model, const rumple_wrinkle_mesh_state_view& arrays);
 rumple_wrinkle_mesh_report report_of(const wrinkle_mesh::Report& report);
 
 }  // namespace rumple::api

@@ -65,7 +65,8 @@ void keep_state(World& world, rumple_base_cloth_state* state, const Entry<rumple
     expect_finite("cloth offset", view.offset, 3 * size_t(view.offset_count));
     expect_finite("clearance", view.clearance, size_t(view.clearance_count));
     expect_within("body hint", view.body_hint, size_t(view.body_hint_count), -1, 6000);
-    require(view.vertex_count == model.base->vertices, "vertices", "rumple_base_cloth_state_get_view");
+    require(view.vertex_count == model.base->vertices || view.vertex_count == 0, "vertices",
+            "rumple_base_cloth_state_get_view");
 }
 
 void solve_cloth(World& world, Bytes& bytes) {
@@ -93,10 +94,47 @@ void solve_cloth(World& world, Bytes& bytes) {
     keep_state(world, state, model);
 }
 
+// What a file may hold: what is kept of a state, changed, for a model that may be another one.
+void restore_cloth(World& world, Bytes& bytes) {
+    const auto from = world.cloth_states.pick(bytes);
+    const auto model = world.cloths.pick(bytes);
+    rumple_base_cloth_kept kept{};
+    if (CALL(rumple_base_cloth_state_get_kept, from.handle, &kept) != RUMPLE_OK) return;
+    std::vector<float> offset(kept.offset, kept.offset + 3 * kept.offset_count),
+        velocity(kept.velocity, kept.velocity + 3 * kept.velocity_count),
+        position(kept.position, kept.position + 3 * kept.position_count),
+        length(kept.length, kept.length + kept.length_count);
+    std::vector<std::int32_t> contact(kept.contact_hint, kept.contact_hint + kept.contact_hint_count),
+        body(kept.body_hint, kept.body_hint + kept.body_hint_count);
+    for (auto* array : {&offset, &velocity, &position, &length}) {
+        if (bytes.byte() % 8 == 7 && !array->empty())
+            (*array)[bytes.byte() % array->size()] = bytes.real(-2.0f, 2.0f);
+    }
+    for (auto* array : {&contact, &body}) {
+        if (bytes.byte() % 8 == 7 && !array->empty())
+            (*array)[bytes.byte() % array->size()] = bytes.whole(-3, 6000);
+    }
+    kept.offset = offset.data();
+    kept.velocity = velocity.data();
+    kept.position = position.data();
+    kept.length = length.data();
+    kept.contact_hint = contact.data();
+    kept.body_hint = body.data();
+    bytes.vary(kept.moved, kept.seconds, kept.fastest);
+    if (bytes.hostile()) kept.velocity_count = 0;
+    if (bytes.hostile()) kept.contact_hint_count = 0;
+    if (bytes.hostile()) kept.offset_count = 0;
+    keep_state(world,
+               MAKE(rumple_base_cloth_state, rumple_base_cloth_state_build, model.handle,
+                    bytes.hostile() ? nullptr : &kept),
+               model);
+}
+
 void activate_cloth(World& world, Bytes& bytes) {
     const auto state = world.cloth_states.pick(bytes);
     world.cloth_states.add(MAKE(rumple_base_cloth_state, rumple_base_cloth_state_activated, state.handle),
                            state.base, state.model);
+    restore_cloth(world, bytes);
 }
 
 void lift_cover(World& world, Bytes& bytes) {

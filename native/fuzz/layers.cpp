@@ -110,10 +110,32 @@ void show(World& world, Bytes& bytes) {
     add_frame(world, frame, model.base, model.model);
 }
 
+// What a file may hold: the arrays of a state, changed, for a model that may be another one.
+void restore(World& world, Bytes& bytes) {
+    const auto from = world.layers_states.pick(bytes);
+    const auto model = world.layers.pick(bytes);
+    rumple_wrinkle_layers_state_view view{};
+    if (CALL(rumple_wrinkle_layers_state_get_view, from.handle, &view) != RUMPLE_OK) return;
+    std::vector<rumple_wrinkle_mesh_state_view> layers(size_t(view.layer_count));
+    for (std::int32_t k = 0; k < view.layer_count; ++k)
+        CALL(rumple_wrinkle_layers_state_get_layer, from.handle, k, &layers[size_t(k)]);
+    std::vector<float> solved(view.solved, view.solved + 3 * view.solved_count);
+    if (bytes.byte() % 8 == 7 && !solved.empty())
+        solved[bytes.byte() % solved.size()] = bytes.real(-2.0f, 2.0f);
+    if (bytes.hostile() && !layers.empty()) layers.back().solved_length_count = 0;
+    const size_t lost = bytes.hostile() ? 1 : 0;
+    keep_state(
+        world,
+        MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_state_build, model.handle, layers.data(),
+             layers.size() - (layers.empty() ? 0 : lost), solved.data(), size_t(view.solved_count)),
+        model.base, model.model);
+}
+
 void activate(World& world, Bytes& bytes) {
     const auto state = world.layers_states.pick(bytes);
     keep_state(world, MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_state_activated, state.handle),
                state.base, state.model);
+    restore(world, bytes);
 }
 
 // The whole way: a dense mesh, a coarse one over it, layers on that.

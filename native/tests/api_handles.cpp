@@ -10,7 +10,7 @@
 #include "systems/wrinkle_field/wrinkle_field.h"
 #include "systems/wrinkle_mesh/wrinkle_mesh.h"
 #include "systems/wrinkle_paths/wrinkle_paths.h"
-#include "tests/api_sheet.h"
+#include "tests/api_player.h"
 
 namespace rumple::api {
 namespace {
@@ -132,6 +132,51 @@ TEST(ApiHandles, AStateOfPlainArraysGoesOnAsTheOneThatTheyAreOf) {
     EXPECT_EQ(std::memcmp(one.offset, two.offset, one.offset_count * 3 * sizeof(float)), 0);
     for (rumple_wrinkle_mesh_state* each : {state, again, next, next_again})
         rumple_wrinkle_mesh_state_free(each);
+}
+
+// Cloth at rest and cloth that swings, two frames, and a third from what was kept of the second.
+TEST(ApiHandles, KeptClothGoesOnAsTheOneThatItIsOf) {
+    const Sheet sheet;
+    rumple_base_cloth* model = nullptr;
+    ASSERT_EQ(rumple_base_cloth_build(sheet.surface(), &model), RUMPLE_OK);
+    const auto cloth = owned(model, rumple_base_cloth_free);
+    const rumple_base_cloth_settings settings = rumple_base_cloth_settings_default();
+    rumple_base_cloth_swing swing = rumple_base_cloth_swing_default();
+    swing.seconds = 0.04f;
+    for (const bool swings : {false, true}) {
+        float squeeze = 1.0f;
+        const auto solve = [&](const rumple_base_cloth_state* before) {
+            std::vector<float> at = sheet.positions;
+            for (size_t v = 0; v < 4; ++v) at[3 * v] *= squeeze;
+            rumple_base_cloth_state* state = nullptr;
+            EXPECT_EQ(swings ? rumple_base_cloth_swing_solve(model, &settings, &swing, nullptr, at.data(), 4,
+                                                             nullptr, before, nullptr, &state)
+                             : rumple_base_cloth_solve(model, &settings, nullptr, at.data(), 4, nullptr,
+                                                       before, nullptr, &state),
+                      RUMPLE_OK)
+                << rumple_error();
+            return owned(state, rumple_base_cloth_state_free);
+        };
+        const auto first = solve(nullptr);
+        squeeze = 0.9f;
+        const auto second = solve(first.get());
+        rumple_base_cloth_kept kept;
+        ASSERT_EQ(rumple_base_cloth_state_get_kept(second.get(), &kept), RUMPLE_OK);
+        EXPECT_EQ(kept.position_count, swings ? 4u : 0u);
+        rumple_base_cloth_state* built = nullptr;
+        ASSERT_EQ(rumple_base_cloth_state_build(model, &kept, &built), RUMPLE_OK) << rumple_error();
+        const auto again = owned(built, rumple_base_cloth_state_free);
+        squeeze = 0.8f;
+        rumple_base_cloth_state_view one, two, jumped;
+        ASSERT_EQ(rumple_base_cloth_state_get_view(again.get(), &one), RUMPLE_OK);
+        EXPECT_EQ(one.vertex_count, 0);
+        const auto next = solve(second.get()), next_again = solve(again.get()), alone = solve(nullptr);
+        ASSERT_EQ(rumple_base_cloth_state_get_view(next.get(), &one), RUMPLE_OK);
+        ASSERT_EQ(rumple_base_cloth_state_get_view(next_again.get(), &two), RUMPLE_OK);
+        ASSERT_EQ(rumple_base_cloth_state_get_view(alone.get(), &jumped), RUMPLE_OK);
+        EXPECT_EQ(std::memcmp(one.positions, two.positions, 12 * sizeof(float)), 0);
+        EXPECT_NE(std::memcmp(one.positions, jumped.positions, 12 * sizeof(float)), 0);  // it counts
+    }
 }
 
 TEST(ApiHandles, AFrameOfAnotherSystemHasNoWavesAndNoFolds) {

@@ -43,6 +43,45 @@ TEST(ApiLimits, AStateIsReadAsAWhole) {
     EXPECT_EQ(read, nullptr);
 }
 
+// A hint of the cloth's own triangles is looked up as it is.
+TEST(ApiLimits, KeptClothIsReadAsAWhole) {
+    const Sheet sheet;
+    rumple_base_cloth* model = nullptr;
+    ASSERT_EQ(rumple_base_cloth_build(sheet.surface(), &model), RUMPLE_OK);
+    const auto cloth = owned(model, rumple_base_cloth_free);
+    const rumple_base_cloth_settings settings = rumple_base_cloth_settings_default();
+    rumple_base_cloth_state *solved = nullptr, *read = nullptr;
+    ASSERT_EQ(rumple_base_cloth_solve(model, &settings, nullptr, sheet.positions.data(), 4, nullptr, nullptr,
+                                      nullptr, &solved),
+              RUMPLE_OK);
+    const auto state = owned(solved, rumple_base_cloth_state_free);
+    rumple_base_cloth_kept good;
+    ASSERT_EQ(rumple_base_cloth_state_get_kept(solved, &good), RUMPLE_OK);
+    const auto refused = [&](const std::string& begins, const auto& harm) {
+        rumple_base_cloth_kept kept = good;
+        harm(kept);
+        expect_refused(rumple_base_cloth_state_build(model, &kept, &read), begins);
+        EXPECT_EQ(read, nullptr);
+    };
+    std::vector<int32_t> hints(good.contact_hint, good.contact_hint + 4);
+    for (const int32_t bad : {kLeast, -2, 2, kMost}) {
+        hints[3] = bad;
+        refused("contact_hint: expected -1 to 1, got", [&](auto& kept) { kept.contact_hint = hints.data(); });
+    }
+    std::vector<float> offset(good.offset, good.offset + 12);
+    offset[5] = kNone;
+    refused("offset: vertex 1 is not finite", [&](auto& kept) { kept.offset = offset.data(); });
+    refused("moved: expected 0 to", [](auto& kept) { kept.moved = kNone; });
+    refused("fastest: expected 0 to", [](auto& kept) { kept.fastest = -1.0f; });
+    refused("wind: expected", [](auto& kept) { kept.wind[1] = 1e30f; });
+    refused("offset", [](auto& kept) { kept.offset_count = 0; });
+    refused("contact_hint", [](auto& kept) { kept.contact_hint_count = 0; });
+    refused("length", [](auto& kept) { kept.length_count -= 1; });
+    refused("body_hint", [](auto& kept) { kept.body_hint = kept.contact_hint, kept.body_hint_count = 3; });
+    ASSERT_EQ(rumple_base_cloth_state_build(model, &good, &read), RUMPLE_OK) << rumple_error();
+    rumple_base_cloth_state_free(read);
+}
+
 struct Field {
     Sheet sheet;
     std::shared_ptr<rumple_wrinkle_field> model;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who bakes a clip: a file beside it, so that two workers at one clip do not harm one another. No bpy here.
+"""Who bakes a clip, a worker or a window: a file beside it, so that two of them do not harm one another. No bpy here.
 
 The file names host, process and, in a queue, the task ($RUMPLE_TASK: the same when a task is started again). Its holder
 touches it while it works: its age is what a file server says, since the clocks of two machines differ. A lock is
@@ -117,7 +117,8 @@ class Lock:
             return  # released meanwhile
         if age < oldest and not (holder is not None and holder.is_gone()):
             who = holder.in_words() if holder is not None else "somebody"
-            raise Held(f"{self.clip.name} is being baked by {who}, last heard of {max(age, 0.0):.0f} s ago")
+            age = max(age, 0.0)
+            raise Held(f"{self.clip.name} is being baked by {who}, last heard of {age:.0f} s ago: wait for it")
         aside = clip_folder.temporary(self.path)
         try:
             os.rename(self.path, aside)
@@ -153,7 +154,8 @@ class Lock:
         """Raises Held where it was taken over."""
         holder = Holder.read(self.path)
         if holder != self.holder:
-            raise Held(f"{self.clip.name} was taken over by " + (holder.in_words() if holder else "somebody"))
+            who = holder.in_words() if holder is not None else "somebody"
+            raise Held(f"{self.clip.name} was taken over by {who}: wait for it")
 
     def release(self) -> None:
         """Never raises."""

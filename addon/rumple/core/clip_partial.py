@@ -2,12 +2,14 @@
 """A bake that can be ended at any time and goes on later. No bpy here.
 
 Beside the clip lie two files of the worker's own: the samples so far, as in the clip, and a journal, a line for each
-sample with its checksum and its pose. The first line says what is baked from what, and by what. A worker that goes on
-copies, of all such files of the clip, the most samples whose checksums hold. The clip itself appears by one rename.
+sample with its checksum and its pose. The first line says what is baked from what, and by what. A third one has what
+lives on behind one of the samples (checkpoint.py), where frames go on from one another. A worker that goes on copies,
+of all such files of the clip, the most samples whose checksums hold. The clip itself appears by one rename.
 """
 from __future__ import annotations
 
 import json
+import os
 import zlib
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -16,11 +18,12 @@ from typing import BinaryIO, Iterator, TextIO
 import numpy as np
 
 from . import clip_file, clip_folder, clip_manifest
+from .checkpoint import Checkpoint
 from .clip_file import ClipWriter
 from .clip_manifest import ClipFault, Manifest
 from .engine import Attribute, FrameResult
 
-_SAMPLES, _JOURNAL = ".partial", ".journal"
+_SAMPLES, _JOURNAL, _STATE = ".partial", ".journal", ".state"
 
 
 @dataclass
@@ -44,14 +47,15 @@ def _files(clip: Path) -> list[Path]:
                   if path.name.startswith(start) and path.name.endswith(_SAMPLES))
 
 
-def _journal(file: Path) -> Path:
-    return file.with_name(file.name.removesuffix(_SAMPLES) + _JOURNAL)
+def _beside(file: Path, suffix: str) -> Path:
+    """What belongs to the samples in a file."""
+    return file.with_name(file.name.removesuffix(_SAMPLES) + suffix)
 
 
 def _read(file: Path, manifest: Manifest, made_by: str) -> _Kept | None:
     """None where it is of another bake. A line that was cut short ends it. Raises OSError."""
     kept = _Kept(file)
-    with open(_journal(file), encoding="ascii", errors="replace") as journal:
+    with open(_beside(file, _JOURNAL), encoding="ascii", errors="replace") as journal:
         if journal.readline() != _identity(manifest, made_by) + "\n":
             return None
         for line in journal:
@@ -75,7 +79,7 @@ def remove_others(clip: Path, but: Path | None = None) -> None:
     except OSError:
         return
     for file in found:
-        for path in (file, _journal(file)):
+        for path in (file, _beside(file, _JOURNAL), _beside(file, _STATE)):
             try:
                 path.unlink(missing_ok=True)
             except OSError:
@@ -92,6 +96,7 @@ class PartialWriter(ClipWriter):
                  made_by: str) -> None:
         self.made_by, self.resume = made_by, resume
         self.done = 0  # samples that are known to be right
+        self.checkpoint: Checkpoint | None = None  # behind one of the samples that are kept
         self.journal: TextIO | None = None
         try:
             super().__init__(clip, manifest, attributes)
@@ -112,10 +117,15 @@ class PartialWriter(ClipWriter):
         found = list(self._found()) if self.resume else []
         super()._open()
         assert self.file is not None
-        self.journal = open(_journal(self.temporary), "w", encoding="ascii")
+        self.journal = open(_beside(self.temporary, _JOURNAL), "w", encoding="ascii")
         self.journal.write(_identity(self.manifest, self.made_by) + "\n")
         if found:
-            self._copy(max(found, key=lambda kept: len(kept.checksums)))
+            longest = max(found, key=lambda kept: len(kept.checksums))
+            self._copy(longest)
+            state = Checkpoint.read(_beside(longest.file, _STATE), _identity(self.manifest, self.made_by))
+            if state is not None and state.sample < self.kept:
+                self.checkpoint = state
+                self.save(state)
         remove_others(self.clip, self.temporary)
 
     def _found(self) -> Iterator[_Kept]:
@@ -146,6 +156,21 @@ class PartialWriter(ClipWriter):
         self.manifest.poses.append(pose)
         self.journal.write(json.dumps([checksum, pose]) + "\n")
         self.journal.flush()
+
+    def save(self, checkpoint: Checkpoint) -> None:
+        """For a bake that resumes, in place of the one before. Never raises: one that cannot be written is left out."""
+        assert self.file is not None and self.journal is not None
+        path = clip_folder.temporary(self.clip)
+        try:
+            for written in (self.file.fileno(), self.journal.fileno()):
+                os.fsync(written)  # a state behind samples that are not on the disk is of no use
+            with open(path, "wb") as state:
+                state.write(checkpoint.to_bytes(_identity(self.manifest, self.made_by)))
+                state.flush()
+                os.fsync(state.fileno())
+            os.replace(path, _beside(self.temporary, _STATE))
+        except (OSError, ValueError):  # ValueError: a file that is closed
+            clip_folder.discard(path)
 
     def pass_over(self, samples: int) -> None:
         """Take the first ones as they are kept; the next one goes on from them."""
@@ -189,7 +214,7 @@ class PartialWriter(ClipWriter):
     def commit(self) -> None:
         super().commit()
         remove_others(self.clip)
-        self._remove_journal()
+        self._remove_beside()
 
     def keep(self) -> None:
         """Ended: what is there is left for another one to go on. Never raises."""
@@ -203,7 +228,7 @@ class PartialWriter(ClipWriter):
     def discard(self) -> None:
         super().discard()
         self._close_journal()
-        self._remove_journal()
+        self._remove_beside()
 
     def _close_journal(self) -> None:
         try:
@@ -212,11 +237,9 @@ class PartialWriter(ClipWriter):
         except OSError:
             pass
 
-    def _remove_journal(self) -> None:
-        try:
-            _journal(self.temporary).unlink(missing_ok=True)
-        except OSError:
-            pass
+    def _remove_beside(self) -> None:
+        for suffix in (_JOURNAL, _STATE):
+            clip_folder.discard(_beside(self.temporary, suffix))
 
 
 def points_in(clip: Path, manifest: Manifest, sample: int) -> np.ndarray:

@@ -181,9 +181,9 @@ class Wrinkles(ShownMesh):
         cloth = cloth_of(before)
         if cloth is not None and not same_settings:
             cloth = cloth.activated()
-        cloth = self._base_cloth().solve(settings, self._cloth_paint, positions, frame_input.world_from_object,
-                                         frame_input.body, cloth, not self._keeps_off_bodies(), frame_input.seconds,
-                                         frame_input.surroundings)
+        cloth = self.base_cloth().solve(settings, self._cloth_paint, positions, frame_input.world_from_object,
+                                        frame_input.body, cloth, not self._keeps_off_bodies(), frame_input.seconds,
+                                        frame_input.surroundings)
         pose = self._pose(cloth.positions, frame_input)
         state, report = self._solve(settings, pose, own, same_settings, replace(frame_input, cloth=cloth))
         return OnCloth(cloth, state), OnClothReport(cloth.report, report, frame_input.body is not None,
@@ -194,7 +194,8 @@ class Wrinkles(ShownMesh):
         over = self.solved_over(frame, positions)
         return self._last_pose[1] if np.array_equal(self._last_pose[0], over) else over
 
-    def _base_cloth(self) -> Stage:
+    def base_cloth(self) -> Stage:
+        """Built once."""
         if self._stage is None:
             self._stage = Stage(self.solved_surface, self.base.diagonal(), self.unit_scale,
                                 lambda up: self._where_solved(suggested_follow(self.surface, up)))

@@ -85,12 +85,18 @@ class Stage:
         frame = self.cloth.solve(positions, settings, paint, world_from_object, body, before, seconds, surroundings)
         collider = self.cloth.collider(body)
         if settings.draped:
-            self._drape = self._drape or Drape(self.cloth.surface)
-            self._drape.add_to(frame, settings, world_from_object, before.drape if before is not None else None,
-                               self.contact(frame, settings, body))
+            self.drape.add_to(frame, settings, world_from_object, before.drape if before is not None else None,
+                              self.contact(frame, settings, body))
         if covers and body is not None and collider is not None:
             self._lift(frame, settings, collider, body)
         return frame
+
+    @property
+    def drape(self) -> Drape:
+        """The wide folds under a system that has none of its own. Built once."""
+        if self._drape is None:
+            self._drape = Drape(self.cloth.surface)
+        return self._drape
 
     def contact(self, frame: ClothFrame, settings: ClothSettings, body: Body | None) -> dict[str, Any]:
         """What keeps layers over a frame off what is worn under it, as solve_wrinkle_layers() has it."""

@@ -304,7 +304,7 @@ class WrinkleMesh(Wrinkles):
     def _contact(self, settings: MeshSettings, frame_input: FrameInput) -> dict[str, Any]:
         """What keeps layers off what is worn under the base cloth."""
         cloth = frame_input.cloth
-        return {} if cloth is None else self._base_cloth().contact(cloth, settings, frame_input.body)
+        return {} if cloth is None else self.base_cloth().contact(cloth, settings, frame_input.body)
 
     def _show(self, settings: MeshSettings, positions: np.ndarray, pose: Any, state: Any,
               frame_input: FrameInput) -> FrameResult:

@@ -7,11 +7,11 @@ from typing import Any, Sequence
 import numpy as np
 
 from . import c
-from .arrays import FLOAT, INT, address, fill, given, new
+from .arrays import FLOAT, INT, address, checked, fill, given, lent, new
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Vector, put
-from .surface import Surface
+from .surface import Surface, stored_array
 
 
 class Collider(Handle):
@@ -113,6 +113,34 @@ class BaseClothState(Handle):
     clearance = Array("(w,) float32: how far each may go inwards, object units", FLOAT, "clearance_count")
     velocity = Array("(w, 3) float32, object units / s; (0, 3) where it does not swing", FLOAT, "velocity_count", 3)
     nbytes = Number("memory of what lives on", "bytes")
+
+    ARRAYS = {"offset": (FLOAT, 3), "length": (FLOAT, 0), "clearance": (FLOAT, 0), "ahead_height": (FLOAT, 0),
+              "body_hint": (INT, 0), "contact_hint": (INT, 0), "position": (FLOAT, 3), "velocity": (FLOAT, 3),
+              "animated": (FLOAT, 3), "animated_before": (FLOAT, 3)}
+    NUMBERS, VECTORS = ("moved", "seconds", "fastest"), ("gravity", "wind")
+
+    @property
+    def arrays(self) -> dict[str, Any]:
+        """A dict of plain arrays that the same state can be made of, to the bit. It then shows nothing."""
+        kept = c.BaseClothKept()
+        lib.rumple_base_cloth_state_get_kept(self, kept)
+        return {**{name: np.float32(getattr(kept, name)) for name in self.NUMBERS},
+                **{name: np.array(getattr(kept, name), FLOAT) for name in self.VECTORS}, **{
+                    name: lent(self, getattr(kept, name), dtype,
+                               (getattr(kept, f"{name}_count"), *([columns] * (columns > 0))))
+                    for name, (dtype, columns) in self.ARRAYS.items()}}
+
+    @classmethod
+    def of(cls, model: BaseClothModel, arrays: dict[str, Any]) -> "BaseClothState":
+        """From what `arrays` gave."""
+        kept = c.BaseClothKept()
+        for name, (dtype, columns) in cls.ARRAYS.items():
+            fill(kept, name, stored_array(arrays, name), dtype, columns)
+        for name in cls.NUMBERS:
+            put(kept, name, float(stored_array(arrays, name)))
+        for name in cls.VECTORS:
+            getattr(kept, name)[:] = checked(stored_array(arrays, name), name, FLOAT).tolist()
+        return cls.made(lib.rumple_base_cloth_state_build, model, kept)
 
     def activated(self) -> "BaseClothState":
         """A copy that is not held, for a solve with other settings. Of cloth that swings."""

@@ -12,7 +12,7 @@ from .arrays import FLOAT, INT, checked, fill, given, optional
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import chosen
-from .surface import FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan
+from .surface import FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan, stored_array
 from .wrinkle_mesh import reference_arrays
 
 PROFILE_INTERVALS = c.PROFILE_INTERVALS
@@ -202,6 +202,18 @@ class WrinkleFieldState(Handle):
     def reference(self) -> dict[str, Any] | None:
         """Of an adaptive rest shape: a dict of plain arrays; else None."""
         return reference_arrays(self, self.view.reference)
+
+    @property
+    def arrays(self) -> dict[str, Any]:
+        """A dict of plain arrays that the same state can be made of, to the bit."""
+        return {"phase": self.phase, "direction": self.direction, "solved_offset": self.solved_offset,
+                **(self.reference or {})}
+
+    @classmethod
+    def of(cls, model: WrinkleFieldModel, arrays: dict[str, Any]) -> "WrinkleFieldState":
+        """From what `arrays` gave."""
+        phase, direction, offset = (stored_array(arrays, name) for name in ("phase", "direction", "solved_offset"))
+        return cls(model, phase, direction, offset, arrays if "time" in arrays else None)
 
     def activated(self) -> "WrinkleFieldState":
         """The same phases with no vertex held: for a solve with other settings."""

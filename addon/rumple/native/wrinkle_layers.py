@@ -12,7 +12,7 @@ from .arrays import FLOAT, INT, checked, fill, given, lent
 from .base_cloth import Collider, bodies
 from .handle import Array, Handle, Number
 from .library import lib
-from .surface import CoarseMesh, ShownFrame, SteppedModel, Surface
+from .surface import CoarseMesh, ShownFrame, SteppedModel, Surface, stored_array
 from .wrinkle_mesh import PAINTED, WrinkleMeshReport, WrinkleMeshSettings, painted_factors
 
 
@@ -87,6 +87,28 @@ class WrinkleLayersState(Handle):
         view = c.WrinkleMeshStateView()
         lib.rumple_wrinkle_layers_state_get_layer(self, layer, view)
         return lent(self, view.offset, FLOAT, (view.offset_count, 3))
+
+    @property
+    def arrays(self) -> dict[str, Any]:
+        """A dict of plain arrays that the same state can be made of, to the bit: those of a layer begin with its
+        number."""
+        out: dict[str, Any] = {"solved": self.solved}
+        for layer in range(self.view.layer_count):
+            view = c.WrinkleMeshStateView()
+            lib.rumple_wrinkle_layers_state_get_layer(self, layer, view)
+            out[f"{layer}.offset"] = lent(self, view.offset, FLOAT, (view.offset_count, 3))
+            out[f"{layer}.solved_length"] = lent(self, view.solved_length, FLOAT, (view.solved_length_count,))
+        return out
+
+    @classmethod
+    def of(cls, model: WrinkleMeshLayers, arrays: dict[str, Any]) -> "WrinkleLayersState":
+        """From what `arrays` gave."""
+        views = (c.WrinkleMeshStateView * model.count)()
+        for layer, view in enumerate(views):
+            fill(view, "offset", stored_array(arrays, f"{layer}.offset"), FLOAT, 3)
+            fill(view, "solved_length", stored_array(arrays, f"{layer}.solved_length"), FLOAT)
+        return cls.made(lib.rumple_wrinkle_layers_state_build, model, views, len(views),
+                        *given(stored_array(arrays, "solved"), "solved", FLOAT, 3))
 
     def activated(self) -> "WrinkleLayersState":
         """The same offsets with no vertex held: for a solve with other settings."""

@@ -12,7 +12,7 @@ from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice
 from .surface import (REFERENCE_ARRAYS, FramePose, ReferenceSettings, ShownFrame, SteppedModel, Surface, fill_reference,
-                      fine_plan)
+                      fine_plan, stored_array)
 
 PAINTED = ("radius", "prestretch", "bending", "inside")
 
@@ -125,6 +125,17 @@ class WrinkleMeshState(Handle):
     def reference(self) -> dict[str, Any] | None:
         """Of an adaptive rest shape: a dict of plain arrays; else None."""
         return reference_arrays(self, self.view.reference)
+
+    @property
+    def arrays(self) -> dict[str, Any]:
+        """A dict of plain arrays that the same state can be made of, to the bit."""
+        return {"offset": self.offset, "solved_length": self.solved_length, **(self.reference or {})}
+
+    @classmethod
+    def of(cls, model: WrinkleMeshModel, arrays: dict[str, Any]) -> "WrinkleMeshState":
+        """From what `arrays` gave."""
+        return cls(model, stored_array(arrays, "offset"), stored_array(arrays, "solved_length"),
+                   arrays if "time" in arrays else None)
 
     def activated(self) -> "WrinkleMeshState":
         """The same offsets with no vertex held: for a solve with other settings."""

@@ -94,7 +94,7 @@ class WrinklePathsState(Handle):
         """From what `arrays` gave."""
         view = c.WrinklePathsStateView()
         fill_reference(view.reference, arrays)
-        view.next_id = arrays["next_id"]
+        view.next_id = int(stored_array(arrays, "next_id"))
         for name, (dtype, columns) in self.ARRAYS.items():
             fill(view, name, stored_array(arrays, name), dtype, columns)
         self._filled(self, lib.rumple_wrinkle_paths_state_build, model, view)
@@ -106,6 +106,11 @@ class WrinklePathsState(Handle):
         return {**(reference_arrays(self, view.reference) or {}), "next_id": view.next_id, **{
             name: lent(self, getattr(view, name), dtype, (getattr(view, f"{name}_count"), *([columns] * (columns > 0))))
             for name, (dtype, columns) in self.ARRAYS.items()}}
+
+    @classmethod
+    def of(cls, model: WrinklePathsModel, arrays: dict[str, Any]) -> "WrinklePathsState":
+        """From what `arrays` gave."""
+        return cls(model, arrays)
 
     @property
     def time(self) -> float:

@@ -110,6 +110,41 @@ typedef struct rumple_base_cloth_state_view {
 } rumple_base_cloth_state_view;
 RUMPLE_API rumple_status rumple_base_cloth_state_get_view(const rumple_base_cloth_state* state,
                                                           rumple_base_cloth_state_view* view);
+// What lives from one frame to the next, as plain arrays: what a handle holds, and what one can be made of
+// again, that goes on to the bit. Such a state shows nothing: its view has no vertices, until it was gone on
+// from.
+typedef struct rumple_base_cloth_kept {
+    const float* offset;  // (w, 3), or none where it swings
+    size_t offset_count;
+    const float* length;  // (springs), in the pose that was solved; so are the next two
+    size_t length_count;
+    const float* clearance;  // (w)
+    size_t clearance_count;
+    const float* ahead_height;  // (w)
+    size_t ahead_height_count;
+    const int32_t* body_hint;  // (w) or none: a triangle of the collider near each vertex, or -1
+    size_t body_hint_count;
+    const int32_t* contact_hint;  // (w): a triangle of the cloth near each vertex, or -1
+    size_t contact_hint_count;
+    const float* position;  // (w, 3), object units; where it swings, as are all that follow
+    size_t position_count;
+    const float* velocity;  // (w, 3), object units / s
+    size_t velocity_count;
+    const float* animated;  // (w, 3)
+    size_t animated_count;
+    const float* animated_before;  // (w, 3)
+    size_t animated_before_count;
+    float moved;    // farthest way of a vertex in the last step, object units, >= 0
+    float seconds;  // between the two poses, >= 0
+    float fastest;  // speed in the frame, object units / s, >= 0
+    float gravity[3];
+    float wind[3];
+} rumple_base_cloth_kept;
+RUMPLE_API rumple_status rumple_base_cloth_state_get_kept(const rumple_base_cloth_state* state,
+                                                          rumple_base_cloth_kept* kept);
+RUMPLE_API rumple_status rumple_base_cloth_state_build(const rumple_base_cloth* model,
+                                                       const rumple_base_cloth_kept* kept,
+                                                       rumple_base_cloth_state** state);
 // A copy that no solve holds at rest: for other settings than it was solved with.
 RUMPLE_API rumple_status rumple_base_cloth_state_activated(const rumple_base_cloth_state* state,
                                                            rumple_base_cloth_state** activated);

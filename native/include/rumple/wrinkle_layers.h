@@ -70,6 +70,12 @@ RUMPLE_API rumple_status rumple_wrinkle_layers_state_get_view(const rumple_wrink
 RUMPLE_API rumple_status rumple_wrinkle_layers_state_get_layer(const rumple_wrinkle_layers_state* state,
                                                                int32_t layer,
                                                                rumple_wrinkle_mesh_state_view* view);
+// Of what the views of the layers, coarse first, and of the whole gave. It goes on to the bit.
+RUMPLE_API rumple_status rumple_wrinkle_layers_state_build(const rumple_wrinkle_layers* model,
+                                                           const rumple_wrinkle_mesh_state_view* layers,
+                                                           size_t layers_count, const float* solved,
+                                                           size_t solved_count,
+                                                           rumple_wrinkle_layers_state** state);
 // The same offsets with no vertex held: for a solve with other settings.
 RUMPLE_API rumple_status rumple_wrinkle_layers_state_activated(const rumple_wrinkle_layers_state* state,
                                                                rumple_wrinkle_layers_state** activated);

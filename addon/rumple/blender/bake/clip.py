@@ -12,6 +12,7 @@ from typing import Iterator
 import bpy
 
 from ...core import clip_file, clip_folder, engine
+from ...core.clip_lock import Lock
 from ...core.clip_manifest import ClipFault, Manifest
 from .. import compat, scheduler
 from ..frame import clip_status, path_curves
@@ -119,6 +120,24 @@ class ClipBake:
         path = new_clip_path(obj)
         self.obj, self.name, self.done, self.note = obj, obj.name, 0, ""
         self.writer: clip_file.ClipWriter | None = None
+        self.lock = self._take_lock(path)
+        try:
+            self._start(context, path)
+        except BaseException:
+            self._release()
+            raise
+
+    def _take_lock(self, path: Path) -> Lock | None:
+        """That of the clip, from now to the end of the bake; None: whoever bakes has it already. Raises BakeError."""
+        with self._faults():
+            return Lock(path)
+
+    def _release(self) -> None:
+        if self.lock is not None:
+            self.lock.release()
+
+    def _start(self, context: bpy.types.Context, path: Path) -> None:
+        obj = self.obj
         self.curves = path_curves.Recorder(obj)
         self.playback = Playback(context, obj, obj.rumple.bake_start, obj.rumple.bake_end, obj.rumple.bake_samples)
         try:
@@ -160,6 +179,8 @@ class ClipBake:
     def step(self) -> bool:
         """Solve and write one sample. False after the last."""
         with self._faults():
+            if self.lock is not None:
+                self.lock.touch()
             wanted, result, coarse = next(self.samples, (None, None, None))
             if wanted is None:
                 return False
@@ -172,6 +193,8 @@ class ClipBake:
     def finish(self) -> Path:
         """Put the clip in place and show it."""
         with self._faults():
+            if self.lock is not None:
+                self.lock.check()
             about = self.writer.manifest
             about.curves = self.curves.seal(about, self.writer.clip)
             self.writer.seal()
@@ -182,6 +205,7 @@ class ClipBake:
             self.note = self.playback.note()
             self.playback.end_playback(restore_bake=False)
             scheduler.sync_all()
+        self._release()
         return self.writer.clip
 
     def cancel(self) -> None:
@@ -189,5 +213,6 @@ class ClipBake:
         if self.writer is not None:
             self.writer.discard()
         self.curves.discard()
+        self._release()
         with messages.console_errors(self.name):
             self.playback.end_playback(restore_bake=True)

@@ -59,7 +59,7 @@ class Playback:
         """(wanted, picture, coarse positions) of every sample. Not wanted: those of the pre-roll, and without a picture
         the frames of a first pass that only looks at the clip."""
         if self.analyzes:
-            for _ in self._analyze():
+            for _ in self.analyze():
                 yield False, None, None
         for frame in self.pre_roll:
             yield False, *self.solve_at(frame, 0.0)
@@ -76,7 +76,7 @@ class Playback:
         finally:
             runtime.analyzing, runtime.analyzed = False, None
 
-    def _analyze(self) -> Iterator[None]:
+    def analyze(self) -> Iterator[None]:
         """Read the pose of every whole frame; the solver then knows the clip. Memory: 12 bytes a vertex and frame."""
         runtime, clip = runtimes.of(self.obj), {}
         runtime.analyzing = True

@@ -10,6 +10,7 @@ from typing import Callable
 import bpy
 
 from ...core import clip_file, clip_folder
+from ...core.checkpoint import CannotGoOn, Checkpoint
 from ...core.clip_lock import Held, Lock
 from ...core.clip_manifest import ClipFault, Manifest
 from ...core.clip_partial import PartialWriter
@@ -17,10 +18,11 @@ from ...core.engine import Attribute
 from ..bake import clip
 from ..bake.playback import BakeError
 from ..frame import clip_status, path_curves
-from ..objects import modifier
+from ..objects import messages, modifier, runtimes
 from . import plan, source
 
 Say = Callable[[str], None]
+CHECKPOINT = 20.0  # seconds of a bake between two states that are kept
 _end_wanted = False
 
 
@@ -46,22 +48,32 @@ class Options:
 
     resume: bool = False
     oldest_lock: float = 600.0
+    checkpoint: float = CHECKPOINT
 
 
 class FarmBake(clip.ClipBake):
     """A ClipBake that another one can go on with."""
 
-    def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, digest: str, resume: bool) -> None:
-        self._digest, self._resume = digest, resume
+    def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, digest: str, resume: bool,
+                 checkpoint: float = CHECKPOINT) -> None:
+        """checkpoint: seconds between two of them."""
+        self._digest, self._resume, self._every = digest, resume, checkpoint
         self.passed = 0  # samples that are not solved again
         super().__init__(context, obj)
+        self._kept_at = time.monotonic()
+        self._has_states = (not self.playback.is_independent and not self.curves.wanted
+                            and clip_status.stands_alone(obj))
         try:
             with self._faults():
-                if self.partial.kept > 1 and self.playback.is_independent and not self.curves.wanted:
-                    self._pass_over(self.partial.kept)
+                kept = self._usable()
+                if kept > 1:
+                    self._pass_over(kept)
         except BakeError:
             self.cancel()
             raise
+
+    def _take_lock(self, path: Path) -> None:
+        """bake() has it, before it looks at what is there."""
 
     def _make_writer(self, path: Path, manifest: Manifest, attributes: tuple[Attribute, ...]) -> PartialWriter:
         manifest.source = self._digest
@@ -69,13 +81,25 @@ class FarmBake(clip.ClipBake):
         self.resumed = self.partial.kept
         return self.partial
 
+    def _usable(self) -> int:
+        """How many of the samples that are kept a bake may go on behind: all of them where frames are independent, else
+        those up to a state."""
+        if self.curves.wanted:
+            return 0
+        if self.playback.is_independent:
+            return self.partial.kept
+        state = self.partial.checkpoint
+        return state.sample + 1 if state is not None and self._has_states else 0
+
     def _pass_over(self, kept: int) -> None:
-        """Go on behind the samples that are kept, if the last of them is what is solved here and now."""
+        """Go on behind the first samples, if the last of them is what is solved here and now."""
         about = self.partial.manifest
-        last = about.checksums[-1], about.poses[-1]
+        last = about.checksums[kept - 1], about.poses[kept - 1]
+        if not self.playback.is_independent and not self._take_state():
+            return
         self.partial.pass_over(kept - 1)
         self.partial.add(*self.playback.solve_sample(kept - 1))
-        if (about.checksums[-1], about.poses[-1]) != last:  # so none of them is trusted
+        if (about.checksums[kept - 1], about.poses[kept - 1]) != last:  # so none of them is trusted
             self.partial.cut(0)
             self.partial.pass_over(0)
             self.resumed = 0
@@ -85,8 +109,53 @@ class FarmBake(clip.ClipBake):
         self.playback.count = count
         self.samples = ((True, *self.playback.solve_sample(sample)) for sample in range(kept, count))
 
+    # --- states
+    def _take_state(self) -> bool:
+        """Whether the frame of the state that is kept has the same pose here, and goes on from it now."""
+        state = self.partial.checkpoint
+        assert state is not None
+        if self.playback.analyzes:
+            for _ in self.playback.analyze():
+                pass
+        self.playback.solve_sample(state.sample)  # by a jump: that makes all that the state belongs to
+        runtime, frame = runtimes.of(self.obj), self._frame(state.sample)
+        solved = runtime.evaluator.frame_cache.get(frame)
+        try:
+            if solved is None or solved.inputs != state.inputs:
+                return False
+            restored = state.restored(runtime.evaluator)
+        except CannotGoOn:
+            return False
+        runtime.evaluator.frame_cache.clear()
+        runtime.evaluator.frame_cache.put(frame, restored)
+        runtime.invalidate_output()
+        return True
+
+    def _frame(self, sample: int) -> float:
+        """The whole frame that it is, or is behind."""
+        return float(self.playback.start + sample // self.playback.samples)
+
+    def step(self) -> bool:
+        more = super().step()
+        if more and time.monotonic() - self._kept_at >= self._every:
+            self._keep_state()
+        return more
+
+    def _keep_state(self) -> None:
+        """What lives on behind the last whole frame, for a bake that resumes."""
+        self._kept_at = time.monotonic()
+        sample = self.partial.done - 1
+        if not self._has_states or sample < 0:
+            return
+        evaluator = runtimes.of(self.obj).evaluator
+        solved = None if evaluator is None else evaluator.frame_cache.get(self._frame(sample))
+        if solved is not None and solved.final:
+            self.partial.save(Checkpoint.of(sample - sample % self.playback.samples, solved))
+
     def stop(self) -> None:
         """Ended from outside: what is baked so far is left for a bake that resumes. Never raises."""
+        with messages.console_errors(self.name):
+            self._keep_state()
         self.partial.keep()
         self.writer = None
         self.cancel()
@@ -188,7 +257,7 @@ def bake(context: bpy.types.Context, obj: bpy.types.Object, files: str, options:
             show(obj, manifest)
             return Baked(path, manifest.sample_count, 0.0, path.stat().st_size, was_whole=True,
                          checksum=clip_file.checksum(manifest))
-        running = FarmBake(context, obj, digest, options.resume)
+        running = FarmBake(context, obj, digest, options.resume, options.checkpoint)
         try:
             _step_through(running, lock, say)
             lock.check()
@@ -213,8 +282,9 @@ def bake(context: bpy.types.Context, obj: bpy.types.Object, files: str, options:
 def _step_through(running: FarmBake, lock: Lock, say: Say) -> None:
     name, count, said = running.name, running.playback.count, time.perf_counter()
     if running.resumed:
+        again = running.resumed - running.passed
         say(f"{name}: goes on with {running.resumed} samples of a bake that was ended"
-            + ("" if running.passed else ", solved again: each frame goes on from the one before it"))
+            + (f"; {again} are solved again: each frame goes on from the one before it" if again else ""))
     while running.step():
         lock.touch()
         if _end_wanted:

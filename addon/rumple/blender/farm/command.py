@@ -19,7 +19,7 @@ from typing import Any, Callable, Iterator
 import bpy
 
 from ...core import clip_folder
-from . import bake, commands, plan, poses, publish, vat
+from . import alembic, bake, commands, plan, poses, publish, vat
 
 
 class Usage(Exception):
@@ -78,6 +78,8 @@ def parser() -> argparse.ArgumentParser:
                      help="bake nothing: solve so many samples again (all) and compare bits")
     one.add_argument("--lock-age", type=float, default=600.0, metavar="SECONDS",
                      help="a lock of another host that was not touched for so long is taken over (600)")
+    one.add_argument("--checkpoint", type=float, default=bake.CHECKPOINT, metavar="SECONDS",
+                     help="so often the solver's state is kept for --resume, where frames go on from one another (20)")
     check = kinds.add_parser("check", parents=[common], help="say what this worker lacks for a file")
     check.add_argument("--to-bake", action="store_true", help="before a bake: clips that are stale or gone are notes")
     kinds.add_parser("list", parents=[common], help="what can be baked, in order, and what rests on what")
@@ -86,6 +88,8 @@ def parser() -> argparse.ArgumentParser:
     published.add_argument("--scheme", choices=("none", "catmullClark"), default="none",
                            help="how readers subdivide the mesh: none has normals")
     published.add_argument("--attributes", action="store_true", help="the wrinkles' attributes, too, as primvars")
+    published.add_argument("--format", choices=("usd", "alembic"), default="usd",
+                           help="alembic: by Blender's own exporter, where it has one")
     textures = kinds.add_parser("vat", parents=[common], help="write baked garments as vertex animation textures")
     textures.add_argument("--to", type=Path, metavar="DIR", help="folder of the folders: else publish, beside the file")
     textures.add_argument("--image", choices=tuple(vat.KINDS), default="png",
@@ -157,7 +161,8 @@ def _override(chosen: argparse.Namespace, there: list[bpy.types.Object],
 
 def _bake(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
     with _ended_by_signal():
-        return commands.bake_all(garments, chosen.resume, chosen.lock_age, say, complain)
+        return commands.bake_all(garments, bake.Options(chosen.resume, chosen.lock_age, chosen.checkpoint), say,
+                                 complain)
 
 
 @contextmanager
@@ -182,6 +187,11 @@ def _list(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> comma
 
 
 def _publish(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    if chosen.format == "alembic":
+        if chosen.attributes or chosen.scheme != "none":
+            raise commands.Refused("--scheme and --attributes are of USD: leave them out with --format alembic")
+        return commands.export_all(garments, lambda obj, manifest: alembic.publish(
+            bpy.context, obj, manifest, _folder(chosen)), say, complain)
     return commands.export_all(garments, lambda obj, manifest: publish.publish(
         bpy.context, obj, manifest, _folder(chosen), chosen.scheme, chosen.attributes), say, complain)
 

@@ -72,7 +72,7 @@ def _is_linked(name: str) -> bool:
 
 
 # ---------------------------------------------------------------- bake
-def bake_all(garments: list[bpy.types.Object], resume: bool, lock_age: float, say: Say, complain: Say) -> Outcome:
+def bake_all(garments: list[bpy.types.Object], options: bake.Options, say: Say, complain: Say) -> Outcome:
     """One after another, each behind those that it rests on."""
     files, started = source.of_files(), time.perf_counter()
     results: dict[str, dict[str, Any]] = {}
@@ -83,7 +83,7 @@ def bake_all(garments: list[bpy.types.Object], resume: bool, lock_age: float, sa
             code = results[failed[0]]["code"]
             results[name] = dict(code=code, error=f"it rests on {failed[0]}, which was not baked")
         else:
-            results[name] = _bake_one(obj, files, bake.Options(resume, lock_age), say)
+            results[name] = _bake_one(obj, files, options, say)
         if results[name]["code"]:
             failed_or_not = "FAILED" if results[name]["code"] == FAILED else "not baked"
             complain(f"{name} {failed_or_not}: {results[name]['error']}")

@@ -30,12 +30,17 @@ def sees_ahead(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
 
 def is_independent(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
     """Whether each of its frames is solved without those before it, and without those of other wrinkled objects."""
+    return properties.settings_of(obj, scene).stateless and stands_alone(obj)
+
+
+def stands_alone(obj: bpy.types.Object) -> bool:
+    """Whether all that lives from frame to frame and moves it is its own state: no simulation is in front of its
+    wrinkles, and other wrinkled objects show their clips."""
     others = [other for other in (*bodies.of(obj), modifier.depends_on_wrinkled(obj)) if other is not None]
     wrinkles = [modifier.find(other) for other in others]
     if any(m.type in ("CLOTH", "SOFT_BODY") or modifier.is_simulation_nodes(m) for m in modifier.in_front(obj)):
         return False
-    return properties.settings_of(obj, scene).stateless and all(modifier.plays_clip(nodes_mod) for nodes_mod in wrinkles
-                                                                if nodes_mod is not None)
+    return all(modifier.plays_clip(nodes_mod) for nodes_mod in wrinkles if nodes_mod is not None)
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:

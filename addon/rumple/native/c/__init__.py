@@ -41,6 +41,7 @@ STRUCTS: dict[str, Any] = {
     "rumple_base_cloth_swing": BaseClothSwing,
     "rumple_base_cloth_painted": BaseClothPainted,
     "rumple_base_cloth_state_view": BaseClothStateView,
+    "rumple_base_cloth_kept": BaseClothKept,
     "rumple_base_cloth_report": BaseClothReport,
     "rumple_cloth_cover_settings": ClothCoverSettings,
     "rumple_wrinkle_mesh_plan": WrinkleMeshPlan,

@@ -112,6 +112,45 @@ class BaseClothStateView(Struct):
         ("offset", c_void_p), ("clearance", c_void_p),)
 
 
+class BaseClothKept(Struct):
+    """struct rumple_base_cloth_kept"""
+
+    __slots__ = ()
+    offset: int | None  # (w, 3), or none where it swings
+    offset_count: int
+    length: int | None  # (springs), in the pose that was solved; so are the next two
+    length_count: int
+    clearance: int | None  # (w)
+    clearance_count: int
+    ahead_height: int | None  # (w)
+    ahead_height_count: int
+    body_hint: int | None  # (w) or none: a triangle of the collider near each vertex, or -1
+    body_hint_count: int
+    contact_hint: int | None  # (w): a triangle of the cloth near each vertex, or -1
+    contact_hint_count: int
+    position: int | None  # (w, 3), object units; where it swings, as are all that follow
+    position_count: int
+    velocity: int | None  # (w, 3), object units / s
+    velocity_count: int
+    animated: int | None  # (w, 3)
+    animated_count: int
+    animated_before: int | None  # (w, 3)
+    animated_before_count: int
+    moved: float  # farthest way of a vertex in the last step, object units, >= 0
+    seconds: float  # between the two poses, >= 0
+    fastest: float  # speed in the frame, object units / s, >= 0
+    gravity: Array
+    wind: Array
+    _fields_ = (("offset", c_void_p), ("offset_count", c_size_t), ("length", c_void_p), ("length_count", c_size_t),
+        ("clearance", c_void_p), ("clearance_count", c_size_t), ("ahead_height", c_void_p),
+        ("ahead_height_count", c_size_t), ("body_hint", c_void_p), ("body_hint_count", c_size_t),
+        ("contact_hint", c_void_p), ("contact_hint_count", c_size_t), ("position", c_void_p),
+        ("position_count", c_size_t), ("velocity", c_void_p), ("velocity_count", c_size_t), ("animated", c_void_p),
+        ("animated_count", c_size_t), ("animated_before", c_void_p), ("animated_before_count", c_size_t),
+        ("moved", c_float), ("seconds", c_float), ("fastest", c_float), ("gravity", c_float * 3),
+        ("wind", c_float * 3),)
+
+
 class BaseClothReport(Struct):
     """struct rumple_base_cloth_report"""
 
@@ -150,6 +189,9 @@ BASE_CLOTH_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_base_cloth_paint_free": (None, (BaseClothPaintPointer,)),
     "rumple_base_cloth_state_free": (None, (BaseClothStatePointer,)),
     "rumple_base_cloth_state_get_view": (CHECKED, (BaseClothStatePointer, POINTER(BaseClothStateView))),
+    "rumple_base_cloth_state_get_kept": (CHECKED, (BaseClothStatePointer, POINTER(BaseClothKept))),
+    "rumple_base_cloth_state_build": (CHECKED, (BaseClothPointer, POINTER(BaseClothKept),
+        POINTER(BaseClothStatePointer))),
     "rumple_base_cloth_state_activated": (CHECKED, (BaseClothStatePointer, POINTER(BaseClothStatePointer))),
     "rumple_base_cloth_solve": (CHECKED, (BaseClothPointer, POINTER(BaseClothSettings), BaseClothPaintPointer,
         c_void_p, c_size_t, POINTER(Bodies), BaseClothStatePointer, POINTER(BaseClothReport),

@@ -108,6 +108,8 @@ WRINKLE_LAYERS_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rumple_wrinkle_layers_state_get_view": (CHECKED, (WrinkleLayersStatePointer, POINTER(WrinkleLayersStateView))),
     "rumple_wrinkle_layers_state_get_layer": (CHECKED, (WrinkleLayersStatePointer, c_int32,
         POINTER(WrinkleMeshStateView))),
+    "rumple_wrinkle_layers_state_build": (CHECKED, (WrinkleLayersPointer, POINTER(WrinkleMeshStateView), c_size_t,
+        c_void_p, c_size_t, POINTER(WrinkleLayersStatePointer))),
     "rumple_wrinkle_layers_state_activated": (CHECKED, (WrinkleLayersStatePointer,
         POINTER(WrinkleLayersStatePointer))),
     "rumple_wrinkle_layers_input_default": (WrinkleLayersInput, ()),
