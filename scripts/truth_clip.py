@@ -78,9 +78,14 @@ def evaluated_positions(thing: bpy.types.Object) -> np.ndarray:
     shown = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
     flat = np.empty(3 * len(shown.data.vertices), np.float32)
     shown.data.vertices.foreach_get("co", flat)
+    return in_world(thing, flat.reshape(-1, 3))
+
+
+def in_world(thing: bpy.types.Object, points: np.ndarray) -> np.ndarray:
+    """Points (n, 3) of an object's space in world space, metres."""
     world = np.array(thing.matrix_world, np.float32)
     scale = bpy.context.scene.unit_settings.scale_length or 1.0
-    return (flat.reshape(-1, 3) @ world[:3, :3].T + world[:3, 3]) * np.float32(scale)
+    return (points @ world[:3, :3].T + world[:3, 3]) * np.float32(scale)
 
 
 def faces_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:

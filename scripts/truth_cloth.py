@@ -174,7 +174,7 @@ def build(clip: Clip, hold: Hold, fabric: Fabric, inner: bool, folder: Path) -> 
 
 
 def simulate(garment: bpy.types.Object, clip: Clip, say: Callable[[str], None]) -> tuple[np.ndarray, float]:
-    """Plays every frame. The clip's positions (frames, n, 3), without the lead, and seconds a frame."""
+    """Plays every frame. The clip's positions (frames, n, 3), without the lead, and processor seconds a frame."""
     kept = []
     total = len(clip.garment.positions)
     began, worked = time.perf_counter(), time.process_time()
@@ -194,4 +194,4 @@ def simulate(garment: bpy.types.Object, clip: Clip, say: Callable[[str], None]) 
                 f"from the base {1e3 * away.mean():.1f} mm, at most {1e3 * away.max():.0f} mm")
         if number >= clip.lead:
             kept.append(positions)
-    return np.stack(kept), (time.perf_counter() - began) / total
+    return np.stack(kept), (time.process_time() - worked) / total

@@ -3,8 +3,8 @@
 
 truth.npz, world space, metres: positions and base (frames, n, 3) float32, the simulation and the smooth bare garment
 on the same vertices; rest (n, 3); triangles (t, 3); starts and corners, the faces; patch (t,), the coarse triangle
-that each triangle lies in; coarse_rest (c, 3) and coarse_triangles; pins (n,); frames (frames,); fps; seconds a
-frame; settings, as JSON.
+that each triangle lies in; coarse_rest (c, 3) and coarse_triangles; pins (n,); frames (frames,); fps; processor
+seconds a frame; settings, as JSON.
 """
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ def run(options: argparse.Namespace, settings: dict[str, Any], frames: range, fa
              triangles=triangles, starts=garment.starts, corners=garment.corners, patch=patch,
              coarse_rest=clip.coarse.rest, coarse_triangles=coarse, pins=hold.pins, frames=np.array(frames),
              fps=clip.fps, seconds=seconds, settings=json.dumps(settings))
-    say(f"{seconds:.2f} seconds a frame")
+    say(f"{seconds:.2f} processor seconds a frame")
 
 
 def main() -> None:

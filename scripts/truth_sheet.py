@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bare, Rumple and the simulation side by side: sheet.png and numbers.json of scripts/ground_truth.
 
-Rumple's surface is read where the simulation's vertices are: at rest, where it adds nothing, each of them finds its
+Rumple's surface is read where the simulation's vertices are: at rest, before cloth hangs, each of them finds its
 place on Rumple's mesh, and keeps it. So all three are measured on the same vertices.
 """
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Played:
 
     sampled: dict[int, np.ndarray] = field(default_factory=dict)  # (n, 3) at the simulation's vertices, metres
     shown: dict[int, Shown] = field(default_factory=dict)
-    bare_ms: float = 0.0  # of a whole frame without the wrinkles
+    bare_ms: float = 0.0  # of a whole frame without the wrinkles, processor time
     frame_ms: float = 0.0  # with them
     solve_ms: float = 0.0  # of which the add-on
     largest_gap: float = 0.0  # metres: largest distance of a simulation's vertex from Rumple's mesh at rest
@@ -62,6 +62,19 @@ def evaluated(garment: bpy.types.Object) -> Shown:
     return Shown(truth_clip.evaluated_positions(garment), *truth_clip.faces_of(shown.data))
 
 
+def rest_surface(garment: bpy.types.Object, frame: int) -> Shown:
+    """The mesh that Rumple shows now, as it is before anything is solved."""
+    from rumple.blender.objects import modifier, runtimes, viewport_mesh
+    armature = truth_clip.skinned_by(garment).data
+    armature.pose_position = "REST"
+    bpy.context.scene.frame_set(frame)
+    drawn = evaluated(garment)
+    armature.pose_position = "POSE"
+    meshes = viewport_mesh.solved_for(modifier.find(garment), runtimes.of(garment).evaluator)
+    fine = next(mesh for mesh in meshes if len(mesh.positions_rest) == len(drawn.positions))
+    return Shown(truth_clip.in_world(garment, fine.positions_rest), drawn.starts, drawn.corners)
+
+
 def places_on(surface: Shown, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """For points (n, 3) the nearest triangle's vertices (n, 3), barycentrics (n, 3), and the largest distance."""
     triangles, _ = truth_clip.triangles_of(surface.starts, surface.corners)
@@ -75,11 +88,11 @@ def places_on(surface: Shown, points: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def pace(frames: np.ndarray) -> float:
-    """Milliseconds of a frame change, mean of the clip's first frames."""
-    began = time.perf_counter()
+    """Processor milliseconds of a frame change, mean of the clip's first frames."""
+    began = time.process_time()
     for frame in frames[:30].tolist():
         bpy.context.scene.frame_set(frame)
-    return 1e3 * (time.perf_counter() - began) / len(frames[:30])
+    return 1e3 * (time.process_time() - began) / len(frames[:30])
 
 
 def play(garment: bpy.types.Object, rest: np.ndarray, frames: np.ndarray, wanted: set[int],
@@ -91,16 +104,12 @@ def play(garment: bpy.types.Object, rest: np.ndarray, frames: np.ndarray, wanted
     if bpy.ops.object.rumple_add(method="MESH") != {"FINISHED"}:
         raise SystemExit(garment.rumple.message)
     from rumple.blender.objects import runtimes
-    armature = truth_clip.skinned_by(garment).data
-    armature.pose_position = "REST"
-    scene.frame_set(int(frames[0]))
-    corners, shares, played.largest_gap = places_on(evaluated(garment), rest)
-    armature.pose_position = "POSE"
+    corners, shares, played.largest_gap = places_on(rest_surface(garment, int(frames[0])), rest)
     whole, solving = [], []
     for frame in frames.tolist():
-        began = time.perf_counter()
+        began = time.process_time()
         scene.frame_set(frame)
-        whole.append(1e3 * (time.perf_counter() - began))
+        whole.append(1e3 * (time.process_time() - began))
         runtime = runtimes.of(garment)
         if runtime.message or runtime.result is None:
             raise SystemExit(f"frame {frame}: {runtime.message or 'nothing was solved'}")
@@ -139,8 +148,10 @@ def means(rows: dict[str, list[dict[str, float]]]) -> dict[str, dict[str, float]
     return result
 
 
-def draw(garment: bpy.types.Object, rows: dict[str, dict[int, Shown]], frames: np.ndarray, out: Path) -> None:
-    """One column a frame, one row a surface, each in the garment's place before the same camera."""
+def draw(garment: bpy.types.Object, rows: dict[str, dict[int, Shown]], frames: np.ndarray, out: Path,
+         stacked: int | None = None) -> None:
+    """One column a frame, one row a surface, each in the garment's place before the same camera. stacked: surfaces
+    in a column, all of them unless it is said."""
     scene = bpy.context.scene
     studio(scene)
     frame_camera(garment, range(int(frames[0]), int(frames[-1]) + 1))
@@ -164,7 +175,7 @@ def draw(garment: bpy.types.Object, rows: dict[str, dict[int, Shown]], frames: n
             bpy.ops.render.render(write_still=True)
             bpy.data.objects.remove(stand)
             tiles.append((f"frame {frame}, {name}", path))
-    compose(tiles, len(rows), out / "sheet.png")
+    compose(tiles, stacked or len(rows), out / "sheet.png")
     for _, path in tiles:
         path.unlink()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The numbers of scripts/truth_measures.py on waves that are known beforehand."""
+"""The numbers of scripts/truth_measures.py and scripts/bench_measures.py on waves that are known beforehand."""
 from __future__ import annotations
 
 import sys
@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import bench_measures as bench  # noqa: E402
 import truth_measures as truth  # noqa: E402
 
 EDGE = 0.008  # metres
@@ -100,6 +101,25 @@ class Measures(unittest.TestCase):
         found = truth.measures(self.cloth, self.points * (0.9, 1.0, 1.0), self.points * (0.95, 1.0, 1.0))
         self.assertAlmostEqual(found["area_kept"], 0.95, places=6)
         self.assertAlmostEqual(found["area_of_base"], 0.90, places=6)
+
+    def test_a_wave_has_its_length(self) -> None:
+        for length in (0.050, 0.080, 0.120):
+            found = bench.mean_wavelength(self.cloth, self.points, waves(self.points, length, (0.6, 0.8)))
+            self.assertAlmostEqual(found, length, delta=0.05 * length)
+        self.assertTrue(np.isnan(bench.mean_wavelength(self.cloth, self.points, self.points)))
+
+    def test_folds_that_ride_along_do_not_change(self) -> None:
+        """A walking shirt turns with the body: only what moves on it counts."""
+        turn = np.array([[0.6, 0.0, -0.8], [0.0, 1.0, 0.0], [0.8, 0.0, 0.6]])
+        fine = waves(self.points, 0.080)
+        before = bench.offsets_on(self.cloth, self.points, fine)
+        now = bench.offsets_on(self.cloth, self.points @ turn.T + 2.0, fine @ turn.T + 2.0)
+        self.assertLess(bench.change(before, now), 1e-9)
+
+    def test_a_wave_that_runs_changes_by_what_it_moves(self) -> None:
+        shifted = self.points + (0.0, 0.0, 0.003)
+        before, now = (bench.offsets_on(self.cloth, self.points, fine) for fine in (self.points, shifted))
+        self.assertAlmostEqual(bench.change(before, now), 0.003)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One contender of scripts/bench in one scene: plays it inside Blender, stores where the simulation's vertices are.
+
+CONTENDER.npz: positions (frames, n, 3) float32 world space, metres; ms, processor milliseconds a frame over those of
+the bare rig; asked, metres, the wavelength that was asked for (nan: none); shown, starts and corners: the surface as
+it is drawn in the frame that the picture shows.
+"""
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Callable
+
+import bpy
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE"]]
+import bench_tension  # noqa: E402
+import rumple  # noqa: E402
+import truth_clip  # noqa: E402
+import truth_cloth  # noqa: E402
+import truth_pins  # noqa: E402
+from truth_run import LEVELS, needs_inner, open_scene, say  # noqa: E402
+from truth_sheet import Shown, evaluated, pace, places_on, rest_surface  # noqa: E402
+
+WAVELENGTH = 0.056  # metres, of the tension map: what the Field's first click takes on S1's shirt
+Stored = dict[str, np.ndarray]
+
+
+def arguments() -> argparse.Namespace:
+    """What scripts/bench passes on."""
+    parser = argparse.ArgumentParser(prog="scripts/bench")
+    parser.add_argument("--scene", required=True)
+    parser.add_argument("--garment", required=True)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--contender", choices=sorted(CONTENDERS), required=True)
+    parser.add_argument("--picture", type=int, required=True)
+    return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+
+
+def played(garment: bpy.types.Object, stored: Stored, picture: int, asked: float, bare_ms: float,
+           at_rest: Shown | None = None) -> Stored:
+    """Every frame in order, read where the simulation's vertices lie on the surface at rest; without one the vertices
+    are the simulation's."""
+    frames = stored["frames"].tolist()
+    if at_rest is not None:
+        corners, shares, gap = places_on(at_rest, stored["rest"])
+        say(f"at rest at most {1e3 * gap:.1f} mm from the simulation's vertices")
+    positions, milliseconds, shown = [], [], None
+    for frame in frames:
+        began = time.process_time()
+        bpy.context.scene.frame_set(frame)
+        milliseconds.append(1e3 * (time.process_time() - began))
+        here = evaluated(garment)
+        positions.append(here.positions if at_rest is None else
+                         np.einsum("nk,nkj->nj", shares, here.positions[corners]).astype(np.float32))
+        if frame == picture:
+            shown = here
+    return result(np.stack(positions), float(np.median(milliseconds)) - bare_ms, asked, shown)
+
+
+def result(positions: np.ndarray, ms: float, asked: float, shown: Shown) -> Stored:
+    return dict(positions=positions, ms=np.array(ms), asked=np.array(asked), shown=shown.positions,
+                starts=shown.starts, corners=shown.corners)
+
+
+def of_rumple(method: str, setting: str, waves: float) -> Callable[[str, Stored, int], Stored]:
+    """One click of a system; the Field as geometry, since its shading moves nothing. setting: says how wide folds
+    are; from one to the next it is `waves` times that."""
+    def play(name: str, stored: Stored, picture: int) -> Stored:
+        garment, bare_ms = truth_clip.find_garment(name), pace(stored["frames"])
+        bpy.context.view_layer.objects.active = garment
+        if bpy.ops.object.rumple_add(method=method) != {"FINISHED"}:
+            raise SystemExit(garment.rumple.message)
+        if method == "FIELD":
+            garment.rumple.field.output = "GEOMETRY"
+        asked = waves * getattr(getattr(garment.rumple, method.lower()), setting)
+        at_rest = rest_surface(garment, int(stored["frames"][0]))
+        return played(garment, stored, picture, asked, bare_ms, at_rest)
+    return play
+
+
+def subdivision(name: str, stored: Stored, picture: int) -> Stored:
+    """The bare garment, smooth."""
+    garment, bare_ms = truth_clip.find_garment(name), pace(stored["frames"])
+    garment.modifiers.new("Fine", "SUBSURF").levels = LEVELS
+    return played(garment, stored, picture, float("nan"), bare_ms)
+
+
+def tension(name: str, stored: Stored, picture: int) -> Stored:
+    garment, bare_ms = truth_clip.find_garment(name), pace(stored["frames"])
+    bench_tension.add(garment, WAVELENGTH)
+    return played(garment, stored, picture, WAVELENGTH, bare_ms)
+
+
+def cloth_subdivided(name: str, stored: Stored, picture: int) -> Stored:
+    """Blender's Cloth on the coarse garment, Subdivision behind it; held, lead in and fabric as the simulation's."""
+    frames = stored["frames"]
+    clip = truth_clip.sample(truth_clip.find_garment(name), range(int(frames[0]), int(frames[-1]) + 1), 0, 30, 24)
+    triangles, _ = truth_clip.triangles_of(clip.garment.starts, clip.garment.corners)
+    borders = truth_pins.describe(clip.garment.rest, triangles, clip.bodies[0].rest)
+    truth_pins.choose(borders, None)
+    hold = truth_pins.hold(clip.garment.rest, triangles, borders)
+    with tempfile.TemporaryDirectory() as folder:
+        cloth = truth_cloth.build(clip, hold, truth_cloth.Fabric(), needs_inner(clip), Path(folder))
+        coarse, seconds = truth_cloth.simulate(cloth, clip, say)
+        coarse = coarse + truth_clip.travelled(clip.speed, len(frames))
+        surface = truth_clip.Surface(coarse, coarse[0], clip.garment.starts, clip.garment.corners)
+        shown = truth_cloth.moving_object("Shown", surface, Path(folder))
+        shown.modifiers.new("Fine", "SUBSURF").levels = LEVELS
+        drawn = []
+        for number in range(len(frames)):
+            bpy.context.scene.frame_set(number + 1)
+            drawn.append(evaluated(shown))
+    return result(np.stack([surface.positions for surface in drawn]), 1e3 * seconds, float("nan"),
+                  drawn[picture - int(frames[0])])
+
+
+def simulation(name: str, stored: Stored, picture: int) -> Stored:
+    """Blender's Cloth at full resolution: scripts/ground_truth has simulated it."""
+    here = stored["positions"][picture - int(stored["frames"][0])]
+    return result(stored["positions"], 1e3 * float(stored["seconds"]), float("nan"),
+                  Shown(here, stored["starts"], stored["corners"]))
+
+
+CONTENDERS: dict[str, Callable[[str, Stored, int], Stored]] = {
+    "subdivision": subdivision,
+    "mesh": of_rumple("MESH", "wavelength", 1.0),
+    "field": of_rumple("FIELD", "wavelength", 1.0),
+    "paths": of_rumple("PATHS", "width", 2.0),
+    "tension": tension,
+    "cloth_subdivided": cloth_subdivided,
+    "cloth": simulation,
+}
+
+
+def main() -> None:
+    options = arguments()
+    rumple.register()
+    open_scene(options.scene)
+    with np.load(options.out / "truth.npz", allow_pickle=False) as file:
+        stored = {key: file[key] for key in file.files}
+    made = CONTENDERS[options.contender](options.garment, stored, options.picture)
+    say(f"{options.contender}: {float(made['ms']):.1f} ms a frame over the bare rig")
+    np.savez(options.out / f"{options.contender}.npz", **made)
+
+
+if __name__ == "__main__":
+    main()
