@@ -45,11 +45,12 @@ _PLACES = {
     "wrinkle-paths": "ops.object.rumple_width_from_height",
     "folds-and-persistence": "paths.*",
     "wrinkle-maps": "ops.rumple.maps_add ops.rumple.maps_remove",
-    "poses-bones-and-shading": "pose.* posed.* bone.* maps.* ops.rumple.*",
+    "poses-bones-and-shading": "pose.* posed.* bone.* keyed.* key.* maps.* ops.rumple.*",
 }
 _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "paths": "rumple_pathssettings",
            "object": "rumple_object", "brush": "rumple_brush", "pose": "rumple_referencepose",
-           "posed": "rumple_posedbone", "bone": "rumple_trackedbone", "maps": "rumple_maps",
+           "posed": "rumple_posedbone", "bone": "rumple_trackedbone", "maps": "rumple_maps", "keyed": "rumple_keyvalue",
+           "key": "rumple_trackedkey",
            "*": "rumple_*settings"}
 
 # What a message says -> the heading below which the guide says what to do.

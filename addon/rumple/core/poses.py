@@ -256,7 +256,7 @@ class PoseComparison:
         return np.divide(ways, squares, out=np.zeros_like(ways), where=moving).astype(np.float32)
 
     def shares(self) -> np.ndarray:
-        """(o, b + m): of the sum over an element's group, to be the mean over those that move; 1 for those on their own."""
+        """(o, b + m): of the sum over an element's group, to be the mean over those that move; 1 for one on its own."""
         group = self.rig.group_numbers()
         together = (group[:, None] == group) & (group >= 0) | np.eye(len(group), dtype=bool)
         return (1.0 / np.maximum(together @ self.moves.astype(int), 1)).T.astype(np.float32)

@@ -34,7 +34,8 @@ def from_json(text: str) -> PoseRig:
         keys=[TrackedKey(_text(key, "name", f"shape key {number}"), _text(key, "group", f"shape key {number}"))
               for number, key in enumerate(keys, 1)],
         neutral_keys=_values(keys, "shape key"),
-        poses=[_pose(pose, f"pose {number}", len(bones), len(keys) if has_keys else None) for number, pose in enumerate(poses, 1)])
+        poses=[_pose(pose, f"pose {number}", len(bones), len(keys) if has_keys else None)
+               for number, pose in enumerate(poses, 1)])
     rig.check()
     return rig
 
