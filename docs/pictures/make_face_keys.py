@@ -22,6 +22,7 @@ import rumple  # noqa: E402
 from rumple.blender import compat  # noqa: E402
 from rumple.core.presets import MESH_PRESETS  # noqa: E402
 
+FACE = ("Head", "EyesTeeth")
 POSES = {"Surprise": {"Brow Up L": 1.0, "Brow Up R": 1.0, "Jaw Open": 1.0}, "Anger": {"Frown": 1.0}}
 SHOWN = {"Neutral": {}, "Surprise": {"Brow Up L": 1.0, "Brow Up R": 1.0, "Jaw Open": 0.8}, "One brow": {"Brow Up L": 1.0},
          "Anger": {"Frown": 0.8}, "Half of it": {"Frown": 0.4}, "Jaw and frown": {"Jaw Open": 1.0, "Frown": 0.7}}
@@ -32,7 +33,7 @@ def shape_of(head: bpy.types.Object) -> np.ndarray:
     return compat.positions(evaluated.data).copy()
 
 
-def keyed(head: bpy.types.Object, rig: bpy.types.Object) -> None:
+def keyed(objects: list[bpy.types.Object], rig: bpy.types.Object) -> None:
     """Poses of the bones become shape keys; then the armature goes."""
     action = rig.animation_data.action
 
@@ -53,26 +54,29 @@ def keyed(head: bpy.types.Object, rig: bpy.types.Object) -> None:
 
     poses = {"Brow Up L": brow("oculi01.L"), "Brow Up R": brow("oculi01.R"), "Jaw Open": expression("Surprise"),
              "Frown": expression("Anger")}
-    head.shape_key_add(name="Basis")
-    rest()
+    for obj in objects:
+        obj.shape_key_add(name="Basis")
     for name, go in poses.items():
         rest()
         go()
-        shape = shape_of(head)
-        head.shape_key_add(name=name, from_mix=False).data.foreach_set("co", shape.ravel())
-    for block in list(head.data.shape_keys.key_blocks)[1:]:
-        block.value = 0.0
-    for armature in [m for m in head.modifiers if m.type == "ARMATURE"]:
-        head.modifiers.remove(armature)
-    place = head.matrix_world.copy()
-    head.parent = None
-    head.matrix_world = place
+        for obj, shape in [(obj, shape_of(obj)) for obj in objects]:
+            obj.shape_key_add(name=name, from_mix=False).data.foreach_set("co", shape.ravel())
+    rest()
+    for obj in objects:
+        for block in list(obj.data.shape_keys.key_blocks)[1:]:
+            block.value = 0.0
+        for armature in [m for m in obj.modifiers if m.type == "ARMATURE"]:
+            obj.modifiers.remove(armature)
+        place = obj.matrix_world.copy()
+        obj.parent = None
+        obj.matrix_world = place
     bpy.data.objects.remove(rig)
 
 
-def set_keys(head: bpy.types.Object, values: dict[str, float]) -> None:
-    for block in list(head.data.shape_keys.key_blocks)[1:]:
-        block.value = values.get(block.name, 0.0)
+def set_keys(values: dict[str, float]) -> None:
+    for obj in (bpy.data.objects[name] for name in FACE):
+        for block in list(obj.data.shape_keys.key_blocks)[1:]:
+            block.value = values.get(block.name, 0.0)
     bpy.context.view_layer.update()
 
 
@@ -80,7 +84,7 @@ def wrinkle(head: bpy.types.Object) -> None:
     bpy.context.view_layer.objects.active = head
     bpy.ops.object.rumple_add(method="MAPS")
     for name, values in POSES.items():
-        set_keys(head, values)
+        set_keys(values)
         bpy.ops.rumple.pose_add(name=name)
     make_face.paint(head)
     for name, value in dict(MESH_PRESETS["SKIN"].values, wavelength=0.0075, radius=0.5, hem_rings=3).items():
@@ -94,14 +98,14 @@ def wrinkle(head: bpy.types.Object) -> None:
 def main() -> None:
     rumple.register()
     head = bpy.data.objects["Head"]
-    keyed(head, bpy.data.objects["HeadRig"])
+    keyed([bpy.data.objects[name] for name in FACE], bpy.data.objects["HeadRig"])
     wrinkle(head)
     make_face.stage(head)
     skin, coloured = head.data.materials[0], make_face.influences(head)
     with tempfile.TemporaryDirectory() as folder:
         tiles: list[tuple[str, Path]] = []
         for name, values in SHOWN.items():
-            set_keys(head, values)
+            set_keys(values)
             for label, muted, material in ((name, True, skin), ("Masks", False, coloured),
                                            ("Wrinkle Maps", False, skin)):
                 path = Path(folder) / f"{len(tiles)}.png"

@@ -16,10 +16,11 @@ import bpy
 import numpy as np
 
 from ...core.engine import UserError
+from ...core.presets import SKIN_OF_MAPS
 from .. import compat, scheduler
 from ..frame import rebuild
 from ..nodes import maps_shader
-from ..objects import modifier, properties, runtimes, units
+from ..objects import cloth_defaults, modifier, properties, runtimes, units
 from ..translation import said
 from . import (changes as maps_changes, export as maps_export, keys as maps_keys, modifier as maps_modifier,
                operators as maps_operators, rig as maps_rig, stored_poses)
@@ -120,6 +121,8 @@ class MapBake:
 
     def _add_wrinkles(self, copy: bpy.types.Object) -> None:
         method = self.obj.rumple_maps.bake_source
+        if method == "MESH":
+            self._make_skin(copy)
         with self.context.temp_override(object=copy, active_object=copy, selected_objects=[copy]):
             result = bpy.ops.object.rumple_add(method=method, shade=False)
         if result != {"FINISHED"}:
@@ -134,6 +137,14 @@ class MapBake:
         for _ in range(2):  # the solve, then its picture
             copy.update_tag()
             self.context.view_layer.update()
+
+    def _make_skin(self, copy: bpy.types.Object) -> None:
+        """Unless somebody has set what its Wrinkle Mesh is like, or it is a garment."""
+        copy.rumple.method = "MESH"
+        settings, scene = properties.group_of(copy), self.context.scene
+        untouched = not any(settings.is_property_set(name) for name in properties.fields_of(copy))
+        if untouched and not cloth_defaults.defaults(copy, scene):
+            properties.apply_values(copy, scene, SKIN_OF_MAPS)
 
     def _frozen(self, copy: bpy.types.Object) -> bpy.types.Object:
         depsgraph = self.context.evaluated_depsgraph_get()
