@@ -127,6 +127,11 @@ class _Bones(_Maps):
     bl_label = "Bones"
     bl_options = {"DEFAULT_CLOSED"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _Maps.poll(context) and (context.object.find_armature() is not None
+                                        or len(context.object.rumple_maps.bones) > 0)
+
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, self.object(context)
         settings, armature = obj.rumple_maps, obj.find_armature()
@@ -139,6 +144,11 @@ class _Bones(_Maps):
 class _Keys(_Maps):
     bl_label = "Shape Keys"
     bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _Maps.poll(context) and (context.object.data.shape_keys is not None
+                                        or len(context.object.rumple_maps.keys) > 0)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, self.object(context).rumple_maps
@@ -185,6 +195,8 @@ def _panel(body: Any, place: type, name: str, parent: str = "") -> type:
     members = {"bl_idname": name, "bl_label": body.bl_label, "draw": body.draw, "bl_order": 101}
     if parent:
         members["bl_parent_id"] = parent
+    if "poll" in vars(body):
+        members["poll"] = vars(body)["poll"]
     return type(name, (place, bpy.types.Panel), members)
 
 
