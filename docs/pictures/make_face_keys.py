@@ -24,8 +24,9 @@ from rumple.core.presets import MESH_PRESETS  # noqa: E402
 
 FACE = ("Head", "EyesTeeth")
 POSES = {"Surprise": {"Brow Up L": 1.0, "Brow Up R": 1.0, "Jaw Open": 1.0}, "Anger": {"Frown": 1.0}}
-SHOWN = {"Neutral": {}, "Surprise": {"Brow Up L": 1.0, "Brow Up R": 1.0, "Jaw Open": 0.8}, "One brow": {"Brow Up L": 1.0},
-         "Anger": {"Frown": 0.8}, "Half of it": {"Frown": 0.4}, "Jaw and frown": {"Jaw Open": 1.0, "Frown": 0.7}}
+SHOWN = {"Neutral": {}, "Surprise": {"Brow Up L": 1.0, "Brow Up R": 1.0, "Jaw Open": 0.8},
+         "One brow": {"Brow Up L": 1.0}, "Anger": {"Frown": 0.8}, "Half of it": {"Frown": 0.4},
+         "Jaw and frown": {"Jaw Open": 1.0, "Frown": 0.7}}
 
 
 def shape_of(head: bpy.types.Object) -> np.ndarray:
