@@ -108,6 +108,27 @@ class Face(unittest.TestCase):
             np.testing.assert_allclose(turned[name], here[name], atol=2e-3)
         self.rig.location = (0.0, 0.0, 0.0)
 
+    def test_a_wide_open_jaw_gives_skin_and_no_curtains(self) -> None:
+        """Nobody has set a Wrinkle Mesh: it was baked as cotton, with folds down the cheeks as deep as on cloth."""
+        self.scene.frame_set(81)
+        bpy.ops.rumple.pose_add(name="Laugh")
+        self.settings.active = self.settings.poses.find("Laugh")
+        self.settings.bake_size = 512
+        steepness = {}
+        for kind in ("skin", "cotton"):
+            if kind == "cotton":
+                self.head.rumple.mesh.radius = 1.0  # the default, but set
+            self.assertEqual(bpy.ops.rumple.maps_bake(), {"FINISHED"})
+            image = self.settings.poses["Laugh"].image
+            texels = np.empty(len(image.pixels), np.float32)
+            image.pixels.foreach_get(texels)
+            steepness[kind] = np.percentile(np.abs(texels.reshape(-1, 4)[:, :2] - 0.5).max(1), 99)
+        self.settings.poses.remove(self.settings.active)
+        self.head.rumple.mesh.property_unset("radius")
+        self.assertGreater(steepness["cotton"], 0.15)
+        self.assertLess(steepness["skin"], 0.7 * steepness["cotton"])
+        self.assertGreater(steepness["skin"], 0.03)  # creases there are
+
     def test_what_a_frame_costs_is_written_down(self) -> None:
         """Not judged: a busy machine would fail it."""
         nodes_mod = maps_modifier.find(self.head)

@@ -11,7 +11,7 @@ from rumple.blender.maps import modifier as maps_modifier, rig as maps_rig
 from rumple.blender.nodes import maps_mask_tree
 from rumple.blender.objects import modifier, properties
 from rumple.core.poses import PoseComparison, strengths
-from support import face, sleeve
+from support import face, keyed_face, sleeve
 from support.random_walk import RandomWalk
 
 ROUNDING = 2e-4  # of a mask, where the gain is 1: nodes count in single precision
@@ -46,8 +46,8 @@ class Walk(RandomWalk):
 
     def compare(self, obj: bpy.types.Object, trail: str) -> None:
         rig, _ = maps_rig.rig_of(obj)
-        bones = maps_rig.present_bones(obj, obj.find_armature(), rig)
-        fresh = PoseComparison.build(rig, maps_rig.weights_of(obj, rig)).frame(bones)
+        bones, keys = maps_rig.present(obj, rig)
+        fresh = PoseComparison.build(rig, maps_rig.weights_of(obj, rig)).frame(bones, keys=keys)
         names = {maps_mask_tree.MASK.format(pose.name) for pose in rig.poses}
         attributes = sleeve.evaluated(obj).data.attributes
         assert names == {a.name for a in attributes if a.name.startswith("rumple_pose_")}, f"{trail}: other names"
@@ -73,6 +73,23 @@ class Walk(RandomWalk):
     def do_pose(self) -> None:
         face.pose(bpy.data.objects["Rig"], **{name: self.random.uniform(-0.01, 0.01)
                                               for name in ("brow_L", "brow_R", "jaw") if self.random.random() < 0.7})
+
+    def do_keys(self) -> None:
+        """Shape keys: made, chosen, set, muted, renamed, taken away."""
+        obj = self.pick()
+        if obj is None:
+            return
+        if obj.data.shape_keys is None:
+            keyed_face.add_keys(obj, ("brow.L", "brow.R", "jaw"))
+        blocks = list(obj.data.shape_keys.key_blocks)[1:]
+        bpy.ops.rumple.maps_keys()
+        for block in blocks:
+            block.value, block.mute = self.random.uniform(-1.0, 1.0), self.random.random() < 0.2
+        if self.random.random() < 0.2:
+            blocks[0].name = self.random.choice(("brow.L", "a \"quoted\" key"))
+        elif self.random.random() < 0.2 and len(blocks) > 1:
+            obj.shape_key_remove(blocks[-1])
+        bpy.context.view_layer.update()
 
     def do_pose_add(self) -> None:
         obj = self.pick()

@@ -8,12 +8,47 @@ import bpy
 import numpy as np
 from mathutils import Euler
 from rumple.blender.maps import modifier as maps_modifier
-from support import face, maps_renders, sleeve
+from support import face, keyed_face, maps_renders, sleeve
 from support.window_case import WindowCase
 
 
 def biggest_area() -> bpy.types.Area:
     return max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height)
+
+
+class KeysInWindow(WindowCase):
+
+    def test_panels_sliders_sculpting_and_undo_of_shape_keys(self) -> Iterator[float]:
+        obj = keyed_face.scene()
+        settings = keyed_face.two_poses(obj)
+        area = biggest_area()
+        area.type = "PROPERTIES"
+        yield
+        area.spaces.active.context = "MODIFIER"
+        keyed_face.set_keys(obj, brow_L=1.0, jaw=0.25)
+        yield 0.5
+        self.screenshot("maps_keys_panel")
+        self.assertAlmostEqual(settings.poses["Surprise"].present, 0.5, 4)
+        keyed_face.set_keys(obj, frown=1.0)
+        block = obj.data.shape_keys.key_blocks["frown"]
+        block.data.foreach_set("co", np.array([v.co for v in obj.data.vertices], np.float32).ravel())
+        block.data[0].co.z += 0.01
+        obj.data.update_tag()
+        yield from self.until(lambda: face.mask(obj, "Anger")[1:].max() == 0.0)
+        self.assertEqual(face.mask(obj, "Anger")[0], 1.0)
+        area.type = "VIEW_3D"
+        yield 0.2
+        with self.area("VIEW_3D"):
+            bpy.ops.ed.undo_push(message="two poses")
+            sleeve.make_active(obj)
+            bpy.ops.rumple.pose_remove()
+            bpy.ops.ed.undo_push(message="one pose")
+            bpy.ops.ed.undo()
+        yield 0.5
+        obj = bpy.data.objects["Face"]
+        keyed_face.set_keys(obj, brow_R=0.5)
+        np.testing.assert_allclose(face.mask(obj, "Surprise"), 0.5 * keyed_face.weights("brow.R"), atol=1e-4)
+        self.assertEqual(obj.rumple_maps.message, "")
 
 
 class MapsInEevee(WindowCase):

@@ -67,7 +67,7 @@ class Json(unittest.TestCase):
 
     def test_what_is_not_such_a_file_is_refused_in_words(self) -> None:
         good = json.loads(face().to_json())
-        for change, word in ((dict(format="gltf"), "not a file"), (dict(version=2), "version 2"),
+        for change, word in ((dict(format="gltf"), "not a file"), (dict(version=3), "version 3"),
                              (dict(maps="colour"), "COLOUR"), (dict(gain=1000), "gain"), (dict(bones=5), "read")):
             with self.assertRaisesRegex(UserError, word):
                 poses_json.from_json(json.dumps({**good, **change}))

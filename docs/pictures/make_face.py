@@ -190,4 +190,5 @@ def main() -> None:
         save(tiles, 2, HERE / "s4_face_close.jpg")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -34,7 +34,7 @@ Rig rig_of(const rumple_wrinkle_maps_plan& plan) {
     for (const char* name : values(plan.names, plan.names_count, "names"))
         rig.names.emplace_back(&given(name, "names"));
     for (const int32_t tracked : values(plan.tracked, plan.tracked_count, "tracked"))
-        rig.tracked.push_back(choice(tracked, Tracked::kBoth, "tracked"));
+        rig.tracked.push_back(choice(tracked, Tracked::kKey, "tracked"));
     rig.group = copied(values(plan.group, plan.group_count, "group"));
     rig.neutral = copied(bones_in(plan.neutral, plan.neutral_count, "neutral"));
     for (const rumple_wrinkle_maps_pose& pose : values(plan.poses, plan.poses_count, "poses")) {

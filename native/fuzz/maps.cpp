@@ -19,8 +19,12 @@ void build_model(World& world, Bytes& bytes) {
     const auto bones = size_t(bytes.below(5)), poses = size_t(bytes.below(4)),
                vertices = size_t(bytes.below(6));
     const std::vector<const char*> names(bones, bytes.hostile() ? nullptr : "bone");
-    std::vector<std::int32_t> tracked(bones, bytes.whole(0, 2)), group, start{0}, bone;
-    for (size_t b = 0; b < bones; ++b) group.push_back(bytes.whole(-1, 2));
+    std::vector<std::int32_t> tracked(bones, bytes.whole(0, 3)), group, start{0}, bone;
+    for (size_t b = 0; b < bones; ++b) {
+        const int number = bytes.whole(-1, 2);
+        group.push_back(number);
+        if (number == 2) tracked[b] = RUMPLE_TRACKED_KEY;
+    }
     for (size_t v = 0; v < vertices; ++v) {
         for (int k = bytes.below(3); k > 0; --k) bone.push_back(bytes.whole(-1, int(bones)));
         start.push_back(std::int32_t(bone.size()));

@@ -45,11 +45,12 @@ _PLACES = {
     "wrinkle-paths": "ops.object.rumple_width_from_height",
     "folds-and-persistence": "paths.*",
     "wrinkle-maps": "ops.rumple.maps_add ops.rumple.maps_remove",
-    "poses-bones-and-shading": "pose.* posed.* bone.* maps.* ops.rumple.*",
+    "poses-bones-and-shading": "pose.* posed.* bone.* keyed.* key.* maps.* ops.rumple.*",
 }
 _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "paths": "rumple_pathssettings",
            "object": "rumple_object", "brush": "rumple_brush", "pose": "rumple_referencepose",
-           "posed": "rumple_posedbone", "bone": "rumple_trackedbone", "maps": "rumple_maps",
+           "posed": "rumple_posedbone", "bone": "rumple_trackedbone", "maps": "rumple_maps", "keyed": "rumple_keyvalue",
+           "key": "rumple_trackedkey",
            "*": "rumple_*settings"}
 
 # What a message says -> the heading below which the guide says what to do.
@@ -57,7 +58,8 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"worn over|its body|of its bodies|was reached by a jump|linked from a file of an older Rumple", "body-and-cloth"),
     (r"outside the bake|[Bb]aked clip|of it is damaged|the disk of|nothing can be written|the folder .* is gone"
      r"|changed since the bake", "bakes"),
-    (r"pose .* every bone|to be the root|do not sum to 1|has no bone", "reference-poses"),
+    (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
+     r"|shape keys are absolute|cannot be set here: a driver", "reference-poses"),
     (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|is nowhere|scale is zero|the fine mesh would have|of the own mesh|has no room for"
      r"|rest wrinkle of|away from the origin", "the-mesh-and-its-modifiers"),

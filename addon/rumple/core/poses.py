@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reference poses of a skeleton as data: what the Wrinkle Maps compare the present pose with. Never imports bpy.
+"""Reference poses of bones and shape keys as data: what the Wrinkle Maps compare the present pose with. No bpy here.
 
 The JSON that to_json() writes is what a game engine needs; docs/wrinkle_maps.md describes it field by field, and
 poses_json.py reads it.
@@ -16,10 +16,11 @@ from ..native import kernels
 from .wording import UserError
 
 FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
+KEYS_VERSION = 2  # of files with shape keys: engines that know bones only are to refuse them
 TRACKED = ("HEAD", "TAIL", "BOTH")
 MAPS = ("WRINKLES", "WHOLE")
 MOST_POSES = 16  # as the native module
-_UNTRACKED = dict(HEAD=slice(3, 6), TAIL=slice(0, 3))
+_UNTRACKED = dict(HEAD=slice(3, 6), TAIL=slice(0, 3), KEY=slice(1, 6))
 PACKED = 3  # masks in one vector attribute: EEVEE takes 14 attributes a material, a rig may have 16 poses
 ROW = 4  # skin weights in a row of the table that the nodes read: most vertices need no second one
 LONGEST_NAME = 48  # bytes: Blender's attribute names end after 63, ours begin with rumple_pose_
@@ -36,6 +37,18 @@ class TrackedBone:
 
 
 @dataclass
+class TrackedKey:
+    """A shape key whose value is compared. group: as of bones, and together with them."""
+
+    name: str
+    group: str = ""
+
+
+def _no_values() -> np.ndarray:
+    return np.zeros(0, np.float32)
+
+
+@dataclass
 class ReferencePose:
     """A pose and the wrinkles that belong to it."""
 
@@ -45,6 +58,7 @@ class ReferencePose:
     strength: float = 1.0  # 0..1
     muted: bool = False
     solo: bool = False
+    keys: np.ndarray = field(default_factory=_no_values)  # (m,) float32: values of the tracked shape keys
 
 
 def strengths(poses: Sequence[Any]) -> list[float]:
@@ -58,20 +72,30 @@ def strengths(poses: Sequence[Any]) -> list[float]:
 
 @dataclass
 class PoseRig:
-    """All reference poses of one character. b tracked bones; object units of the armature."""
+    """All reference poses of one character. b tracked bones, in object units of the armature, and m shape keys.
+
+    Where both count as one, the elements, bones stand in front of keys.
+    """
 
     name: str  # of the wrinkled object, for messages
-    root: str  # the bone in whose space all is compared: its motion has no effect
+    root: str  # the bone in whose space all is compared: its motion has no effect; empty: the armature itself
     bones: list[TrackedBone]
     neutral: np.ndarray  # (b, 6) float32: P_0
     poses: list[ReferencePose] = field(default_factory=list)
     maps: str = "WRINKLES"  # WHOLE: the maps contain the details of the neutral map, too
     neutral_map: str = ""
     gain: float = 1.0  # above 1, wrinkles fade less with the distance from their bones
+    keys: list[TrackedKey] = field(default_factory=list)
+    neutral_keys: np.ndarray = field(default_factory=_no_values)  # (m,) float32
+
+    @property
+    def elements(self) -> list[TrackedBone | TrackedKey]:
+        return [*self.bones, *self.keys]
 
     def check(self) -> None:
         """Raises UserError naming the first thing that is wrong. The native module checks the points of the bones."""
         _refuse_repeated(self.name, "bone", [bone.name for bone in self.bones])
+        _refuse_repeated(self.name, "shape key", [key.name for key in self.keys])
         _refuse_repeated(self.name, "pose", [pose.name for pose in self.poses])
         if len(self.poses) > MOST_POSES:
             raise UserError(f"{self.name}: {len(self.poses)} reference poses; there may be {MOST_POSES}")
@@ -85,26 +109,34 @@ class PoseRig:
         _refuse_outside(self.name, "gain", self.gain, *GAINS)
 
     def group_numbers(self) -> np.ndarray:
-        """(b,) int32: number of each bone's group, -1 on its own."""
+        """(b + m,) int32: number of each element's group, -1 on its own."""
         numbers: dict[str, int] = {}
-        return np.array([numbers.setdefault(bone.group, len(numbers)) if bone.group else -1 for bone in self.bones],
-                        np.int32)
+        return np.array([numbers.setdefault(element.group, len(numbers)) if element.group else -1
+                         for element in self.elements], np.int32)
 
     def moves(self) -> np.ndarray:
-        """(b, o) bool: which bones are compared in which pose. Raises UserError, as PoseComparison.build() does."""
+        """(b + m, o) bool: what is compared in which pose. Raises UserError, as PoseComparison.build() does."""
         return PoseComparison.build(self, SkinWeights.none()).moves
 
     def to_json(self) -> str:
         """The rig as documented. Numbers are written so that reading gives back the same bits. Raises UserError."""
-        moves = self.moves()
-        return json.dumps(dict(
-            format=FORMAT, version=FORMAT_VERSION, name=self.name, root=self.root, maps=self.maps.lower(),
-            neutral_map=self.neutral_map, gain=self.gain,
+        bone_moves, key_moves = np.split(self.moves(), [len(self.bones)])
+        poses = [dict(name=pose.name, map=pose.map, strength=strength,
+                      bones=[dict(moves=bool(moved), **_points(place)) for moved, place in zip(column, pose.bones)])
+                 for pose, strength, column in zip(self.poses, strengths(self.poses), bone_moves.T)]
+        data = dict(
+            format=FORMAT, version=KEYS_VERSION if self.keys else FORMAT_VERSION, name=self.name, root=self.root,
+            maps=self.maps.lower(), neutral_map=self.neutral_map, gain=self.gain,
             bones=[dict(name=bone.name, tracked=bone.tracked.lower(), group=bone.group, **_points(place))
                    for bone, place in zip(self.bones, self.neutral)],
-            poses=[dict(name=pose.name, map=pose.map, strength=strength,
-                        bones=[dict(moves=bool(moved), **_points(place)) for moved, place in zip(column, pose.bones)])
-                   for pose, strength, column in zip(self.poses, strengths(self.poses), moves.T)]), indent=1) + "\n"
+            poses=poses)
+        if self.keys:
+            data["keys"] = [dict(name=key.name, group=key.group, value=float(value))
+                            for key, value in zip(self.keys, self.neutral_keys)]
+            for entry, pose, column in zip(poses, self.poses, key_moves.T):
+                entry["keys"] = [dict(moves=bool(moved), value=float(value))
+                                 for moved, value in zip(column, pose.keys)]
+        return json.dumps(data, indent=1) + "\n"
 
 
 def _points(place: np.ndarray) -> dict[str, list[float]]:
@@ -132,11 +164,11 @@ def _refuse_outside(owner: str, what: str, value: float, low: float, high: float
 # ---------------------------------------------------------------- a frame
 @dataclass
 class SkinWeights:
-    """Which bones deform each of n vertices. Rows need not sum to 1."""
+    """Which elements deform each of n vertices. Those of bones need not sum to 1."""
 
     start: np.ndarray  # (n + 1,) int32
-    bone: np.ndarray  # (w,) int32 of the rig's bones; -1: another bone
-    weight: np.ndarray  # (w,) float32
+    bone: np.ndarray  # (w,) int32 of the rig's elements; -1: another bone
+    weight: np.ndarray  # (w,) float32; of shape keys 0..1
 
     @classmethod
     def none(cls) -> "SkinWeights":
@@ -146,11 +178,11 @@ class SkinWeights:
 
 @dataclass
 class Masks:
-    """One frame. o poses, b bones, n vertices; all 0..1."""
+    """One frame. o poses, b bones, m shape keys, n vertices; all 0..1."""
 
     pose: np.ndarray  # (o, n) float32: where each pose's map shows, and how much
-    influence: np.ndarray  # (b, o)
-    rest: np.ndarray  # (b,)
+    influence: np.ndarray  # (b + m, o)
+    rest: np.ndarray  # (b + m,)
     presence: np.ndarray  # (o,) of each pose as a whole
 
 
@@ -185,7 +217,7 @@ class PoseComparison:
         if model.unnormalised:
             self.warnings.append(f"{rig.name}: the skin weights of {model.unnormalised} vertices do not sum to 1 "
                                  "and are normalised")
-        if model.unbound:
+        if model.unbound and rig.bones:
             self.warnings.append(f"{rig.name}: {model.unbound} vertices have no skin weight: no map shows there")
 
     @classmethod
@@ -194,8 +226,9 @@ class PoseComparison:
         rig.check()
         try:
             model = kernels.build_wrinkle_maps(
-                [bone.name for bone in rig.bones], [bone.tracked for bone in rig.bones], rig.group_numbers(),
-                _flat(rig.neutral), [(pose.name, _flat(pose.bones)) for pose in rig.poses], weights.start,
+                [one.name for one in rig.elements], _tracked(rig), rig.group_numbers(),
+                _flat(_joined(rig.neutral, rig.neutral_keys)),
+                [(pose.name, _flat(_joined(pose.bones, pose.keys))) for pose in rig.poses], weights.start,
                 weights.bone, weights.weight)
         except ValueError as error:
             raise UserError(f"{rig.name}: {error}") from error
@@ -203,22 +236,27 @@ class PoseComparison:
 
     @property
     def moves(self) -> np.ndarray:
-        """(b, o) bool: which bones move in which pose."""
+        """(b + m, o) bool: which elements move in which pose."""
         return self.model.moves.astype(bool)
 
     # --- for the nodes, that compute the masks where no Python runs (blender/nodes/maps_mask_tree.py)
+    def neutral(self) -> np.ndarray:
+        """(b + m, 6) float32: heads and tails; of shape keys the value, then zeros."""
+        return _joined(self.rig.neutral, self.rig.neutral_keys)
+
     def slopes(self) -> np.ndarray:
-        """(o, b, 6): slope . (bones - neutral), clamped to 0..1, is the influence: way / |way|^2 of what is tracked."""
-        ways = np.array([pose.bones for pose in self.rig.poses], float) - self.rig.neutral
-        for number, bone in enumerate(self.rig.bones):
-            if bone.tracked != "BOTH":
-                ways[:, number, _UNTRACKED[bone.tracked]] = 0.0
+        """(o, b + m, 6): slope . (places - neutral), clamped to 0..1, is the influence: way / |way|^2 of what is
+        tracked."""
+        ways = np.array([_joined(pose.bones, pose.keys) for pose in self.rig.poses], float) - self.neutral()
+        for number, tracked in enumerate(_tracked(self.rig)):
+            if tracked != "BOTH":
+                ways[:, number, _UNTRACKED[tracked]] = 0.0
         squares = (ways * ways).sum(2, keepdims=True)
         moving = self.moves.T[:, :, None]
         return np.divide(ways, squares, out=np.zeros_like(ways), where=moving).astype(np.float32)
 
     def shares(self) -> np.ndarray:
-        """(o, b): of the sum over a bone's group, to be the mean over those that move; 1 for bones on their own."""
+        """(o, b + m): of the sum over an element's group, to be the mean over those that move; 1 for one on its own."""
         group = self.rig.group_numbers()
         together = (group[:, None] == group) & (group >= 0) | np.eye(len(group), dtype=bool)
         return (1.0 / np.maximum(together @ self.moves.astype(int), 1)).T.astype(np.float32)
@@ -226,10 +264,11 @@ class PoseComparison:
     def lifts(self, gain: float, strength: Sequence[float]) -> np.ndarray:
         """(o, n): what gain and strengths multiply the weighted sum by. reach' / reach of the native gained()."""
         reach = self.model.reach.T
-        return (np.array(strength, np.float32)[:, None] * gain / (1.0 + (gain - 1.0) * reach)).astype(np.float32)
+        lifted = gain / (1.0 + (gain - 1.0) * np.minimum(reach, 1.0)) / np.maximum(reach, 1.0)
+        return (np.array(strength, np.float32)[:, None] * lifted).astype(np.float32)
 
     def table(self) -> WeightTable:
-        """The normalised weights of the rig's bones."""
+        """The weights of the rig's elements as they count."""
         start, bone, weight = self.model.weights
         counts = np.diff(start)
         further = np.maximum((counts + ROW - 1) // ROW - 1, 0)
@@ -245,16 +284,31 @@ class PoseComparison:
         return table
 
     # --- here
-    def frame(self, bones: np.ndarray, gain: float | None = None, strength: list[float] | None = None) -> Masks:
-        """bones: (b, 6) float32, root space. gain, strength for each pose: the rig's unless given. Raises UserError."""
+    def frame(self, bones: np.ndarray, gain: float | None = None, strength: list[float] | None = None,
+              keys: np.ndarray | None = None) -> Masks:
+        """bones: (b, 6) float32, root space. keys: (m,) values. gain, strength for each pose: the rig's unless given.
+        Raises UserError."""
+        keys = _no_values() if keys is None else keys
         gain = self.rig.gain if gain is None else gain
         strength = strengths(self.rig.poses) if strength is None else strength
         try:
-            at = kernels.evaluate_wrinkle_maps(self.model, _flat(bones))
+            at = kernels.evaluate_wrinkle_maps(self.model, _flat(_joined(bones, keys)))
             masks = kernels.masks_of_wrinkle_maps(self.model, at, gain, strength)
         except ValueError as error:
             raise UserError(f"{self.rig.name}: {error}") from error
         return Masks(masks, at.pose, at.rest, kernels.presence_of_wrinkle_maps(self.model, at))
+
+
+def _joined(bones: np.ndarray, keys: np.ndarray) -> np.ndarray:
+    """(b + m, 6) float32: what the library takes for both."""
+    values = np.zeros((len(keys), 6), np.float32)
+    values[:, 0] = keys
+    return np.concatenate([np.asarray(bones, np.float32).reshape(-1, 6), values])
+
+
+def _tracked(rig: PoseRig) -> list[str]:
+    """Of every element, as the library calls it."""
+    return [bone.tracked for bone in rig.bones] + ["KEY"] * len(rig.keys)
 
 
 def bones_in_root_space(name: str, root: np.ndarray, bones: np.ndarray) -> np.ndarray:

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from .wording import UserError
-from .poses import FORMAT, FORMAT_VERSION, MOST_POSES, PoseRig, ReferencePose, TrackedBone
+from .poses import (FORMAT, FORMAT_VERSION, KEYS_VERSION, MOST_POSES, PoseRig, ReferencePose, TrackedBone,
+                    TrackedKey)
 
 MOST_TEXT = 64 << 20  # letters of a file
-MOST_BONES = 10_000
+MOST_BONES = 10_000  # as many shape keys
 LONGEST_TEXT = 1024  # letters of a name; those of poses are shorter, see PoseRig.check()
 FARTHEST = 1e9  # of a bone, object units
 
@@ -22,13 +23,19 @@ def from_json(text: str) -> PoseRig:
     data = _parsed(text)
     whole = "the reference poses"
     bones, poses = _rows(data, "bones", whole, MOST_BONES), _rows(data, "poses", whole, MOST_POSES)
+    has_keys = data["version"] == KEYS_VERSION
+    keys = _rows(data, "keys", whole, MOST_BONES) if has_keys else []
     rig = PoseRig(
         name=_text(data, "name", whole), root=_text(data, "root", whole), maps=_text(data, "maps", whole).upper(),
         neutral_map=_file_name(data, "neutral_map", whole), gain=_number(data, "gain", whole),
         neutral=_places(bones, "bone"),
         bones=[TrackedBone(_text(bone, "name", f"bone {number}"), _text(bone, "tracked", f"bone {number}").upper(),
                            _text(bone, "group", f"bone {number}")) for number, bone in enumerate(bones, 1)],
-        poses=[_pose(pose, f"pose {number}", len(bones)) for number, pose in enumerate(poses, 1)])
+        keys=[TrackedKey(_text(key, "name", f"shape key {number}"), _text(key, "group", f"shape key {number}"))
+              for number, key in enumerate(keys, 1)],
+        neutral_keys=_values(keys, "shape key"),
+        poses=[_pose(pose, f"pose {number}", len(bones), len(keys) if has_keys else None)
+               for number, pose in enumerate(poses, 1)])
     rig.check()
     return rig
 
@@ -44,19 +51,22 @@ def _parsed(text: str) -> dict[str, Any]:
         raise UserError(f"the reference poses cannot be read: {str(error)[:200]}") from error
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise UserError("this is not a file of reference poses")
-    if data.get("version") != FORMAT_VERSION or isinstance(data["version"], bool):
-        raise UserError(f"reference poses of version {str(data.get('version'))[:20]}; this Rumple reads "
-                        f"{FORMAT_VERSION}")
+    version = data.get("version")
+    if isinstance(version, bool) or version not in (FORMAT_VERSION, KEYS_VERSION):
+        raise UserError(f"reference poses of version {str(version)[:20]}; this Rumple reads {FORMAT_VERSION} and "
+                        f"{KEYS_VERSION}")
     return data
 
 
-def _pose(data: dict[str, Any], where: str, bone_count: int) -> ReferencePose:
+def _pose(data: dict[str, Any], where: str, bone_count: int, key_count: int | None) -> ReferencePose:
     name = _text(data, "name", where)
     bones = _rows(data, "bones", where, MOST_BONES)
-    if len(bones) != bone_count:
-        raise UserError(f"{where}, {name}: expected {bone_count} bones, got {len(bones)}")
+    keys = [] if key_count is None else _rows(data, "keys", where, MOST_BONES)
+    for rows, count, kind in ((bones, bone_count, "bones"), (keys, key_count or 0, "shape keys")):
+        if len(rows) != count:
+            raise UserError(f"{where}, {name}: expected {count} {kind}, got {len(rows)}")
     return ReferencePose(name, _places(bones, f"{where}, bone"), _file_name(data, "map", where),
-                         _number(data, "strength", where))
+                         _number(data, "strength", where), keys=_values(keys, f"{where}, shape key"))
 
 
 def _entry(data: dict[str, Any], key: str, where: str) -> Any:
@@ -113,3 +123,8 @@ def _places(bones: list[dict[str, Any]], where: str) -> np.ndarray:
             if not isinstance(point, list) or len(point) != 3 or not all(_is_number(x) for x in point):
                 raise UserError(f"{where} {number} cannot be read: '{key}' is not three numbers")
     return np.array([[*bone["head"], *bone["tail"]] for bone in bones], np.float32).reshape(len(bones), 6)
+
+
+def _values(keys: list[dict[str, Any]], where: str) -> np.ndarray:
+    """(m,) float32 of shape keys."""
+    return np.array([_number(key, "value", f"{where} {number}") for number, key in enumerate(keys, 1)], np.float32)

@@ -61,6 +61,10 @@ MESH_PRESETS = {
                                   damping=0.0, collision="PLANE")),
 }
 
+# Of Wrinkle Maps whose object was never told what its wrinkles are: skin is held from below, and a jaw that opens wide
+# pushes a cheek together by a quarter without a fold as deep as of cloth.
+SKIN_OF_MAPS = dict(MESH_PRESETS["SKIN"].values, radius=0.2, base_cloth="OFF")
+
 # Section 9.1 of the thesis: the compression threshold is how easily a cloth bends, the width how tightly it can be
 # squeezed.
 PATHS_PRESETS = {

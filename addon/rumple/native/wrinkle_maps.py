@@ -47,10 +47,10 @@ def build_wrinkle_maps(names: Sequence[str], tracked: Sequence[str], group: np.n
                        weight: np.ndarray) -> WrinkleMapsModel:
     """Reference poses and skin weights (Dutreve et al. 2009, section 5).
 
-    names: of the b bones. tracked: b of HEAD, TAIL, BOTH. group: (b,) int32, -1: on its own. neutral: (b, 6) float32,
-    heads and tails in root space. poses: at most MOST_POSES of (name, (b, 6) float32). Weights of n vertices:
-    weight_start (n + 1,) int32 into weight_bone int32 (-1: a bone that is not listed) and weight float32. Raises
-    ValueError.
+    names: of the b bones. tracked: b of HEAD, TAIL, BOTH, KEY. group: (b,) int32, -1: on its own. neutral: (b, 6)
+    float32, heads and tails in root space; of a shape key, KEY, the first is its value. poses: at most MOST_POSES of
+    (name, (b, 6) float32). Weights of n vertices: weight_start (n + 1,) int32 into weight_bone int32 (-1: a bone that
+    is not listed) and weight float32. Raises ValueError.
     """
     plan = c.WrinkleMapsPlan()
     called = (ctypes.c_char_p * len(names))(*(name.encode() for name in names))

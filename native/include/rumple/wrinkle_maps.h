@@ -13,14 +13,16 @@ extern "C" {
 
 #define RUMPLE_MOST_POSES 16
 
-// Reference poses and skin weights: b bones, o poses, n vertices. A bone is head and tail, 6 floats.
+// Reference poses and skin weights: b bones, o poses, n vertices. A bone is head and tail, 6 floats. Of a
+// shape key among the bones the first of the 6 is its value, the others do not count.
 typedef struct rumple_wrinkle_maps rumple_wrinkle_maps;
 
 // What of a bone is followed.
 typedef enum rumple_tracked {
     RUMPLE_TRACKED_HEAD = 0,
     RUMPLE_TRACKED_TAIL = 1,
-    RUMPLE_TRACKED_BOTH = 2
+    RUMPLE_TRACKED_BOTH = 2,
+    RUMPLE_TRACKED_KEY = 3  // a shape key
 } rumple_tracked;
 
 typedef struct rumple_wrinkle_maps_pose {
@@ -44,7 +46,7 @@ typedef struct rumple_wrinkle_maps_plan {
     size_t weight_start_count;
     const int32_t* weight_bone;  // (weights), -1: a bone that is not listed
     size_t weight_bone_count;
-    const float* weight;  // (weights), >= 0; those of a vertex are made to sum to 1
+    const float* weight;  // (weights), >= 0; a vertex's of bones are made to sum to 1; of shape keys 0..1
     size_t weight_count;
 } rumple_wrinkle_maps_plan;
 
@@ -59,10 +61,10 @@ typedef struct rumple_wrinkle_maps_view {
     int32_t pose_count;    // o
     int32_t bone_count;    // b
     int32_t weight_count;
-    int32_t unnormalised;         // vertices whose weights did not sum to 1
-    int32_t unbound;              // vertices without any weight: their masks are 0
-    const uint8_t* moves;         // (b, o): 1 where a bone moves in a pose
-    const float* reach;           // (n, o): sum of the weights of the bones that move in a pose, 0..1
+    int32_t unnormalised;  // vertices whose weights did not sum to 1
+    int32_t unbound;       // vertices without any weight: their masks are 0
+    const uint8_t* moves;  // (b, o): 1 where a bone moves in a pose
+    const float* reach;    // (n, o): sum of the weights of what moves in a pose; above 1 with shape keys only
     const int32_t* weight_start;  // (n + 1): the weights as they count: of listed bones only
     const int32_t* weight_bone;   // (weight_count)
     const float* weight;          // (weight_count)

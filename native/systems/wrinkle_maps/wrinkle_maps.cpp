@@ -18,6 +18,10 @@ using Point = std::array<double, 6>;
 
 Point tracked_point(const Bone& bone, Tracked tracked) {
     Point point{};
+    if (tracked == Tracked::kKey) {
+        point[0] = bone.head.x;
+        return point;
+    }
     for (int c = 0; c < 3; ++c) {
         if (tracked != Tracked::kTail) point[c] = bone.head[c];
         if (tracked != Tracked::kHead) point[c + 3] = bone.tail[c];
@@ -57,13 +61,35 @@ void check_rig(const Rig& rig) {
     for (const ReferencePose& pose : rig.poses) check_bones(rig, pose.bones, "pose " + pose.name);
 }
 
-// The largest distance from the root of anything that is tracked.
-double extent(const Rig& rig) {
-    double farthest = 0.0;
+bool is_key(const Rig& rig, Index i) {
+    return i != kNone && rig.tracked[i] == Tracked::kKey;
+}
+
+bool has_keys(const Rig& rig) {
+    return std::any_of(rig.tracked.begin(), rig.tracked.end(),
+                       [](Tracked tracked) { return tracked == Tracked::kKey; });
+}
+
+// Lengths of bones and values of keys have no common measure: each kind is compared with its own.
+struct Measures {
+    double bones = 0.0, keys = 0.0;
+
+    double& of(Tracked tracked) { return tracked == Tracked::kKey ? keys : bones; }
+    double of(Tracked tracked) const { return tracked == Tracked::kKey ? keys : bones; }
+};
+
+// The largest distance from the root of anything that is tracked, and the largest value.
+Measures extent(const Rig& rig) {
+    Measures farthest;
     const auto include = [&](std::span<const Bone> bones) {
-        for (const Bone& bone : bones) {
-            for (const Vec3& p : {bone.head, bone.tail})
-                farthest = std::max(farthest, double(glm::length(p)));
+        for (size_t i = 0; i < bones.size(); ++i) {
+            double& of_kind = farthest.of(rig.tracked[i]);
+            if (rig.tracked[i] == Tracked::kKey) {
+                of_kind = std::max(of_kind, std::abs(double(bones[i].head.x)));
+                continue;
+            }
+            for (const Vec3& p : {bones[i].head, bones[i].tail})
+                of_kind = std::max(of_kind, double(glm::length(p)));
         }
     };
     include(rig.neutral);
@@ -81,22 +107,32 @@ std::vector<double> displacements(const Rig& rig, std::span<const Bone> from, st
     return lengths;
 }
 
-double longest(const std::vector<double>& lengths) {
-    return lengths.empty() ? 0.0 : *std::max_element(lengths.begin(), lengths.end());
+Measures longest(const Rig& rig, const std::vector<double>& lengths) {
+    Measures most;
+    for (size_t i = 0; i < lengths.size(); ++i)
+        most.of(rig.tracked[i]) = std::max(most.of(rig.tracked[i]), lengths[i]);
+    return most;
+}
+
+bool within(const Measures& lengths, const Measures& still) {
+    return lengths.bones <= still.bones && lengths.keys <= still.keys;
 }
 
 // The lengths of the ways from P_0, a row for every pose. Throws where a pose has none or another's.
-std::vector<std::vector<double>> displacements_to_poses(const Rig& rig, double still) {
+std::vector<std::vector<double>> displacements_to_poses(const Rig& rig, const Measures& still) {
+    const bool keys = has_keys(rig);
     std::vector<std::vector<double>> lengths;
     for (size_t k = 0; k < rig.poses.size(); ++k) {
         const ReferencePose& pose = rig.poses[k];
         lengths.push_back(displacements(rig, rig.neutral, pose.bones));
-        if (longest(lengths[k]) <= still)
-            throw InvalidInput("pose " + pose.name + ": no bone moves in it: it is the neutral pose");
+        if (within(longest(rig, lengths[k]), still))
+            throw InvalidInput("pose " + pose.name + ": no bone " + (keys ? "and no shape key " : "") +
+                               "moves in it: it is the neutral pose");
         for (size_t other = 0; other < k; ++other) {
-            if (longest(displacements(rig, rig.poses[other].bones, pose.bones)) > still) continue;
-            throw InvalidInput("pose " + pose.name + ": every bone stands as in pose " +
-                               rig.poses[other].name);
+            const auto apart = displacements(rig, rig.poses[other].bones, pose.bones);
+            if (!within(longest(rig, apart), still)) continue;
+            throw InvalidInput("pose " + pose.name + ": every bone " + (keys ? "and shape key " : "") +
+                               "stands as in pose " + rig.poses[other].name);
         }
     }
     return lengths;
@@ -105,7 +141,9 @@ std::vector<std::vector<double>> displacements_to_poses(const Rig& rig, double s
 // "0 if J_iP0 = J_iPk": equal but for what is too short to be compared with.
 void find_moves(Model& model) {
     const Index poses = model.poses(), bones = model.bones();
-    const double still = kStillBone * extent(model.rig);
+    Measures still = extent(model.rig);
+    still.bones *= kStillBone;
+    still.keys *= kStillBone;
     const std::vector<std::vector<double>> lengths = displacements_to_poses(model.rig, still);
     std::vector<double> farthest(bones, 0.0);  // of each bone, in any pose
     for (const std::vector<double>& of_pose : lengths) {
@@ -113,10 +151,12 @@ void find_moves(Model& model) {
     }
     model.moves.assign(size_t(bones) * poses, 0);
     for (Index k = 0; k < poses; ++k) {
-        const double shortest = std::max(still, kShortWay * longest(lengths[k]));
+        const Measures most = longest(model.rig, lengths[k]);
         const auto mark = [&](double passed_by) {
             bool any = false;
             for (Index i = 0; i < bones; ++i) {
+                const Tracked kind = model.rig.tracked[i];
+                const double shortest = std::max(still.of(kind), kShortWay * most.of(kind));
                 const bool moves = lengths[k][i] > shortest && lengths[k][i] >= passed_by * farthest[i];
                 model.moves[size_t(i) * poses + k] = moves;
                 any = any || moves;
@@ -144,7 +184,8 @@ void find_groups(Model& model) {
     }
 }
 
-void check_weights(const SparseRows& weights, Index bones) {
+void check_weights(const SparseRows& weights, const Rig& rig) {
+    const auto bones = static_cast<Index>(rig.names.size());
     const bool starts = !weights.start.empty() && weights.start.front() == 0 &&
                         size_t(weights.start.back()) == weights.index.size() &&
                         std::is_sorted(weights.start.begin(), weights.start.end());
@@ -161,23 +202,29 @@ void check_weights(const SparseRows& weights, Index bones) {
             if (!(weights.weight[e] >= 0.0f) || !std::isfinite(weights.weight[e])) {
                 throw InvalidInput(at + "expected a weight >= 0, got " + std::to_string(weights.weight[e]));
             }
+            if (is_key(rig, weights.index[e]) && weights.weight[e] > 1.0f) {
+                throw InvalidInput(at + "expected a weight of 0 to 1 for shape key " +
+                                   rig.names[weights.index[e]] + ", got " +
+                                   std::to_string(weights.weight[e]));
+            }
         }
     }
 }
 
 // Convex rows, without the bones that are not in the rig: "we assume that skinning weights are convex".
+// Shape keys are not shares of a whole: theirs stay as they are.
 void take_weights(Model& model, const SparseRows& given) {
     for (Index v = 0; v < given.rows(); ++v) {
-        double sum = 0.0;
-        for (Index e = given.start[v]; e < given.start[v + 1]; ++e) sum += given.weight[e];
-        if (sum > 0.0) {
-            model.unnormalised += std::abs(sum - 1.0) > kWeightSum;
-            for (Index e = given.start[v]; e < given.start[v + 1]; ++e) {
-                const auto weight = static_cast<float>(given.weight[e] / sum);
-                if (given.index[e] != kNone && weight > 0.0f) model.weights.add(given.index[e], weight);
-            }
-        } else {
-            ++model.unbound;
+        double sum = 0.0, keys = 0.0;
+        for (Index e = given.start[v]; e < given.start[v + 1]; ++e)
+            (is_key(model.rig, given.index[e]) ? keys : sum) += given.weight[e];
+        model.unnormalised += sum > 0.0 && std::abs(sum - 1.0) > kWeightSum;
+        model.unbound += !(sum > 0.0) && !(keys > 0.0);
+        for (Index e = given.start[v]; e < given.start[v + 1]; ++e) {
+            const bool key = is_key(model.rig, given.index[e]);
+            if (!key && !(sum > 0.0)) continue;
+            const auto weight = key ? given.weight[e] : static_cast<float>(given.weight[e] / sum);
+            if (given.index[e] != kNone && weight > 0.0f) model.weights.add(given.index[e], weight);
         }
         model.weights.end_row();
     }
@@ -194,81 +241,15 @@ void find_reach(Model& model) {
             }
         }
     }
-}
-
-// Poses are handled four at a time, so that the compiler can use vectors.
-constexpr Index kLane = 4;
-
-// Sums of weight x influence over a vertex's bones, for kLanes x kLane poses.
-template <Index kLanes>
-void sum_influences(const Model& model, const std::vector<float>& influence, Index v, float* sums) {
-    constexpr Index kWidth = kLanes * kLane;
-    std::array<float, kWidth> sum{};
-    for (Index e = model.weights.start[v]; e < model.weights.start[v + 1]; ++e) {
-        const float weight = model.weights.weight[e];
-        const float* row = &influence[size_t(model.weights.index[e]) * kWidth];
-        for (Index k = 0; k < kWidth; ++k) sum[k] += weight * row[k];
-    }
-    std::copy(sum.begin(), sum.end(), sums);
-}
-
-// factor(v, k): what the sum is multiplied by.
-template <Index kLanes, typename Factor>
-void fill_masks(const Model& model, const std::vector<float>& influence, const Factor& factor,
-                std::vector<float>& out) {
-    const Index vertices = model.vertices();
-    std::array<float, kLanes * kLane> sum;
-    for (Index v = 0; v < vertices; ++v) {
-        sum_influences<kLanes>(model, influence, v, sum.data());
-        for (Index k = 0; k < model.poses(); ++k) {
-            out[size_t(k) * vertices + v] = std::min(factor(v, k) * sum[k], 1.0f);
-        }
-    }
-}
-
-template <typename Factor>
-void fill_masks(const Model& model, const std::vector<float>& influence, const Factor& factor,
-                std::vector<float>& out) {
-    static_assert(kMostPoses == 4 * kLane);
-    switch ((model.poses() + kLane - 1) / kLane) {
-        case 1:
-            return fill_masks<1>(model, influence, factor, out);
-        case 2:
-            return fill_masks<2>(model, influence, factor, out);
-        case 3:
-            return fill_masks<3>(model, influence, factor, out);
-        case 4:
-            return fill_masks<4>(model, influence, factor, out);
-    }
-}
-
-// b x o influences times strengths, rows padded to whole lanes.
-std::vector<float> padded(const Model& model, const Settings& settings, const Influences& influences) {
-    const Index poses = model.poses(), width = (poses + kLane - 1) / kLane * kLane;
-    std::vector<float> rows(size_t(model.bones()) * width, 0.0f);
-    for (Index i = 0; i < model.bones(); ++i) {
-        for (Index k = 0; k < poses; ++k) {
-            const float strength = settings.strength.empty() ? 1.0f : settings.strength[k];
-            rows[size_t(i) * width + k] = strength * influences.pose[size_t(i) * poses + k];
-        }
-    }
-    return rows;
+    model.overlaps = has_keys(model.rig) && std::any_of(model.reach.begin(), model.reach.end(),
+                                                        [](float reach) { return reach > 1.0f; });
 }
 
 }  // namespace
 
-void check(const Settings& settings, Index poses) {
-    expect_within("gain", settings.gain, 0.1f, 100.0f);
-    if (settings.strength.empty()) return;
-    expect_count("strength", settings.strength.size(), size_t(poses), "values");
-    for (size_t k = 0; k < settings.strength.size(); ++k) {
-        expect_within("strength " + std::to_string(k), settings.strength[k], 0.0, 1.0);
-    }
-}
-
 std::shared_ptr<const Model> build(const Rig& rig, const SparseRows& weights) {
     check_rig(rig);
-    check_weights(weights, static_cast<Index>(rig.names.size()));
+    check_weights(weights, rig);
     auto model = std::make_shared<Model>();
     model->rig = rig;
     find_moves(*model);
@@ -325,53 +306,6 @@ Influences evaluate(const Model& model, std::span<const Bone> bones) {
         out.rest[i] = static_cast<float>(std::max(0.0, 1.0 - sum));
     }
     return out;
-}
-
-std::vector<float> presence(const Model& model, const Influences& influences) {
-    const Index poses = model.poses();
-    std::vector<float> out(poses, 0.0f);
-    for (Index k = 0; k < poses; ++k) {
-        double sum = 0.0;
-        int active = 0;
-        for (Index i = 0; i < model.bones(); ++i) {
-            sum += influences.pose[i * poses + k];
-            active += model.active[i * poses + k];
-        }
-        out[k] = static_cast<float>(sum / active);  // build() refuses poses in which nothing moves
-    }
-    return out;
-}
-
-std::vector<float> masks(const Model& model, const Settings& settings, const Influences& influences) {
-    check(settings, model.poses());
-    expect_count("influences", influences.pose.size(), model.moves.size(), "values");
-    std::vector<float> out(size_t(model.poses()) * model.vertices());
-    const std::vector<float> rows = padded(model, settings, influences);
-    if (settings.gain == 1.0f) {
-        fill_masks(
-            model, rows, [](Index, Index) { return 1.0f; }, out);
-        return out;
-    }
-    // The mean influence of the active bones around the vertex, times the share that their weight gets.
-    fill_masks(
-        model, rows,
-        [&](Index v, Index k) {
-            const float reach = model.reach[size_t(v) * model.poses() + k];
-            return reach > 0.0f ? gained(reach, settings.gain) / reach : 0.0f;
-        },
-        out);
-    return out;
-}
-
-Vec3 blend(Maps maps, const Vec3& neutral, std::span<const Vec3> wrinkles, std::span<const float> masks) {
-    Vec3 sum(0.0f);
-    float total = 0.0f;
-    for (size_t k = 0; k < wrinkles.size(); ++k) {
-        sum += masks[k] * wrinkles[k];
-        total += masks[k];
-    }
-    return maps == Maps::kWhole ? formulas::blend_whole(sum, total, neutral)
-                                : formulas::blend_wrinkles(sum, total, neutral);
 }
 
 }  // namespace rumple::wrinkle_maps

@@ -20,7 +20,8 @@ namespace rumple::wrinkle_maps {
 inline constexpr Index kMostPoses = 16;
 
 // What of a bone is followed. A joint that only turns does not move its own head.
-enum class Tracked { kHead, kTail, kBoth };
+// kKey: no bone but a shape key, whose value is the x of its head.
+enum class Tracked { kHead, kTail, kBoth, kKey };
 
 // A bone as two points.
 struct Bone {
@@ -33,7 +34,7 @@ struct ReferencePose {
     std::vector<Bone> bones;  // root space
 };
 
-// The reference poses as the artist made them. b bones, o poses.
+// The reference poses as the artist made them. b bones and shape keys, o poses.
 struct Rig {
     std::vector<std::string> names;    // b, of the bones: for messages
     std::vector<Tracked> tracked;      // b
@@ -57,10 +58,12 @@ struct Model {
     std::vector<std::uint8_t> moves;         // b x o: 1 where the bone itself moves in P_k
     std::vector<std::uint8_t> active;        // b x o: 1 where it or another of its group does
     std::vector<std::vector<Index>> groups;  // members of every group of two or more
-    SparseRows weights;        // vertices x bones, every row sums to 1 with what other bones have
-    std::vector<float> reach;  // vertices x o: sum of the weights of the bones that are active in P_k, 0..1
-    Index unnormalised = 0;    // vertices whose weights did not sum to 1
-    Index unbound = 0;         // vertices without any weight: their masks are 0
+    SparseRows weights;  // vertices x bones, every row sums to 1 with what other bones have, beside its keys
+    // vertices x o: sum of the weights of what is active in P_k; above 1 where keys overlap
+    std::vector<float> reach;
+    bool overlaps = false;   // reach is above 1 somewhere
+    Index unnormalised = 0;  // vertices whose weights did not sum to 1
+    Index unbound = 0;       // vertices without any weight: their masks are 0
 
     Index bones() const { return static_cast<Index>(rig.neutral.size()); }
     Index poses() const { return static_cast<Index>(rig.poses.size()); }
@@ -68,7 +71,8 @@ struct Model {
 };
 
 // weights: a row per vertex of the mesh, >= 0, of all bones that deform it; index kNone: a bone that is not
-// in the rig. Rows are made to sum to 1. Throws InvalidInput naming the first bad pose, bone or vertex:
+// in the rig. Those of bones are made to sum to 1. A key has its own, 0..1: how far it moves the vertex, as a
+// share of what it moves farthest. Throws InvalidInput naming the first bad pose, bone or vertex:
 // counts that do not match, points or weights that are not finite, a pose in which no bone moves, two poses
 // that are the same. Cost: O(o^2 b + weights).
 std::shared_ptr<const Model> build(const Rig& rig, const SparseRows& weights);
@@ -90,8 +94,9 @@ Influences evaluate(const Model& model, std::span<const Bone> bones);
 // it.
 std::vector<float> presence(const Model& model, const Influences& influences);
 
-// Section 5.2: Inf(v, P_k), o x vertices, 0..1. Throws InvalidInput when a setting is out of its range or the
-// influences are not of this model. Deterministic. Cost: O(o x weights).
+// Section 5.2: Inf(v, P_k), o x vertices, 0..1; divided by the reach where that is above 1. Throws
+// InvalidInput when a setting is out of its range or the influences are not of this model. Deterministic.
+// Cost: O(o x weights).
 std::vector<float> masks(const Model& model, const Settings& settings, const Influences& influences);
 
 // The share that a reach gets. 0 -> 0, 1 -> 1, rising; the identity for a gain of 1.

@@ -16,13 +16,14 @@ import bpy
 import numpy as np
 
 from ...core.engine import UserError
+from ...core.presets import SKIN_OF_MAPS
 from .. import compat, scheduler
 from ..frame import rebuild
 from ..nodes import maps_shader
-from ..objects import modifier, properties, runtimes, units
+from ..objects import cloth_defaults, modifier, properties, runtimes, units
 from ..translation import said
-from . import (changes as maps_changes, export as maps_export, modifier as maps_modifier, operators as maps_operators,
-               rig as maps_rig)
+from . import (changes as maps_changes, export as maps_export, keys as maps_keys, modifier as maps_modifier,
+               operators as maps_operators, rig as maps_rig, stored_poses)
 
 SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
 SETTLE_ITERATIONS = 100  # from the canonical start: a single picture may take its time
@@ -38,14 +39,16 @@ class MapBake:
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, poses: list[int]) -> None:
         """Raises UserError where nothing can be baked."""
         self.context, self.obj, self.poses = context, obj, poses
-        self.armature = maps_rig.armature_of(obj)
+        maps_rig.refuse_without_pose(obj)
+        self.armature = obj.find_armature()
         self.done = 0
         self.names: list[str] = []
         if not obj.data.uv_layers:
             raise UserError(f"{obj.name}: it has no UV map to bake to")
         if "CYCLES" not in _engines():
             raise UserError("Cycles bakes the maps: switch on its add-on in the preferences")
-        self._former = [(bone.name, bone.matrix_basis.copy()) for bone in self.armature.pose.bones]
+        self._former = [] if self.armature is None else [(bone.name, bone.matrix_basis.copy())
+                                                         for bone in self.armature.pose.bones]
 
     @property
     def count(self) -> int:
@@ -56,8 +59,9 @@ class MapBake:
         for number in self.poses:
             pose = self.obj.rumple_maps.poses[number]
             yield f"{pose.name}: settling the wrinkles"
-            maps_rig.go_to(pose.bones, self.armature)
-            with self._posed_copies() as (low, high, height):
+            if self.armature is not None:
+                stored_poses.pose_bones(pose.bones, self.armature)
+            with self._posed_copies(maps_keys.of_records(pose.keys)) as (low, high, height):
                 self.done += 1
                 yield f"{pose.name}: baking"
                 image = self._bake(pose, low, high, height)
@@ -77,10 +81,11 @@ class MapBake:
 
     # --- the two meshes
     @contextmanager
-    def _posed_copies(self) -> Iterator[tuple[bpy.types.Object, bpy.types.Object, float]]:
-        """The coarse mesh and the wrinkled one in the present pose, without modifiers; height of the folds."""
+    def _posed_copies(self, keys: dict[str, float]) -> Iterator[tuple[bpy.types.Object, bpy.types.Object, float]]:
+        """The coarse mesh and the wrinkled one in the present pose and with these values of shape keys, without
+        modifiers; height of the folds."""
         low = high = None
-        coarse, wrinkled = self._plain_copy("low"), self._plain_copy("high")
+        coarse, wrinkled = self._plain_copy("low", keys), self._plain_copy("high", keys)
         try:
             self._add_wrinkles(wrinkled)
             low, high = (self._frozen(copy) for copy in (coarse, wrinkled))
@@ -96,10 +101,13 @@ class MapBake:
                 if copy is not None:
                     _delete(copy)
 
-    def _plain_copy(self, suffix: str) -> bpy.types.Object:
-        """A copy with the deforming modifiers only, in the artist's scene: its animation and drivers go on."""
+    def _plain_copy(self, suffix: str, keys: dict[str, float]) -> bpy.types.Object:
+        """A copy with the deforming modifiers only, in the artist's scene: its animation and drivers go on, but for
+        those of its shape keys: they stand as stored, whatever drives the artist's."""
         copy = self.obj.copy()
         copy.data = self.obj.data.copy()
+        if keys:
+            maps_keys.freeze(copy.data, keys)
         copy.name = f"{self.obj.name} bake {suffix}"
         nodes_mod, wrinkles = maps_modifier.find(copy), modifier.find(copy)
         behind = {m.name for m in list(copy.modifiers)[modifier.place_behind_deforming(copy):]}
@@ -113,6 +121,8 @@ class MapBake:
 
     def _add_wrinkles(self, copy: bpy.types.Object) -> None:
         method = self.obj.rumple_maps.bake_source
+        if method == "MESH":
+            self._make_skin(copy)
         with self.context.temp_override(object=copy, active_object=copy, selected_objects=[copy]):
             result = bpy.ops.object.rumple_add(method=method, shade=False)
         if result != {"FINISHED"}:
@@ -127,6 +137,14 @@ class MapBake:
         for _ in range(2):  # the solve, then its picture
             copy.update_tag()
             self.context.view_layer.update()
+
+    def _make_skin(self, copy: bpy.types.Object) -> None:
+        """Unless somebody has set what its Wrinkle Mesh is like, or it is a garment."""
+        copy.rumple.method = "MESH"
+        settings, scene = properties.group_of(copy), self.context.scene
+        untouched = not any(settings.is_property_set(name) for name in properties.fields_of(copy))
+        if untouched and not cloth_defaults.defaults(copy, scene):
+            properties.apply_values(copy, scene, SKIN_OF_MAPS)
 
     def _frozen(self, copy: bpy.types.Object) -> bpy.types.Object:
         depsgraph = self.context.evaluated_depsgraph_get()

@@ -10,6 +10,9 @@ from ..scheduler import LOCK
 from . import modifier as maps_modifier, rig as maps_rig, runtimes as maps_runtimes
 
 
+_last_frame: tuple[str, float] | None = None  # that note_updates() has seen
+
+
 def rig_changed(obj: bpy.types.Object) -> None:
     """Poses, bones or weights are others: compare anew after a moment without another change."""
     if maps_modifier.find(obj) is not None:
@@ -27,9 +30,12 @@ def maps_changed(obj: bpy.types.Object) -> None:
 
 
 def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
-    """Edited meshes, painted weights and edited armatures are read again."""
+    """Edited meshes, painted weights, edited shape keys and edited armatures are read again."""
+    global _last_frame
     if scheduler.rendering():
         return
+    frame = depsgraph.scene.name, depsgraph.scene.frame_current_final
+    steps, _last_frame = frame != _last_frame, frame
     touched = {compat.session_key(update.id.original) for update in depsgraph.updates
                if isinstance(update.id, (bpy.types.Mesh, bpy.types.Armature)) and update.is_updated_geometry}
     if not touched:
@@ -38,5 +44,15 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
         for obj, _ours in maps_modifier.mapped_objects():
             armature = obj.find_armature()
             if {compat.session_key(data) for data in (obj.data, armature and armature.data) if data} & touched:
-                maps_runtimes.of(obj).stale = True
+                runtime = maps_runtimes.of(obj)
+                if steps and _has_animated_keys(obj):
+                    runtime.unsure = True
+                else:
+                    runtime.stale = True
                 scheduler.request(scheduler.DELAY)
+
+
+def _has_animated_keys(obj: bpy.types.Object) -> bool:
+    """Every frame then changes the mesh, as an edit does."""
+    keys = obj.data.shape_keys
+    return keys is not None and keys.animation_data is not None

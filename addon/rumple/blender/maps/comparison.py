@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The comparison of an object's bones with its reference poses, built from armature, poses and skin weights."""
+"""The comparison of an object's bones and shape keys with its reference poses, built from these, poses and weights."""
 from __future__ import annotations
 
 import hashlib
@@ -19,7 +19,8 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     """Make entry.comparison for the object as it is. Reads only: allowed in any handler. Raises UserError."""
     if not obj.rumple_maps.poses:
         runtime.comparison, runtime.shape = None, ""
-        runtime.notes = [f"{obj.name}: pose its armature and add a reference pose"]
+        runtime.notes = [f"{obj.name}: pose its armature and add a reference pose" if obj.find_armature() is not None
+                         else f"{obj.name}: set its shape keys to a pose and add a reference pose"]
         return
     rig, notes = maps_rig.rig_of(obj)
     weights = maps_rig.weights_of(obj, rig)
@@ -31,8 +32,9 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
 
 def _fingerprint(rig: PoseRig, weights: SkinWeights, lengths: np.ndarray) -> str:
     """Of what skin, skeleton and comparison are made from: no gain, strengths and images."""
-    digest = hashlib.sha1(repr((rig.root, rig.bones, [pose.name for pose in rig.poses])).encode())
-    for values in (weights.start, weights.bone, weights.weight, lengths, rig.neutral, *(p.bones for p in rig.poses)):
+    digest = hashlib.sha1(repr((rig.root, rig.bones, rig.keys, [pose.name for pose in rig.poses])).encode())
+    for values in (weights.start, weights.bone, weights.weight, lengths, rig.neutral, rig.neutral_keys,
+                   *(p.bones for p in rig.poses), *(p.keys for p in rig.poses)):
         digest.update(values.tobytes())
     return digest.hexdigest()
 
@@ -59,10 +61,11 @@ def presence(obj: bpy.types.Object, pose: str) -> float:
             ensure(obj, runtime)  # linked objects are not prepared
         if runtime.comparison is None:
             return 0.0
-        rig, armature = runtime.comparison.rig, maps_rig.armature_of(obj)
-        bones = maps_rig.present_bones(obj, armature, rig)
-        if runtime.seen is None or runtime.seen[0] != bones.tobytes():
-            runtime.seen = bones.tobytes(), runtime.comparison.frame(bones).presence
+        rig = runtime.comparison.rig
+        bones, keys = maps_rig.present(obj, rig)
+        seen = bones.tobytes() + keys.tobytes()
+        if runtime.seen is None or runtime.seen[0] != seen:
+            runtime.seen = seen, runtime.comparison.frame(bones, keys=keys).presence
     except (UserError, NativeMissing):  # the panel has the message
         return 0.0
     names = [other.name for other in rig.poses]

@@ -74,21 +74,28 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
 
 
 def sampled(context: bpy.types.Context, obj: bpy.types.Object, rig: PoseRig, first: int, last: int) -> dict[str, Any]:
-    """{fps, first, poses, bones, influence[frame][bone][pose], presence[frame][pose]} of whole frames, to 1e-5."""
+    """{fps, first, poses, bones, influence[frame][bone][pose], presence[frame][pose]} of whole frames, to 1e-5. With
+    shape keys also {keys, key_influence[frame][key][pose]}."""
     scene = context.scene
     comparison = PoseComparison.build(rig, SkinWeights.none())
     now = scene.frame_current, scene.frame_subframe
     influence, presence = [], []
+    count = len(rig.bones)
     try:
         for frame in range(first, last + 1):
             scene.frame_set(frame)
-            found = comparison.frame(maps_rig.present_bones(obj, maps_rig.armature_of(obj), rig))
+            bones, keys = maps_rig.present(obj, rig)
+            found = comparison.frame(bones, keys=keys)
             influence.append(found.influence.round(5).tolist())
             presence.append(found.presence.round(5).tolist())
     finally:
         scene.frame_set(now[0], subframe=now[1])
-    return dict(fps=scene.render.fps / scene.render.fps_base, first=first, poses=[pose.name for pose in rig.poses],
-                bones=[bone.name for bone in rig.bones], influence=influence, presence=presence)
+    clip = dict(fps=scene.render.fps / scene.render.fps_base, first=first, poses=[pose.name for pose in rig.poses],
+                bones=[bone.name for bone in rig.bones], influence=[rows[:count] for rows in influence],
+                presence=presence)
+    if rig.keys:
+        clip |= dict(keys=[key.name for key in rig.keys], key_influence=[rows[count:] for rows in influence])
+    return clip
 
 
 def weighted_copy(obj: bpy.types.Object, clip: dict[str, Any]) -> bpy.types.Object:

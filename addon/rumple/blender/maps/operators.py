@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The buttons of the Wrinkle Maps.
 
-bpy.ops.rumple.maps_add() (or object.rumple_add(method="MAPS")), maps_remove(), maps_show(), maps_hide(), maps_bones().
+bpy.ops.rumple.maps_add() (or object.rumple_add(method="MAPS")), maps_remove(), maps_show(), maps_hide(), maps_bones(),
+maps_keys(), maps_key_remove().
 They act on the active mesh or, while its armature is posed, on the mesh with Wrinkle Maps that it deforms. Those of
 the reference poses are in maps/pose_operators.py.
 """
@@ -16,7 +17,8 @@ from ...core.engine import UserError
 from .. import compat, scheduler
 from ..nodes import maps_shader
 from ..translation import said
-from . import changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild, rig as maps_rig
+from . import (changes as maps_changes, keys as maps_keys, modifier as maps_modifier, rebuild as maps_rebuild,
+               rig as maps_rig)
 
 
 def target(context: bpy.types.Context) -> bpy.types.Object | None:
@@ -37,7 +39,7 @@ class OnMaps:
         obj = target(context)
         why = ""
         if obj is None:
-            why = "Add Wrinkle Maps to a mesh that an armature deforms first"
+            why = "Add Wrinkle Maps to a mesh with an armature or shape keys first"
         elif not compat.is_editable(obj):
             why = "This object is linked from another file: make a library override or append it"
         if why:
@@ -77,7 +79,7 @@ class OnPose(OnMaps):
 
 def add_maps(obj: bpy.types.Object) -> None:
     """Put the modifier on and show the group in the object's materials. Raises UserError and changes nothing."""
-    maps_rig.armature_of(obj)
+    maps_rig.refuse_without_pose(obj)
     native.load()
     with scheduler.suspended():
         nodes_mod = maps_modifier.add(obj)
@@ -124,7 +126,7 @@ def hide(obj: bpy.types.Object) -> None:
 
 
 class RUMPLE_OT_maps_add(bpy.types.Operator):
-    """Add normal maps of reference poses, blended by the pose of the bones that deform the mesh"""
+    """Add normal maps of reference poses, blended by the pose of the bones and shape keys that deform the mesh"""
 
     bl_idname = "rumple.maps_add"
     bl_label = "Wrinkle Maps"
@@ -140,8 +142,8 @@ class RUMPLE_OT_maps_add(bpy.types.Operator):
             why = "This object is linked from another file: make a library override or append it"
         elif maps_modifier.find(obj) is not None:
             why = "This object has Wrinkle Maps already"
-        elif obj.find_armature() is None:
-            why = "No armature deforms this mesh: Wrinkle Maps follow bones"
+        elif obj.find_armature() is None and not maps_keys.blocks(obj):
+            why = "No armature deforms this mesh and it has no shape keys: Wrinkle Maps follow bones or shape keys"
         if why:
             cls.poll_message_set(said(why))
         return not why
@@ -177,9 +179,46 @@ class RUMPLE_OT_maps_bones(OnMaps, bpy.types.Operator):
         obj = target(context)
 
         def choose() -> None:
-            maps_rig.choose_by_default(obj)
+            maps_rig.choose_bones_by_default(obj)
             maps_changes.rig_changed(obj)
         return self.guarded(choose)
+
+
+class RUMPLE_OT_maps_keys(OnMaps, bpy.types.Operator):
+    """Compare all shape keys that move the mesh"""
+
+    bl_idname = "rumple.maps_keys"
+    bl_label = "Choose Shape Keys"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = target(context)
+
+        def choose() -> None:
+            names = maps_keys.moving(obj)
+            if not names:
+                raise UserError(f"{obj.name}: it has no relative shape keys that move it")
+            maps_keys.choose(obj, names)
+            maps_changes.rig_changed(obj)
+        return self.guarded(choose)
+
+
+class RUMPLE_OT_maps_key_remove(OnMaps, bpy.types.Operator):
+    """Do not compare the active shape key"""
+
+    bl_idname = "rumple.maps_key_remove"
+    bl_label = "Leave out Shape Key"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = target(context)
+        settings = obj.rumple_maps
+        if not 0 <= settings.active_key < len(settings.keys):
+            return {"CANCELLED"}
+
+        def leave_out() -> None:
+            settings.keys.remove(settings.active_key)
+            settings.active_key = max(0, min(settings.active_key, len(settings.keys) - 1))
+            maps_changes.rig_changed(obj)
+        return self.guarded(leave_out)
 
 
 class RUMPLE_OT_maps_show(OnMaps, bpy.types.Operator):
@@ -203,6 +242,7 @@ class RUMPLE_OT_maps_hide(OnMaps, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (RUMPLE_OT_maps_add, RUMPLE_OT_maps_remove, RUMPLE_OT_maps_bones, RUMPLE_OT_maps_show, RUMPLE_OT_maps_hide)
+CLASSES = (RUMPLE_OT_maps_add, RUMPLE_OT_maps_remove, RUMPLE_OT_maps_bones, RUMPLE_OT_maps_keys,
+           RUMPLE_OT_maps_key_remove, RUMPLE_OT_maps_show, RUMPLE_OT_maps_hide)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -8,7 +8,7 @@ import bpy
 
 from ..nodes import maps_shader
 from ..ui_base import draw_message, draw_note
-from . import modifier as maps_modifier, operators as maps_operators, runtimes as maps_runtimes
+from . import modifier as maps_modifier, operators as maps_operators, runtimes as maps_runtimes, stored_poses
 
 
 class RUMPLE_UL_poses(bpy.types.UIList):
@@ -23,6 +23,16 @@ class RUMPLE_UL_poses(bpy.types.UIList):
         bar.prop(pose, "present", text="", slider=True)
         row.prop(pose, "solo", text="", icon="SOLO_ON" if pose.solo else "SOLO_OFF", emboss=False)
         row.prop(pose, "muted", text="", icon="HIDE_ON" if pose.muted else "HIDE_OFF", emboss=False)
+
+
+class RUMPLE_UL_tracked_keys(bpy.types.UIList):
+    """Name and group."""
+
+    def draw_item(self, _context: bpy.types.Context, layout: bpy.types.UILayout, _data: Any, key: Any, _icon: int,
+                  _active_data: Any, _active_property: str, _index: int = 0) -> None:
+        row = layout.row(align=True)
+        row.label(text=key.name, icon="SHAPEKEY_DATA")
+        row.prop(key, "group", text="")
 
 
 class RUMPLE_UL_tracked_bones(bpy.types.UIList):
@@ -86,11 +96,12 @@ class _Poses(_Maps):
             layout.template_ID(pose, "image", new="image.new", open="image.open")
             layout.prop(pose, "strength", slider=True)
         column = layout.column(align=True)
-        column.label(text="Neutral: captured" if settings.neutral else "Neutral: rest pose")
+        captured = stored_poses.is_captured(settings)
+        column.label(text="Neutral: captured" if captured else "Neutral: rest pose")
         row = column.row(align=True)
         row.operator("rumple.pose_go", text="Go").neutral = True
         row.operator("rumple.neutral_capture", text="Capture")
-        if settings.neutral:
+        if captured:
             row.operator("rumple.neutral_rest", text="", icon="X")
 
 
@@ -116,6 +127,11 @@ class _Bones(_Maps):
     bl_label = "Bones"
     bl_options = {"DEFAULT_CLOSED"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _Maps.poll(context) and (context.object.find_armature() is not None
+                                        or len(context.object.rumple_maps.bones) > 0)
+
     def draw(self, context: bpy.types.Context) -> None:
         layout, obj = self.layout, self.object(context)
         settings, armature = obj.rumple_maps, obj.find_armature()
@@ -123,6 +139,23 @@ class _Bones(_Maps):
             layout.prop_search(settings, "root", armature.data, "bones")
         layout.template_list("RUMPLE_UL_tracked_bones", "", settings, "bones", settings, "active_bone", rows=4)
         layout.operator("rumple.maps_bones")
+
+
+class _Keys(_Maps):
+    bl_label = "Shape Keys"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _Maps.poll(context) and (context.object.data.shape_keys is not None
+                                        or len(context.object.rumple_maps.keys) > 0)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, self.object(context).rumple_maps
+        row = layout.row()
+        row.template_list("RUMPLE_UL_tracked_keys", "", settings, "keys", settings, "active_key", rows=4)
+        row.operator("rumple.maps_key_remove", text="", icon="REMOVE")
+        layout.operator("rumple.maps_keys")
 
 
 class _Bake(_Maps):
@@ -150,7 +183,9 @@ class _Status(_Maps):
         lines = list(runtime.notes)
         if runtime.comparison is not None:
             model = runtime.comparison.model
-            lines.insert(0, f"{model.bone_count} bones, {model.pose_count} poses, {model.vertex_count} vertices")
+            keys = len(runtime.comparison.rig.keys)
+            lines.insert(0, f"{model.bone_count - keys} bones, {keys} shape keys, {model.pose_count} poses, "
+                         f"{model.vertex_count} vertices")
         for line in lines:
             draw_note(self.layout, line)
 
@@ -160,13 +195,16 @@ def _panel(body: Any, place: type, name: str, parent: str = "") -> type:
     members = {"bl_idname": name, "bl_label": body.bl_label, "draw": body.draw, "bl_order": 101}
     if parent:
         members["bl_parent_id"] = parent
+    if "poll" in vars(body):
+        members["poll"] = vars(body)["poll"]
     return type(name, (place, bpy.types.Panel), members)
 
 
-CLASSES = (RUMPLE_UL_poses, RUMPLE_UL_tracked_bones,
+CLASSES = (RUMPLE_UL_poses, RUMPLE_UL_tracked_bones, RUMPLE_UL_tracked_keys,
            _panel(_Poses, _Maps, "DATA_PT_rumple_maps"),
            _panel(_Shading, _Maps, "DATA_PT_rumple_maps_shading", "DATA_PT_rumple_maps"),
            _panel(_Bones, _Maps, "DATA_PT_rumple_maps_bones", "DATA_PT_rumple_maps"),
+           _panel(_Keys, _Maps, "DATA_PT_rumple_maps_keys", "DATA_PT_rumple_maps"),
            _panel(_Bake, _Maps, "DATA_PT_rumple_maps_bake", "DATA_PT_rumple_maps"),
            _panel(_Status, _Maps, "DATA_PT_rumple_maps_status", "DATA_PT_rumple_maps"),
            _panel(_Poses, _InSidebar, "VIEW3D_PT_rumple_maps"),

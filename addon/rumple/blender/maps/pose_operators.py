@@ -13,14 +13,13 @@ import bpy
 from ...core.engine import UserError
 from ...core.poses import MOST_POSES, PoseComparison
 from ..translation import said
-from . import changes as maps_changes, rig as maps_rig
+from . import changes as maps_changes, keys as maps_keys, rig as maps_rig, stored_poses
 from .operators import OnMaps, OnPose, target
 from .properties import unused_name
 
 
-def _posed(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Object:
-    armature = maps_rig.armature_of(obj)
-    return armature.evaluated_get(context.evaluated_depsgraph_get())
+def _store(context: bpy.types.Context, obj: bpy.types.Object, records: stored_poses.Records) -> None:
+    stored_poses.store(records, obj, context.evaluated_depsgraph_get())
 
 
 def _refuse_bad(obj: bpy.types.Object) -> None:
@@ -30,7 +29,7 @@ def _refuse_bad(obj: bpy.types.Object) -> None:
 
 
 class RUMPLE_OT_pose_add(OnMaps, bpy.types.Operator):
-    """Store the present pose of the armature as a reference pose"""
+    """Store the present pose of the armature, and the values of the shape keys, as a reference pose"""
 
     bl_idname = "rumple.pose_add"
     bl_label = "Add Reference Pose"
@@ -45,12 +44,12 @@ class RUMPLE_OT_pose_add(OnMaps, bpy.types.Operator):
         settings = obj.rumple_maps
         if len(settings.poses) == MOST_POSES:
             raise UserError(f"{obj.name}: there are {MOST_POSES} reference poses already")
-        posed = _posed(context, obj)
-        if not settings.bones:
+        maps_rig.refuse_without_pose(obj)
+        if not settings.bones and not settings.keys:
             maps_rig.choose_by_default(obj)
         name = unused_name(self.name, [pose.name for pose in settings.poses])
         pose = settings.poses.add()
-        maps_rig.store(pose.bones, posed)
+        _store(context, obj, stored_poses.of_pose(pose))
         pose.name = name
         try:
             _refuse_bad(obj)
@@ -72,18 +71,19 @@ class RUMPLE_OT_pose_update(OnPose, bpy.types.Operator):
 
     def _update(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         pose = obj.rumple_maps.poses[obj.rumple_maps.active]
-        _replace(obj, pose.bones, _posed(context, obj))
+        _replace(context, obj, stored_poses.of_pose(pose))
 
 
-def _replace(obj: bpy.types.Object, records: bpy.types.bpy_prop_collection, posed: bpy.types.Object) -> None:
+def _replace(context: bpy.types.Context, obj: bpy.types.Object, records: stored_poses.Records) -> None:
     """Store a pose over another; the former comes back where the new one is refused."""
-    former = maps_rig.read(records)
-    maps_rig.store(records, posed)
+    maps_rig.refuse_without_pose(obj)
+    former = stored_poses.read(records)
+    _store(context, obj, records)
     try:
         if obj.rumple_maps.poses:
             _refuse_bad(obj)
     except UserError:
-        maps_rig.write(records, former)
+        stored_poses.write(records, former)
         raise
     maps_changes.rig_changed(obj)
 
@@ -172,7 +172,7 @@ class RUMPLE_OT_pose_solo(OnPose, bpy.types.Operator):
 
 
 class RUMPLE_OT_pose_go(OnMaps, bpy.types.Operator):
-    """Put the armature into the active reference pose. Nothing is keyed"""
+    """Put armature and shape keys into the active reference pose. Nothing is keyed"""
 
     bl_idname = "rumple.pose_go"
     bl_label = "Go to Pose"
@@ -181,20 +181,30 @@ class RUMPLE_OT_pose_go(OnMaps, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = target(context)
-        settings, armature = obj.rumple_maps, obj.find_armature()
+        settings = obj.rumple_maps
         if not self.neutral and not 0 <= settings.active < len(settings.poses):
             self.report({"ERROR"}, said(f"{obj.name}: there is no reference pose to go to"))
             return {"CANCELLED"}
-        if self.neutral and not settings.neutral:
-            maps_rig.go_to_rest(armature)
-            missing = []
+        if self.neutral and not stored_poses.is_captured(settings):
+            stored_poses.go_to_rest(obj)
+            context.view_layer.update()
         else:
-            records = settings.neutral if self.neutral else settings.poses[settings.active].bones
-            missing = maps_rig.go_to(records, armature)
-        if missing:
-            self.report({"WARNING"}, said(f"{armature.name} has no bone {', '.join(missing)}: renamed or deleted?"))
-        context.view_layer.update()
+            self._go(context, obj, stored_poses.of_neutral(settings) if self.neutral
+                     else stored_poses.of_pose(settings.poses[settings.active]))
         return {"FINISHED"}
+
+    def _go(self, context: bpy.types.Context, obj: bpy.types.Object, records: stored_poses.Records) -> None:
+        bones, keys = stored_poses.go_to(records, obj)
+        context.view_layer.update()
+        if bones:
+            armature = obj.find_armature()
+            self.report({"WARNING"}, said(f"{armature.name} has no bone {', '.join(bones)}: renamed or deleted?"))
+        if keys:
+            self.report({"WARNING"}, said(f"{obj.name} has no shape key {', '.join(keys)}: renamed or deleted?"))
+        astray = maps_keys.astray(obj, maps_keys.of_records(records[1]))
+        if astray:
+            self.report({"WARNING"}, said(f"{obj.name}: {', '.join(astray)} cannot be set here: a driver sets it, or "
+                                          "it is muted"))
 
 
 class RUMPLE_OT_neutral_capture(OnMaps, bpy.types.Operator):
@@ -205,11 +215,11 @@ class RUMPLE_OT_neutral_capture(OnMaps, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = target(context)
-        return self.guarded(lambda: _replace(obj, obj.rumple_maps.neutral, _posed(context, obj)))
+        return self.guarded(lambda: _replace(context, obj, stored_poses.of_neutral(obj.rumple_maps)))
 
 
 class RUMPLE_OT_neutral_rest(OnMaps, bpy.types.Operator):
-    """Take the rest pose of the armature as the neutral one"""
+    """Take the rest pose of the armature, and shape keys at 0, as the neutral one"""
 
     bl_idname = "rumple.neutral_rest"
     bl_label = "Neutral Is Rest"
@@ -219,6 +229,7 @@ class RUMPLE_OT_neutral_rest(OnMaps, bpy.types.Operator):
 
         def rest() -> None:
             obj.rumple_maps.neutral.clear()
+            obj.rumple_maps.neutral_keys.clear()
             maps_changes.rig_changed(obj)
         return self.guarded(rest)
 

@@ -74,8 +74,14 @@ class RUMPLE_PosedBone(bpy.types.PropertyGroup):
                                          description="The bone's own channels, for Go to Pose")
 
 
+class RUMPLE_KeyValue(bpy.types.PropertyGroup):
+    """A shape key in a stored pose, by its name."""
+
+    value: bpy.props.FloatProperty(override={"LIBRARY_OVERRIDABLE"}, description="As it counted: 0 where it was muted")
+
+
 class RUMPLE_ReferencePose(bpy.types.PropertyGroup):
-    """A pose of all bones and the wrinkle map that belongs to it."""
+    """A pose of all bones and shape keys, and the wrinkle map that belongs to it."""
 
     name: bpy.props.StringProperty(name="Name", maxlen=48, options=set(), override={"LIBRARY_OVERRIDABLE"},
                                    update=_pose_renamed,
@@ -91,8 +97,10 @@ class RUMPLE_ReferencePose(bpy.types.PropertyGroup):
     solo: bpy.props.BoolProperty(name="Solo", override={"LIBRARY_OVERRIDABLE"}, update=_frame_changed,
                                  description="Show the wrinkles of this pose (and of others that are solo) only")
     present: bpy.props.FloatProperty(name="Present", min=0.0, max=1.0, subtype="FACTOR", get=_presence,
-                                     description="How far the present pose has come to this one: mean over its bones")
+                                     description="How far the present pose has come to this one: mean over its bones "
+                                                 "and shape keys")
     bones: bpy.props.CollectionProperty(type=RUMPLE_PosedBone, override=_OVERRIDE)
+    keys: bpy.props.CollectionProperty(type=RUMPLE_KeyValue, override=_OVERRIDE)
 
 
 class RUMPLE_TrackedBone(bpy.types.PropertyGroup):
@@ -106,16 +114,29 @@ class RUMPLE_TrackedBone(bpy.types.PropertyGroup):
                                                 "wrinkle across them does not break")
 
 
+class RUMPLE_TrackedKey(bpy.types.PropertyGroup):
+    """A shape key that is compared, by its name."""
+
+    group: bpy.props.StringProperty(name="Group", options=set(), override={"LIBRARY_OVERRIDABLE"}, update=_rig_changed,
+                                    description="Shape keys and bones of one group share the mean of their influences, "
+                                                "so that a wrinkle across them does not break")
+
+
 class RUMPLE_Maps(bpy.types.PropertyGroup):
-    """Reference poses, the bones that are compared, and how the maps are blended and baked."""
+    """Reference poses, the bones and shape keys that are compared, and how the maps are blended and baked."""
 
     root: bpy.props.StringProperty(name="Root Bone", options=set(), override={"LIBRARY_OVERRIDABLE"},
                                    update=_rig_changed,
-                                   description="Poses are compared in the space of this bone: its motion has no effect")
+                                   description="Poses are compared in the space of this bone: its motion has no effect."
+                                               " Empty: the armature itself")
     bones: bpy.props.CollectionProperty(type=RUMPLE_TrackedBone, override=_OVERRIDE)
     active_bone: bpy.props.IntProperty(options=set(), override={"LIBRARY_OVERRIDABLE"})
+    keys: bpy.props.CollectionProperty(type=RUMPLE_TrackedKey, override=_OVERRIDE)
+    active_key: bpy.props.IntProperty(options=set(), override={"LIBRARY_OVERRIDABLE"})
     neutral: bpy.props.CollectionProperty(type=RUMPLE_PosedBone, override=_OVERRIDE,
                                           description="The neutral pose where one is captured; else the rest pose")
+    neutral_keys: bpy.props.CollectionProperty(type=RUMPLE_KeyValue, override=_OVERRIDE,
+                                               description="The neutral face where one is captured; else all are 0")
     poses: bpy.props.CollectionProperty(type=RUMPLE_ReferencePose, override=_OVERRIDE,
                                         description=f"At most {MOST_POSES}")
     active: bpy.props.IntProperty(name="Active Pose", options=set(), override={"LIBRARY_OVERRIDABLE"})
@@ -124,7 +145,8 @@ class RUMPLE_Maps(bpy.types.PropertyGroup):
                                  description="How the maps are blended with the neutral normal map")
     gain: bpy.props.FloatProperty(name="Gain", default=1.0, min=GAINS[0], max=GAINS[1], soft_max=10.0,
                                   override={"LIBRARY_OVERRIDABLE"}, update=_frame_changed,
-                                  description="Above 1 wrinkles fade less where the skin weight of their bones is low")
+                                  description="Above 1 wrinkles fade less where the skin weight of their bones is low, "
+                                              "or where their shape keys move the skin less")
     uv_map: bpy.props.StringProperty(name="UV Map", options=set(), override={"LIBRARY_OVERRIDABLE"},
                                      update=_maps_changed, description="Of the wrinkle maps; empty: the active one")
     show_influences: bpy.props.BoolProperty(name="Influences as Colors", options=set(),
@@ -155,7 +177,7 @@ class RUMPLE_Maps(bpy.types.PropertyGroup):
                                      description="The node group Rumple Maps of this object")
 
 
-CLASSES = (RUMPLE_PosedBone, RUMPLE_ReferencePose, RUMPLE_TrackedBone, RUMPLE_Maps)
+CLASSES = (RUMPLE_PosedBone, RUMPLE_KeyValue, RUMPLE_ReferencePose, RUMPLE_TrackedBone, RUMPLE_TrackedKey, RUMPLE_Maps)
 
 
 def register() -> None:

@@ -9,7 +9,7 @@ from ...core.poses import strengths
 from .. import compat
 from ..nodes.maps_mask_tree import Shape
 from ..objects import messages, modifier
-from . import (comparison as comparisons, hidden_meshes as maps_meshes, modifier as maps_modifier, rig as maps_rig,
+from . import (comparison as comparisons, hidden_meshes as maps_meshes, modifier as maps_modifier,
                runtimes as maps_runtimes)
 from .runtimes import Runtime
 
@@ -23,7 +23,8 @@ def sync() -> None:
                if compat.is_editable(obj)]  # linked ones cannot be written
     _split_shared(objects)
     for obj, nodes_mod in objects:
-        if maps_runtimes.of(obj).stale or is_behind_others(obj, nodes_mod):
+        runtime = maps_runtimes.of(obj)
+        if runtime.stale or runtime.unsure or is_behind_others(obj, nodes_mod):
             prepare(obj, nodes_mod)
     for obj in bpy.data.objects:
         note_method(obj)
@@ -58,7 +59,7 @@ def is_behind_others(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) 
 def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> None:
     """Make comparison, tree, skin and skeleton what they should be. What is wrong becomes the object's message."""
     runtime = maps_runtimes.of(obj)
-    runtime.stale = False
+    runtime.stale = runtime.unsure = False
     with messages.build_errors(obj, runtime):  # without the native module the nodes go on
         try:
             _prepare(obj, nodes_mod, runtime)
@@ -77,16 +78,14 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
         return
     table = comparison.table()
     maps_modifier.fill(nodes_mod.node_group, Shape(
-        tuple(pose.name for pose in comparison.rig.poses), len(comparison.rig.bones), 1 + len(table.more),
+        tuple(pose.name for pose in comparison.rig.poses), len(comparison.rig.elements), 1 + len(table.more),
         bool((comparison.rig.group_numbers() >= 0).any()), front is not None))
-    armature = maps_rig.armature_of(obj)
     skin, skeleton = maps_modifier.skin(nodes_mod), maps_modifier.skeleton(nodes_mod)
     if not maps_meshes.made_from(skin, runtime.shape):
         skin = maps_meshes.new_skin(obj.name, comparison, runtime.shape)
         runtime.written = None  # whatever its key: in 3.4 that is an address, which the former skin may have had
-    if not maps_meshes.made_from(skeleton, runtime.shape) or \
-            maps_meshes.armature_of(skeleton) != armature:
-        skeleton = maps_meshes.new_skeleton(obj.name, comparison, armature, runtime.shape)
+    if not maps_meshes.made_from(skeleton, runtime.shape) or not maps_meshes.follows(skeleton, obj, comparison.rig):
+        skeleton = maps_meshes.new_skeleton(obj, comparison, runtime.shape)
     write_gain(skin, runtime, obj.rumple_maps)
     maps_modifier.connect(obj, nodes_mod, skin, skeleton, front)
 

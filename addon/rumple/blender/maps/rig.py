@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads armatures, stored poses and skin weights for the Wrinkle Maps, and writes stored poses back."""
+"""Makes the rig of the Wrinkle Maps of armature, shape keys, stored poses and skin weights. Which bones are chosen."""
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any
 
 import bpy
 import numpy as np
 
 from ...core import poses
 from ...core.engine import UserError
-from ...core.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone
+from ...core.poses import PoseRig, ReferencePose, SkinWeights, TrackedBone, TrackedKey
+from ...core.shape_keys import with_keys
+from . import keys as maps_keys
 
+_SAME = 1e-6  # of the value of a shape key
+_MOVED = 1e-4  # of the armature's size: bones that Blender computes anew come back to rest but for roundings
 _ROOT_NAMES = ("head", "c_head", "def-head", "mixamorig:head", "def_head", "face_root")
 
 
@@ -18,8 +22,18 @@ def armature_of(obj: bpy.types.Object) -> bpy.types.Object:
     """The armature that skins an object. Raises UserError."""
     armature = obj.find_armature()
     if armature is None:
-        raise UserError(f"{obj.name}: no armature deforms it: Wrinkle Maps follow bones")
+        raise UserError(f"{obj.name}: no armature deforms it any more: its bones cannot be compared")
     return armature
+
+
+def refuse_without_pose(obj: bpy.types.Object) -> None:
+    """Raises UserError where nothing can be posed."""
+    if obj.find_armature() is None and not maps_keys.blocks(obj):
+        if maps_keys.are_absolute(obj):
+            raise UserError(f"{obj.name}: its shape keys are absolute: switch on Relative, since no map follows "
+                            "absolute ones")
+        raise UserError(f"{obj.name}: no armature deforms it and it has no shape keys: Wrinkle Maps follow bones or "
+                        "shape keys")
 
 
 # ---------------------------------------------------------------- which bones
@@ -28,15 +42,27 @@ def skinning_bones(obj: bpy.types.Object, armature: bpy.types.Object) -> list[st
     return [bone.name for bone in armature.data.bones if bone.use_deform and bone.name in obj.vertex_groups]
 
 
-def guessed_root(armature: bpy.types.Object, names: list[str]) -> str:
-    """A bone named as heads are, else the nearest bone that all of these hang from, else the first bone."""
-    for bone in armature.data.bones:
-        if bone.name.lower() in _ROOT_NAMES:
+def _below(armature: bpy.types.Object, root: str) -> set[str]:
+    """The bones that hang from a bone; all of them without one."""
+    known = armature.data.bones
+    return {bone.name for bone in (known[root].children_recursive if root else known)}
+
+
+def _head(armature: bpy.types.Object, names: list[str]) -> str:
+    """A bone named as heads are that some of these hang from; else empty."""
+    return next((bone.name for bone in armature.data.bones if bone.name.lower() in _ROOT_NAMES
+                 and _below(armature, bone.name) & set(names)), "")
+
+
+def common_root(armature: bpy.types.Object, names: list[str]) -> str:
+    """The nearest bone that all others of these hang from; empty, where there is none: the armature itself."""
+    known = armature.data.bones
+    first = known[names[0]] if names else None
+    for bone in [first, *first.parent_recursive] if first is not None else ():
+        others = set(names) - {bone.name}
+        if others and others <= _below(armature, bone.name):
             return bone.name
-    lines = [[bone.name, *(parent.name for parent in bone.parent_recursive)]
-             for bone in (armature.data.bones[name] for name in names)]
-    common = [name for name in lines[0] if all(name in line for line in lines)] if lines else []
-    return common[0] if common else armature.data.bones[0].name
+    return ""
 
 
 def choose_bones(obj: bpy.types.Object, names: list[str]) -> None:
@@ -51,66 +77,54 @@ def choose_bones(obj: bpy.types.Object, names: list[str]) -> None:
 
 
 def choose_by_default(obj: bpy.types.Object) -> None:
+    """For a first pose: the shape keys that move the mesh, and bones, unless the pose is one of keys alone."""
+    names = maps_keys.moving(obj)
+    maps_keys.choose(obj, names)
+    armature = obj.find_armature()
+    if armature is not None and (_selected(armature) or _has_moved(obj, armature, names)):
+        choose_bones_by_default(obj)
+
+
+def _has_moved(obj: bpy.types.Object, armature: bpy.types.Object, keys: list[str]) -> bool:
+    """Bones are part of the pose: those of the face, where shape keys are set; else any."""
+    skinning = skinning_bones(obj, armature)
+    head = _head(armature, skinning)
+    return bool(head and _move(obj, armature, head, skinning)) or not maps_keys.are_set(obj, keys)
+
+
+def choose_bones_by_default(obj: bpy.types.Object) -> None:
     """The selected bones in Pose Mode, else all skinning bones below the root. The root as well, where none is set."""
     settings, armature = obj.rumple_maps, armature_of(obj)
-    skinning = skinning_bones(obj, armature)
-    selected = [bone.name for bone in bpy.context.selected_pose_bones or () if bone.id_data == armature]
-    if settings.root not in armature.data.bones:
-        settings.root = guessed_root(armature, [name for name in selected if name in skinning] or skinning)
-    below = {bone.name for bone in armature.data.bones[settings.root].children_recursive}
-    choose_bones(obj, [name for name in skinning if name in (selected or below) and name != settings.root])
+    skinning, selected = skinning_bones(obj, armature), _selected(armature)
+    wanted = [name for name in selected if name in skinning] or skinning
+    if settings.root not in armature.data.bones or not set(wanted) - {settings.root} & (
+            set(selected) or _below(armature, settings.root)):
+        settings.root = _guessed_root(obj, armature, wanted, bool(selected))
+    among = set(selected) or _below(armature, settings.root)
+    choose_bones(obj, [name for name in skinning if name in among and name != settings.root])
 
 
-# ---------------------------------------------------------------- storing poses
-StoredBone = tuple[str, Sequence[float], Sequence[float], Sequence[float], Sequence[float]]  # as in RUMPLE_PosedBone
+def _selected(armature: bpy.types.Object) -> list[str]:
+    return [bone.name for bone in bpy.context.selected_pose_bones or () if bone.id_data == armature]
 
 
-def store(records: Any, armature: bpy.types.Object) -> None:
-    """Fill a collection of RUMPLE_PosedBone with all bones of an evaluated armature."""
-    write(records, [(bone.name, bone.head, bone.tail, _flat(bone.matrix), _flat(bone.matrix_basis))
-                    for bone in armature.pose.bones])
+def _guessed_root(obj: bpy.types.Object, armature: bpy.types.Object, names: list[str], selected: bool) -> str:
+    """The head, if what is compared hangs from it and moves there now; else what all of it hangs from."""
+    head, common = _head(armature, names), common_root(armature, names)
+    if selected:
+        return head if head and set(names) - {head} <= _below(armature, head) else common
+    if head and (_move(obj, armature, head, names) or not _move(obj, armature, common, names)):
+        return head
+    return common
 
 
-def read(records: Any) -> list[StoredBone]:
-    """What write() takes."""
-    return [(r.name, tuple(r.head), tuple(r.tail), tuple(r.matrix), tuple(r.basis)) for r in records]
-
-
-def write(records: Any, bones: list[StoredBone]) -> None:
-    """In place, bone by bone: of a linked pose a library override keeps values, not other items."""
-    names = {bone[0] for bone in bones}
-    for place in reversed(range(len(records))):
-        if records[place].name not in names:
-            records.remove(place)
-    for name, *values in bones:
-        record = records.get(name)
-        if record is None:
-            record = records.add()
-            record.name = name
-        record.head, record.tail, record.matrix, record.basis = values
-
-
-def go_to(records: Any, armature: bpy.types.Object) -> list[str]:
-    """Put the bones of an armature where a stored pose has them; returns the names it does not have."""
-    from mathutils import Matrix
-    missing = []
-    for record in records:
-        bone = armature.pose.bones.get(record.name)
-        if bone is None:
-            missing.append(record.name)
-        else:
-            bone.matrix_basis = Matrix([record.basis[row:row + 4] for row in range(0, 16, 4)])
-    return missing
-
-
-def go_to_rest(armature: bpy.types.Object) -> None:
-    """Put every bone at rest."""
-    for bone in armature.pose.bones:
-        bone.matrix_basis.identity()
-
-
-def _flat(matrix: Any) -> list[float]:
-    return [value for row in matrix for value in row]
+def _move(obj: bpy.types.Object, armature: bpy.types.Object, root: str, names: list[str]) -> bool:
+    """A bone that hangs from root is elsewhere than at rest, seen from root."""
+    below = [name for name in names if name in _below(armature, root) and name != root]
+    if not below:
+        return False
+    rest, now = (read(armature, root).relative(obj, root, below, None) for read in (_at_rest, _present))
+    return bool(np.abs(now - rest).max() > _MOVED * np.abs(rest).max())
 
 
 # ---------------------------------------------------------------- the rig as data
@@ -125,7 +139,8 @@ class _Pose:
     def relative(self, obj: bpy.types.Object, root: str, names: list[str], otherwise: np.ndarray | None) -> np.ndarray:
         """(b, 6) in root space; bones that this pose lacks as in `otherwise`."""
         places = [self.index.get(name, -1) for name in names]
-        found = poses.bones_in_root_space(obj.name, self.matrices[root], self.points[places])
+        matrix = self.matrices[root] if root else np.eye(4, dtype=np.float32)
+        found = poses.bones_in_root_space(obj.name, matrix, self.points[places])
         missing = np.array(places) < 0
         if missing.any():
             found[missing] = otherwise[missing]
@@ -153,58 +168,146 @@ def _present(armature: bpy.types.Object, root: str) -> _Pose:
     return _read(armature.pose.bones, "head", "tail", lambda bone: np.array(bone.matrix, np.float32), root)
 
 
-def present_bones(obj: bpy.types.Object, armature: bpy.types.Object, rig: PoseRig) -> np.ndarray:
-    """(b, 6) heads and tails in root space of an evaluated armature. Raises UserError where a bone is gone."""
+def present(obj: bpy.types.Object, rig: PoseRig) -> tuple[np.ndarray, np.ndarray]:
+    """(b, 6) heads and tails in root space of an evaluated armature, (m,) values of shape keys, as they are shown.
+    Raises UserError where one is gone."""
+    values = maps_keys.values(obj)
+    gone = [key.name for key in rig.keys if key.name not in values]
+    if gone:
+        raise UserError(f"{obj.name}: it has no shape key {_listed(gone)}: was it renamed or deleted?")
+    keys = np.array([values[key.name] for key in rig.keys], np.float32)
+    if not rig.bones:
+        return np.zeros((0, 6), np.float32), keys
+    armature = armature_of(obj)
     here = _present(armature, rig.root)
-    for name in (rig.root, *(bone.name for bone in rig.bones)):
+    for name in (*([rig.root] if rig.root else ()), *(bone.name for bone in rig.bones)):
         if name not in here.index:
             raise UserError(f"{obj.name}: {armature.name} has no bone {name}: was it renamed or deleted?")
-    return here.relative(obj, rig.root, [bone.name for bone in rig.bones], None)
+    return here.relative(obj, rig.root, [bone.name for bone in rig.bones], None), keys
 
 
 def rig_of(obj: bpy.types.Object) -> tuple[PoseRig, list[str]]:
     """The rig as the core wants it, and what is odd about it. Raises UserError where nothing can be compared."""
-    settings, armature = obj.rumple_maps, armature_of(obj)
-    known, notes = armature.data.bones, []
+    settings = obj.rumple_maps
+    notes: list[str] = []
+    if not settings.bones and not settings.keys:
+        raise UserError(f"{obj.name}: nothing is chosen to be compared: add a reference pose, or choose bones or "
+                        "shape keys")
+    keys = _tracked_keys(obj, notes)
+    bones = _tracked_bones(obj, bool(keys), notes)
+    rig = PoseRig(obj.name, settings.root if bones else "", bones, np.zeros((0, 6), np.float32), maps=settings.maps,
+                  gain=settings.gain)
+    for pose in settings.poses:
+        rig.poses.append(ReferencePose(pose.name, rig.neutral, _file_name(pose.image), pose.strength, pose.muted,
+                                       pose.solo))
+    if bones:
+        _place_bones(obj, rig, notes)
+    if keys:
+        _place_keys(obj, rig, keys, notes)
+    return rig, notes
+
+
+# --- its bones
+def _tracked_bones(obj: bpy.types.Object, optional: bool, notes: list[str]) -> list[TrackedBone]:
+    """Those of the chosen bones that are there. optional: shape keys are compared as well."""
+    settings, armature = obj.rumple_maps, obj.find_armature()
     if not settings.bones:
-        raise UserError(f"{obj.name}: no bones are chosen to be compared: add a reference pose, or choose bones")
-    if settings.root not in known:
+        return []
+    if armature is None and optional:
+        notes.append(f"{obj.name}: no armature deforms it any more: only its shape keys are compared")
+        return []
+    armature = armature_of(obj)
+    known = armature.data.bones
+    if settings.root and settings.root not in known:
         raise UserError(f"{obj.name}: {armature.name} has no bone \"{settings.root}\" to be the root: choose another")
     bones = [TrackedBone(bone.name, bone.tracked, bone.group) for bone in settings.bones if bone.name in known]
     lost = [bone.name for bone in settings.bones if bone.name not in known]
-    if not bones:
+    if not bones and not optional:
         raise UserError(f"{obj.name}: {armature.name} has none of the bones that are compared: {_listed(lost)}")
     if lost:
         notes.append(f"{obj.name}: {armature.name} has no bone {_listed(lost)}: renamed or deleted? It is left out")
     idle = [bone.name for bone in bones if bone.name not in obj.vertex_groups]
     if idle:
         notes.append(f"{obj.name}: it has no vertex group {_listed(idle)}: these bones show no wrinkle")
-    names = [bone.name for bone in bones]
-    at_rest = _at_rest(armature, settings.root).relative(obj, settings.root, names, None)
-    neutral = at_rest
+    return bones
+
+
+def _place_bones(obj: bpy.types.Object, rig: PoseRig, notes: list[str]) -> None:
+    settings, names = obj.rumple_maps, [bone.name for bone in rig.bones]
+    at_rest = _at_rest(armature_of(obj), rig.root).relative(obj, rig.root, names, None)
+    rig.neutral = at_rest
     if settings.neutral:
-        neutral = _pose_of(obj, settings.neutral, "the neutral pose", names, at_rest, notes)
-    rig = PoseRig(obj.name, settings.root, bones, neutral, maps=settings.maps, gain=settings.gain)
-    for pose in settings.poses:
-        places = _pose_of(obj, pose.bones, f"pose {pose.name}", names, neutral, notes)
-        rig.poses.append(ReferencePose(pose.name, places, _file_name(pose.image), pose.strength, pose.muted, pose.solo))
-    return rig, notes
+        rig.neutral = _pose_of(obj, settings.neutral, "the neutral pose", names, at_rest, notes)
+    for pose, stored in zip(rig.poses, settings.poses):
+        pose.bones = _pose_of(obj, stored.bones, f"pose {pose.name}", names, rig.neutral, notes)
 
 
 def _pose_of(obj: bpy.types.Object, records: Any, name: str, names: list[str], otherwise: np.ndarray,
              notes: list[str]) -> np.ndarray:
-    stored = _stored(records, obj.rumple_maps.root)
-    if obj.rumple_maps.root not in stored.index:
-        raise UserError(f"{obj.name}: {name} was stored without the root bone {obj.rumple_maps.root}: update it")
-    unknown = [bone for bone in names if bone not in stored.index]
+    root = obj.rumple_maps.root
+    stored = _stored(records, root)
+    if root and root not in stored.index:
+        raise UserError(f"{obj.name}: {name} was stored without the root bone {root}: update it")
+    _note_unknown(obj, name, [bone for bone in names if bone not in stored.index], notes)
+    return stored.relative(obj, root, names, otherwise)
+
+
+def _note_unknown(obj: bpy.types.Object, pose: str, unknown: list[str], notes: list[str]) -> None:
     if unknown:
-        notes.append(f"{obj.name}: {name} was stored without {_listed(unknown)}: update it")
-    return stored.relative(obj, obj.rumple_maps.root, names, otherwise)
+        notes.append(f"{obj.name}: {pose} was stored without {_listed(unknown)}: update it")
+
+
+# --- its shape keys
+def _tracked_keys(obj: bpy.types.Object, notes: list[str]) -> list[TrackedKey]:
+    """Those of the chosen keys that are there."""
+    settings, known = obj.rumple_maps, {block.name for block in maps_keys.blocks(obj)}
+    lost = [key.name for key in settings.keys if key.name not in known]
+    why = f"{obj.name}: it has no shape key {_listed(lost)}: renamed or deleted? It is left out"
+    if maps_keys.are_absolute(obj):
+        why = f"{obj.name}: its shape keys are absolute: switch on Relative, since no map follows absolute ones"
+    if lost and len(lost) == len(settings.keys) and not settings.bones:
+        raise UserError(why)
+    if lost:
+        notes.append(why)
+    return [TrackedKey(key.name, key.group) for key in settings.keys if key.name in known]
+
+
+def _place_keys(obj: bpy.types.Object, rig: PoseRig, keys: list[TrackedKey], notes: list[str]) -> None:
+    """Only keys that some pose has elsewhere than the neutral face: the others have no influence, and cost time."""
+    settings, names = obj.rumple_maps, [key.name for key in keys]
+    neutral = maps_keys.of_records(settings.neutral_keys)
+    if neutral:
+        _note_unknown(obj, "the neutral pose", [name for name in names if name not in neutral], notes)
+    rest = np.array([neutral.get(name, 0.0) for name in names], np.float32)
+    places = []
+    for pose in settings.poses:
+        stored = maps_keys.of_records(pose.keys)
+        _note_unknown(obj, f"pose {pose.name}", [name for name in names if name not in stored], notes)
+        places.append([stored.get(name, value) for name, value in zip(names, rest)])
+    table = np.array(places, np.float32).reshape(len(rig.poses), len(names))
+    _note_constant(obj, names, rest, table, notes)
+    used = np.flatnonzero((np.abs(table - rest) > _SAME).any(0))
+    if not len(used) and not rig.bones:
+        used = np.arange(len(keys))
+    rig.keys, rig.neutral_keys = [keys[place] for place in used], rest[used]
+    for pose, row in zip(rig.poses, table):
+        pose.keys = row[used]
+
+
+def _note_constant(obj: bpy.types.Object, names: list[str], rest: np.ndarray, table: np.ndarray, notes: list[str]
+                   ) -> None:
+    """A key that has the same value in every pose makes the person, not the pose."""
+    if len(table) > 1:
+        same = (np.abs(table - table[0]) < _SAME).all(0) & (np.abs(table[0] - rest) > maps_keys.SET)
+        constant = [names[place] for place in np.flatnonzero(same)]
+        if constant:
+            notes.append(f"{obj.name}: {_listed(constant)} has the same value in every pose: go to the neutral face "
+                         "and capture it")
 
 
 def bone_lengths(obj: bpy.types.Object, rig: PoseRig) -> np.ndarray:
     """(b,) at rest, of the tracked bones."""
-    known = armature_of(obj).data.bones
+    known = armature_of(obj).data.bones if rig.bones else {}
     return np.array([known[bone.name].length for bone in rig.bones], np.float32)
 
 
@@ -219,7 +322,14 @@ def _file_name(image: bpy.types.Image | None) -> str:
 
 
 def weights_of(obj: bpy.types.Object, rig: PoseRig) -> SkinWeights:
-    """Weights of every bone that deforms the mesh. Walks all vertices: 1 ms per 1000."""
+    """Weights of every bone that deforms the mesh, and of the shape keys."""
+    bones = _skin_weights(obj, rig) if rig.bones else SkinWeights(
+        np.zeros(len(obj.data.vertices) + 1, np.int32), np.zeros(0, np.int32), np.zeros(0, np.float32))
+    return with_keys(bones, [maps_keys.weights(obj, key.name) for key in rig.keys], len(rig.bones))
+
+
+def _skin_weights(obj: bpy.types.Object, rig: PoseRig) -> SkinWeights:
+    """Walks all vertices: 1 ms per 1000."""
     tracked = {bone.name: place for place, bone in enumerate(rig.bones)}
     deforming = set(skinning_bones(obj, armature_of(obj))) | tracked.keys()
     column = {group.index: tracked.get(group.name, -1) for group in obj.vertex_groups if group.name in deforming}

@@ -14,6 +14,7 @@ class Runtime(RuntimeBase):
 
     comparison: PoseComparison | None = None
     shape: str = ""  # fingerprint of what it was made from
+    unsure: bool = False  # its mesh changed with the frame, maybe by its shape keys alone: compare when it rests
     written: tuple | None = None  # gain and strengths that the skin has
     seen: tuple | None = None  # the present bones, and what presence was found for them
 

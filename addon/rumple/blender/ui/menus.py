@@ -18,8 +18,8 @@ _ENTRIES = (
      "object.rumple_clear_rest_wrinkles"),
     ("object.rumple_curves_add", "object.rumple_curves_remove"),
     ("rumple.pose_add", "rumple.pose_update", "rumple.pose_go", "rumple.pose_remove", "rumple.neutral_capture",
-     "rumple.neutral_rest", "rumple.maps_bones", "rumple.maps_show", "rumple.maps_hide", "rumple.maps_bake",
-     "rumple.maps_export", "rumple.maps_weights", "rumple.maps_remove"),
+     "rumple.neutral_rest", "rumple.maps_bones", "rumple.maps_keys", "rumple.maps_key_remove", "rumple.maps_show",
+     "rumple.maps_hide", "rumple.maps_bake", "rumple.maps_export", "rumple.maps_weights", "rumple.maps_remove"),
     ("object.rumple_apply", "object.rumple_remove"),
 )
 

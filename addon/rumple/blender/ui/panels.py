@@ -9,7 +9,7 @@ from .. import ui_base
 from ..bake import panel as bake_panel
 from ..brush import panel as brush_panel
 from ..frame import clip_status
-from ..maps import modifier as maps_modifier
+from ..maps import keys as maps_keys, modifier as maps_modifier
 from ..nodes import field_profile, field_shader
 from ..objects import changes, modifier, properties, runtimes, stack_notes
 from ..translation import OWN_CONTEXT, said
@@ -269,7 +269,7 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
 def add_maps_button(layout: bpy.types.UILayout) -> None:
     """They stand beside other wrinkles, whose folds they may be baked from."""
     obj = bpy.context.object
-    if maps_modifier.find(obj) is None and obj.find_armature() is not None:
+    if maps_modifier.find(obj) is None and (obj.find_armature() is not None or maps_keys.blocks(obj)):
         layout.operator("rumple.maps_add", icon="ARMATURE_DATA")
 
 

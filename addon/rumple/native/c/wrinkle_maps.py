@@ -15,7 +15,7 @@ from ..struct import CHECKED, Struct, pointer_to
 from .base import *
 
 MOST_POSES = 16
-TRACKED = {"HEAD": 0, "TAIL": 1, "BOTH": 2}
+TRACKED = {"HEAD": 0, "TAIL": 1, "BOTH": 2, "KEY": 3}
 MAPS_KIND = {"WHOLE": 0, "WRINKLES": 1}
 WrinkleMapsPointer = pointer_to("rumple_wrinkle_maps")
 
@@ -48,7 +48,7 @@ class WrinkleMapsPlan(Struct):
     weight_start_count: int
     weight_bone: int | None  # (weights), -1: a bone that is not listed
     weight_bone_count: int
-    weight: int | None  # (weights), >= 0; those of a vertex are made to sum to 1
+    weight: int | None  # (weights), >= 0; a vertex's of bones are made to sum to 1; of shape keys 0..1
     weight_count: int
     _fields_ = (("names", c_void_p), ("names_count", c_size_t), ("tracked", c_void_p), ("tracked_count", c_size_t),
         ("group", c_void_p), ("group_count", c_size_t), ("neutral", c_void_p), ("neutral_count", c_size_t),
@@ -68,7 +68,7 @@ class WrinkleMapsView(Struct):
     unnormalised: int  # vertices whose weights did not sum to 1
     unbound: int  # vertices without any weight: their masks are 0
     moves: int | None  # (b, o): 1 where a bone moves in a pose
-    reach: int | None  # (n, o): sum of the weights of the bones that move in a pose, 0..1
+    reach: int | None  # (n, o): sum of the weights of what moves in a pose; above 1 with shape keys only
     weight_start: int | None  # (n + 1): the weights as they count: of listed bones only
     weight_bone: int | None  # (weight_count)
     weight: int | None  # (weight_count)

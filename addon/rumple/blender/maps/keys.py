@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads shape keys for the Wrinkle Maps: the values that count, and how far each key moves every vertex."""
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...core.shape_keys import weights_of_key
+
+SET = 1e-3  # a value that differs by more was set; less is what a driver leaves behind
+
+
+def blocks(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
+    """The relative shape keys of a mesh without its Basis."""
+    keys = obj.data.shape_keys
+    return list(keys.key_blocks)[1:] if keys is not None and keys.use_relative else []
+
+
+def are_absolute(obj: bpy.types.Object) -> bool:
+    keys = obj.data.shape_keys
+    return keys is not None and not keys.use_relative and len(keys.key_blocks) > 1
+
+
+def value_of(block: bpy.types.ShapeKey) -> float:
+    """As it counts for the shape."""
+    return 0.0 if block.mute else block.value
+
+
+def values(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> dict[str, float]:
+    """Of every key, as drivers and animation have it now; as shown last without a depsgraph."""
+    if not blocks(obj):
+        return {}
+    keys = obj.data.shape_keys
+    found = keys if depsgraph is None else keys.evaluated_get(depsgraph)
+    return {block.name: value_of(block) for block in list(found.key_blocks)[1:]}
+
+
+def are_set(obj: bpy.types.Object, names: list[str]) -> bool:
+    """One of these is not where the neutral face has it."""
+    neutral = {record.name: record.value for record in obj.rumple_maps.neutral_keys}
+    now = values(obj)
+    return any(abs(now.get(name, 0.0) - neutral.get(name, 0.0)) > SET for name in names)
+
+
+# ---------------------------------------------------------------- which vertices
+def weights(obj: bpy.types.Object, name: str) -> np.ndarray:
+    """(n,) 0..1: how far a key moves each vertex, in place of a skin weight."""
+    block = obj.data.shape_keys.key_blocks[name]
+    ways = _points(block) - _points(block.relative_key)
+    group = obj.vertex_groups.get(block.vertex_group)
+    if group is not None:
+        ways *= _group_weights(obj, group.index)[:, None]
+    return weights_of_key(ways)
+
+
+def moving(obj: bpy.types.Object) -> list[str]:
+    """Names of the keys that move any vertex."""
+    return [block.name for block in blocks(obj) if weights(obj, block.name).any()]
+
+
+def _points(block: bpy.types.ShapeKey) -> np.ndarray:
+    flat = np.empty(3 * len(block.data), np.float32)
+    block.data.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
+def _group_weights(obj: bpy.types.Object, index: int) -> np.ndarray:
+    return np.array([next((e.weight for e in vertex.groups if e.group == index), 0.0) for vertex in obj.data.vertices],
+                    np.float32)
+
+
+# ---------------------------------------------------------------- setting them
+def choose(obj: bpy.types.Object, names: list[str]) -> None:
+    """Compare exactly these keys; what was set for those that stay is kept."""
+    chosen = obj.rumple_maps.keys
+    for place in reversed(range(len(chosen))):
+        if chosen[place].name not in names:
+            chosen.remove(place)
+    for name in names:
+        if name not in chosen:
+            chosen.add().name = name
+
+
+def set_values(obj: bpy.types.Object, wanted: dict[str, float]) -> list[str]:
+    """Set keys; returns the names that the mesh does not have."""
+    known = {block.name: block for block in blocks(obj)}
+    for name, value in wanted.items():
+        block = known.get(name)
+        if block is not None and not (block.mute and value == 0.0):  # a muted one is where it should be
+            block.value = value
+    return [name for name, value in wanted.items() if name not in known and value]
+
+
+def astray(obj: bpy.types.Object, wanted: dict[str, float]) -> list[str]:
+    """Names of keys that are elsewhere after all: a driver or a mute has the last word."""
+    now = values(obj)
+    return [name for name, value in wanted.items() if name in now and abs(now[name] - value) > SET]
+
+
+def freeze(mesh: bpy.types.Mesh, wanted: dict[str, float]) -> None:
+    """Set the keys of a mesh that nothing else uses, whatever drives or animates them."""
+    if mesh.shape_keys is None or not mesh.shape_keys.use_relative:
+        return
+    mesh.shape_keys.animation_data_clear()
+    for block in list(mesh.shape_keys.key_blocks)[1:]:
+        if block.name in wanted:
+            block.mute, block.value = False, wanted[block.name]
+
+
+def of_records(records: Any) -> dict[str, float]:
+    return {record.name: record.value for record in records}

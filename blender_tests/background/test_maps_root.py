@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrinkle Maps choose root and bones by themselves: faces, bodies, one bone, bones without a common parent."""
+from __future__ import annotations
+
+import unittest
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Euler
+from support import face, sleeve
+
+# name: (parent, head, tail)
+BODY: dict[str, tuple[str, Any, Any]] = {
+    "root": ("", (0, 0, 0), (0, 0.2, 0)), "hips": ("root", (0, 0, 1.0), (0, 0, 1.2)),
+    "chest": ("hips", (0, 0, 1.2), (0, 0, 1.5)), "head": ("chest", (0, 0, 1.5), (0, 0, 1.75)),
+    "eye": ("head", (0.05, -0.1, 1.65), (0.05, -0.15, 1.65))}
+for _side, _x in (("L", 1), ("R", -1)):
+    BODY |= {f"arm.{_side}": ("chest", (0.2 * _x, 0, 1.45), (0.5 * _x, 0, 1.45)),
+             f"hand.{_side}": (f"arm.{_side}", (0.5 * _x, 0, 1.45), (0.8 * _x, 0, 1.45)),
+             f"thigh.{_side}": ("hips", (0.1 * _x, 0, 1.0), (0.1 * _x, 0, 0.55)),
+             f"shin.{_side}": (f"thigh.{_side}", (0.1 * _x, 0, 0.55), (0.1 * _x, 0, 0.1))}
+ARM, LEG = ("arm.L", "hand.L"), ("thigh.R", "shin.R")
+
+
+def skinned(bones: dict[str, tuple[str, Any, Any]], groups: Any) -> tuple[bpy.types.Object, bpy.types.Object]:
+    """(mesh, rig): a quad around the middle of every bone that has a group, which it follows alone."""
+    sleeve.empty_file()
+    with sleeve.context():
+        rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+        bpy.context.scene.collection.objects.link(rig)
+        sleeve.make_active(rig)
+        bpy.ops.object.mode_set(mode="EDIT")
+        for name, (parent, head, tail) in bones.items():
+            bone = rig.data.edit_bones.new(name)
+            bone.head, bone.tail = head, tail
+            bone.parent = rig.data.edit_bones[parent] if parent else None
+        bpy.ops.object.mode_set(mode="OBJECT")
+        middles = [0.5 * (np.array(bones[name][1]) + np.array(bones[name][2])) for name in groups]
+        corners = 0.02 * np.array([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1)])
+        mesh = bpy.data.meshes.new("Body")
+        mesh.from_pydata(np.concatenate([middle + corners for middle in middles]).tolist(), [],
+                         [tuple(range(4 * i, 4 * i + 4)) for i in range(len(middles))])
+        obj = bpy.data.objects.new("Body", mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        for number, name in enumerate(groups):
+            obj.vertex_groups.new(name=name).add(range(4 * number, 4 * number + 4), 1.0, "REPLACE")
+        obj.modifiers.new("Armature", "ARMATURE").object = rig
+        sleeve.make_active(obj)
+        bpy.ops.object.rumple_add(method="MAPS")
+    return obj, rig
+
+
+def turn(rig: bpy.types.Object, **angles: float) -> None:
+    """Bend bones about their x: hand_L=0.5. The others go to rest."""
+    for bone in rig.pose.bones:
+        bone.rotation_mode = "XYZ"
+        bone.rotation_euler = Euler((angles.get(bone.name.replace(".", "_"), 0.0), 0.0, 0.0))
+    with sleeve.context():
+        bpy.context.view_layer.update()
+
+
+def add(name: str) -> None:
+    with sleeve.context():
+        assert bpy.ops.rumple.pose_add(name=name) == {"FINISHED"}
+
+
+def masked(obj: bpy.types.Object, pose: str) -> dict[str, float]:
+    """Bone -> the mask of its quad."""
+    mask = face.mask(obj, pose).reshape(-1, 4).max(1)
+    return dict(zip([group.name for group in obj.vertex_groups], mask))
+
+
+class Body(unittest.TestCase):
+
+    def setUp(self) -> None:
+        self.skin = [name for name in BODY if name not in ("root", "eye")]
+
+    def two_limbs(self, groups: Any) -> tuple[bpy.types.Object, bpy.types.Object]:
+        obj, rig = skinned(BODY, groups)
+        turn(rig, arm_L=0.4, hand_L=1.2)
+        add("Elbow")
+        turn(rig, thigh_R=0.5, shin_R=1.0)
+        add("Knee")
+        return obj, rig
+
+    def check_apart(self, obj: bpy.types.Object, rig: bpy.types.Object) -> None:
+        """Below 1 % on other limbs, whatever the two do; all of it on the own one at its pose."""
+        for elbow, knee in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.5, 0.3)):
+            turn(rig, arm_L=0.4 * elbow, hand_L=1.2 * elbow, thigh_R=0.5 * knee, shin_R=knee)
+            for pose, limb, share in (("Elbow", ARM, elbow), ("Knee", LEG, knee)):
+                found = masked(obj, pose)
+                for name, value in found.items():
+                    if name not in limb:
+                        self.assertLess(value, 0.01, (pose, name))
+                if share == 1.0:
+                    self.assertGreater(min(found[name] for name in limb), 0.999, pose)
+
+    def test_poses_of_two_limbs_stay_apart(self) -> None:
+        obj, rig = self.two_limbs(self.skin)
+        self.assertEqual(obj.rumple_maps.root, "hips")
+        self.check_apart(obj, rig)
+
+    def test_a_head_with_an_eye_is_no_root_for_arms(self) -> None:
+        """Taken for its name it left the eye alone to be compared, and Add Reference Pose failed."""
+        obj, rig = self.two_limbs([*self.skin, "eye"])
+        self.assertEqual(obj.rumple_maps.root, "hips")
+        self.check_apart(obj, rig)
+
+    def test_a_head_that_nothing_hangs_from_is_no_root(self) -> None:
+        bones = {name: entry for name, entry in BODY.items() if name != "eye"}
+        obj, rig = skinned(bones, self.skin)
+        turn(rig, hand_R=1.0)
+        add("Hand")
+        self.assertEqual(obj.rumple_maps.root, "hips")
+        self.assertGreater(masked(obj, "Hand")["hand.R"], 0.999)
+
+    def test_the_walking_body_changes_nothing(self) -> None:
+        obj, rig = self.two_limbs(self.skin)
+        turn(rig, arm_L=0.2, hand_L=0.6)
+        before = face.mask(obj, "Elbow")
+        rig.pose.bones["root"].location = (1.0, 2.0, 0.5)
+        rig.pose.bones["root"].rotation_euler = (0.3, 0.2, 1.0)
+        rig.location = (3.0, 0.0, 1.0)
+        bpy.context.view_layer.update()
+        np.testing.assert_allclose(face.mask(obj, "Elbow"), before, atol=1e-4)
+        self.assertGreater(before.max(), 0.3)
+
+
+class Few(unittest.TestCase):
+
+    def test_the_only_bone_that_deforms_hangs_from_its_parent(self) -> None:
+        obj, rig = skinned({"skull": ("", (0, 0, 0), (0, 0, 1)), "jaw": ("skull", (0, -0.1, 0), (0, -0.2, 0))}, ["jaw"])
+        turn(rig, jaw=0.5)
+        add("Open")
+        self.assertEqual((obj.rumple_maps.root, [bone.name for bone in obj.rumple_maps.bones]), ("skull", ["jaw"]))
+        turn(rig, jaw=0.5, skull=0.7)
+        self.assertGreater(face.mask(obj, "Open").min(), 0.999)
+
+    def test_bones_without_a_parent_are_compared_in_the_armature(self) -> None:
+        obj, rig = skinned({"left": ("", (1, 0, 0), (1, 0, 1)), "right": ("", (-1, 0, 0), (-1, 0, 1))},
+                           ["left", "right"])
+        turn(rig, left=0.5)
+        add("Left")
+        self.assertEqual((obj.rumple_maps.root, len(obj.rumple_maps.bones)), ("", 2))
+        self.assertEqual(obj.rumple_maps.message, "")
+        rig.matrix_world = Euler((0.3, 0.2, 0.1)).to_matrix().to_4x4()
+        rig.scale, rig.location = (2.0, 2.0, 2.0), (1.0, 2.0, 3.0)
+        turn(rig, left=0.5, right=1.0)
+        self.assertEqual({name: round(value, 3) for name, value in masked(obj, "Left").items()},
+                         {"left": 1.0, "right": 0.0})
+        turn(rig)
+        self.assertLess(face.mask(obj, "Left").max(), 1e-3)
+
+    def test_the_only_bone_of_all_is_compared_in_the_armature(self) -> None:
+        obj, rig = skinned({"head": ("", (0, 0, 0), (0, 0, 1))}, ["head"])
+        turn(rig, head=0.5)
+        add("Nod")
+        self.assertEqual((obj.rumple_maps.root, obj.rumple_maps.message), ("", ""))
+        self.assertGreater(face.mask(obj, "Nod").min(), 0.999)
