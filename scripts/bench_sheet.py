@@ -24,6 +24,7 @@ NAMES = {"subdivision": "Subdivision, bare", "mesh": "Rumple, Wrinkle Mesh", "fi
          "cloth_subdivided": "Cloth, then Subdivision", "cloth": "Cloth at full resolution"}
 HEAD = ("", "ms a frame", "area kept", "28 to 55", "55 to 110", "110 to 220 mm", "wavelength, asked / is, mm",
         "alignment", "frame to frame, mm", "held, mm", "in the body, %", "crossings")
+TILE_WIDTH = 380  # pixels
 MEASURED, HELD = 12, 4  # frames; the last ones of a clip that ends in a held pose
 
 
@@ -108,7 +109,8 @@ def main() -> None:
             shown[NAMES[name]] = {options.picture: Shown(stored["shown"], stored["starts"], stored["corners"])}
         say(" | ".join(lines[-1]))
     (options.out / "bench.md").write_text("".join(f"| {' | '.join(line)} |\n" for line in lines))
-    draw(truth_clip.find_garment(options.garment), shown, np.array(scene.frames), options.out, stacked=1)
+    garment = truth_clip.find_garment(options.garment)
+    draw(garment, shown, np.array(scene.frames), options.out, stacked=1, width=TILE_WIDTH)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ DOCS = ROOT / "docs"
 BESIDE = {"CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md"}  # of the root, by their site names
 # The contents, in their order; pages of docs/ that are named nowhere come last.
 PARTS = {
-    "Begin": ["install", "which_system", "lessons/index", "gallery"],
+    "Begin": ["install", "which_system", "lessons/index", "gallery", "bench"],
     "Use": ["user_guide", "farm", "engines", "platforms", "publishing"],
     "How it works": ["base_cloth", "wrinkle_mesh", "wrinkle_field", "wrinkle_paths", "wrinkle_maps", "gpu_preview"],
     "Reference": ["reference/c", "reference/python"],

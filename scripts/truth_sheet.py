@@ -149,11 +149,12 @@ def means(rows: dict[str, list[dict[str, float]]]) -> dict[str, dict[str, float]
 
 
 def draw(garment: bpy.types.Object, rows: dict[str, dict[int, Shown]], frames: np.ndarray, out: Path,
-         stacked: int | None = None) -> None:
+         stacked: int | None = None, width: int | None = None) -> None:
     """One column a frame, one row a surface, each in the garment's place before the same camera. stacked: surfaces
-    in a column, all of them unless it is said."""
+    in a column, all of them unless it is said. width: of a tile, pixels; narrower ones are cut at the sides."""
     scene = bpy.context.scene
     studio(scene)
+    scene.render.resolution_x = width or scene.render.resolution_x
     frame_camera(garment, range(int(frames[0]), int(frames[-1]) + 1))
     garment.hide_render = True
     tiles = []
