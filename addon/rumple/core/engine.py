@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the systems share: pictures, and frames that do not depend on how one got there.
-
-Never imports bpy.
-"""
+"""What the systems share: pictures, and frames that do not depend on how one got there. Never imports bpy."""
 from __future__ import annotations
 
 import hashlib
@@ -21,6 +18,7 @@ from .cloth import ClothFrame, suggested_follow
 from .frame_cache import CachedFrame, FrameCache, digest_of
 from .frame_input import FrameInput
 from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
+from .keep_smooth import SMOOTH, flatten, share_of_folds
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
 from .shown_mesh import ShownMesh, ViewportMesh
 from .surroundings import Surroundings
@@ -38,8 +36,11 @@ class Wrinkles(ShownMesh):
 
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
     SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
+    HEIGHTS: tuple[str, ...] = ()  # attributes that say how high folds are, scaled with them
+    HEIGHT_PAINT = ""  # paint that keeps folds off: where empty, what is solved is made flat
     HAS_CURVES = False  # whether curves() has something to say
     in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
+    _smooth: np.ndarray | None = None  # (n,) of `base`
     _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: Any, model: Any, warnings: list[str],
@@ -142,7 +143,10 @@ class Wrinkles(ShownMesh):
             pose = self._pose(over, frame_input)
         self._last_pose = (over.copy(), pose)
         result: FrameResult | PreviewFrame = show(settings, over, pose, system_state(cached.state), frame_input)
-        self._add_rigid_parts(result, frame_input.animated, over, frame_input.in_viewport)
+        mesh = frame_input.in_viewport and self.in_viewport or self
+        if isinstance(result, FrameResult) and self._smooth is not None and not self.HEIGHT_PAINT:
+            flatten(result, self._smooth, mesh.shown, frame_input.animated, *self.HEIGHTS)
+        self._add_rigid_parts(result, frame_input.animated, over, mesh)
         return result
 
     def state_of(self, frame: float) -> Any:
@@ -212,9 +216,8 @@ class Wrinkles(ShownMesh):
         return FrameResult.of(shown, **own)
 
     def _add_rigid_parts(self, result: FrameResult | PreviewFrame, animated: np.ndarray, over: np.ndarray,
-                         in_viewport: bool) -> None:
-        """over: what the wrinkles lie on."""
-        mesh = self.in_viewport if in_viewport and self.in_viewport is not None else self
+                         mesh: ShownMesh) -> None:
+        """over: what the wrinkles lie on. mesh: that is shown."""
         riders = mesh.riders
         if riders is None:
             return
@@ -244,6 +247,9 @@ class Wrinkles(ShownMesh):
             solved = {name: values if name == PROFILE else self._where_solved(self.base.points(values))
                       for name, values in paint.items()}
             self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
+            self._smooth = None if SMOOTH not in paint else self.base.points(paint[SMOOTH])
+            if self._smooth is not None and self.HEIGHT_PAINT:
+                solved[self.HEIGHT_PAINT] = solved.get(self.HEIGHT_PAINT, 1.0) * share_of_folds(self._smooth)
             self._paint = self._take_paint(solved)
         # Of another rate, or from another first frame, frames are other ones: each scene has its own.
         timeline = (start, frame_rate)

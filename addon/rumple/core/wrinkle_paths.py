@@ -12,6 +12,7 @@ from .cloth import size_factor
 from .cloth_surface import checked_surface
 from .curve_rows import CurvePoints
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
+from .keep_smooth import SMOOTH
 from .on_cloth import cloth_of
 from .settings import PathsSettings
 from .wording import user_error
@@ -46,6 +47,7 @@ class WrinklePaths(Wrinkles):
 
     ATTRIBUTES = (*COMMON_ATTRIBUTES, Attribute("rumple_height"))
     SUGGESTED = "width"
+    HEIGHTS = ("rumple_height",)
     HAS_CURVES = True
 
     suggested_length = staticmethod(suggested_width)
@@ -118,7 +120,9 @@ class WrinklePaths(Wrinkles):
         return self._result(shown, frame_input, rumple_height=shown.height)
 
     def _preview(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any,
-                 frame_input: FrameInput) -> PreviewFrame:
+                 frame_input: FrameInput) -> FrameResult | PreviewFrame:
+        if SMOOTH in self._cloth_paint:  # the graphics card draws whole folds
+            return self._show(settings, positions, pose, state, frame_input)
         drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
         return PreviewFrame(drawing, (drawing.proxy_offset + off)[:self.coarse_count])

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...core import engine
+from ...core.keep_smooth import SMOOTH
 from ...core.on_cloth import PAINTED
 from ...core.settings import FieldSettings, MeshSettings, PathsSettings
 from .. import compat
@@ -26,6 +27,7 @@ MESH_GROUPS: dict[str, str] = {
     "detail": "Rumple Detail",
     "follow": "Rumple Follow",
     "room": "Rumple Room",
+    SMOOTH: "Rumple Keep Smooth",
 }
 REST_WRINKLE = "rumple_rest_wrinkle"  # painted vectors of the Wrinkle Field, a point attribute of the coarse mesh
 LEAST_WAVELENGTH = 0.1  # of the factor that a vertex group paints: its zero means "nothing painted" elsewhere

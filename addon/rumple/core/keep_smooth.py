@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keep Smooth: where it is painted, the bare surface is shown, of the base cloth where there is one. Never imports bpy.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .frame_result import FrameResult
+
+SMOOTH = "smooth"  # the paint: 1 where no fold may be, 0 as if nothing were painted
+
+
+def share_of_folds(smooth: np.ndarray) -> np.ndarray:
+    """(n,) float32 in 0..1: how much of the folds is left. An attribute may hold anything: what is no number is 0."""
+    return np.float32(1.0) - np.clip(np.nan_to_num(smooth, nan=0.0), 0.0, 1.0).astype(np.float32)
+
+
+def on_shown(values: np.ndarray, shown: Any) -> np.ndarray:
+    """(n,) values of the base's vertices -> (d,) of a native shown mesh that is embedded in it."""
+    weight_1, weight_2 = shown.barycentric[:, 0], shown.barycentric[:, 1]
+    corner_0, corner_1, corner_2 = (values[shown.triangle_vertex[:, k]] for k in range(3))
+    return (np.float32(1.0) - weight_1 - weight_2) * corner_0 + weight_1 * corner_1 + weight_2 * corner_2
+
+
+def move(result: FrameResult, rows: np.ndarray, ways: np.ndarray, shown: Any, base: np.ndarray) -> None:
+    """Move some vertices of a result, with all that says where they are. ways: (rows, 3) object space. base: (n, 3)
+    positions that the mesh is embedded in."""
+    result.positions = _plus(result.positions, rows, ways)
+    result.attributes["rumple_offset"] = _plus(result.offset, rows, ways)
+    result.local_offset = _plus(result.local_offset, rows, _in_triangles(ways, base[shown.triangle_vertex[rows]]))
+
+
+def flatten(result: FrameResult, smooth: np.ndarray, shown: Any, base: np.ndarray, *heights: str) -> None:
+    """Scale the offsets of a result. smooth: (n,) of the base's vertices; base: as move() has it; heights: attributes
+    that are scaled as well."""
+    left = np.float32(1.0) - np.clip(on_shown(np.float32(1.0) - share_of_folds(smooth), shown), 0.0, 1.0)
+    rows = np.flatnonzero(left < 1.0)
+    move(result, rows, (left[rows, None] - np.float32(1.0)) * result.offset[rows], shown, base)
+    for name in heights:
+        result.attributes[name] = result.attributes[name] * left
+
+
+def _plus(values: np.ndarray, rows: np.ndarray, more: np.ndarray) -> np.ndarray:
+    moved = values.copy()  # it may be a view of what the library holds
+    moved[rows] += more
+    return moved
+
+
+def _in_triangles(ways: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """(m, 3) object space -> the frame of the triangle (m, 3, 3) that each is embedded in, as the node group has it.
+    """
+    side, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    tangent, normal = unit(side), unit(np.cross(side, other))
+    axes = np.stack([tangent, np.cross(normal, tangent), normal], axis=1)
+    return np.einsum("mij,mj->mi", axes, ways).astype(np.float32)
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Of length 1; zero stays zero."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
