@@ -25,6 +25,7 @@ _PLACES = {
     "pinned-to-the-animation": "*.up",
     "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.bending_length mesh.layers mesh.folds mesh.detail",
     "body": "*.thickness object.body object.body_collection",
+    "guides": "guide.* ops.object.rumple_guide_add ops.object.rumple_guide_remove",
     "paint": "ops.object.rumple_paint",
     "rest-shape": "mesh.reference mesh.rest_shape field.reference field.rest_shape paths.rest_shape *.window "
                   "*.relaxation *.growth object.captured object.rest_key object.rest_frame "
@@ -48,7 +49,7 @@ _PLACES = {
     "poses-bones-and-shading": "pose.* posed.* bone.* maps.* ops.rumple.*",
 }
 _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "paths": "rumple_pathssettings",
-           "object": "rumple_object", "brush": "rumple_brush", "pose": "rumple_referencepose",
+           "object": "rumple_object", "brush": "rumple_brush", "guide": "rumple_guide", "pose": "rumple_referencepose",
            "posed": "rumple_posedbone", "bone": "rumple_trackedbone", "maps": "rumple_maps",
            "*": "rumple_*settings"}
 

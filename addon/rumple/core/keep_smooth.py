@@ -32,10 +32,14 @@ def move(result: FrameResult, rows: np.ndarray, ways: np.ndarray, shown: Any, ba
     result.local_offset = _plus(result.local_offset, rows, _in_triangles(ways, base[shown.triangle_vertex[rows]]))
 
 
-def flatten(result: FrameResult, smooth: np.ndarray, shown: Any, base: np.ndarray, *heights: str) -> None:
-    """Scale the offsets of a result. smooth: (n,) of the base's vertices; base: as move() has it; heights: attributes
-    that are scaled as well."""
-    left = np.float32(1.0) - np.clip(on_shown(np.float32(1.0) - share_of_folds(smooth), shown), 0.0, 1.0)
+def left_on_shown(smooth: np.ndarray, shown: Any) -> np.ndarray:
+    """(n,) paint of the base's vertices -> (d,) share of the folds that is left."""
+    return np.float32(1.0) - np.clip(on_shown(np.float32(1.0) - share_of_folds(smooth), shown), 0.0, 1.0)
+
+
+def flatten(result: FrameResult, left: np.ndarray, shown: Any, base: np.ndarray, *heights: str) -> None:
+    """Scale the offsets of a result by what is left of its folds. left: (d,); base: as move() has it; heights:
+    attributes that are scaled as well."""
     rows = np.flatnonzero(left < 1.0)
     move(result, rows, (left[rows, None] - np.float32(1.0)) * result.offset[rows], shown, base)
     for name in heights:

@@ -12,7 +12,6 @@ from .cloth import size_factor
 from .cloth_surface import checked_surface
 from .curve_rows import CurvePoints
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
-from .keep_smooth import SMOOTH
 from .on_cloth import cloth_of
 from .settings import PathsSettings
 from .wording import user_error
@@ -121,7 +120,7 @@ class WrinklePaths(Wrinkles):
 
     def _preview(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any,
                  frame_input: FrameInput) -> FrameResult | PreviewFrame:
-        if SMOOTH in self._cloth_paint:  # the graphics card draws whole folds
+        if self._by_hand:  # the graphics card draws whole folds
             return self._show(settings, positions, pose, state, frame_input)
         drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
