@@ -9,7 +9,7 @@ import numpy as np
 
 from .fold_guides import GuidedFolds
 from .frame_result import FrameResult
-from .keep_smooth import flatten, left_on_shown, move, share_of_folds
+from .keep_smooth import left_on_shown, move, share_of_folds
 
 
 @dataclass
@@ -40,13 +40,19 @@ class ByHand:
             return
         folds = None if self.guides is None else self._folds_on(shown)
         left = np.ones(len(result.positions), np.float32) if self.smooth is None else left_on_shown(self.smooth, shown)
-        smoothed = left.copy()
+        depths = left if folds is None else left[folds.rows]
         if folds is not None:
-            left[folds.rows] *= folds.left
-        flatten(result, left, shown, base, *heights)
+            left[folds.rows] = depths * folds.left
+        lost = np.flatnonzero(left < 1.0)
+        ways = np.zeros_like(result.positions)
+        ways[lost] = (left[lost, None] - np.float32(1.0)) * result.offset[lost]
+        rows = lost
         if folds is not None:
-            ways = folds.ways(result.positions) * smoothed[folds.rows, None]
-            move(result, folds.rows, ways.astype(np.float32), shown, base)
+            ways[folds.rows] += depths[:, None] * folds.ways(result.positions + ways)
+            rows = np.union1d(lost, folds.rows)
+        move(result, rows, ways[rows], shown, base)
+        for name in heights:
+            result.attributes[name] = result.attributes[name] * left
 
     def notes(self, name: str) -> list[str]:
         """What is to be said of the guides, for the artist. name: of the object."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .keep_smooth import unit
+from .keep_smooth import cross, unit
 
 GUIDES = "guides"  # the paint
 # Place; factor of the depth; number of the line; place in KINDS; how many folds; from fold to fold, and from valley to
@@ -27,7 +27,7 @@ KINDS = (
 PLEATS, KNIFE, TUCKS, PUCKER = range(4)
 LEAN = 0.75  # where the crest of a knife pleat stands between its two valleys
 TUCK = 0.5  # share of the spacing that a tuck takes
-STEPS = 8.0  # points of a line in the spacing of its folds
+STEPS = 4.0  # points of a line in the spacing of its folds
 FINEST = 0.25  # of the spacing: the longest edges that show a fold
 
 
@@ -61,10 +61,9 @@ class GuidedFolds:
         self._corner = np.stack([corners, corners[np.where(place == last, first, place + 1)],
                                  corners[np.where(place == first, last, place - 1)]])
         # What stands at one place on two sides of a seam moves as one.
-        _, self._place = np.unique(np.round(self._rest / (1e-6 * np.ptp(self._rest, axis=0).max())).astype(np.int64),
-                                   axis=0, return_inverse=True)
-        self._place = self._place.reshape(-1)
-        self._normals = self._normals_of(self._rest, self._corner, np.arange(len(self._rest)))
+        steps = np.round((self._rest - self._rest.min(axis=0)) / (1e-6 * np.ptp(self._rest, axis=0).max()))
+        _, self._place = np.unique(steps.astype(np.int64) @ np.array([1 << 42, 1 << 21, 1]), return_inverse=True)
+        self._normals = _normals(self._rest, self._corner, self._place[corners])[self._place]
         self.notes: list[str] = []
         heights, left = np.zeros(len(self._rest)), np.ones(len(self._rest))
         for line in np.unique(table[:, 4]):
@@ -75,18 +74,15 @@ class GuidedFolds:
         beside = np.zeros(len(self._rest), bool)
         beside[self._place[self.rows]] = True  # by place
         self._corner = self._corner[:, beside[self._place[self._corner[0]]]]
+        # Places are numbered anew: those that count only.
+        used, numbers = np.unique(self._place[self._corner[0]], return_inverse=True)
+        self._at_corner = numbers
+        self._at_row = np.searchsorted(used, self._place[self.rows])
+        self._heights = self._heights.astype(np.float32)
 
     def ways(self, positions: np.ndarray) -> np.ndarray:
         """(rows, 3) from the shown mesh without them. positions: (d, 3)."""
-        return self._heights[:, None] * self._normals_of(positions, self._corner, self.rows)
-
-    def _normals_of(self, positions: np.ndarray, corner: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """(rows, 3) unit normals. corner: (3, c) vertices of corners, with the next and the one before."""
-        here, after, before = (positions[vertices] for vertices in corner)
-        turned = np.cross(after - here, before - here)
-        where, count = self._place[corner[0]], len(self._rest)
-        sums = [np.bincount(where, turned[:, k], count) for k in range(3)]
-        return unit(np.stack(sums, axis=1).astype(np.float64)[self._place[rows]])
+        return self._heights[:, None] * _normals(positions, self._corner, self._at_corner)[self._at_row]
 
     # --- one guide, at rest
     def _add(self, rows: np.ndarray, heights: np.ndarray, left: np.ndarray) -> None:
@@ -119,8 +115,7 @@ class GuidedFolds:
 
     def _on_surface(self, line: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The points of a line on the surface, the normals there, and the vertices beside them."""
-        points = self._rest[near]
-        closest = near[[int(((points - point) ** 2).sum(axis=1).argmin()) for point in line]]
+        closest = near[_nearest(line, self._rest[near])]
         normal = self._normals[closest]
         return line + normal * ((self._rest[closest] - line) * normal).sum(axis=1)[:, None], normal, closest
 
@@ -131,11 +126,13 @@ class GuidedFolds:
         points, side = self._rest[near], np.diff(foot, axis=0)
         lengths = np.maximum(np.linalg.norm(side, axis=1), 1e-12)
         best, segment, share = np.full(len(near), np.inf), np.zeros(len(near), np.int64), np.zeros(len(near))
-        for number, (begin, step, length) in enumerate(zip(foot, side, lengths)):
-            at = np.clip((points - begin) @ step / length**2, 0.0, 1.0)
-            distance = ((points - begin - at[:, None] * step) ** 2).sum(axis=1)
+        closest = _nearest(points, foot)  # steps are short: one of the two beside that point
+        for number in (np.maximum(closest - 1, 0), np.minimum(closest, len(side) - 1)):
+            from_begin = points - foot[number]
+            at = np.clip(np.einsum("ij,ij->i", from_begin, side[number]) / lengths[number] ** 2, 0.0, 1.0)
+            distance = ((from_begin - at[:, None] * side[number]) ** 2).sum(axis=1)
             closer = distance < best
-            best[closer], segment[closer], share[closer] = distance[closer], number, at[closer]
+            best[closer], segment[closer], share[closer] = distance[closer], number[closer], at[closer]
         tangent = (side / lengths[:, None])[segment]
         from_line = points - foot[segment] - (share * lengths[segment])[:, None] * tangent
         along_tangent = (from_line * tangent).sum(axis=1)
@@ -144,7 +141,7 @@ class GuidedFolds:
         beyond = np.where(ends & (not closed), np.abs(along_tangent), 0.0)
         under = unit((1.0 - share)[:, None] * normal[segment] + share[:, None] * normal[segment + 1])
         straight = from_line - along_tangent[:, None] * tangent * ends[:, None]
-        sign = np.sign((np.cross(under, tangent) * straight).sum(axis=1))
+        sign = np.sign((cross(under, tangent) * straight).sum(axis=1))
         # Over an arc the chord is shorter, by the angle between the normals at its ends.
         angle = np.arccos(np.clip((under * self._normals[near]).sum(axis=1), -1.0, 1.0)) / 2.0
         longer = np.where(angle > 1e-6, angle / np.maximum(np.sin(angle), 1e-9), 1.0)
@@ -162,11 +159,12 @@ class GuidedFolds:
         reached = np.zeros(len(self._rest), bool)
         reached[self._place[seeds]] = True
         while True:
-            count = int(reached.sum())
-            hit = reached[ends].any(axis=0)
-            reached[ends[:, hit]] = True
-            if int(reached.sum()) == count:
+            known = reached[ends]
+            hit = known[0] != known[1]
+            if not hit.any():
                 return np.flatnonzero(inside & reached[self._place[near]])
+            reached[ends[:, hit]] = True
+            ends = ends[:, ~(known[0] & known[1])]
 
     def _note_edges(self, rows: np.ndarray, width: float) -> None:
         is_row = np.zeros(len(self._rest), bool)
@@ -177,6 +175,25 @@ class GuidedFolds:
                                              axis=1).mean() > FINEST * width:
             self.notes.append("the fine mesh is too coarse for the folds of a guide: make it denser, or the folds "
                               "wider")
+
+
+def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(places, 3) unit normals. corner: (3, c) vertices of corners, with the next and the one before; at: (c,) places.
+    """
+    here, after, before = (positions[vertices] for vertices in corner)
+    turned = cross(after - here, before - here)
+    sums = [np.bincount(at, turned[:, k]) for k in range(3)]
+    return unit(np.stack(sums, axis=1).astype(positions.dtype))
+
+
+def _nearest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(points,) which of the others is nearest to each."""
+    middle = others.mean(axis=0)
+    others = others - middle
+    half_squares = 0.5 * np.einsum("ij,ij->i", others, others)
+    rows = max(1_000_000 // len(others), 1)  # at a time
+    return np.concatenate([(half_squares - (points[begin:begin + rows] - middle) @ others.T).argmin(axis=1)
+                           for begin in range(0, len(points), rows)])
 
 
 def _smoothstep(share: np.ndarray) -> np.ndarray:

@@ -37,17 +37,8 @@ def left_on_shown(smooth: np.ndarray, shown: Any) -> np.ndarray:
     return np.float32(1.0) - np.clip(on_shown(np.float32(1.0) - share_of_folds(smooth), shown), 0.0, 1.0)
 
 
-def flatten(result: FrameResult, left: np.ndarray, shown: Any, base: np.ndarray, *heights: str) -> None:
-    """Scale the offsets of a result by what is left of its folds. left: (d,); base: as move() has it; heights:
-    attributes that are scaled as well."""
-    rows = np.flatnonzero(left < 1.0)
-    move(result, rows, (left[rows, None] - np.float32(1.0)) * result.offset[rows], shown, base)
-    for name in heights:
-        result.attributes[name] = result.attributes[name] * left
-
-
 def _plus(values: np.ndarray, rows: np.ndarray, more: np.ndarray) -> np.ndarray:
-    moved = values.copy()  # it may be a view of what the library holds
+    moved = np.array(values)  # it may be a view of what the library holds
     moved[rows] += more
     return moved
 
@@ -56,12 +47,18 @@ def _in_triangles(ways: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """(m, 3) object space -> the frame of the triangle (m, 3, 3) that each is embedded in, as the node group has it.
     """
     side, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    tangent, normal = unit(side), unit(np.cross(side, other))
-    axes = np.stack([tangent, np.cross(normal, tangent), normal], axis=1)
-    return np.einsum("mij,mj->mi", axes, ways).astype(np.float32)
+    tangent, normal = unit(side), unit(cross(side, other))
+    axes = (tangent, cross(normal, tangent), normal)
+    return np.stack([np.einsum("ij,ij->i", axis, ways) for axis in axes], axis=1).astype(np.float32)
+
+
+def cross(one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    """Row by row, many times as fast as NumPy's."""
+    turns = ((1, 2), (2, 0), (0, 1))
+    return np.stack([one[:, j] * two[:, k] - one[:, k] * two[:, j] for j, k in turns], axis=1)
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
     """Of length 1; zero stays zero."""
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    lengths = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))[:, None]
     return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
