@@ -6,7 +6,8 @@ import unittest
 
 import bpy
 import numpy as np
-from rumple.blender.objects import mesh_reader, runtimes
+from rumple.blender.frame import clip_status
+from rumple.blender.objects import mesh_reader
 from support import sleeve
 
 GROUP = "Rumple Keep Smooth"
@@ -40,11 +41,12 @@ class KeepSmooth(unittest.TestCase):
                 sleeve.play()
                 self.assertLess(np.linalg.norm(sleeve.attribute(obj, "rumple_offset"), axis=1).max(), 1e-6)
 
-    def test_it_is_in_the_clip_of_a_bake(self) -> None:
+    def test_a_bake_knows_when_it_changes(self) -> None:
         obj = folded("MESH")
         bpy.ops.object.rumple_paint(group="smooth")
+        before = clip_status.inputs_fingerprint(obj, bpy.context.scene)
         obj.vertex_groups[GROUP].add(range(len(obj.data.vertices)), 1.0, "REPLACE")
-        self.assertIn("smooth", mesh_reader.paint(obj, runtimes.of(obj).inputs.settings))
+        self.assertNotEqual(clip_status.inputs_fingerprint(obj, bpy.context.scene), before)
 
 
 if __name__ == "__main__":

@@ -136,17 +136,17 @@ class OnATube(unittest.TestCase):
         self.line = [(0.06, 0.0, 0.1), (0.06, 0.0, 0.4)]
 
     def test_around_it_they_are_as_far_apart_as_asked_and_the_other_side_stays(self) -> None:
-        """Distances count along the cloth: chords of the tube would be a tenth shorter at 90 degrees."""
+        """Distances count along the cloth: chords of the tube are 7 % shorter at the second crest."""
         (mesh, bare), (_, guided) = (solved(self.base, *SYSTEMS["mesh"], g, self.base.positions)
-                                     for g in (None, guide(self.line)))
+                                     for g in (None, guide(self.line, count=5)))
         rest, height = mesh.shown.positions_rest, np.linalg.norm(guided.positions - bare.positions, axis=1)
         arc = 0.06 * np.arctan2(rest[:, 1], rest[:, 0])
         inside = np.abs(rest[:, 2] - 0.25) < 0.1
-        for fold in (-1, 1):
+        for fold in (-2, 2):
             close = inside & (np.abs(arc - fold * SPACING) < 0.5 * SPACING)
             centre = (arc[close] * height[close]).sum() / height[close].sum()
-            self.assertLess(abs(centre / (fold * SPACING) - 1.0), 0.05)
-        self.assertEqual(height[np.abs(arc) > 0.5 * COUNT * SPACING + 0.01].max(), 0.0)
+            self.assertLess(abs(centre / (fold * SPACING) - 1.0), 0.03)
+        self.assertEqual(height[np.abs(arc) > 0.5 * 5 * SPACING + 0.01].max(), 0.0)
 
     def test_they_ride_on_the_pose_and_replace_the_other_folds(self) -> None:
         for name, (system, settings) in SYSTEMS.items():

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Picture of guides for the user guide, guides.jpg: the skirt of the lessons without guides, with pleats along one curve,
-and with knife pleats and a seam that puckers.
+"""Picture of guides for the user guide, guides.jpg: the skirt of the lessons without guides, with pleats along one
+curve, and with knife pleats and a seam that puckers.
 
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
         --python docs/pictures/make_guides.py
