@@ -114,7 +114,8 @@ class BaseCloth:
         return self._settings_to_scale().depth
 
     def _take_paint(self, paint: dict[str, np.ndarray], up: str) -> None:
-        values = paint if "follow" in paint else {**paint, "follow": self._suggest(up)}
+        values = {name: paint[name] for name in ("follow", "room") if name in paint}
+        values = values if "follow" in values else {**values, "follow": self._suggest(up)}
         self._paint, self._painted, self._up = kernels.BaseClothPaint(self.model, values), paint, up
 
     def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..native import kernels
 from .cloth import ClothFrame
+from .keep_smooth import share_of_folds
 from .layers import layer_settings
 from .settings import MeshSettings
 
@@ -24,17 +25,18 @@ class Drape:
         self._vertex = self.model.shown.triangle_vertex[np.arange(len(corner)), corner]
 
     def add_to(self, frame: ClothFrame, settings: Any, world_from_object: np.ndarray | None, before: Any,
-               contact: dict[str, Any]) -> None:
+               contact: dict[str, Any], smooth: np.ndarray | None = None) -> None:
         """Move the base cloth of a frame to its folds. settings: of a Wrinkle Field or Wrinkle Paths; before: the
         layer's state of the frame before, or None; contact: what keeps it off bodies, as solve_wrinkle_layers() has
-        it. Raises ValueError."""
+        it; smooth: (n,) paint, as keep_smooth.py has it. Raises ValueError."""
         options = layer_settings(_mesh_settings(settings), 1, world_from_object=world_from_object)
         frame.drape, _ = kernels.solve_wrinkle_layers(self.model, options, None, frame.positions, state=before,
                                                       **contact)
         shown = kernels.show_wrinkle_layers(self.model, frame.positions, frame.positions, frame.drape)
         draped = frame.positions.copy()  # what is loose is not in the layer
         draped[self._vertex] = shown.positions
-        frame.positions = draped
+        frame.positions = draped if smooth is None else frame.positions + (
+            share_of_folds(smooth)[:, None] * (draped - frame.positions))
 
 
 def _mesh_settings(settings: Any) -> MeshSettings:

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the systems share: pictures, and frames that do not depend on how one got there.
-
-Never imports bpy.
-"""
+"""What the systems share: pictures, and frames that do not depend on how one got there. Never imports bpy."""
 from __future__ import annotations
 
 import hashlib
@@ -17,17 +14,20 @@ from ..native import kernels
 from . import wording
 from .base_mesh import BaseMesh
 from .body import Body
+from .by_hand import ByHand
 from .cloth import ClothFrame, suggested_follow
+from .fold_guides import GUIDES
 from .frame_cache import CachedFrame, FrameCache, digest_of
 from .frame_input import FrameInput
 from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
+from .keep_smooth import SMOOTH
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
 from .shown_mesh import ShownMesh, ViewportMesh
 from .surroundings import Surroundings
 
 MOST_VERTICES = 4_000_000
 UserError = wording.UserError  # for those who see the engine only
-PROFILE = "profile"  # the paint that is a table, not a value for each vertex
+TABLES = (PROFILE := "profile", GUIDES)  # paint that is not a value for each vertex
 
 
 class Wrinkles(ShownMesh):
@@ -38,6 +38,8 @@ class Wrinkles(ShownMesh):
 
     ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
     SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
+    HEIGHTS: tuple[str, ...] = ()  # attributes that say how high folds are, scaled with them
+    HEIGHT_PAINT = ""  # paint that keeps folds off: where empty, what is solved is made flat
     HAS_CURVES = False  # whether curves() has something to say
     in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
     _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
@@ -59,6 +61,7 @@ class Wrinkles(ShownMesh):
         self._clip: dict[float, tuple[bytes, np.ndarray]] = {}  # by frame: digest of the pose, labels
         self.pose_mismatches: set[float] = set()  # frames that came with another pose than the clip that was looked at
         self._paint: Any = None
+        self._by_hand = ByHand()
         self._stage: Stage | None = None
         self._cloth_paint: dict[str, np.ndarray] = {}
 
@@ -142,7 +145,10 @@ class Wrinkles(ShownMesh):
             pose = self._pose(over, frame_input)
         self._last_pose = (over.copy(), pose)
         result: FrameResult | PreviewFrame = show(settings, over, pose, system_state(cached.state), frame_input)
-        self._add_rigid_parts(result, frame_input.animated, over, frame_input.in_viewport)
+        mesh = frame_input.in_viewport and self.in_viewport or self
+        if isinstance(result, FrameResult):
+            self._by_hand.add_to(result, mesh.shown, frame_input.animated, self.HEIGHTS)
+        self._add_rigid_parts(result, frame_input.animated, over, mesh)
         return result
 
     def state_of(self, frame: float) -> Any:
@@ -186,8 +192,8 @@ class Wrinkles(ShownMesh):
                                         frame_input.surroundings)
         pose = self._pose(cloth.positions, frame_input)
         state, report = self._solve(settings, pose, own, same_settings, replace(frame_input, cloth=cloth))
-        return OnCloth(cloth, state), OnClothReport(cloth.report, report, frame_input.body is not None,
-                                                    settings.base_cloth != "OFF"), pose
+        has_body, is_free = frame_input.body is not None, settings.base_cloth != "OFF"
+        return OnCloth(cloth, state), OnClothReport(cloth.report, report, has_body, is_free), pose
 
     def _pose_of(self, frame: float, positions: np.ndarray) -> Any:
         """The pose of a stored frame, for who looks at it: the one that was made last, if it is of these positions."""
@@ -213,9 +219,8 @@ class Wrinkles(ShownMesh):
         return FrameResult.of(shown, **own)
 
     def _add_rigid_parts(self, result: FrameResult | PreviewFrame, animated: np.ndarray, over: np.ndarray,
-                         in_viewport: bool) -> None:
-        """over: what the wrinkles lie on."""
-        mesh = self.in_viewport if in_viewport and self.in_viewport is not None else self
+                         mesh: ShownMesh) -> None:
+        """over: what the wrinkles lie on. mesh: that is shown."""
         riders = mesh.riders
         if riders is None:
             return
@@ -242,12 +247,13 @@ class Wrinkles(ShownMesh):
         chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
         repainted = self._paint is None or painted.digest() != self._painted
         if repainted:
-            solved = {name: values if name == PROFILE else self._where_solved(self.base.points(values))
+            solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
                       for name, values in paint.items()}
             self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
+            self._by_hand = ByHand.of(self.base.points(paint[SMOOTH]) if SMOOTH in paint else None,
+                                      solved.pop(GUIDES, None), self.HEIGHT_PAINT, solved)
             self._paint = self._take_paint(solved)
-        # Of another rate, or from another first frame, frames are other ones: each scene has its own.
-        timeline = (start, frame_rate)
+        timeline = (start, frame_rate)  # of another, frames are other ones: each scene has its own
         self.frame_cache.follow(timeline)
         last, at = self._last.get(timeline, (chosen, frame))
         if repainted or (chosen != last and frame == at):
@@ -312,7 +318,8 @@ class Wrinkles(ShownMesh):
         report, rigid = result.report, self.base.rigid
         if report is None:
             return []  # of a frame that waits
-        parts = [] if rigid is None else [f"Rigid parts that ride on the cloth: {rigid.count}"]
+        parts = self._by_hand.notes(self.name)
+        parts += [] if rigid is None else [f"Rigid parts that ride on the cloth: {rigid.count}"]
         if not isinstance(report, OnClothReport):
             return [*self._status(report), *parts]
         return [*self._status(report.wrinkles), *report.lines(self.name, self.unit_scale), *parts]

@@ -25,6 +25,7 @@ _PLACES = {
     "pinned-to-the-animation": "*.up",
     "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.bending_length mesh.layers mesh.folds mesh.detail",
     "body": "*.thickness object.body object.body_collection",
+    "guides": "guide.* ops.object.rumple_guide_add ops.object.rumple_guide_remove",
     "paint": "ops.object.rumple_paint",
     "rest-shape": "mesh.reference mesh.rest_shape field.reference field.rest_shape paths.rest_shape *.window "
                   "*.relaxation *.growth object.captured object.rest_key object.rest_frame "
@@ -50,8 +51,7 @@ _PLACES = {
 _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "paths": "rumple_pathssettings",
            "object": "rumple_object", "brush": "rumple_brush", "pose": "rumple_referencepose",
            "posed": "rumple_posedbone", "bone": "rumple_trackedbone", "maps": "rumple_maps", "keyed": "rumple_keyvalue",
-           "key": "rumple_trackedkey",
-           "*": "rumple_*settings"}
+           "key": "rumple_trackedkey", "guide": "rumple_guide", "*": "rumple_*settings"}
 
 # What a message says -> the heading below which the guide says what to do.
 MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (

@@ -12,10 +12,11 @@ from ..native import kernels
 from .body import Body
 from .cloth import BaseCloth, ClothFrame
 from .drape import Drape
+from .keep_smooth import SMOOTH, share_of_folds
 from .settings import ClothSettings
 from .surroundings import Surroundings
 
-PAINTED = ("follow", "room")  # what is painted for the base cloth itself
+PAINTED = ("follow", "room", SMOOTH)  # what is painted for the base cloth itself
 LEAST_UNDER = 0.02  # of the vertices that have the body under them: with less something is wrong
 
 
@@ -86,9 +87,10 @@ class Stage:
         collider = self.cloth.collider(body)
         if settings.draped:
             self.drape.add_to(frame, settings, world_from_object, before.drape if before is not None else None,
-                              self.contact(frame, settings, body))
-        if covers and body is not None and collider is not None:
-            self._lift(frame, settings, collider, body)
+                              self.contact(frame, settings, body), paint.get(SMOOTH))
+        smooth = paint.get(SMOOTH)
+        if (covers or smooth is not None) and body is not None and collider is not None:
+            self._lift(frame, settings, collider, body, None if covers else smooth)
         return frame
 
     @property
@@ -106,11 +108,15 @@ class Stage:
         return dict(gap=frame.gap, collider=collider, body_positions=body.positions, body_hint=frame.body_hint,
                     thickness=self.cloth.thickness(settings))
 
-    def _lift(self, frame: ClothFrame, settings: ClothSettings, collider: Any, body: Body) -> None:
-        """Out of the body, where the smooth surface cuts through it between the vertices."""
+    def _lift(self, frame: ClothFrame, settings: ClothSettings, collider: Any, body: Body,
+              where: np.ndarray | None) -> None:
+        """Out of the body, where the smooth surface cuts through it between the vertices. where: (n,), as Keep
+        Smooth is painted: only there; None: everywhere."""
         if self._cover is None:
             self._cover = kernels.build_cloth_cover(self.cloth.surface)
         lifts = kernels.cover_bodies(self.cloth.surface, self._cover, collider, body.positions, frame.positions,
                                      frame.body_hint, self.cloth.thickness(settings), self.cloth.hidden_depth())
+        if where is not None:
+            lifts = lifts * (np.float32(1.0) - share_of_folds(where))[:, None]
         frame.positions = frame.positions + lifts
         frame.gap = frame.gap + np.linalg.norm(lifts, axis=1)

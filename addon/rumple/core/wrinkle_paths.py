@@ -46,6 +46,7 @@ class WrinklePaths(Wrinkles):
 
     ATTRIBUTES = (*COMMON_ATTRIBUTES, Attribute("rumple_height"))
     SUGGESTED = "width"
+    HEIGHTS = ("rumple_height",)
     HAS_CURVES = True
 
     suggested_length = staticmethod(suggested_width)
@@ -118,7 +119,9 @@ class WrinklePaths(Wrinkles):
         return self._result(shown, frame_input, rumple_height=shown.height)
 
     def _preview(self, settings: PathsSettings, positions: np.ndarray, pose: Any, state: Any,
-                 frame_input: FrameInput) -> PreviewFrame:
+                 frame_input: FrameInput) -> FrameResult | PreviewFrame:
+        if self._by_hand:  # the graphics card draws whole folds
+            return self._show(settings, positions, pose, state, frame_input)
         drawing = kernels.draw_wrinkle_paths(self.model, self._native_settings(settings), pose, state)
         off = positions - frame_input.animated if frame_input.cloth is not None else np.float32(0.0)
         return PreviewFrame(drawing, (drawing.proxy_offset + off)[:self.coarse_count])

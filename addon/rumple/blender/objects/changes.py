@@ -8,7 +8,7 @@ import numpy as np
 from .. import compat, scheduler
 from ..nodes import field_profile
 from ..scheduler import LOCK
-from . import bodies, incoming_mesh, modifier, runtimes
+from . import bodies, guide_curves, incoming_mesh, modifier, runtimes
 
 
 def settings_changed(obj: bpy.types.Object, affects: str, structural: bool) -> None:
@@ -44,6 +44,8 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             runtime = runtimes.known(obj)
             if runtime is None:
                 continue
+            if not _is_playing():
+                guide_curves.note_updates(obj, touched)
             own = obj.rumple.own_mesh
             edited = compat.session_key(obj.data) in touched
             edited = edited or _restacked(obj, runtime, touched)
@@ -65,11 +67,18 @@ def _is_playing() -> bool:
     return any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
 
 
+_WATCHED = (bpy.types.Mesh, bpy.types.Object, bpy.types.Key, bpy.types.Curve)
+
+
+def _is_moved_curve(update: bpy.types.DepsgraphUpdate) -> bool:
+    return update.is_updated_transform and isinstance(update.id, bpy.types.Object) and update.id.type == "CURVE"
+
+
 def _touched_ids(depsgraph: bpy.types.Depsgraph) -> set[int]:
-    """Session keys of the original objects and meshes whose geometry changed."""
+    """Session keys of the original objects, meshes and curves whose geometry changed, and of curves that moved."""
     keys = set()
     for update in depsgraph.updates:
-        if isinstance(update.id, (bpy.types.Mesh, bpy.types.Object, bpy.types.Key)) and update.is_updated_geometry:
+        if isinstance(update.id, _WATCHED) and (update.is_updated_geometry or _is_moved_curve(update)):
             original = update.id.original
             keys.add(compat.session_key(original.user if isinstance(original, bpy.types.Key) else original))
     return keys

@@ -9,11 +9,13 @@ import bpy
 import numpy as np
 
 from ...core import engine
+from ...core.fold_guides import GUIDES
+from ...core.keep_smooth import SMOOTH
 from ...core.on_cloth import PAINTED
 from ...core.settings import FieldSettings, MeshSettings, PathsSettings
 from .. import compat
 from ..nodes import field_profile, wrinkle_tree
-from . import incoming_mesh
+from . import guide_curves, incoming_mesh
 
 # Paint of the Wrinkle Mesh: key of the engine -> vertex group on the coarse mesh.
 MESH_GROUPS: dict[str, str] = {
@@ -26,6 +28,7 @@ MESH_GROUPS: dict[str, str] = {
     "detail": "Rumple Detail",
     "follow": "Rumple Follow",
     "room": "Rumple Room",
+    SMOOTH: "Rumple Keep Smooth",
 }
 REST_WRINKLE = "rumple_rest_wrinkle"  # painted vectors of the Wrinkle Field, a point attribute of the coarse mesh
 LEAST_WAVELENGTH = 0.1  # of the factor that a vertex group paints: its zero means "nothing painted" elsewhere
@@ -151,6 +154,10 @@ def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
     mesh = incoming_mesh.of(obj)
     weights = group_weights(obj, mesh, [names[key] for key in keys]) if keys else None
     painted = {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
+    if not isinstance(settings, FieldSettings) or settings.output == "GEOMETRY":  # its triangles can show no fold
+        guides = guide_curves.read(obj, lambda: rest_positions(obj, settings.rest_shape, obj.rumple.rest_key))
+        if guides is not None:
+            painted[GUIDES] = guides
     if isinstance(settings, MeshSettings):
         return painted
     if "wavelength" in painted:

@@ -2,7 +2,7 @@
 """What is kept from frame to frame for every wrinkled object, outside the file."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -50,6 +50,7 @@ class Runtime(RuntimeBase):
     paint: dict[str, np.ndarray] | None = None  # None: read again
     stack: str = ""  # fingerprint of the modifiers in front when the incoming mesh was last made
     tried: int = -1  # vertices that arrived, and did not fit, when it was last made anew for that reason
+    guides: list[str] = field(default_factory=list)  # names of the guides when they were last looked for
     groups: list[str] | None = None  # names of the vertex groups when the output object was last checked
     inputs: Inputs | None = None
     result: engine.FrameResult | engine.PreviewFrame | None = None  # what the mesh of output_key holds

@@ -16,6 +16,7 @@ _ENTRIES = (
      "object.rumple_publish", "object.rumple_vat"),
     ("object.rumple_shade", "object.rumple_unshade", "object.rumple_brush", "object.rumple_scatter",
      "object.rumple_clear_rest_wrinkles"),
+    ("object.rumple_guide_add", "object.rumple_guide_remove"),
     ("object.rumple_curves_add", "object.rumple_curves_remove"),
     ("rumple.pose_add", "rumple.pose_update", "rumple.pose_go", "rumple.pose_remove", "rumple.neutral_capture",
      "rumple.neutral_rest", "rumple.maps_bones", "rumple.maps_keys", "rumple.maps_key_remove", "rumple.maps_show",

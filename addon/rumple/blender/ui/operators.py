@@ -12,6 +12,7 @@ from typing import Any
 import bpy
 
 from ... import native
+from ...core.keep_smooth import SMOOTH
 from ...core.presets import Preset, touched
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
@@ -22,6 +23,10 @@ from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incomin
                        properties, runtimes, stack_notes, units, viewport_mesh)
 from ..translation import said
 
+_SMOOTH_TIP = ("Paint where no folds may be, from all of them (0) to none (1), in Weight Paint mode. Again: leave the "
+               "mode")
+_PAINTS = tuple((key, "Keep Smooth" if key == SMOOTH else key.title(), "")
+                for key in (*mesh_reader.MESH_GROUPS, "mask", "wavelength"))
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
@@ -318,8 +323,12 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
     bl_idname = "object.rumple_paint"
     bl_label = "Paint"
 
-    group: bpy.props.EnumProperty(name="Paint", items=[(key, key.title(), "") for key in (
-        *mesh_reader.MESH_GROUPS, "mask", "wavelength")])
+    group: bpy.props.EnumProperty(name="Paint", items=_PAINTS)
+
+    @classmethod
+    def description(cls, _context: bpy.types.Context, chosen: bpy.types.OperatorProperties) -> str:
+        """Of what is painted the other way round."""
+        return said(_SMOOTH_TIP) if chosen.group == SMOOTH else ""
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
@@ -334,7 +343,9 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
         is_new = name not in obj.vertex_groups
         if is_new:
             group = obj.vertex_groups.new(name=name)
-            if self.group == "follow":
+            if self.group == SMOOTH:
+                group.add(range(len(obj.data.vertices)), 0.0, "REPLACE")
+            elif self.group == "follow":
                 cloth_defaults.fill_follow(obj, group)
             else:
                 group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")  # 1: as before the group was there
@@ -344,7 +355,10 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
         scheduler.request()
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-        if is_new:
+        if is_new and self.group == SMOOTH:
+            _set_brush_weight(context, 1.0)
+            self.report({"INFO"}, said("Paint with weight 1 where the cloth stays smooth, with 0 where it folds again"))
+        elif is_new:
             _set_brush_weight(context, 0.0)  # the new group is full already
             self.report({"INFO"}, said(f"Paint with weight 0 where {self.group} fades, with 1 where it comes back"))
         return {"FINISHED"}

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel "Guides": the artist's hand in the folds of every system. panels.py registers it among the others."""
+from __future__ import annotations
+
+import bpy
+
+from ...core.keep_smooth import SMOOTH
+from ..objects import guide_curves
+from ..ui_base import Panel, settings_column
+from . import cloth_panel
+
+
+class DATA_PT_rumple_guides(Panel, bpy.types.Panel):
+    bl_label = "Guides"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column, obj = settings_column(self.layout, context.object), context.object
+        row = column.row(align=True)
+        row.label(text="Keep Smooth")
+        cloth_panel.paint_button(row, obj, SMOOTH)
+        if obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING":
+            column.label(text="Guides need the output Geometry", icon="INFO")
+        for guide in guide_curves.of(obj):
+            _draw_guide(column.box().column(), guide)
+        column.operator("object.rumple_guide_add", icon="CURVE_DATA")
+        column.prop(obj.rumple_guide, "seam_depth")
+        row = column.row()
+        row.active = obj.rumple_guide.seam_depth > 0.0
+        row.prop(obj.rumple_guide, "seam_spacing")
+
+
+def _draw_guide(column: bpy.types.UILayout, guide: bpy.types.Object) -> None:
+    row = column.row()
+    row.label(text=guide.name, icon="CURVE_DATA", translate=False)
+    row.operator("object.rumple_guide_remove", text="", icon="X").name = guide.name
+    for name in ("kind", "count", "spacing", "depth", "others"):
+        column.prop(guide.rumple_guide, name)

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Folds along guides: lines on a garment at rest become pleats, tucks or puckers of the mesh that is shown. Never
+imports bpy.
+
+A guide is some rows of a table, a point of its line in each: see COLUMNS. Folds are heights along the normals of the
+shown surface, found once at rest, so they ride on every pose.
+"""
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .keep_smooth import cross, unit
+
+GUIDES = "guides"  # the paint
+# Place; factor of the depth; number of the line; place in KINDS; how many folds; from fold to fold, and from valley to
+# crest, both object units; share of the other folds that stays between them.
+COLUMNS = ("x", "y", "z", "factor", "line", "kind", "count", "spacing", "depth", "others")
+KINDS = (
+    ("PLEATS", "Pleats", "Round folds along the curve"),
+    ("KNIFE", "Knife Pleats", "Folds along the curve that lie to one side"),
+    ("TUCKS", "Tucks", "Narrow ridges along the curve, with smooth cloth between them"),
+    ("PUCKER", "Pucker", "Short folds across the curve, as along a tight seam"),
+)
+PLEATS, KNIFE, TUCKS, PUCKER = range(4)
+LEAN = 0.75  # where the crest of a knife pleat stands between its two valleys
+TUCK = 0.5  # share of the spacing that a tuck takes
+STEPS = 4.0  # points of a line in the spacing of its folds
+FINEST = 0.25  # of the spacing: the longest edges that show a fold
+
+
+def crest(share: np.ndarray) -> np.ndarray:
+    """Height of a round fold, 0 at its valleys (0 and 1), 1 at its crest (one half), with level ends."""
+    return 0.5 - 0.5 * np.cos(2.0 * math.pi * share)
+
+
+def profile(kind: int, across: np.ndarray, along: np.ndarray, count: float, spacing: float) -> np.ndarray:
+    """Heights, 0 to 1, by the distances across and along the line."""
+    half = 0.5 * count * spacing
+    if kind == PUCKER:
+        return crest(along / spacing) * _smoothstep(1.0 - np.abs(across) / half)
+    share = np.mod((across + half) / spacing, 1.0)
+    if kind == KNIFE:
+        share = np.where(share < LEAN, 0.5 * share / LEAN, 0.5 + 0.5 * (share - LEAN) / (1.0 - LEAN))
+    elif kind == TUCKS:
+        share = np.clip(0.5 + (share - 0.5) / TUCK, 0.0, 1.0)
+    return crest(share)
+
+
+class GuidedFolds:
+    """The folds of all guides of a garment, on a native mesh that is shown."""
+
+    def __init__(self, table: np.ndarray, shown: Any) -> None:
+        self._rest = np.asarray(shown.positions_rest, np.float64)
+        start, corners = shown.polygon_start, shown.corner_vertex
+        sizes = np.diff(start)
+        place = np.arange(len(corners))
+        first, last = np.repeat(start[:-1], sizes), np.repeat(start[1:] - 1, sizes)
+        self._corner = np.stack([corners, corners[np.where(place == last, first, place + 1)],
+                                 corners[np.where(place == first, last, place - 1)]])
+        # What stands at one place on two sides of a seam moves as one.
+        steps = np.round((self._rest - self._rest.min(axis=0)) / (1e-6 * np.ptp(self._rest, axis=0).max()))
+        _, self._place = np.unique(steps.astype(np.int64) @ np.array([1 << 42, 1 << 21, 1]), return_inverse=True)
+        self._normals = _normals(self._rest, self._corner, self._place[corners])[self._place]
+        self.notes: list[str] = []
+        heights, left = np.zeros(len(self._rest)), np.ones(len(self._rest))
+        for line in np.unique(table[:, 4]):
+            self._add(table[table[:, 4] == line].astype(np.float64), heights, left)
+        self.rows = np.flatnonzero((heights != 0.0) | (left < 1.0))  # vertices that move
+        self.left = left[self.rows].astype(np.float32)  # share of the other folds
+        self._heights = heights[self.rows]
+        beside = np.zeros(len(self._rest), bool)
+        beside[self._place[self.rows]] = True  # by place
+        self._corner = self._corner[:, beside[self._place[self._corner[0]]]]
+        # Places are numbered anew: those that count only.
+        used, numbers = np.unique(self._place[self._corner[0]], return_inverse=True)
+        self._at_corner = numbers
+        self._at_row = np.searchsorted(used, self._place[self.rows])
+        self._heights = self._heights.astype(np.float32)
+
+    def ways(self, positions: np.ndarray) -> np.ndarray:
+        """(rows, 3) from the shown mesh without them. positions: (d, 3)."""
+        return self._heights[:, None] * _normals(positions, self._corner, self._at_corner)[self._at_row]
+
+    # --- one guide, at rest
+    def _add(self, rows: np.ndarray, heights: np.ndarray, left: np.ndarray) -> None:
+        kind, count, spacing, depth, others = int(rows[0, 5]), *rows[0, 6:10]
+        half = 0.5 * count * spacing
+        if len(rows) < 2 or not 0.0 < half < math.inf:
+            return
+        line, factor = _resampled(rows[:, :3], rows[:, 3], spacing / STEPS)
+        near = self._near(line, half + spacing)
+        if not len(near):
+            self.notes.append("a guide is too far from the garment at rest: move it onto the surface")
+            return
+        foot, normal, seeds = self._on_surface(line, near)
+        across, along, beyond, depth_factor = self._measured(near, foot, normal, factor)
+        near_enough = (np.abs(across) < half) & (beyond < spacing)
+        near_enough |= np.isin(near, seeds)
+        chosen = self._connected(near, near_enough, seeds)
+        rows_of = near[chosen]
+        fade = _smoothstep(1.0 - beyond[chosen] / spacing)
+        inside = np.abs(across[chosen]) < half
+        shape = profile(kind, across[chosen], along[chosen], count, spacing)
+        heights[rows_of] += np.where(inside, depth * depth_factor[chosen] * fade * shape, 0.0)
+        share = fade * _smoothstep(np.clip((half - np.abs(across[chosen])) / (0.5 * spacing), 0.0, 1.0))
+        left[rows_of] *= 1.0 - (1.0 - others) * share
+        self._note_edges(rows_of, spacing * (TUCK if kind == TUCKS else 1.0))
+
+    def _near(self, line: np.ndarray, reach: float) -> np.ndarray:
+        low, high = line.min(axis=0) - reach, line.max(axis=0) + reach
+        return np.flatnonzero(((self._rest >= low) & (self._rest <= high)).all(axis=1))
+
+    def _on_surface(self, line: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The points of a line on the surface, the normals there, and the vertices beside them."""
+        closest = near[_nearest(line, self._rest[near])]
+        normal = self._normals[closest]
+        return line + normal * ((self._rest[closest] - line) * normal).sum(axis=1)[:, None], normal, closest
+
+    def _measured(self, near: np.ndarray, foot: np.ndarray, normal: np.ndarray,
+                  factor: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Of vertices: distances across the line along the surface, signed, along it, and beyond its ends; and the
+        factor of the depth."""
+        points, side = self._rest[near], np.diff(foot, axis=0)
+        lengths = np.maximum(np.linalg.norm(side, axis=1), 1e-12)
+        best, segment, share = np.full(len(near), np.inf), np.zeros(len(near), np.int64), np.zeros(len(near))
+        closest = _nearest(points, foot)  # steps are short: one of the two beside that point
+        for number in (np.maximum(closest - 1, 0), np.minimum(closest, len(side) - 1)):
+            from_begin = points - foot[number]
+            at = np.clip(np.einsum("ij,ij->i", from_begin, side[number]) / lengths[number] ** 2, 0.0, 1.0)
+            distance = ((from_begin - at[:, None] * side[number]) ** 2).sum(axis=1)
+            closer = distance < best
+            best[closer], segment[closer], share[closer] = distance[closer], number[closer], at[closer]
+        tangent = (side / lengths[:, None])[segment]
+        from_line = points - foot[segment] - (share * lengths[segment])[:, None] * tangent
+        along_tangent = (from_line * tangent).sum(axis=1)
+        ends = ((segment == 0) & (share == 0.0)) | ((segment == len(side) - 1) & (share == 1.0))
+        closed = np.linalg.norm(foot[0] - foot[-1]) < 1e-6 * lengths.sum()
+        beyond = np.where(ends & (not closed), np.abs(along_tangent), 0.0)
+        under = unit((1.0 - share)[:, None] * normal[segment] + share[:, None] * normal[segment + 1])
+        straight = from_line - along_tangent[:, None] * tangent * ends[:, None]
+        sign = np.sign((cross(under, tangent) * straight).sum(axis=1))
+        # Over an arc the chord is shorter, by the angle between the normals at its ends.
+        angle = np.arccos(np.clip((under * self._normals[near]).sum(axis=1), -1.0, 1.0)) / 2.0
+        longer = np.where(angle > 1e-6, angle / np.maximum(np.sin(angle), 1e-9), 1.0)
+        across = sign * np.linalg.norm(straight, axis=1) * longer
+        at_begin = np.concatenate([[0.0], np.cumsum(lengths)])[segment]
+        depth_factor = (1.0 - share) * factor[segment] + share * factor[segment + 1]
+        return across, at_begin + share * lengths[segment], beyond, depth_factor
+
+    def _connected(self, near: np.ndarray, inside: np.ndarray, seeds: np.ndarray) -> np.ndarray:
+        """Which of those near a line hang together with what lies under it: not the other side of a sleeve."""
+        is_in = np.zeros(len(self._rest), bool)
+        is_in[self._place[near[inside]]] = True  # by place
+        ends = self._place[self._corner[:2]]
+        ends = ends[:, is_in[ends].all(axis=0)]
+        reached = np.zeros(len(self._rest), bool)
+        reached[self._place[seeds]] = True
+        while True:
+            known = reached[ends]
+            hit = known[0] != known[1]
+            if not hit.any():
+                return np.flatnonzero(inside & reached[self._place[near]])
+            reached[ends[:, hit]] = True
+            ends = ends[:, ~(known[0] & known[1])]
+
+    def _note_edges(self, rows: np.ndarray, width: float) -> None:
+        is_row = np.zeros(len(self._rest), bool)
+        is_row[rows] = True
+        here, after = self._corner[0], self._corner[1]
+        edges = is_row[here] & is_row[after]
+        if not edges.any() or np.linalg.norm(self._rest[here[edges]] - self._rest[after[edges]],
+                                             axis=1).mean() > FINEST * width:
+            self.notes.append("the fine mesh is too coarse for the folds of a guide: make it denser, or the folds "
+                              "wider")
+
+
+def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(places, 3) unit normals. corner: (3, c) vertices of corners, with the next and the one before; at: (c,) places.
+    """
+    here, after, before = (positions[vertices] for vertices in corner)
+    turned = cross(after - here, before - here)
+    sums = [np.bincount(at, turned[:, k]) for k in range(3)]
+    return unit(np.stack(sums, axis=1).astype(positions.dtype))
+
+
+def _nearest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(points,) which of the others is nearest to each."""
+    middle = others.mean(axis=0)
+    others = others - middle
+    half_squares = 0.5 * np.einsum("ij,ij->i", others, others)
+    rows = max(1_000_000 // len(others), 1)  # at a time
+    return np.concatenate([(half_squares - (points[begin:begin + rows] - middle) @ others.T).argmin(axis=1)
+                           for begin in range(0, len(points), rows)])
+
+
+def _smoothstep(share: np.ndarray) -> np.ndarray:
+    share = np.clip(share, 0.0, 1.0)
+    return share * share * (3.0 - 2.0 * share)
+
+
+def _resampled(line: np.ndarray, factor: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:
+    """A line with no longer steps, at most a thousand more points."""
+    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    longest = max(longest, lengths.sum() / 1000.0, 1e-9)
+    places = [np.zeros(1)]
+    for number, length in enumerate(lengths):
+        pieces = max(math.ceil(length / longest), 1)
+        places.append(number + np.arange(1, pieces + 1) / pieces)
+    at, known = np.concatenate(places), np.arange(len(line))
+    return (np.stack([np.interp(at, known, line[:, k]) for k in range(3)], axis=1), np.interp(at, known, factor))
