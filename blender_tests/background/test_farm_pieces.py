@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A clip in pieces. The law: joined, it is byte for byte the one that a single worker bakes where frames are independent
-or the pre-roll is as long as the clip; else no farther from it than was asked, and --verify knows how it was made."""
+"""A clip in pieces. The law: joined, it is byte for byte the one that one worker bakes where frames are independent or
+the pre-roll is as long as the clip; else no farther from it than was asked, and --verify knows how it was made."""
 from __future__ import annotations
 
 import os
@@ -109,7 +109,8 @@ class Pieces(Case):
         self.bake_pieces(FREE, 2)
         before = self.read_all()
         held = f'{{"host": "node_7", "process": {os.getppid()}, "started": "", "task": "x"}}'
-        for locked, words in ((f"{self.path.stem}.piece-1-of-2", ("--piece", "1/2")), (self.path.name, ("--join", "2"))):
+        for locked, words in ((f"{self.path.stem}.piece-1-of-2", ("--piece", "1/2")),
+                              (self.path.name, ("--join", "2"))):
             lock = self.clips / f".{locked}.lock"
             lock.write_text(held)
             self.assertEqual(self.run_command("bake", "--object", FREE, *words), 75)

@@ -20,7 +20,8 @@ POSE_TOLERANCE = 1e-3  # of the coarse mesh's extent: other Blenders and machine
 _LAST_FRAME = 1 << 20  # Blender's
 _MOST_POINTS = 1 << 31
 _BOUNDS = dict(vertices=(1, _MOST_POINTS), points=(1, _MOST_POINTS), coarse_vertices=(1, _MOST_POINTS),
-               start=(-_LAST_FRAME, _LAST_FRAME), end=(-_LAST_FRAME, _LAST_FRAME), samples=(1, 16), format=(1, FORMAT_OF_SEAMS), pre_roll=(0, _LAST_FRAME))
+               start=(-_LAST_FRAME, _LAST_FRAME), end=(-_LAST_FRAME, _LAST_FRAME), samples=(1, 16),
+               format=(1, FORMAT_OF_SEAMS), pre_roll=(0, _LAST_FRAME))
 
 
 class ClipFault(Exception):
