@@ -145,7 +145,11 @@ class Case(unittest.TestCase):
         self.clip.unlink()
         for path in (self.clip.parent, self.clip.parent.parent):
             path.rmdir()
-        with mock.patch.object(Path, "write_text", side_effect=OSError(28, "full")):
+
+        def half(path: Path, _text: str) -> None:
+            path.touch()
+            raise OSError(28, "full")
+        with mock.patch.object(Path, "write_text", half):
             with self.assertRaisesRegex(ClipFault, "is full"):
                 Lock(self.clip)
         self.assertEqual(list(self.root.iterdir()), [])

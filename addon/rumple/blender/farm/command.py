@@ -88,7 +88,7 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("--checkpoint", type=float, default=bake.CHECKPOINT, metavar="SECONDS",
                      help="so often the solver's state is kept for --resume, where frames go on from one another (20)")
     cut = one.add_mutually_exclusive_group()
-    cut.add_argument("--piece", type=_piece, metavar="K/N", help="bake one of N pieces of the frames: independent ones, "
+    cut.add_argument("--piece", type=_piece, metavar="K/N", help="bake one of N pieces of the frames: independent, "
                      "or with --pre-roll and --tolerance")
     cut.add_argument("--join", type=_whole, default=0, metavar="N", help="make the clip of its N pieces")
     one.add_argument("--pre-roll", type=_whole, default=0, metavar="FRAMES",
