@@ -8,7 +8,7 @@ import re
 from unittest import mock
 
 import bpy
-from rumple.blender.farm import bake, commands
+from rumple.blender.farm import bake, commands, pieces, source
 from rumple.core import clip_file
 from support import farm_scene, sleeve
 from support.farm_case import FRAMES, Case
@@ -174,16 +174,17 @@ class Pieces(Case):
         self.assertTrue(piece.read_bytes() == whole)
 
     def test_what_was_solved_before_does_not_count(self) -> None:
-        """A file is opened at some frame: that one, solved, is no frame of the pre-roll."""
+        """A frame that is solved already, in front of those of the pre-roll, is not gone on from."""
         self.whole(INNER)
         words = ("--pre-roll", "1", "--tolerance", "1")
         self.bake_pieces(INNER, 2, *words)
         piece = next(self.clips.glob("*.piece-2-of-2"))
         first = clip_file.read_manifest(piece)
         commands.open_file(self.blend, False)
+        obj = bpy.data.objects[INNER]
         bpy.context.scene.frame_set(2)
-        farm_scene.save(self.blend)
-        self.bake_pieces(INNER, 2, *words)
+        options = bake.Options(piece=(2, 2), pre_roll=1, tolerance=1.0)
+        pieces.bake_piece(bpy.context, obj, source.of_files(), options, lambda text: None)
         self.assertEqual(clip_file.read_manifest(piece).checksums, first.checksums)
 
     def test_what_cannot_be_cut_is_refused(self) -> None:

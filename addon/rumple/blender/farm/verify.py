@@ -49,7 +49,7 @@ def verify(context: bpy.types.Context, obj: bpy.types.Object, most: int) -> Veri
     playback = Playback(context, obj, manifest.start, manifest.end, manifest.samples)
     if manifest.seams and playback.is_independent:
         playback.end_playback(restore_bake=True)
-        raise BakeError(f"{obj.name}: the clip was made with a pre-roll, and its frames are independent now: bake again")
+        raise BakeError(f"{obj.name}: the clip was made with a pre-roll, its frames are independent now: bake again")
     try:
         return _compare(playback, obj, path, manifest, wanted)
     finally:

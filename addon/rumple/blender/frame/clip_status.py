@@ -38,7 +38,9 @@ def stands_alone(obj: bpy.types.Object) -> bool:
     wrinkles, and other wrinkled objects show their clips."""
     others = [other for other in (*bodies.of(obj), modifier.depends_on_wrinkled(obj)) if other is not None]
     wrinkles = [modifier.find(other) for other in others]
-    return not is_simulated_in_front(obj) and all(modifier.plays_clip(nodes_mod) for nodes_mod in wrinkles if nodes_mod is not None)
+    if is_simulated_in_front(obj):
+        return False
+    return all(modifier.plays_clip(nodes_mod) for nodes_mod in wrinkles if nodes_mod is not None)
 
 
 def is_simulated_in_front(obj: bpy.types.Object) -> bool:
