@@ -133,6 +133,8 @@ class Pieces(Case):
         whole = self.whole(OUTER)
         words = ("--pre-roll", "1", "--tolerance")
         self.bake_pieces(OUTER, 2, *words, "0")
+        self.assertEqual(self.join(OUTER, 2, "--pre-roll", "2", "--tolerance", "9"), 1)  # these have another one
+        self.assertIn("there is no whole piece 1 of 2", self.err)
         self.assertEqual(self.join(OUTER, 2, *words, "0"), 1)
         found = re.search(r"at frame (\d+) piece 2 is ([\d.e-]+) mm from the one before it", self.err)
         assert found is not None, self.err
