@@ -12,11 +12,12 @@ import os
 import shlex
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 MOST_IN_ARRAY = 1000  # MaxArraySize of Slurm is 1001 where nobody changed it
+LEAST_IN_ARRAY, ARRAYS = 50, 8  # what waits for nothing is in about so many arrays, none of them smaller
 
 
 class Refused(Exception):
@@ -25,7 +26,7 @@ class Refused(Exception):
 
 @dataclass
 class Task:
-    """One garment."""
+    """One garment, or a piece of it."""
 
     number: int
     file: str
@@ -33,6 +34,13 @@ class Task:
     needs: list[int]  # tasks of the garments that it rests on
     frames: int
     bytes: int  # about, of the clip
+    piece: str = ""  # "2/4": one of four; "4": their joining; empty: the whole clip
+    words: list[str] = field(default_factory=list)  # of its bake
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+        return f"{self.object} {self.piece}" if "/" in self.piece else self.object
 
 
 @dataclass
@@ -92,8 +100,40 @@ def write_whole(file: Path, text: str) -> None:
     os.replace(temporary, file)
 
 
+@dataclass
+class Cut:
+    """Into how many pieces clips are cut, where their frames allow it."""
+
+    count: int = 1
+    pre_roll: int = 0
+    tolerance: float | None = None
+
+    @classmethod
+    def of(cls, chosen: argparse.Namespace) -> "Cut":
+        """Raises Refused."""
+        cut = cls(getattr(chosen, "pieces", 1), getattr(chosen, "pre_roll", 0), getattr(chosen, "tolerance", None))
+        if cut.count < 1 or cut.pre_roll < 0 or cut.count > MOST_IN_ARRAY:
+            raise Refused(f"--pieces is 1 to {MOST_IN_ARRAY}, and --pre-roll no less than 0 frames")
+        if (cut.tolerance is None) != (cut.pre_roll == 0) or cut.count == 1 and cut.pre_roll:
+            raise Refused("--pre-roll and --tolerance go together, and with --pieces")
+        return cut
+
+    def tasks(self, whole: Task, kind: str, frames: int, number: int) -> list[Task]:
+        """The task itself, or its pieces and what joins them. kind: "independent", "pre-roll", or empty: not at all.
+        frames: between its first and its last. number: of the first task."""
+        count = min(self.count, frames) if kind == "independent" or (kind and self.pre_roll) else 1
+        if count < 2:
+            return [replace(whole, number=number)]
+        words = [f"--pre-roll={self.pre_roll}", f"--tolerance={self.tolerance:g}"] if self.pre_roll else []
+        pieces = [replace(whole, number=number + i, frames=whole.frames // count, bytes=whole.bytes // count,
+                          piece=f"{i + 1}/{count}", words=[f"--piece={i + 1}/{count}", *words]) for i in range(count)]
+        return [*pieces, replace(whole, number=number + count, frames=1, bytes=0, piece=str(count),
+                                 needs=[piece.number for piece in pieces], words=[f"--join={count}", *words])]
+
+
 def plan(chosen: argparse.Namespace) -> Jobs:
     """Opens every file once, here, and asks what rests on what. Raises Refused."""
+    Cut.of(chosen)  # before anything is made
     folder = chosen.jobs.absolute()
     command = shlex.split(chosen.rumple)
     if chosen.blender and Path(command[0] if command else "").name != "rumple":
@@ -111,11 +151,11 @@ def plan(chosen: argparse.Namespace) -> Jobs:
         options.append(f"--out={chosen.out.absolute()}")
     if chosen.enable_autoexec:
         options.append("--enable-autoexec")
-    jobs = Jobs(folder, command, options)
+    jobs, cut = Jobs(folder, command, options), Cut.of(chosen)
     files = [file.absolute() for file in chosen.files]
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # each waits for a Blender
         for file, (done, found) in zip(files, pool.map(lambda file: _listed(jobs, file), files)):
-            _add_file(jobs, file, done, found)
+            _add_file(jobs, file, cut, done, found)
     jobs.arrays = _arrays(jobs.tasks)
     jobs.write()
     return jobs
@@ -129,17 +169,20 @@ def _listed(jobs: Jobs, file: Path) -> Listed:
     return done, last_json(done.stdout)
 
 
-def _add_file(jobs: Jobs, file: Path, done: subprocess.CompletedProcess[str], found: dict[str, Any] | None) -> None:
+def _add_file(jobs: Jobs, file: Path, cut: Cut, done: subprocess.CompletedProcess[str],
+              found: dict[str, Any] | None) -> None:
     if done.returncode or found is None:
         said = [line.removeprefix("Rumple: ") for line in done.stderr.splitlines() if line.startswith("Rumple: ")]
         jobs.faults[str(file)] = " ".join(said) or f"exit code {done.returncode}"
         return
     numbers: dict[str, int] = {}
     for row in found["garments"]:  # each behind those that it rests on
-        numbers[row["name"]] = number = len(jobs.tasks)
+        needs = [numbers[name] for name in row["needs"] if name in numbers]
         frames = (row["end"] - row["start"]) * row["samples"] + 1
-        jobs.tasks.append(Task(number, str(file), row["name"], [numbers[name] for name in row["needs"]
-                                                                if name in numbers], frames, row["bytes"]))
+        whole = Task(0, str(file), row["name"], needs, frames, row["bytes"])
+        for task in cut.tasks(whole, row.get("cut", ""), row["end"] - row["start"], len(jobs.tasks)):
+            jobs.tasks.append(task)
+        numbers[row["name"]] = jobs.tasks[-1].number
 
 
 def last_json(text: str) -> dict[str, Any] | None:
@@ -156,10 +199,28 @@ def last_json(text: str) -> dict[str, Any] | None:
 
 
 def _arrays(tasks: list[Task]) -> list[Array]:
-    """One for all that wait for nothing, and one for each set of tasks that others wait for."""
+    """Of tasks that wait for the same ones, in the order in which they are submitted, and so begin.
+
+    First is what has the most before it: a task, and the longest chain of those that wait for it. So each array is
+    behind those that it waits for, and what waits for nothing is in several, for others to come between them.
+    """
+    ahead = _ahead(tasks)
     groups: dict[tuple[int, ...], list[int]] = {}
-    for task in tasks:
+    for task in sorted(tasks, key=lambda task: -ahead[task.number]):
         groups.setdefault(tuple(sorted(task.needs)), []).append(task.number)
-    return [Array(numbers[start:start + MOST_IN_ARRAY], list(needs))
-            for needs, numbers in sorted(groups.items(), key=lambda group: max(group[0], default=-1))
-            for start in range(0, len(numbers), MOST_IN_ARRAY)]
+    arrays = []
+    for needs, numbers in groups.items():
+        size = min(MOST_IN_ARRAY, max(LEAST_IN_ARRAY, -(-len(numbers) // ARRAYS)))
+        arrays += [Array(numbers[start:start + size], list(needs)) for start in range(0, len(numbers), size)]
+    return sorted(arrays, key=lambda array: -ahead[array.tasks[0]])
+
+
+def _ahead(tasks: list[Task]) -> list[float]:
+    """For each task, what is to be done from its beginning on: bytes, or samples where a clip's size is not known."""
+    by_bytes = all(task.bytes or task.piece for task in tasks)
+    ahead = [float(max(task.bytes if by_bytes else task.frames, 1)) for task in tasks]
+    for task in reversed(tasks):  # each is behind those that it waits for, and what waits for it is counted already
+        for need in task.needs:
+            own = tasks[need].bytes if by_bytes else tasks[need].frames
+            ahead[need] = max(ahead[need], max(own, 1) + ahead[task.number])
+    return ahead

@@ -35,6 +35,11 @@ def arguments() -> argparse.Namespace:
     slurm = kinds.add_parser("slurm", parents=[common], help="write and submit job arrays")
     slurm.add_argument("--sbatch", action="append", default=[], metavar="OPTION",
                        help="for sbatch, as --sbatch=--partition=night; may be given again")
+    slurm.add_argument("--pieces", type=int, default=1, metavar="N",
+                       help="bake each clip in so many pieces, where its frames allow it, and join them")
+    slurm.add_argument("--pre-roll", type=int, default=0, metavar="FRAMES",
+                       help="also of frames that go on from one another: so many are solved in front of each piece")
+    slurm.add_argument("--tolerance", type=float, metavar="METRES", help="so far apart two pieces may be")
     slurm.add_argument("--dry-run", action="store_true", help="write everything, submit nothing")
     night = kinds.add_parser("simulate", help="a Slurm of its own schedules tasks that sleep in place of bakes")
     night.add_argument("--garments", type=int, default=1000, metavar="N")

@@ -25,11 +25,15 @@ def write(jobs: Jobs) -> int:
 
 def _row(jobs: Jobs, task: Task) -> dict[str, Any]:
     found, starts = jobs.result(task) or {}, jobs.starts(task)
-    return dict(object=task.object, file=task.file, nodes=starts, samples=found.get("samples", 0),
+    return dict(object=task.object, piece=task.piece, file=task.file, nodes=starts, samples=found.get("samples", 0),
                 resumed=found.get("resumed", 0), passed=found.get("passed", 0), seconds=found.get("seconds", 0.0),
                 bytes=found.get("bytes", 0), clip=found.get("clip", ""), sha256=found.get("sha256", ""),
                 began=found.get("began", 0.0), ended=found.get("ended", 0.0), code=found.get("code"),
                 why=_why(jobs, task, found, starts))
+
+
+def _name(row: dict[str, Any]) -> str:
+    return f"{row['object']} {row['piece']}" if "/" in row["piece"] else str(row["object"])
 
 
 def _why(jobs: Jobs, task: Task, found: dict[str, Any], starts: list[str]) -> str:
@@ -39,6 +43,8 @@ def _why(jobs: Jobs, task: Task, found: dict[str, Any], starts: list[str]) -> st
     for number in task.needs:
         need = jobs.tasks[number]
         if (jobs.result(need) or {}).get("code") != 0:
+            if need.object == task.object:
+                return f"piece {need.piece} was not baked"
             return f"it rests on {need.object}, which was not baked"
     if found:
         said = [line for line in found["errors"] if " FAILED: " in line or " not baked: " in line]
@@ -49,11 +55,11 @@ def _why(jobs: Jobs, task: Task, found: dict[str, Any], starts: list[str]) -> st
 def _text(jobs: Jobs, rows: list[dict[str, Any]], failed: list[dict[str, Any]]) -> str:
     lines = [f"# {len(rows) - len(failed)} of {len(rows)} garments baked", ""]
     lines += [f"- **{Path(file).name}** cannot be baked: {why}" for file, why in jobs.faults.items()]
-    lines += [f"- **{row['object']}** of {Path(row['file']).name} is not baked: {row['why']}" for row in failed]
+    lines += [f"- **{_name(row)}** of {Path(row['file']).name} is not baked: {row['why']}" for row in failed]
     lines += [""] * bool(failed or jobs.faults) + [f"| {' | '.join(HEAD)} |", f"|{'---|' * len(HEAD)}"]
     for row in rows:
         solved = row["samples"] - row["passed"]
-        cells = (row["object"], Path(row["file"]).name, ", ".join(row["nodes"]), len(row["nodes"]), row["samples"],
+        cells = (_name(row), Path(row["file"]).name, ", ".join(row["nodes"]), len(row["nodes"]), row["samples"],
                  row["resumed"], f"{row['seconds']:.2f}", f"{1e3 * row['seconds'] / max(solved, 1):.0f}",
                  f"{row['bytes'] / 2**20:.1f}", row["why"] or "baked")
         lines.append(f"| {' | '.join(str(cell).replace('|', '/') for cell in cells)} |")

@@ -6,7 +6,7 @@ import shlex
 import subprocess
 from pathlib import Path
 
-from farm_jobs import Jobs, Refused
+from farm_jobs import Array, Jobs, Refused
 
 FARM = Path(__file__).resolve().parent / "farm"
 
@@ -55,13 +55,17 @@ def _submit(jobs: Jobs) -> int:
         started |= {task: f"{array.job}_{index}" for index, task in enumerate(array.tasks)}
         jobs.write()
         after = f", after {', '.join(started[task] for task in array.needs)}" if array.needs else ""
-        print(f"job {array.job}: {len(array.tasks)} garments{after}")
+        print(f"job {array.job}: {len(array.tasks)} {_what(jobs, array)}{after}")
     for file, why in jobs.faults.items():
         print(f"{file} FAILED: {why}")
     ids = ":".join(array.job for array in jobs.arrays)
     last = _sbatch(_path(jobs, None), [f"--dependency=afterany:{ids}"] if ids else [])
     print(f"job {last}: the report, {jobs.folder / 'report.md'}")
     return 1 if jobs.faults else 0
+
+
+def _what(jobs: Jobs, array: Array) -> str:
+    return "pieces" if any("/" in jobs.tasks[task].piece for task in array.tasks) else "garments"
 
 
 def _sbatch(file: Path, options: list[str]) -> str:

@@ -51,7 +51,8 @@ def _digest(clip: Path) -> str:
 
 def _bake(jobs: Jobs, task: Task) -> tuple[int, dict[str, Any] | None, list[str]]:
     """Exit code (negative: ended by that signal), what it said to machines, what it complained of."""
-    command = [*jobs.command, "bake", task.file, f"--object={task.object}", "--resume", "--json", *jobs.options]
+    command = [*jobs.command, "bake", task.file, f"--object={task.object}", "--resume", "--json", *task.words,
+               *jobs.options]
     name = f"{jobs.folder}:{task.number}"  # the same in every start
     complaints = jobs.folder / "logs" / f"task-{task.number}.err"
     with open(complaints, "w") as err:

@@ -55,6 +55,15 @@ class Baked(unittest.TestCase):
         self.assertNotEqual(path.read_bytes(), before)
         self.assertEqual([file.name for file in path.parent.iterdir()], [path.name])
 
+    def test_a_bake_that_is_refused_leaves_no_folder(self) -> None:
+        """The lock made it, before anything else of the bake was looked at."""
+        folder = clip.new_clip_path(self.obj).parent
+        self.assertFalse(folder.exists())
+        self.obj.rumple.bake_start, self.obj.rumple.bake_end = 5, 2
+        with self.assertRaisesRegex(RuntimeError, "is before the first"):
+            bpy.ops.object.rumple_bake()
+        self.assertFalse(folder.exists())
+
     def test_a_worker_leaves_a_clip_to_a_window_that_bakes_it(self) -> None:
         for end in ("cancel", "finish"):
             running = clip.ClipBake(bpy.context, self.obj)

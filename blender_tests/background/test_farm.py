@@ -92,7 +92,7 @@ class Bakes(Case):
         with mock.patch("shutil.disk_usage", return_value=shutil._ntuple_diskusage(10, 10, 1000)):
             self.assertEqual(self.run_command("bake"), 1)
         self.assertIn("make room, or choose another folder", self.err)
-        self.assertEqual(list(self.clips.iterdir()), [])
+        self.assertFalse(self.clips.exists())
 
     def test_attached_clips_are_shown_by_the_saved_file(self) -> None:
         self.assertEqual(self.run_command("attach"), 1)

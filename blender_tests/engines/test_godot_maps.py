@@ -84,12 +84,14 @@ class Maps(unittest.TestCase):
         np.testing.assert_allclose(middle, (one + other) / 2.0, atol=0.5 * apart)
 
     def test_each_file_counts(self) -> None:
-        """The map, the strength and the influences: without one of them the picture is another."""
+        """The map, the strength, the gain, the kind of maps and the influences: without one the picture is another."""
         whole = self.picture(11)
         path = self.project / "face" / "face.json"
         text = path.read_text()
         self.addCleanup(path.write_text, text)
         for harm in (lambda rig: rig["poses"][0].update(map=""), lambda rig: rig["poses"][0].update(strength=0.3),
+                     lambda rig: rig.update(gain=0.3 * rig["gain"]), lambda rig: rig.update(
+                         maps="wrinkles" if rig["maps"] == "whole" else "whole"),
                      lambda rig: rig.update(neutral_map=""), lambda rig: rig["bones"][1].update(name="nobody")):
             rig = json.loads(text)
             harm(rig)

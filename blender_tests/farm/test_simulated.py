@@ -69,6 +69,19 @@ class Simulated(unittest.TestCase):
         self.assertEqual(farm_simulate.ideal(garments, 1), (work, work))
         self.assertEqual(farm_simulate.ideal(garments, 10), (work, 50.0 + 2.0 * opening))
 
+    def test_what_is_lost_with_a_node_is_what_was_not_kept(self) -> None:
+        """A state is kept every CHECKPOINT seconds; the file is opened again."""
+        opening, checkpoint = farm_simulate.OPENING, farm_simulate.CHECKPOINT
+        starts = [dict(time=100.0, node="n1"), dict(time=300.0, node="n2"), dict(time=500.0, node="n1")]
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "shot.a.starts").write_text("".join(json.dumps(start) + "\n" for start in starts))
+            for died, scale, lost in (
+                    ({"n1": 100.0 + opening + 2.5 * checkpoint}, 1.0, opening + 0.5 * checkpoint),
+                    ({"n1": 100.0 + 0.1 * (opening + 2.5 * checkpoint)}, 0.1, opening + 0.5 * checkpoint),
+                    ({"n1": 100.0 + 0.5 * opening}, 1.0, 0.5 * opening),  # before it was open
+                    ({"n2": 300.0 + opening + 1.0}, 1.0, opening + 1.0), ({"n3": 400.0}, 1.0, 0.0), ({}, 1.0, 0.0)):
+                self.assertAlmostEqual(farm_simulate._lost_with_nodes(Path(folder), died, scale), lost)
+
     def test_words_that_cannot_be_followed(self) -> None:
         for words, said in ((("--workers", "0"), "--workers is 1 to 1000"), (("--killed", "2"), "a share of 0 to 0.5"),
                             (("--scale", "nan"), "--scale is above 0"), (("--garments", "-5"), "--garments is 1 to"),

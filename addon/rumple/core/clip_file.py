@@ -53,19 +53,31 @@ def point_count(vertices: int, corners: int, attributes: tuple[Attribute, ...]) 
 
 def points_of(result: FrameResult, attributes: tuple[Attribute, ...], before: np.ndarray | None = None) -> np.ndarray:
     """The points of a sample, (points, 3) float32. before: those of the sample before it, for angles to go on from."""
-    parts, done = [result.positions], len(result.positions)
+    parts = [result.positions]
     for block in blocks(attributes):
         values = [result.attributes[a.name] for a in block.attributes]
         if not block.attributes[0].vector:
             values = [np.stack(values + [np.zeros_like(values[0])] * (3 - len(values)), 1)]
-        part = np.array(values[0], np.float32)
+        parts.append(np.array(values[0], np.float32))
+    points = np.concatenate(parts)
+    if before is not None:
+        go_on(points, len(result.positions), attributes, before)
+    return points
+
+
+def go_on(points: np.ndarray, vertices: int, attributes: tuple[Attribute, ...], before: np.ndarray) -> None:
+    """Let the angles in the points of a sample go on from those of the sample before it."""
+    packed = blocks(attributes)
+    of_corners = sum(block.domain == "CORNER" for block in packed)
+    corners = (len(points) - vertices * (1 + len(packed) - of_corners)) // max(of_corners, 1)
+    done = vertices
+    for block in packed:
+        there = slice(done, done + (vertices if block.domain == "POINT" else corners))
         for column, attribute in enumerate(block.attributes):
-            if attribute.angle and before is not None:
+            if attribute.angle:
                 which: Any = slice(None) if attribute.vector else column
-                part[:, which] = _unwrapped(part[:, which], before[done:done + len(part), which])
-        parts.append(part)
-        done += len(part)
-    return np.concatenate(parts)
+                points[there, which] = _unwrapped(points[there, which], before[there, which])
+        done = there.stop
 
 
 def _unwrapped(angles: np.ndarray, before: np.ndarray) -> np.ndarray:

@@ -73,20 +73,47 @@ class Lock:
     def __init__(self, clip: Path, oldest: float = OLDEST) -> None:
         self.path, self.clip, self.holder = clip.with_name(f".{clip.name}.lock"), clip, Holder.here()
         self._touched = 0.0
+        self._made: list[Path] = []  # folders, the innermost first
         try:
-            clip.parent.mkdir(parents=True, exist_ok=True)
-            for _ in range(3):  # another one may come first, and its lock be left as well
+            self._take(oldest)
+        except (OSError, ValueError) as error:
+            self._remove_made()
+            raise ClipFault(clip_folder.in_words(error, clip.parent)) from error
+
+    def _take(self, oldest: float) -> None:
+        for attempt in range(3):  # another one may come first, and its lock be left as well
+            try:
+                self._make_folder()
                 if self._create():
                     return
-                self._take_over(oldest)
-            raise Held(f"others take and leave its lock {self.path.name}: try again")
-        except (OSError, ValueError) as error:
-            raise ClipFault(clip_folder.in_words(error, clip.parent)) from error
+            except FileNotFoundError:  # another one, which had made the folder, has just given up
+                if attempt == 2:
+                    raise
+                continue
+            self._take_over(oldest)
+        raise Held(f"others take and leave its lock {self.path.name}: try again")
+
+    def _make_folder(self) -> None:
+        missing = [folder for folder in (self.clip.parent, *self.clip.parent.parents) if not folder.exists()]
+        self._made += [folder for folder in missing if folder not in self._made]
+        self.clip.parent.mkdir(parents=True, exist_ok=True)
+
+    def _remove_made(self) -> None:
+        """A bake that came to nothing leaves no folder, where nothing is in it."""
+        for folder in self._made:
+            try:
+                folder.rmdir()
+            except OSError:
+                return
 
     def _create(self) -> bool:
         """Whole or not at all: a link to a file that is written already."""
         own = clip_folder.temporary(self.path)
-        own.write_text(json.dumps(asdict(self.holder)))
+        try:
+            own.write_text(json.dumps(asdict(self.holder)))
+        except OSError:
+            clip_folder.discard(own)
+            raise
         try:
             os.link(own, self.path)
         except FileExistsError:
@@ -164,3 +191,4 @@ class Lock:
                 self.path.unlink(missing_ok=True)
             except OSError:
                 pass
+            self._remove_made()

@@ -14,12 +14,14 @@ from typing import Any
 import numpy as np
 
 FORMAT = 4  # 3: in a file beside the clip, without checksums
+FORMAT_OF_SEAMS = 5  # it has seams: an older Rumple would play it from its first frame, and find other bits
 POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
 POSE_TOLERANCE = 1e-3  # of the coarse mesh's extent: other Blenders and machines differ by far less
 _LAST_FRAME = 1 << 20  # Blender's
 _MOST_POINTS = 1 << 31
 _BOUNDS = dict(vertices=(1, _MOST_POINTS), points=(1, _MOST_POINTS), coarse_vertices=(1, _MOST_POINTS),
-               start=(-_LAST_FRAME, _LAST_FRAME), end=(-_LAST_FRAME, _LAST_FRAME), samples=(1, 16), format=(1, FORMAT))
+               start=(-_LAST_FRAME, _LAST_FRAME), end=(-_LAST_FRAME, _LAST_FRAME), samples=(1, 16),
+               format=(1, FORMAT_OF_SEAMS), pre_roll=(0, _LAST_FRAME))
 
 
 class ClipFault(Exception):
@@ -44,6 +46,8 @@ class Manifest:
     checksums: list[int] = field(default_factory=list)  # CRC-32 of each sample; none before format 4
     curves: int = 0  # CRC-32 over the checksums of the clip of its path curves; 0: it has none
     source: str = ""  # digest of the saved files that it was baked from; empty: from a window
+    pre_roll: int = 0  # frames that were solved in front of each seam; 0: it was played through
+    seams: list[int] = field(default_factory=list)  # frames at which solving began anew, ascending
 
     @property
     def sample_count(self) -> int:
@@ -72,7 +76,10 @@ class Manifest:
         return baked.shape != now.shape or not np.allclose(baked, now, rtol=0.0, atol=POSE_TOLERANCE * extent)
 
     def to_json(self) -> str:
-        return json.dumps(asdict(self))
+        data = asdict(self)
+        if not self.seams:
+            del data["pre_roll"], data["seams"]
+        return json.dumps(data)
 
 
 def pose_points(positions: np.ndarray) -> np.ndarray:
@@ -101,7 +108,7 @@ def read(text: str | bytes) -> Manifest:
         raise ClipFault("its manifest is damaged") from error
     if not isinstance(data, dict):
         raise ClipFault("its manifest is damaged")
-    if _is_whole(data.get("format")) and data["format"] > FORMAT:
+    if _is_whole(data.get("format")) and data["format"] > FORMAT_OF_SEAMS:
         raise ClipFault("it was baked by a newer Rumple")
     known = {f.name: f for f in fields(Manifest)}
     missing = {"object", "vertices", "points", "coarse_vertices", "start", "end", "samples", "inputs"} - data.keys()
@@ -118,6 +125,7 @@ def read(text: str | bytes) -> Manifest:
     data.setdefault("format", 3)
     manifest = Manifest(**data)
     _check_samples(manifest)
+    _check_seams(manifest)
     return manifest
 
 
@@ -136,6 +144,17 @@ def _check_samples(manifest: Manifest) -> None:
         raise ClipFault("its manifest is not one: it does not have a checksum for each sample")
     if not all(_is_whole(value) and 0 <= value < 1 << 32 for value in (*manifest.checksums, manifest.curves)):
         raise ClipFault("its manifest is not one: a checksum is damaged")
+
+
+def _check_seams(manifest: Manifest) -> None:
+    """None; or some, in order, each with frames in front of it that were solved for it."""
+    seams = manifest.seams
+    if not isinstance(seams, list) or not all(map(_is_whole, seams)) or bool(seams) != (manifest.pre_roll > 0) or (
+            bool(seams) != (manifest.format >= FORMAT_OF_SEAMS)):
+        raise ClipFault("its manifest is not one: its seams are damaged")
+    there = [manifest.start, *seams, manifest.end + 1]
+    if any(after <= before for before, after in zip(there, there[1:])):
+        raise ClipFault("its manifest is not one: its seams are not in order")
 
 
 def _is_number(value: Any) -> bool:

@@ -117,7 +117,7 @@ class ClipBake:
     """
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        path = new_clip_path(obj)
+        path = self._place(obj)
         self.obj, self.name, self.done, self.note = obj, obj.name, 0, ""
         self.writer: clip_file.ClipWriter | None = None
         self.lock = self._take_lock(path)
@@ -126,6 +126,9 @@ class ClipBake:
         except BaseException:
             self._release()
             raise
+
+    def _place(self, obj: bpy.types.Object) -> Path:
+        return new_clip_path(obj)
 
     def _take_lock(self, path: Path) -> Lock | None:
         """That of the clip, from now to the end of the bake; None: whoever bakes has it already. Raises BakeError."""
@@ -139,7 +142,7 @@ class ClipBake:
     def _start(self, context: bpy.types.Context, path: Path) -> None:
         obj = self.obj
         self.curves = path_curves.Recorder(obj)
-        self.playback = Playback(context, obj, obj.rumple.bake_start, obj.rumple.bake_end, obj.rumple.bake_samples)
+        self.playback = self._make_playback(context)
         try:
             with self._faults():
                 self._begin(context, path)
@@ -147,6 +150,10 @@ class ClipBake:
             self.cancel()
             raise
         self.samples = self.playback.samples_in_order()
+
+    def _make_playback(self, context: bpy.types.Context) -> Playback:
+        about = self.obj.rumple
+        return Playback(context, self.obj, about.bake_start, about.bake_end, about.bake_samples)
 
     def _begin(self, context: bpy.types.Context, path: Path) -> None:
         obj, about = self.obj, self.obj.rumple
@@ -156,7 +163,7 @@ class ClipBake:
         manifest = Manifest(
             object=obj.name, vertices=fine.vertex_count,
             points=clip_file.point_count(fine.vertex_count, len(fine.corner_vertex), fine.ATTRIBUTES),
-            coarse_vertices=fine.coarse_count, start=about.bake_start, end=about.bake_end,
+            coarse_vertices=fine.coarse_count, start=self.playback.start, end=self.playback.end,
             samples=about.bake_samples, inputs=clip_status.inputs_fingerprint(obj, context.scene), file=_file_name())
         self.writer = self._make_writer(path, manifest, fine.ATTRIBUTES)
 

@@ -28,10 +28,10 @@ class Playback:
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
         self.pre_roll = range(min(self.scene.frame_start, start), start)
+        self.seen = range(self.pre_roll.start, end + 1)  # by a look at the whole clip
+        self.is_part = False
         self.analyzes = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
-        self.count = len(self.pre_roll) + self.sample_count
-        if self.analyzes:
-            self.count += len(self.pre_roll) + end - start + 1
+        self._count_steps()
         nodes_mod = modifier.find(obj)
         self.passes = 2 if modifier.depends_on_wrinkled(obj) else 1  # the other one is solved in the first pass
         self.was_baked = modifier.is_baked(nodes_mod)
@@ -40,6 +40,15 @@ class Playback:
             runtimes.of(obj).stale = True
         scheduler.sync_all()
         first_pass.read_only(obj)
+
+    def _count_steps(self) -> None:
+        self.count = len(self.pre_roll) + self.sample_count + len(self.seen) * self.analyzes
+
+    def keep_to(self, start: int, end: int, pre_roll: range) -> None:
+        """Solve a part of the frames, behind no others than those of the pre-roll. A look at the whole clip stays one.
+        """
+        self.start, self.end, self.pre_roll, self.is_part = start, end, pre_roll, True
+        self._count_steps()
 
     @property
     def is_independent(self) -> bool:
@@ -61,6 +70,11 @@ class Playback:
         if self.analyzes:
             for _ in self.analyze():
                 yield False, None, None
+        if self.is_part:  # nor behind a frame that happens to be solved
+            runtime = runtimes.of(self.obj)
+            if runtime.evaluator is not None:
+                runtime.evaluator.frame_cache.clear()
+            runtime.invalidate_output()
         for frame in self.pre_roll:
             yield False, *self.solve_at(frame, 0.0)
         for sample in range(self.sample_count):
@@ -80,7 +94,7 @@ class Playback:
         """Read the pose of every whole frame; the solver then knows the clip. Memory: 12 bytes a vertex and frame."""
         runtime, clip = runtimes.of(self.obj), {}
         runtime.analyzing = True
-        for frame in (*self.pre_roll, *range(self.start, self.end + 1)):
+        for frame in self.seen:
             self.visit(frame, 0.0)
             if runtime.analyzed is None or runtime.analyzed.frame != frame:
                 raise BakeError(f"{self.obj.name}: nothing is seen at frame {frame}: is the modifier off?")

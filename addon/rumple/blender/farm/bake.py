@@ -49,10 +49,16 @@ class Options:
     resume: bool = False
     oldest_lock: float = 600.0
     checkpoint: float = CHECKPOINT
+    piece: tuple[int, int] | None = None  # number, of how many
+    join: int = 0  # so many pieces
+    pre_roll: int = 0  # frames in front of each piece
+    tolerance: float = 0.0  # metres, where two pieces meet
 
 
 class FarmBake(clip.ClipBake):
     """A ClipBake that another one can go on with."""
+
+    behind_a_jump = False  # its frames are final only where they were played from the scene's first one
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, digest: str, resume: bool,
                  checkpoint: float = CHECKPOINT) -> None:
@@ -149,7 +155,7 @@ class FarmBake(clip.ClipBake):
             return
         evaluator = runtimes.of(self.obj).evaluator
         solved = None if evaluator is None else evaluator.frame_cache.get(self._frame(sample))
-        if solved is not None and solved.final:
+        if solved is not None and (solved.final or self.behind_a_jump):
             self.partial.save(Checkpoint.of(sample - sample % self.playback.samples, solved))
 
     def stop(self) -> None:
@@ -164,13 +170,18 @@ class FarmBake(clip.ClipBake):
 # ---------------------------------------------------------------- clips that are there
 def whole_clip(obj: bpy.types.Object, digest: str, any_frames: bool = False) -> Manifest | None:
     """The clip at an object's place, if it is whole and of the same: file, settings, frames. Else None."""
-    path, about = clip.new_clip_path(obj), obj.rumple
+    about = obj.rumple
+    return whole_at(clip.new_clip_path(obj), obj, digest,
+                    None if any_frames else (about.bake_start, about.bake_end, about.bake_samples))
+
+
+def whole_at(path: Path, obj: bpy.types.Object, digest: str, frames: tuple[int, int, int] | None) -> Manifest | None:
+    """The clip at a path. frames: first, last, samples of each; None: any."""
     try:
         manifest = clip_file.read_manifest(path) if path.is_file() else None
         if manifest is None or manifest.source != digest or manifest.object != obj.name or not manifest.checksums:
             return None
-        frames = manifest.start, manifest.end, manifest.samples
-        if not any_frames and frames != (about.bake_start, about.bake_end, about.bake_samples):
+        if frames not in (None, (manifest.start, manifest.end, manifest.samples)):
             return None
         if not all(clip_file.sample_is_whole(path, manifest, sample) for sample in range(manifest.sample_count)):
             return None
@@ -253,30 +264,34 @@ def bake(context: bpy.types.Context, obj: bpy.types.Object, files: str, options:
     try:
         digest = source.of_garment(obj, files)
         manifest = whole_clip(obj, digest) if options.resume else None
-        if manifest is not None:
+        if manifest is not None and not manifest.seams:
             show(obj, manifest)
             return Baked(path, manifest.sample_count, 0.0, path.stat().st_size, was_whole=True,
                          checksum=clip_file.checksum(manifest))
-        running = FarmBake(context, obj, digest, options.resume, options.checkpoint)
-        try:
-            _step_through(running, lock, say)
-            lock.check()
-        except (BakeError, Held):  # Held: another worker has begun meanwhile
-            running.cancel()
-            raise
-        except BaseException:  # ended from outside, or a disk that fails for a moment: what is baked so far is kept
-            running.stop()
-            raise
-        try:
-            running.finish()
-        except BaseException:
-            running.cancel()
-            raise
-        about = running.partial.manifest
-        return Baked(path, about.sample_count, time.perf_counter() - started, path.stat().st_size,
-                     running.resumed, running.passed, note=running.note, checksum=clip_file.checksum(about))
+        return run(FarmBake(context, obj, digest, options.resume, options.checkpoint), lock, say, started)
     finally:
         lock.release()
+
+
+def run(running: FarmBake, lock: Lock, say: Say, started: float) -> Baked:
+    """To its end. started: by time.perf_counter()."""
+    try:
+        _step_through(running, lock, say)
+        lock.check()
+    except (BakeError, Held):  # Held: another worker has begun meanwhile
+        running.cancel()
+        raise
+    except BaseException:  # ended from outside, or a disk that fails for a moment: what is baked so far is kept
+        running.stop()
+        raise
+    try:
+        path = running.finish()
+    except BaseException:
+        running.cancel()
+        raise
+    about = running.partial.manifest
+    return Baked(path, about.sample_count, time.perf_counter() - started, path.stat().st_size, running.resumed,
+                 running.passed, note=running.note, checksum=clip_file.checksum(about))
 
 
 def _step_through(running: FarmBake, lock: Lock, say: Say) -> None:

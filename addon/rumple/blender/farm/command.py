@@ -60,6 +60,13 @@ def _whole(text: str) -> int:
     return value
 
 
+def _piece(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,4})/(\d{1,4})", text)
+    if found is None or not 1 <= int(found[1]) <= int(found[2]):
+        raise argparse.ArgumentTypeError(f"a piece is K/N, from 1/N to N/N, not {text}")
+    return int(found[1]), int(found[2])
+
+
 def parser() -> argparse.ArgumentParser:
     top = _Parser(prog="rumple", description="Bakes wrinkles without a window. Exit codes: 0 done, 1 something failed, "
                   "2 wrong usage, 3 nothing to do, 4 --verify found a difference, 75 another worker has it, 143 ended.")
@@ -80,6 +87,14 @@ def parser() -> argparse.ArgumentParser:
                      help="a lock of another host that was not touched for so long is taken over (600)")
     one.add_argument("--checkpoint", type=float, default=bake.CHECKPOINT, metavar="SECONDS",
                      help="so often the solver's state is kept for --resume, where frames go on from one another (20)")
+    cut = one.add_mutually_exclusive_group()
+    cut.add_argument("--piece", type=_piece, metavar="K/N", help="bake one of N pieces of the frames: independent, "
+                     "or with --pre-roll and --tolerance")
+    cut.add_argument("--join", type=_whole, default=0, metavar="N", help="make the clip of its N pieces")
+    one.add_argument("--pre-roll", type=_whole, default=0, metavar="FRAMES",
+                     help="of pieces: so many frames are solved in front of each")
+    one.add_argument("--tolerance", type=float, metavar="METRES",
+                     help="of pieces with a pre-roll: so far apart two may be in the frame that both have")
     check = kinds.add_parser("check", parents=[common], help="say what this worker lacks for a file")
     check.add_argument("--to-bake", action="store_true", help="before a bake: clips that are stale or gone are notes")
     kinds.add_parser("list", parents=[common], help="what can be baked, in order, and what rests on what")
@@ -135,6 +150,8 @@ def _run(chosen: argparse.Namespace) -> int:
     garments = commands.choose(scene, chosen.object)
     if chosen.command != "poses":  # whose frames and folder are not those of clips
         chosen.restore = _override(chosen, plan.garments(scene), garments)
+    if getattr(chosen, "verify", None) is not None and (getattr(chosen, "piece", None) or getattr(chosen, "join", 0)):
+        raise commands.Refused("--verify bakes nothing: leave --piece and --join out")
     run = {"bake": _verify if getattr(chosen, "verify", None) is not None else _bake, "check": _check, "list": _list,
            "attach": _attach, "publish": _publish, "vat": _vat, "poses": _poses}
     outcome = run[chosen.command](chosen, garments)
@@ -160,9 +177,15 @@ def _override(chosen: argparse.Namespace, there: list[bpy.types.Object],
 
 
 def _bake(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:
+    in_pieces, tolerance = chosen.piece is not None or chosen.join > 0, chosen.tolerance
+    if (tolerance is None) != (chosen.pre_roll == 0) or not in_pieces and chosen.pre_roll:
+        raise commands.Refused("--pre-roll and --tolerance go together, and with --piece or --join")
+    if tolerance is not None and not 0.0 <= tolerance < math.inf:
+        raise commands.Refused(f"--tolerance is metres from 0 on, not {tolerance:g}")
+    options = bake.Options(chosen.resume, chosen.lock_age, chosen.checkpoint, chosen.piece, chosen.join,
+                           chosen.pre_roll, tolerance or 0.0)
     with _ended_by_signal():
-        return commands.bake_all(garments, bake.Options(chosen.resume, chosen.lock_age, chosen.checkpoint), say,
-                                 complain)
+        return commands.bake_all(garments, options, say, complain)
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from ...core.clip_manifest import ClipFault, Manifest
 from ..bake import clip
 from ..bake.playback import BakeError
 from ..objects import modifier
-from . import bake, check, plan, poses, shown, source, verify
+from . import bake, check, pieces, plan, poses, shown, source, verify
 from .shown import Exported
 
 Say = Callable[[str], None]
@@ -100,7 +100,12 @@ def _bake_one(obj: bpy.types.Object, files: str, options: bake.Options, say: Say
         live = bake.show_needed(obj, files)
         if live:
             say(f"{obj.name}: it rests on {', '.join(live)}, of which there is no clip of this file: solved with it")
-        done = bake.bake(bpy.context, obj, files, options, say)
+        if options.piece is not None:
+            done = pieces.bake_piece(bpy.context, obj, files, options, say)
+        elif options.join:
+            done = pieces.join(obj, files, options, say)
+        else:
+            done = bake.bake(bpy.context, obj, files, options, say)
     except Held as error:
         return dict(code=HELD, error=_bare(obj, error))
     except bake.Ended:
@@ -159,7 +164,7 @@ def list_all(garments: list[bpy.types.Object], say: Say) -> Outcome:
     for obj in garments:
         about = obj.rumple
         rows.append(dict(name=obj.name, needs=plan.needs(obj), start=about.bake_start, end=about.bake_end,
-                         samples=about.bake_samples, bytes=plan.bytes_of(obj)))
+                         samples=about.bake_samples, bytes=plan.bytes_of(obj), cut=pieces.kind(obj)))
         rests = f", rests on {', '.join(rows[-1]['needs'])}" if rows[-1]["needs"] else ""
         say(f"{obj.name}: frames {about.bake_start}-{about.bake_end}, about {megabytes(rows[-1]['bytes'])} MB{rests}")
     return Outcome(DONE, dict(file=bpy.data.filepath, garments=rows))

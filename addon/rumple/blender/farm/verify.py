@@ -14,6 +14,7 @@ from ...core.clip_manifest import Manifest
 from ..bake import clip
 from ..bake.playback import BakeError, Playback
 from ..objects import modifier
+from . import pieces
 
 
 @dataclass
@@ -46,6 +47,9 @@ def verify(context: bpy.types.Context, obj: bpy.types.Object, most: int) -> Veri
     count = manifest.sample_count
     wanted = sorted(set(np.linspace(0, count - 1, min(most or count, count)).round().astype(int).tolist()))
     playback = Playback(context, obj, manifest.start, manifest.end, manifest.samples)
+    if manifest.seams and playback.is_independent:
+        playback.end_playback(restore_bake=True)
+        raise BakeError(f"{obj.name}: the clip was made with a pre-roll, its frames are independent now: bake again")
     try:
         return _compare(playback, obj, path, manifest, wanted)
     finally:
@@ -56,7 +60,7 @@ def _compare(playback: Playback, obj: bpy.types.Object, path: clip.Path, manifes
              wanted: list[int]) -> Verified:
     attributes = modifier.system(modifier.find(obj)).wrinkles.ATTRIBUTES
     compared = 0
-    for sample, result in _solved(playback, wanted):
+    for sample, result in _solved(playback, manifest, wanted):
         baked = clip_partial.points_in(path, manifest, sample)
         frame = sum(manifest.sample_frame(sample))
         if zlib.crc32(baked.tobytes()) != manifest.checksums[sample]:
@@ -71,15 +75,22 @@ def _compare(playback: Playback, obj: bpy.types.Object, path: clip.Path, manifes
     return Verified(compared)
 
 
-def _solved(playback: Playback, wanted: list[int]) -> Iterator[tuple[int, clip.engine.FrameResult]]:
+def _solved(playback: Playback, manifest: Manifest, wanted: list[int]) -> Iterator[tuple[int, clip.engine.FrameResult]]:
     if playback.is_independent:
         for sample in wanted:
             yield sample, playback.solve_sample(sample)[0]
         return
-    number = -1
-    for is_sample, result, _coarse in playback.samples_in_order():
-        number += is_sample
-        if is_sample and number in wanted:
-            yield number, result
-        if number == wanted[-1]:
-            return
+    bounds = [manifest.start, *manifest.seams, manifest.end]
+    for first, last in zip(bounds, bounds[1:] if manifest.seams else bounds[-1:]):
+        number = (first - manifest.start) * manifest.samples - 1
+        end = number + (last - first) * manifest.samples + (last == manifest.end)
+        if manifest.seams:  # as it was made
+            pieces.keep_to(playback, manifest.start, first, last, manifest.pre_roll)
+        if not any(number < sample <= end for sample in wanted):
+            continue
+        for is_sample, result, _coarse in playback.samples_in_order():
+            number += is_sample
+            if is_sample and number <= end and number in wanted:
+                yield number, result
+            if number >= min(wanted[-1], end):
+                break

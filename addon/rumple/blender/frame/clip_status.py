@@ -38,9 +38,14 @@ def stands_alone(obj: bpy.types.Object) -> bool:
     wrinkles, and other wrinkled objects show their clips."""
     others = [other for other in (*bodies.of(obj), modifier.depends_on_wrinkled(obj)) if other is not None]
     wrinkles = [modifier.find(other) for other in others]
-    if any(m.type in ("CLOTH", "SOFT_BODY") or modifier.is_simulation_nodes(m) for m in modifier.in_front(obj)):
+    if is_simulated_in_front(obj):
         return False
     return all(modifier.plays_clip(nodes_mod) for nodes_mod in wrinkles if nodes_mod is not None)
+
+
+def is_simulated_in_front(obj: bpy.types.Object) -> bool:
+    """Whether what moves its wrinkles lives from frame to frame by itself."""
+    return any(m.type in ("CLOTH", "SOFT_BODY") or modifier.is_simulation_nodes(m) for m in modifier.in_front(obj))
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:

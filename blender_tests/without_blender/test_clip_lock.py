@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lock of a clip: one holder, whoever is gone gives it up, and what came to nothing leaves nothing."""
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import threading
+import time
+import unittest
+from contextlib import nullcontext
+from pathlib import Path
+from unittest import mock
+
+from rumple.core.clip_lock import Held, Holder, Lock
+from rumple.core.clip_manifest import ClipFault
+
+
+class Case(unittest.TestCase):
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        self.clip = self.root / "deep" / "clips" / "a.pc2"
+        self.path = self.clip.with_name(".a.pc2.lock")
+
+    def hold(self, age: float = 0.0, **holder: object) -> None:
+        """By somebody else."""
+        self.clip.parent.mkdir(parents=True, exist_ok=True)
+        self.path.write_text(json.dumps(dict(host="node_7", process=4711, started="", task="") | holder))
+        then = time.time() - age
+        os.utime(self.path, (then, then))
+
+    def there(self) -> list[str]:
+        return sorted(path.name for path in self.clip.parent.iterdir())
+
+    def test_of_many_at_once_one_has_it(self) -> None:
+        for no_links in (False, True):
+            got: list[Lock] = []
+            start = threading.Barrier(8)
+
+            def take() -> None:
+                start.wait()
+                try:
+                    got.append(Lock(self.clip))
+                except Held:
+                    pass
+            with mock.patch("os.link", side_effect=OSError) if no_links else nullcontext():
+                threads = [threading.Thread(target=take) for _ in range(8)]
+                for thread in threads:
+                    thread.start()
+                for thread in threads:
+                    thread.join()
+            self.assertEqual((len(got), self.there()), (1, [self.path.name]))
+            got[0].release()
+            self.assertFalse(self.path.exists())
+
+    def test_it_is_held_while_its_holder_is_heard_of(self) -> None:
+        for age, oldest, held in ((0.0, 600.0, True), (500.0, 600.0, True), (601.0, 600.0, False), (31.0, 30.0, False),
+                                  (-3600.0, 600.0, True)):
+            self.hold(age)
+            if held:
+                with self.assertRaisesRegex(Held, "by process 4711 on node_7, last heard of"):
+                    Lock(self.clip, oldest)
+                self.path.unlink()
+            else:
+                Lock(self.clip, oldest).release()
+        self.assertFalse(self.path.exists())
+
+    def test_of_a_holder_that_is_gone_it_is_taken_over(self) -> None:
+        here = Holder.here()
+        mine = dict(host=here.host, process=here.process, started=here.started)
+        for holder, held in ((mine, True), ({**mine, "started": "long ago"}, False),
+                             ({**mine, "process": 1 << 29}, False), (dict(task="t 1"), False), (dict(task="t 2"), True),
+                             (dict(task=""), True)):
+            self.hold(**holder)
+            with mock.patch.dict(os.environ, RUMPLE_TASK="t 1"):
+                if held:
+                    self.assertRaises(Held, Lock, self.clip)
+                else:
+                    Lock(self.clip).release()
+        self.hold()
+        with mock.patch.dict(os.environ, RUMPLE_TASK=""):  # no task is no task that started again
+            self.assertRaises(Held, Lock, self.clip)
+
+    def test_a_lock_that_cannot_be_read_is_held_until_it_is_old(self) -> None:
+        for text in ("", "{", "[]", '{"host": 1}'):
+            self.hold()
+            self.path.write_text(text)
+            with self.assertRaisesRegex(Held, "by somebody"):
+                Lock(self.clip)
+            os.utime(self.path, (1.0, 1.0))
+            Lock(self.clip).release()
+
+    def test_who_lost_it_is_told_and_leaves_it_to_the_other(self) -> None:
+        lock = Lock(self.clip)
+        lock.check()
+        self.hold(process=12)
+        for _ in range(2):
+            with self.assertRaisesRegex(Held, "was taken over by process 12 on node_7"):
+                lock.check()
+        lock._touched -= 100.0
+        self.assertRaises(Held, lock.touch)
+        lock.release()
+        self.assertTrue(self.path.is_file())
+
+    def test_a_touch_is_seen_and_not_made_too_often(self) -> None:
+        lock = Lock(self.clip)
+        self.addCleanup(lock.release)
+        os.utime(self.path, (1.0, 1.0))
+        lock.touch()
+        self.assertEqual(self.path.stat().st_mtime, 1.0)
+        lock._touched -= 6.0
+        lock.touch()
+        self.assertGreater(self.path.stat().st_mtime, 1e9)
+
+    def test_another_ones_lock_made_meanwhile_is_put_back(self) -> None:
+        """Between the look at an old lock and its removal another worker has taken it over."""
+        self.hold(age=1000.0)
+        rename = os.rename
+
+        def late(source: Path, target: Path) -> None:
+            if Path(source) == self.path and not late.done:  # type: ignore[attr-defined]
+                late.done = True  # type: ignore[attr-defined]
+                self.path.unlink()
+                self.hold(process=13)
+            rename(source, target)
+        late.done = False  # type: ignore[attr-defined]
+        with mock.patch("os.rename", late), self.assertRaisesRegex(Held, "by process 13"):
+            Lock(self.clip)
+        self.assertEqual(self.there(), [self.path.name])
+
+    def test_what_came_to_nothing_leaves_no_folder(self) -> None:
+        Lock(self.clip).release()
+        self.assertEqual(list(self.root.iterdir()), [])
+        (self.root / "deep").mkdir()  # there before
+        Lock(self.clip).release()
+        self.assertEqual([path.name for path in self.root.iterdir()], ["deep"])
+        self.assertEqual(list((self.root / "deep").iterdir()), [])
+        lock = Lock(self.clip)
+        self.clip.touch()
+        lock.release()
+        self.assertEqual(self.there(), [self.clip.name])
+        self.clip.unlink()
+        for path in (self.clip.parent, self.clip.parent.parent):
+            path.rmdir()
+
+        def half(path: Path, _text: str) -> None:
+            path.touch()
+            raise OSError(28, "full")
+        with mock.patch.object(Path, "write_text", half):
+            with self.assertRaisesRegex(ClipFault, "is full"):
+                Lock(self.clip)
+        self.assertEqual(list(self.root.iterdir()), [])
+
+    def test_a_folder_that_another_one_gives_up_is_made_again(self) -> None:
+        mkdir = Path.mkdir
+
+        def gone_once(path: Path, *arguments: object, **named: object) -> None:
+            mkdir(path, *arguments, **named)  # type: ignore[arg-type]
+            if not gone_once.done:  # type: ignore[attr-defined]
+                gone_once.done = True  # type: ignore[attr-defined]
+                path.rmdir()
+        gone_once.done = False  # type: ignore[attr-defined]
+        with mock.patch.object(Path, "mkdir", gone_once):
+            Lock(self.clip).release()
+        self.assertEqual(list(self.root.iterdir()), [])
