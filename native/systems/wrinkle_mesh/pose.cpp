@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "systems/wrinkle_mesh/pose.h"
 
+#include <algorithm>
 #include <string>
 
 #include "base/expect.h"
@@ -186,7 +187,8 @@ std::vector<float> attachment_radii(const Model& model, const Settings& settings
             const float x = std::min(1.0f, float(model.boundary_ring[v]) / float(settings.hem_rings));
             fade = x * x * (3.0f - 2.0f * x);
         }
-        radii[v] = settings.radius * model.local_edge[v] * painted(paint.radius, v) * fade;
+        // Paint that was carried to a finer mesh may be a rounding below 0.
+        radii[v] = settings.radius * model.local_edge[v] * std::max(painted(paint.radius, v), 0.0f) * fade;
     }
     return radii;
 }
