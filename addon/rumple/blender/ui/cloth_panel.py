@@ -28,9 +28,7 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
         for name in ("slack", "bending_length", "gravity"):
             column.prop(settings, name)
         painted(column, obj, "room")
-        row = column.row(align=True)
-        row.label(text="Pinned to the animation")
-        paint_button(row, obj, "follow")
+        paint_only(column, obj, "follow", "Pinned to the animation")
         if mesh_reader.MESH_GROUPS["follow"] not in obj.vertex_groups:
             column.prop(settings, "up")
 
@@ -68,6 +66,15 @@ def painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> Non
     row = column.row(align=True)
     row.prop(properties.group_of(obj), name)
     paint_button(row, obj, name)
+
+
+def paint_only(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, label: str) -> None:
+    """A row for what has no value but the painted one, label and button where other rows have theirs."""
+    split = column.split(factor=0.4)
+    row = split.row()
+    row.alignment = "RIGHT"
+    row.label(text=label)
+    paint_button(split.row(), obj, name)
 
 
 def paint_button(row: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:

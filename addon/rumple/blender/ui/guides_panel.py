@@ -16,11 +16,7 @@ class DATA_PT_rumple_guides(Panel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = settings_column(self.layout, context.object), context.object
-        split = column.split(factor=0.4)  # as Blender divides a row between a label and its value
-        label = split.row()
-        label.alignment = "RIGHT"
-        label.label(text="Keep Smooth")
-        cloth_panel.paint_button(split.row(), obj, SMOOTH)
+        cloth_panel.paint_only(column, obj, SMOOTH, "Keep Smooth")
         if obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING":
             column.label(text="Guides need the output Geometry", icon="INFO")
         for guide in guide_curves.of(obj):
