@@ -72,9 +72,8 @@ def _group_weights(obj: bpy.types.Object, index: int) -> np.ndarray:
 
 
 # ---------------------------------------------------------------- setting them
-def choose(obj: bpy.types.Object, names: list[str]) -> None:
-    """Compare exactly these keys; what was set for those that stay is kept."""
-    chosen = obj.rumple_maps.keys
+def choose(chosen: bpy.types.bpy_prop_collection, names: list[str]) -> None:
+    """Compare exactly these keys, or bones; what was set for those that stay is kept."""
     for place in reversed(range(len(chosen))):
         if chosen[place].name not in names:
             chosen.remove(place)

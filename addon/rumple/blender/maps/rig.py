@@ -65,21 +65,10 @@ def common_root(armature: bpy.types.Object, names: list[str]) -> str:
     return ""
 
 
-def choose_bones(obj: bpy.types.Object, names: list[str]) -> None:
-    """Compare exactly these bones; what was set for those that stay is kept."""
-    bones = obj.rumple_maps.bones
-    for place in reversed(range(len(bones))):
-        if bones[place].name not in names:
-            bones.remove(place)
-    for name in names:
-        if name not in bones:
-            bones.add().name = name
-
-
 def choose_by_default(obj: bpy.types.Object) -> None:
     """For a first pose: the shape keys that move the mesh, and bones, unless the pose is one of keys alone."""
     names = maps_keys.moving(obj)
-    maps_keys.choose(obj, names)
+    maps_keys.choose(obj.rumple_maps.keys, names)
     armature = obj.find_armature()
     if armature is not None and (_selected(armature) or _has_moved(obj, armature, names)):
         choose_bones_by_default(obj)
@@ -101,7 +90,7 @@ def choose_bones_by_default(obj: bpy.types.Object) -> None:
             set(selected) or _below(armature, settings.root)):
         settings.root = _guessed_root(obj, armature, wanted, bool(selected))
     among = set(selected) or _below(armature, settings.root)
-    choose_bones(obj, [name for name in skinning if name in among and name != settings.root])
+    maps_keys.choose(settings.bones, [name for name in skinning if name in among and name != settings.root])
 
 
 def _selected(armature: bpy.types.Object) -> list[str]:
