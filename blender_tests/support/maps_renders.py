@@ -37,6 +37,16 @@ def normals(random: np.random.Generator) -> np.ndarray:
     return np.rint(255 * (0.5 * tilted + 0.5)).astype(np.uint8)
 
 
+def emit_normals(tree: bpy.types.NodeTree) -> None:
+    """Let a material show the world normals of its Normal Map node, encoded as colours."""
+    emission, encode = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeVectorMath")
+    encode.operation = "MULTIPLY_ADD"
+    encode.inputs[1].default_value = encode.inputs[2].default_value = (0.5,) * 3
+    tree.links.new(tree.nodes["Normal Map"].outputs["Normal"], encode.inputs[0])
+    tree.links.new(encode.outputs["Vector"], emission.inputs["Color"])
+    tree.links.new(emission.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+
+
 class Quad:
     """Masks that change linearly over it, a random map for each pose, and a random neutral map."""
 
@@ -89,12 +99,7 @@ class Quad:
         for node in [*tree.nodes, *self.group.nodes]:
             if node.type == "TEX_IMAGE":
                 node.interpolation = "Closest"  # EEVEE's linear filter reads between texels and mip maps
-        emission, encode = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeVectorMath")
-        encode.operation = "MULTIPLY_ADD"
-        encode.inputs[1].default_value = encode.inputs[2].default_value = (0.5,) * 3
-        tree.links.new(tree.nodes["Normal Map"].outputs["Normal"], encode.inputs[0])
-        tree.links.new(encode.outputs["Vector"], emission.inputs["Color"])
-        tree.links.new(emission.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        emit_normals(tree)
         return self.picture(engine)
 
     def picture(self, engine: str) -> np.ndarray:

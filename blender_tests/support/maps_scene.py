@@ -80,16 +80,6 @@ def export(obj: bpy.types.Object, folder: Path) -> None:
     bpy.data.objects.remove(bare)
 
 
-def emit_normals(obj: bpy.types.Object) -> None:
-    tree = obj.data.materials[0].node_tree
-    emission, encode = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeVectorMath")
-    encode.operation = "MULTIPLY_ADD"
-    encode.inputs[1].default_value = encode.inputs[2].default_value = (0.5,) * 3
-    tree.links.new(tree.nodes["Normal Map"].outputs["Normal"], encode.inputs[0])
-    tree.links.new(encode.outputs["Vector"], emission.inputs["Color"])
-    tree.links.new(emission.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
-
-
 def render(folder: Path, frames: list[int]) -> None:
     scene = bpy.context.scene
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
@@ -116,5 +106,5 @@ if __name__ == "__main__":
     Path(to).mkdir(parents=True)
     shown = animated_face()
     export(shown, Path(to))
-    emit_normals(shown)
+    maps_renders.emit_normals(shown.data.materials[0].node_tree)
     render(Path(to), [int(number) for number in numbers])

@@ -10,6 +10,7 @@ import numpy as np
 from rumple.core import poses, poses_json
 from rumple.core.engine import UserError
 from rumple.core.poses import PoseComparison, PoseRig, ReferencePose, SkinWeights, TrackedBone
+from support import changed_json
 
 
 def face(pose_count: int = 2, bone_count: int = 4, seed: int = 0) -> PoseRig:
@@ -90,23 +91,10 @@ class Json(unittest.TestCase):
         changes = [(path, value) for path in places for value in wrong]
         paths = ("../x.png", "../../etc/x", "/etc/passwd", "a/b.png", "..\\x", "C:x", "..", "a\0b")
         changes += [(path, value) for path in ("poses.0.map", "neutral_map") for value in paths]
-        taken = set()
-        for path, value in changes:
-            data = json.loads(good)
-            *way, last = [int(part) if part.isdigit() else part for part in path.split(".")]
-            owner = data
-            for part in way:
-                owner = owner[part]
-            owner[last] = value
-            try:
-                poses_json.from_json(json.dumps(data))
-                taken.add((path, str(value)[:10]))
-            except UserError as error:
-                self.assertRegex(str(error), r"^\S.{5,300}$")
         texts = {path for path in ("name", "root", "bones.0.name", "bones.0.group", "poses.0.name", "poses.0.map",
                                    "neutral_map")}
-        self.assertEqual(taken, {(path, value) for path in texts for value in ("1", "x", "9" * 10)} |
-                         {("gain", "5"), ("poses", "[]")})
+        wanted = {(path, value) for path in texts for value in ("1", "x", "9" * 10)}
+        self.assertEqual(changed_json.taken(self, good, changes), wanted | {("gain", "5"), ("poses", "[]")})
         gains = [good.replace('"gain": 1.0', f'"gain": {gain}') for gain in ("9" * 5000, "NaN", "Infinity")]
         for text in ("", "null", "[" * 200_000, '{"a":' * 200_000, *gains):
             with self.assertRaises(UserError):
