@@ -30,6 +30,7 @@ static void pair_fields(rumple_wrinkle_field_settings& c, Settings& native, cons
     pair(c.rounds, native.rounds);
     pair(c.start_rounds, native.start_rounds);
     pair(c.irregularity, native.irregularity);
+    pair(c.bend_radius, native.bend_radius);
     pair(c.seed, native.seed);
     pair(c.aligned_start, native.aligned_start);
     pair(c.threads, native.threads);

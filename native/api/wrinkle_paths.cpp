@@ -17,6 +17,7 @@ static void pair_fields(rumple_wrinkle_paths_settings& c, Settings& native, cons
     pair(c.width, native.width);
     pair(c.spacing, native.spacing);
     pair(c.alignment, native.alignment);
+    pair(c.bend_radius, native.bend_radius);
     pair(c.hem_rings, native.hem_rings);
     pair(c.growth_limit, native.growth_limit);
     pair(c.fade, native.fade);

@@ -162,8 +162,8 @@ rumple_wrinkle_mesh_settings mesh_settings(Bytes& bytes) {
     rumple_wrinkle_mesh_settings s = CALL(rumple_wrinkle_mesh_settings_default);
     bytes.vary(s.radius, s.prestretch, s.bending, s.collision, s.inside, s.stretch_relief,
                s.buckling_threshold, s.compression_limit, s.hem_rings, s.iterations, s.start_iterations,
-               s.damping, s.offset_space, s.tangential_pull, s.normal_pull, s.slack, s.taut_range, s.apart,
-               s.slide, s.nudge, s.seed, s.threads);
+               s.damping, s.offset_space, s.tangential_pull, s.normal_pull, s.slack, s.taut_range,
+               s.bend_radius, s.apart, s.slide, s.nudge, s.seed, s.threads);
     if (bytes.byte() % 4 == 3) vary(s.rest, bytes);
     return s;
 }

@@ -12,7 +12,7 @@ namespace {
 rumple_wrinkle_paths_settings paths_settings(const std::shared_ptr<const Base>& base, Bytes& bytes) {
     rumple_wrinkle_paths_settings s = CALL(rumple_wrinkle_paths_settings_default);
     s.width = 0.2f;
-    bytes.vary(s.smoothing, s.threshold, s.reach, s.width, s.spacing, s.alignment, s.hem_rings,
+    bytes.vary(s.smoothing, s.threshold, s.reach, s.width, s.spacing, s.alignment, s.bend_radius, s.hem_rings,
                s.growth_limit, s.fade, s.persistent, s.seed, s.profile, s.direction, s.height, s.threads);
     if (bytes.byte() % 4 == 3) vary(s.rest, bytes);
     float size = 0.0f;

@@ -35,7 +35,7 @@ struct Frame {
         settings.apart = settings.slide = 0.45f;
         const Model& model = *cloth.model;
         pose = make_pose(model, {cloth.squeezed(0.8f, 2.0f)});
-        targets = make_targets(model, settings, {}, pair_lengths(model, pose.attachment), {}, {});
+        targets = make_targets(model, settings, {}, pair_lengths(model, pose.attachment), pose, {});
         std::mt19937 random(7);
         const auto within = [&](float least, float most) {
             return std::uniform_real_distribution<float>(least, most)(random);

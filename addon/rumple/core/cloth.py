@@ -17,6 +17,7 @@ from .surroundings import Surroundings
 AIR = 1.2  # kg/m^3
 FOLLOW = 150.0  # 1/s^2: gravity sags cloth by 2 cm, so that it hangs from the shoulders and not from its animation
 THIRTIETH = 1.0 / 30.0  # s: what substeps divide
+LEAST_BEND = 4.0  # radius of lines that folds may run along, over their wavelength; from four times that on all do
 DOLL, GIANT = 0.4, 3.0  # metres, diagonal of a garment: smaller and larger ones hang as these do, to scale
 
 
@@ -185,6 +186,12 @@ def stiffness_over_cotton(bending_length: float) -> float:
     """Of the bending, per mass. What the base cloth holds against being pushed together is that: it buckles between
     its vertices. bending_length: metres."""
     return length_over_cotton(bending_length) ** 3
+
+
+def bend_radius(settings: ClothSettings, wavelength: float, unit_scale: float) -> float:
+    """Object units: no folds along lines that bend on a smaller radius (spare_cloth() of the library). 0, which is
+    along any line, without a base cloth. wavelength: of the folds, metres; unit_scale: metres per object unit."""
+    return 0.0 if settings.base_cloth == "OFF" else LEAST_BEND * wavelength / unit_scale
 
 
 def _invertible(world_from_object: np.ndarray | None) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .cloth import ClothFrame
+from .cloth import BaseCloth, ClothFrame, bend_radius
 from .keep_smooth import share_of_folds
 from .layers import layer_settings
 from .settings import MeshSettings
@@ -17,9 +17,10 @@ from .settings import MeshSettings
 class Drape:
     """The layer of one garment. No state: that of a frame stands in its ClothFrame."""
 
-    def __init__(self, surface: Any) -> None:
-        """surface: native, at rest."""
-        self.model = kernels.build_wrinkle_layers(surface, 0, display_steps=0)
+    def __init__(self, cloth: BaseCloth) -> None:
+        """cloth: of the garment."""
+        self.metre = cloth.size_factor / cloth.unit_scale  # of clothes of people, object units
+        self.model = kernels.build_wrinkle_layers(cloth.surface, 0, display_steps=0)
         weights = self.model.shown.barycentric  # without subdivisions every vertex is a corner of its triangle
         corner = np.column_stack([1.0 - weights.sum(axis=1), weights]).argmax(axis=1)
         self._vertex = self.model.shown.triangle_vertex[np.arange(len(corner)), corner]
@@ -29,7 +30,9 @@ class Drape:
         """Move the base cloth of a frame to its folds. settings: of a Wrinkle Field or Wrinkle Paths; before: the
         layer's state of the frame before, or None; contact: what keeps it off bodies, as solve_wrinkle_layers() has
         it; smooth: (n,) paint, as keep_smooth.py has it. Raises ValueError."""
-        options = layer_settings(_mesh_settings(settings), 1, world_from_object=world_from_object)
+        mesh = _mesh_settings(settings)
+        options = layer_settings(mesh, 1, world_from_object=world_from_object,
+                                 bend=bend_radius(mesh, mesh.wavelength, 1.0 / self.metre))
         frame.drape, _ = kernels.solve_wrinkle_layers(self.model, options, None, frame.positions, state=before,
                                                       **contact)
         shown = kernels.show_wrinkle_layers(self.model, frame.positions, frame.positions, frame.drape)

@@ -48,9 +48,9 @@ def hanging(gravity: float, world_from_object: np.ndarray | None) -> tuple[float
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
-                   world_from_object: np.ndarray | None = None) -> list[Any]:
+                   world_from_object: np.ndarray | None = None, bend: float = 0.0) -> list[Any]:
     """The native settings of every layer, coarse first. finest: how much there is of the last one, 0 to 1.
-    world_from_object: (3, 3), for where cloth hangs down; None: the identity."""
+    world_from_object: (3, 3), for where cloth hangs down; None: the identity. bend: bend_radius()."""
     out = []
     for number, word in enumerate(layer_words(count)):
         options = native_settings(settings)
@@ -69,6 +69,6 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
             looser = LOOSER / stiffer
             options.prestretch = settings.prestretch * (1.0 + share * looser * (settings.slack - 1.0))
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
-            options.hang = hanging(settings.gravity, world_from_object)
+            options.hang, options.bend_radius = hanging(settings.gravity, world_from_object), bend
         out.append(options)
     return out

@@ -97,7 +97,7 @@ class Stage:
     def drape(self) -> Drape:
         """The wide folds under a system that has none of its own. Built once."""
         if self._drape is None:
-            self._drape = Drape(self.cloth.surface)
+            self._drape = Drape(self.cloth)
         return self._drape
 
     def contact(self, frame: ClothFrame, settings: ClothSettings, body: Body | None) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..native import kernels
 from .base_mesh import BaseMesh
+from .cloth import bend_radius
 from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, PROFILE, Wrinkles
 from .frame_input import FrameInput
@@ -137,5 +138,6 @@ class WrinkleField(Wrinkles):
             setattr(options, name, getattr(settings, name))
         options.aligned_start = settings.start == "ALIGNED"
         options.wavelength = settings.wavelength / self.unit_scale
+        options.bend_radius = bend_radius(settings, settings.wavelength, self.unit_scale)
         settings.fill_reference(options)
         return options

@@ -11,7 +11,7 @@ import numpy as np
 from ..native import kernels
 from .base_mesh import BaseMesh, affordable_level
 from .body import Body
-from .cloth import size_factor
+from .cloth import bend_radius, size_factor
 from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
 from .layers import layer_settings, layer_words, native_settings
@@ -297,7 +297,10 @@ class WrinkleMesh(Wrinkles):
             before = before.activated()  # under other settings nothing of it may be held
         if not self.layer_count:
             return kernels.solve_wrinkle_mesh(self.model, native_settings(settings), self._paint, pose, before)
-        layers = layer_settings(settings, self.layer_count, self.finest_share, frame_input.world_from_object)
+        by_wavelength = settings.density == "WAVELENGTH"
+        wavelength = settings.wavelength if by_wavelength else EDGES_PER_WAVELENGTH * self.edge_mean
+        layers = layer_settings(settings, self.layer_count, self.finest_share, frame_input.world_from_object,
+                                bend_radius(settings, wavelength, self.unit_scale))
         return kernels.solve_wrinkle_layers(self.model, layers, self._paint, pose, state=before,
                                             **self._contact(settings, frame_input))
 

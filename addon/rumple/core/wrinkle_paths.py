@@ -8,7 +8,7 @@ import numpy as np
 
 from ..native import kernels
 from .base_mesh import BaseMesh
-from .cloth import size_factor
+from .cloth import bend_radius, size_factor
 from .cloth_surface import checked_surface
 from .curve_rows import CurvePoints
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
@@ -133,4 +133,5 @@ class WrinklePaths(Wrinkles):
             setattr(options, name, getattr(settings, name))
         settings.fill_reference(options)
         options.width = settings.width / self.unit_scale
+        options.bend_radius = bend_radius(settings, 2.0 * settings.width, self.unit_scale)  # a fold and the next
         return options

@@ -55,6 +55,7 @@ typedef struct rumple_wrinkle_paths_settings {
     float width;                     // L_min: width of the tightest fold, object units, > 0
     float spacing;                   // of seeds from folds, in widths, > 0
     float alignment;     // alpha of equation 5.2: low keeps folds where they are, high turns them, >= 0
+    float bend_radius;   // object units, >= 0: no folds along lines that bend on less; 0: along any line
     int32_t hem_rings;   // rings over which compression and height fade towards open borders, >= 0
     float growth_limit;  // most change of a fold's length, share per 1/30 s, >= 0
     float fade;          // in which a fold rises and sinks, s, >= 0

@@ -242,6 +242,7 @@ std::shared_ptr<const Model> build(Surface base, const Plan& plan) {
     regress_at_rest(*model);
     identify(*model);
     model->stretch = build_stretch(model->base);
+    model->bent_lines = build_bent_lines(model->base);
     model->triangles = build_reference(model->base);
     turn_frames(*model);
     if (plan.output == Output::kGeometry) {

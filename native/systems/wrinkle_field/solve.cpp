@@ -12,6 +12,7 @@
 #include "base/expect.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/tolerances.h"
 #include "systems/wrinkle_field/frames.h"
 #include "systems/wrinkle_field/wrinkle_field.h"
 
@@ -201,6 +202,7 @@ void check(const Settings& settings) {
     expect_within("rate", settings.rate, 0.0, 1.0);
     expect_within("rounds", settings.rounds, 0, 1e6);
     expect_within("start_rounds", settings.start_rounds, 0, 1e6);
+    expect_within("bend_radius", settings.bend_radius, 0.0, kFarthestCoordinate);
     expect_within("irregularity", settings.irregularity, 0.0, 1.0);
     expect_within("threads", settings.threads, 0, 1024);
     check_reference(settings.rest);
@@ -274,6 +276,9 @@ Waves estimate_waves(const Model& model, const Settings& settings, const Paint& 
     waves.direction.assign(vertices, Vec2(1.0f, 0.0f));
     const std::vector<Vec2> first = before.empty() ? first_directions(model) : std::vector<Vec2>();
     if (before.empty()) before = first;
+    std::vector<SpareCloth> spare;
+    if (settings.bend_radius > 0.0f)
+        spare = spare_cloth(model.base, model.bent_lines, pose.positions, settings.bend_radius);
     for_each_vertex(settings, vertices, [&](size_t v) {
         const std::optional<Neighbourhood>& around = pose.around[v];
         if (!around) return;
@@ -284,10 +289,16 @@ Waves estimate_waves(const Model& model, const Settings& settings, const Paint& 
         waves.compression[v] = estimate.r;
         waves.direction[v] = estimate.k;
         if (estimate.fullness > 0.0f) waves.gather[v] = glm::length(estimate.k_deformed);
+        const Vec3 across =
+            estimate.k_deformed.x * around->tangent + estimate.k_deformed.y * around->bitangent;
         waves.fullness[v] = estimate.fullness * parameters.mask[v];
+        if (!spare.empty() && across != Vec3(0.0f)) {
+            // What the artist has painted stays.
+            const float painted = std::min(glm::length(parameters.rest_wrinkle[v]), 1.0f);
+            waves.fullness[v] *= 1.0f - (1.0f - painted) * spare[v].share_without_place(across);
+        }
         waves.height[v] = 0.25f * w * settings.strength * waves.fullness[v];  // equation (2)
-        waves.wave_vector[v] = (formulas::kTwoPi / w) * (estimate.k_deformed.x * around->tangent +
-                                                         estimate.k_deformed.y * around->bitangent);
+        waves.wave_vector[v] = (formulas::kTwoPi / w) * across;
     });
     return waves;
 }

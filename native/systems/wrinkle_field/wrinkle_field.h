@@ -17,6 +17,7 @@
 #include "surface/output/attachments.h"
 #include "surface/output/shown_mesh.h"
 #include "surface/strain/adaptive_reference.h"
+#include "surface/strain/bent_lines.h"
 #include "surface/strain/deformation.h"
 
 namespace rumple::wrinkle_field {
@@ -54,7 +55,9 @@ struct Settings {
     std::uint32_t seed = 0;     // of the first phases and of the irregularity
     bool aligned_start = true;  // align() the random first phases; false: as printed
     int threads = 0;            // 0: chosen by size; the result does not depend on it
-    bool dissolve = true;       // waves that disagree with their neighbours are lower; see dissolve()
+    float bend_radius =
+        0.0f;              // object units, >= 0: no waves along lines that bend on less; 0: along any line
+    bool dissolve = true;  // waves that disagree with their neighbours are lower; see dissolve()
     // What compression is measured against: the rest pose, or reference triangles that adapt.
     ReferenceSettings rest{.reference = Reference::kStaticRest};
 };
@@ -91,6 +94,7 @@ struct Model {
     std::vector<Index> uv_fan;            // ... and the fan of corners that share its gradient of uv
     Attachments attachments;              // of the displaced vertices (kGeometry)
     StretchModel stretch;
+    BentLinesModel bent_lines;
     ReferenceModel triangles;
     std::vector<Vec2> vertex_turn;  // per welded vertex: from its frame in `stretch` to its rest frame
     ShownMesh shown;

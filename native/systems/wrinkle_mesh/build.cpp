@@ -218,16 +218,7 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
 }
 
 std::vector<float> carry_paint(const Model& model, std::span<const float> base_values) {
-    std::vector<float> out;
-    out.reserve(model.attachments.places.size());
-    for (const SurfacePoint& place : model.attachments.places) {
-        const Triangle& triangle = model.base.triangles[place.triangle];
-        const auto value = [&](int k) {
-            return base_values[model.base.display.corner_vertex[triangle.corner[k]]];
-        };
-        out.push_back((1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2));
-    }
-    return out;
+    return carry(model, base_values);
 }
 
 }  // namespace rumple::wrinkle_mesh

@@ -20,6 +20,17 @@ std::vector<Vec3> attached_over(const Model& layer, std::span<const Vec3> below)
     return out;
 }
 
+// Of the vertices of the base, as the artist has them.
+std::vector<SpareCloth> spare_cloth_of(const Layers& layers, std::span<const Vec3> positions, float radius) {
+    const Surface& base = layers.base;
+    std::vector<Vec3> welded(base.welded.vertex_count);
+    weld_positions(base, positions, welded);
+    const std::vector<SpareCloth> spare = spare_cloth(base, layers.bent_lines, welded, radius);
+    std::vector<SpareCloth> out;
+    for (const Index w : base.welded_of) out.push_back(spare[w]);
+    return out;
+}
+
 // How far the next layer may go inwards: what the vertices of this one have left.
 std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
     std::vector<float> gap;
@@ -190,6 +201,7 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
     out->shown_in_viewport =
         show_in_viewport(out->base, out->base, fine, display_steps, viewport_steps, finest.positions_rest);
     out->stretch = build_stretch(out->base);
+    out->bent_lines = build_bent_lines(out->base);
     return out;
 }
 
@@ -218,6 +230,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     LayersState out;
     Chain chain(input);
     Clear own_cloth, body_ahead;
+    std::vector<SpareCloth> spare = spare_cloth_of(layers, input.positions, settings[0].bend_radius);
     std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
@@ -225,6 +238,8 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
         chain.set_threads(settings[k].threads);
         Pose pose = make_pose(layer, chain.input());
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
+        spare = carry(layer, std::span<const SpareCloth>(spare));
+        if (settings[k].bend_radius > 0.0f) pose.spare = spare;
         look_at_own(layers.own[k], layer, settings[k], paint[k], own_cloth, pose);
         if (input.bodies)
             look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, body_ahead, pose);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "surface/contact/self_distance.h"
+#include "surface/strain/bent_lines.h"
 #include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
 namespace rumple::wrinkle_mesh {
@@ -20,6 +21,7 @@ struct Layers {
     ShownMesh shown;                                   // of the finest, embedded in the base
     std::optional<ShownMesh> shown_in_viewport;        // where that is subdivided fewer times
     StretchModel stretch;
+    BentLinesModel bent_lines;
 };
 
 // levels: subdivisions of the base that are solved, 0..kMostLevels; there are levels + 1 layers.

@@ -45,6 +45,28 @@ Lanes pre_stretch(const Settings& settings, const Lanes& paint, const Vec3Lanes&
     return mix(taut, least(most(strain, one), taut), hanging * hanging);
 }
 
+// v . T v, of the means of a tensor at both ends of pairs.
+Lanes quadratic_of(const Pairs& pairs, const std::vector<SpareCloth>& spare, Tensor3 SpareCloth::*which,
+                   const Vec3Lanes& v, size_t first, size_t count) {
+    Vec3Lanes diagonal, rest;
+    for (size_t k = 0; k < count; ++k) {
+        const Tensor3 sum = spare[pairs.a[first + k]].*which + spare[pairs.b[first + k]].*which;
+        diagonal.set(static_cast<int>(k), sum.diagonal);
+        rest.set(static_cast<int>(k), sum.rest);
+    }
+    const Vec3Lanes squares(v.x * v.x, v.y * v.y, v.z * v.z), products(v.y * v.z, v.z * v.x, v.x * v.y);
+    return dot(diagonal, squares) + 2.0f * dot(rest, products);
+}
+
+// SpareCloth::share_without_place() of folds across pairs.
+Lanes share_without_place(const Pairs& pairs, const std::vector<SpareCloth>& spare, const Vec3Lanes& way,
+                          size_t first, size_t count) {
+    const Lanes zero{};
+    const Lanes whole = quadratic_of(pairs, spare, &SpareCloth::all, way, first, count);
+    const Lanes part = quadratic_of(pairs, spare, &SpareCloth::without_place, way, first, count);
+    return whole > zero ? within(part / whole, zero, all_lanes(1.0f)) : zero;
+}
+
 // The length that pairs are asked to keep in this pose. The paper asks for s l0
 // always; we give in to a part of the stretch of the base and to a small compression, and make no more cloth
 // from a collapsed base than compression_limit allows.
@@ -210,7 +232,7 @@ std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positi
 }
 
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
-                     std::span<const float> lengths, std::span<const Vec3> unwrinkled,
+                     std::span<const float> lengths, const Pose& pose,
                      const std::vector<float>& rest_scales) {
     Targets targets;
     const auto both = [](const std::vector<float>& values, const Pairs& pairs, size_t first, size_t count) {
@@ -219,8 +241,9 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
             sum[k] = values[pairs.a[first + k]] + values[pairs.b[first + k]];
         return 0.5f * sum;
     };
-    const bool by_tension = settings.taut_range > 0.0f && !unwrinkled.empty();
-    const std::vector<Row> rows = to_rows(by_tension ? unwrinkled : std::span<const Vec3>());
+    const bool by_tension = settings.taut_range > 0.0f && !pose.unwrinkled.empty();
+    const bool straight_only = !pose.spare.empty();
+    const std::vector<Row> rows = to_rows(pose.unwrinkled);
     const auto fill = [&](const Pairs& pairs, size_t begin, std::vector<float>& out) {
         out.resize(pairs.size());
         for_each_four(pairs.size(), [&](size_t first, size_t count) {
@@ -228,10 +251,15 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
             if (!rest_scales.empty()) rest = load_lanes(&rest_scales[begin + first], count) * rest;
             const Lanes length = load_lanes(&lengths[begin + first], count);
             const Lanes painted_here = both(paint.prestretch, pairs, first, count);
-            const Lanes s =
-                by_tension ? pre_stretch(settings, painted_here, ways_along(pairs, rows, first, count), rest)
-                           : most_pre_stretch(settings, painted_here);
-            store_lanes(target_length(settings, s, rest, length), &out[first], count);
+            const Vec3Lanes way =
+                by_tension || straight_only ? ways_along(pairs, rows, first, count) : Vec3Lanes();
+            const Lanes s = by_tension ? pre_stretch(settings, painted_here, way, rest)
+                                       : most_pre_stretch(settings, painted_here);
+            Lanes target = target_length(settings, s, rest, length);
+            if (straight_only)
+                target = mix(target, least(target, length),
+                             share_without_place(pairs, pose.spare, way, first, count));
+            store_lanes(target, &out[first], count);
         });
     };
     fill(model.distance, 0, targets.distance);

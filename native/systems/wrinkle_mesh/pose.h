@@ -8,6 +8,7 @@
 
 #include "base/tolerances.h"
 #include "surface/contact/self_distance.h"
+#include "surface/strain/bent_lines.h"
 #include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
 namespace rumple::wrinkle_mesh {
@@ -19,6 +20,7 @@ struct Pose {
     std::vector<TriangleFrame> frames;  // per base triangle
     std::vector<Vec3> attachment;       // a_i
     std::vector<Vec3> unwrinkled;       // where layers without folds would have them; empty: no layers
+    std::vector<SpareCloth> spare;      // of the base, at the attachments; empty: folds along any line
     std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
     std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
     std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
@@ -26,6 +28,21 @@ struct Pose {
     std::vector<float> heights;         // PosedOwnSurface::heights() at the attachments; empty: no bound
     Index collapsed = 0;
 };
+
+// Values of the base's vertices (as the artist has them) -> solved vertices.
+template <typename Value>
+std::vector<Value> carry(const Model& model, std::span<const Value> base_values) {
+    std::vector<Value> out;
+    out.reserve(model.attachments.places.size());
+    for (const SurfacePoint& place : model.attachments.places) {
+        const Triangle& triangle = model.base.triangles[place.triangle];
+        const auto value = [&](int k) {
+            return base_values[model.base.display.corner_vertex[triangle.corner[k]]];
+        };
+        out.push_back((1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2));
+    }
+    return out;
+}
 
 // Throws InvalidInput when positions do not match the model or are not finite.
 Pose make_pose(const Model& model, const Input& input);
@@ -96,8 +113,7 @@ inline float scale_of(const std::vector<float>& scales, size_t pair) {
     return scales.empty() ? 1.0f : scales[pair];
 }
 
-// What every pair is asked for in this pose, of its lengths at the attachments and of the vertices without
-// folds (empty: no layers).
+// What every pair is asked for in this pose, of its lengths at the attachments.
 struct Targets {
     std::vector<float> distance;
     std::vector<float> bending;
@@ -105,8 +121,7 @@ struct Targets {
 };
 
 Targets make_targets(const Model& model, const Settings& settings, const Paint& paint,
-                     std::span<const float> lengths, std::span<const Vec3> unwrinkled,
-                     const std::vector<float>& rest_scales);
+                     std::span<const float> lengths, const Pose& pose, const std::vector<float>& rest_scales);
 
 // Relative errors of the lengths of pairs.
 struct LengthError {

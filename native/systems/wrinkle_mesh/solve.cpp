@@ -119,7 +119,7 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
                 adapt_rest(model, settings, input, pose, before)};
     const std::vector<float> scales = rest_scales(model, settings, state.reference, pose, lengths);
     for (size_t i = 0; i < scales.size(); ++i) state.solved_length[i] /= std::max(scales[i], kShortestEdge);
-    const Targets targets = make_targets(model, settings, paint, lengths, pose.unwrinkled, scales);
+    const Targets targets = make_targets(model, settings, paint, lengths, pose, scales);
     const std::vector<float> active = before ? activity(model, state.solved_length, *before)
                                              : std::vector<float>(pose.attachment.size(), 1.0f);
 
@@ -164,6 +164,7 @@ void check(const Settings& settings) {
     expect_within("slack", settings.slack, 1e-3, 1e3);
     expect_within("taut_range", settings.taut_range, 0.0, 1e3);
     expect_within("hang", glm::length(settings.hang), 0.0, 1.001);
+    expect_within("bend_radius", settings.bend_radius, 0.0, kFarthestCoordinate);
     expect_within("bending", settings.bending, 0.0, 1.0);
     expect_within("inside", settings.inside, 0.0, 1.0);
     expect_within("stretch_relief", settings.stretch_relief, 0.0, 1.0);

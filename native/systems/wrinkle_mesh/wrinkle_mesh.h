@@ -45,8 +45,10 @@ struct Settings {
     // Only layers have these (wrinkle_mesh_layers). (Not in the paper.)
     float slack = 1.0f;  // length over rest length at which the base pulls taut, > 0
     float taut_range =
-        0.0f;                // over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere taut
-    Vec3 hang{0.0f};         // object space, length 0..1: along it its own weight pulls the cloth taut
+        0.0f;         // over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere taut
+    Vec3 hang{0.0f};  // object space, length 0..1: along it its own weight pulls the cloth taut
+    float bend_radius =
+        0.0f;                // object units, >= 0: no folds along lines that bend on less; 0: along any line
     float apart = 0.0f;      // share of the distance to its own cloth that a vertex may go towards it
     float slide = 0.0f;      // share of the heights of its triangles that a vertex may go along the surface
     float nudge = 0.02f;     // size of the random push of unbuckled vertices, in fine edges, >= 0

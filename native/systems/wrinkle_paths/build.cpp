@@ -88,6 +88,7 @@ void check(const Settings& s) {
     check_range("alignment", s.alignment, 0.0, kMost);
     check_range("growth_limit", s.growth_limit, 0.0, kMost);
     check_range("fade", s.fade, 0.0, kMost);
+    check_range("bend_radius", s.bend_radius, 0.0, kFarthestCoordinate);
     check_range("hem_rings", s.hem_rings, 0.0, kMost);
     check_range("height", s.height, 0.0, kMost);
     check_range("threads", s.threads, 0.0, 1024.0);
@@ -105,6 +106,7 @@ std::shared_ptr<const Model> build(Surface base, const FineSource& source, Attac
     model->positions_rest = attached_at_rest(model->base, model->attachments);
     sort_by_triangle(*model);
     model->stretch = build_stretch(model->base);
+    model->bent_lines = build_bent_lines(model->base);
     model->shown = show_fine(model->base, model->base, fine, 0, model->positions_rest);
     return model;
 }

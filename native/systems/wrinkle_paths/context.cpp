@@ -47,10 +47,25 @@ float hem_weight(const Model& model, const Settings& settings, const SurfacePoin
     return (1.0f - place.b0 - place.b1) * corner(0) + place.b0 * corner(1) + place.b1 * corner(2);
 }
 
+namespace {
+
+// The share of a triangle's folds that have a place: lines along them run straight.
+float share_with_place(const Model& model, const std::vector<SpareCloth>& spare, Index triangle,
+                       const Vec3& across) {
+    if (spare.empty()) return 1.0f;
+    const auto at = [&](Index k) { return spare[model.net.vertex[3 * triangle + k]]; };
+    return 1.0f - (at(0) + at(1) + at(2)).share_without_place(across);
+}
+
+}  // namespace
+
 PathContext make_context(const Model& model, const Settings& settings, const Paint& paint, const Pose& pose,
                          const std::vector<FlatTriangle>& shapes, const std::vector<FlatTriangle>& reference,
                          const std::vector<Stretch>& changes) {
     PathContext context{model, pose, {}, {}, {}};
+    std::vector<SpareCloth> spare;
+    if (settings.bend_radius > 0.0f)
+        spare = spare_cloth(model.base, model.bent_lines, pose.positions, settings.bend_radius);
     for (size_t t = 0; t < reference.size(); ++t) {
         context.stretch.push_back(pose.shapes[t].has_area() ? measure_stretch(reference[t], shapes[t])
                                                             : Stretch{});
@@ -63,6 +78,7 @@ PathContext make_context(const Model& model, const Settings& settings, const Pai
         const float strain = std::max(changes[t].compression, changes[t].stretch) - 1.0f;
         const float x = std::clamp((strain - kHeldChange) / (kFreeChange - kHeldChange), 0.0f, 1.0f);
         context.activity.push_back(x * x * (3.0f - 2.0f * x));
+        mask *= share_with_place(model, spare, Index(t), context.across(Index(t)));
         context.compression.push_back(1.0f + mask * (context.stretch[t].compression - 1.0f));
     }
     return context;

@@ -13,6 +13,7 @@
 #include "surface/output/attachments.h"
 #include "surface/output/shown_mesh.h"
 #include "surface/strain/adaptive_reference.h"
+#include "surface/strain/bent_lines.h"
 #include "surface/strain/deformation.h"
 #include "systems/wrinkle_paths/profile.h"
 
@@ -22,13 +23,15 @@ enum class Direction { kOutward, kInward, kBoth };
 
 // What the user sets for every solve; what compression is measured against (chapter 4) first.
 struct Settings : ReferenceSettings {
-    float smoothing = 0.1f;      // of the triangles' shapes in time, seconds, >= 0; printed: 0
-    float threshold = 1.25f;     // tau: folds start where lambda~_min is above it, > 1
-    float reach = 0.25f;         // folds go on down to this share of tau's compression, 0..1; printed: 1
-    float width = 0.02f;         // L_min: width of the tightest fold, object units, > 0
-    float spacing = 1.12f;       // of seeds from folds, in widths, > 0
-    float alignment = 0.4f;      // alpha of eq. 5.2: low keeps folds where they are, high turns them, >= 0
-    int hem_rings = 2;           // rings over which compression and height fade towards open borders, >= 0
+    float smoothing = 0.1f;   // of the triangles' shapes in time, seconds, >= 0; printed: 0
+    float threshold = 1.25f;  // tau: folds start where lambda~_min is above it, > 1
+    float reach = 0.25f;      // folds go on down to this share of tau's compression, 0..1; printed: 1
+    float width = 0.02f;      // L_min: width of the tightest fold, object units, > 0
+    float spacing = 1.12f;    // of seeds from folds, in widths, > 0
+    float alignment = 0.4f;   // alpha of eq. 5.2: low keeps folds where they are, high turns them, >= 0
+    float bend_radius =
+        0.0f;           // object units, >= 0: no folds along lines that bend on less; 0: along any line
+    int hem_rings = 2;  // rings over which compression and height fade towards open borders, >= 0
     float growth_limit = 0.15f;  // most change of a fold's length, share per 1/30 s, >= 0
     float fade = 0.15f;          // time in which a fold rises at birth and sinks at its end, seconds, >= 0
     bool persistent = true;      // false: every frame is traced anew (the thesis's figure 5.2, to compare)
@@ -58,6 +61,7 @@ struct Model : ReferenceModel {
     std::vector<Index> fine_start;     // per triangle, into fine_vertex:
     std::vector<Index> fine_vertex;    //   the fine vertices that lie in it
     StretchModel stretch;
+    BentLinesModel bent_lines;
     ShownMesh shown;
 };
 

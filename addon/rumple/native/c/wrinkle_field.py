@@ -73,14 +73,16 @@ class WrinkleFieldSettings(Struct):
     rounds: int  # of relaxation, from a given state, >= 0
     start_rounds: int  # from the canonical start, >= 0
     irregularity: float  # 0: tidy cloth, 1: skin
+    bend_radius: float  # object units, >= 0: no waves along lines that bend on less; 0: any line
     seed: int  # of the first phases and of the irregularity
     aligned_start: bool  # make the random first phases agree; false: random, as printed
     threads: int  # 0: chosen by size; never changes the result
     dissolve: bool  # waves that disagree with their neighbours are lower
     rest: ReferenceSettings  # what compression is measured against
     _fields_ = (("wavelength", c_float), ("strength", c_float), ("keep_length", c_bool), ("rate", c_float),
-        ("rounds", c_int32), ("start_rounds", c_int32), ("irregularity", c_float), ("seed", c_uint32),
-        ("aligned_start", c_bool), ("threads", c_int32), ("dissolve", c_bool), ("rest", ReferenceSettings),)
+        ("rounds", c_int32), ("start_rounds", c_int32), ("irregularity", c_float), ("bend_radius", c_float),
+        ("seed", c_uint32), ("aligned_start", c_bool), ("threads", c_int32), ("dissolve", c_bool),
+        ("rest", ReferenceSettings),)
 
 
 class WrinkleFieldProfile(Struct):

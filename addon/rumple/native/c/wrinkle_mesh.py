@@ -72,6 +72,7 @@ class WrinkleMeshSettings(Struct):
     slack: float  # of layers: length over rest length at which the base pulls taut, > 0
     taut_range: float  # of layers: over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere
     hang: Array  # of layers: object space, length 0..1: along it its own weight pulls the cloth taut
+    bend_radius: float  # of layers: object units, >= 0: no folds along lines that bend on less; 0: along any
     apart: float  # of layers: share of the distance to its own cloth that a vertex may go, 0..0.5
     slide: float  # of layers: share of the heights of its triangles that it may go along them, 0..0.5
     nudge: float  # size of the random push of unbuckled vertices, in fine edges, >= 0
@@ -83,8 +84,8 @@ class WrinkleMeshSettings(Struct):
         ("compression_limit", c_float), ("hem_rings", c_int32), ("iterations", c_int32),
         ("start_iterations", c_int32), ("damping", c_float), ("offset_space", c_int32), ("tangential_pull", c_float),
         ("normal_pull", c_float), ("slack", c_float), ("taut_range", c_float), ("hang", c_float * 3),
-        ("apart", c_float), ("slide", c_float), ("nudge", c_float), ("seed", c_uint32), ("threads", c_int32),
-        ("rest", ReferenceSettings),)
+        ("bend_radius", c_float), ("apart", c_float), ("slide", c_float), ("nudge", c_float), ("seed", c_uint32),
+        ("threads", c_int32), ("rest", ReferenceSettings),)
 
 
 class WrinkleMeshPainted(Struct):

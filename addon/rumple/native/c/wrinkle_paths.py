@@ -44,6 +44,7 @@ class WrinklePathsSettings(Struct):
     width: float  # L_min: width of the tightest fold, object units, > 0
     spacing: float  # of seeds from folds, in widths, > 0
     alignment: float  # alpha of equation 5.2: low keeps folds where they are, high turns them, >= 0
+    bend_radius: float  # object units, >= 0: no folds along lines that bend on less; 0: along any line
     hem_rings: int  # rings over which compression and height fade towards open borders, >= 0
     growth_limit: float  # most change of a fold's length, share per 1/30 s, >= 0
     fade: float  # in which a fold rises and sinks, s, >= 0
@@ -54,9 +55,9 @@ class WrinklePathsSettings(Struct):
     height: float  # factor on the height that keeps the arc length, >= 0
     threads: int  # 0: chosen by size; never changes the result
     _fields_ = (("rest", ReferenceSettings), ("smoothing", c_float), ("threshold", c_float), ("reach", c_float),
-        ("width", c_float), ("spacing", c_float), ("alignment", c_float), ("hem_rings", c_int32),
-        ("growth_limit", c_float), ("fade", c_float), ("persistent", c_bool), ("seed", c_uint32),
-        ("profile", c_int32), ("direction", c_int32), ("height", c_float), ("threads", c_int32),)
+        ("width", c_float), ("spacing", c_float), ("alignment", c_float), ("bend_radius", c_float),
+        ("hem_rings", c_int32), ("growth_limit", c_float), ("fade", c_float), ("persistent", c_bool),
+        ("seed", c_uint32), ("profile", c_int32), ("direction", c_int32), ("height", c_float), ("threads", c_int32),)
 
 
 class WrinklePathsPainted(Struct):

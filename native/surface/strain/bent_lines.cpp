@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/strain/bent_lines.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/formulas.h"
+#include "base/smooth_step.h"
+#include "base/tolerances.h"
+#include "surface/output/attachments.h"
+
+namespace rumple {
+namespace {
+
+// Of the sums of squares of the second derivatives, in the fit: where too few vertices lie around one (at a
+// border), they are 0.
+constexpr double kRidge = 1e-2;
+// Over the radius on which no line bears a fold: that on which all do.
+constexpr float kFreeRadius = 4.0f;
+// Of the squared length: cloth that is not compressed counts as if it had so much to spare.
+constexpr float kLeastSpare = 0.01f;
+
+using Row5 = std::array<double, 5>;
+
+// The other vertices of the polygons around every vertex, ascending.
+std::vector<std::vector<Index>> polygon_rings(const PolygonMesh& mesh) {
+    std::vector<std::vector<Index>> rings(size_t(mesh.vertex_count));
+    for (Index p = 0; p < mesh.polygons(); ++p) {
+        for (Index i = mesh.polygon_start[p]; i < mesh.polygon_start[p + 1]; ++i) {
+            for (Index j = mesh.polygon_start[p]; j < mesh.polygon_start[p + 1]; ++j) {
+                if (i != j) rings[mesh.corner_vertex[i]].push_back(mesh.corner_vertex[j]);
+            }
+        }
+    }
+    for (std::vector<Index>& ring : rings) {
+        std::sort(ring.begin(), ring.end());
+        ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+    }
+    return rings;
+}
+
+// Cholesky's factor of a positive definite matrix, in its lower half; false where it is none.
+bool factorise(std::array<Row5, 5>& m) {
+    for (size_t i = 0; i < 5; ++i) {
+        for (size_t j = 0; j <= i; ++j) {
+            double sum = m[i][j];
+            for (size_t k = 0; k < j; ++k) sum -= m[i][k] * m[j][k];
+            if (i != j) {
+                m[i][j] = sum / m[j][j];
+            } else if (sum > 1e-9) {
+                m[i][i] = std::sqrt(sum);
+            } else {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+Row5 solved(const std::array<Row5, 5>& factor, Row5 x) {
+    for (size_t i = 0; i < 5; ++i) {
+        for (size_t k = 0; k < i; ++k) x[i] -= factor[i][k] * x[k];
+        x[i] /= factor[i][i];
+    }
+    for (size_t i = 5; i-- > 0;) {
+        for (size_t k = i + 1; k < 5; ++k) x[i] -= factor[k][i] * x[k];
+        x[i] /= factor[i][i];
+    }
+    return x;
+}
+
+// The direction along which the surface has derivatives x and y, and the second derivative along it.
+struct Derivatives {
+    Vec3 x{0.0f}, y{0.0f}, xx{0.0f}, xy{0.0f}, yy{0.0f};
+
+    Vec3 first(const Vec2& t) const { return t.x * x + t.y * y; }
+    Vec3 second(const Vec2& t) const { return t.x * t.x * xx + 2.0f * t.x * t.y * xy + t.y * t.y * yy; }
+};
+
+}  // namespace
+
+BentLinesModel build_bent_lines(const Surface& surface) {
+    BentLinesModel model;
+    const std::vector<Vec3>& p = surface.positions_rest;
+    std::vector<Vec3> normals(p.size());
+    vertex_normals(surface, p, normals);
+    const std::vector<std::vector<Index>> rings = polygon_rings(surface.welded);
+    for (size_t v = 0; v < rings.size(); ++v) {
+        const std::vector<Index>& ring = rings[v];
+        double size = 0.0;
+        for (const Index n : ring) size += glm::distance(p[n], p[v]) / double(ring.size());
+        const Vec3 tangent = formulas::any_tangent(normals[v]), bitangent = glm::cross(normals[v], tangent);
+        std::vector<Row5> rows;
+        std::array<Row5, 5> normal_equations{};
+        for (size_t k = 2; k < 5; ++k) normal_equations[k][k] = kRidge;
+        for (const Index n : ring) {
+            const double x = glm::dot(p[n] - p[v], tangent) / size,
+                         y = glm::dot(p[n] - p[v], bitangent) / size;
+            rows.push_back({x, y, 0.5 * x * x, x * y, 0.5 * y * y});
+            for (size_t i = 0; i < 5; ++i)
+                for (size_t j = 0; j < 5; ++j) normal_equations[i][j] += rows.back()[i] * rows.back()[j];
+        }
+        if (size > kShortestEdge && glm::dot(normals[v], normals[v]) > 0.0f && factorise(normal_equations)) {
+            for (size_t i = 0; i < ring.size(); ++i) {
+                const Row5 weights = solved(normal_equations, rows[i]);
+                BentLinesModel::Around around{ring[i], {}};
+                for (size_t k = 0; k < 5; ++k)
+                    around.weight[k] = static_cast<float>(weights[k] / (k < 2 ? size : size * size));
+                model.around.push_back(around);
+            }
+        }
+        model.start.push_back(static_cast<Index>(model.around.size()));
+    }
+    return model;
+}
+
+std::vector<SpareCloth> spare_cloth(const Surface& surface, const BentLinesModel& model,
+                                    std::span<const Vec3> positions, float radius) {
+    std::vector<SpareCloth> out(surface.welded.vertex_count);
+    for (size_t v = 0; v < out.size(); ++v) {
+        Derivatives d;
+        for (Index i = model.start[v]; i < model.start[v + 1]; ++i) {
+            const auto& [vertex, weight] = model.around[i];
+            const Vec3 way = positions[vertex] - positions[v];
+            d.x += weight[0] * way;
+            d.y += weight[1] * way;
+            d.xx += weight[2] * way;
+            d.xy += weight[3] * way;
+            d.yy += weight[4] * way;
+        }
+        const Vec3 normal = glm::cross(d.x, d.y);
+        const float area = glm::length(normal);
+        if (area <= kShortestEdge) continue;
+        const Vec2 small =
+            principal({glm::dot(d.x, d.x), glm::dot(d.x, d.y), glm::dot(d.y, d.y)}).small_direction;
+        for (const Vec2& line : {small, Vec2(-small.y, small.x)}) {
+            const Vec3 along = d.first(line);
+            const float length = glm::length(along);
+            if (length <= kShortestEdge) continue;
+            const Vec3 side = glm::cross(normal / area, along / length);
+            const float curvature = std::abs(glm::dot(d.second(line), side)) / (length * length);
+            const float across = area / length;  // stretch at right angles to the line
+            const float spare = kLeastSpare + std::max(1.0f / (across * across) - 1.0f, 0.0f);
+            out[v].all.add(spare, side);
+            out[v].without_place.add(spare * smooth_step(1.0f / kFreeRadius, 1.0f, radius * curvature), side);
+        }
+    }
+    return out;
+}
+
+}  // namespace rumple
