@@ -45,7 +45,8 @@ float most_without_place(const std::vector<SpareCloth>& spare) {
     float most = 0.0f;
     for (const SpareCloth& s : spare)
         for (int k = 0; k < 3; ++k)
-            most = std::max({most, std::abs(s.without_place.diagonal[k]), std::abs(s.without_place.rest[k])});
+            most = std::max(
+                {most, std::abs(s.without_place.diagonal[k]), std::abs(s.without_place.off_diagonal[k])});
     return most;
 }
 
@@ -164,6 +165,23 @@ TEST(BentLines, BearNoPaths) {
     EXPECT_GT(paths(arcs, 0.0f), 2);
     EXPECT_EQ(paths(arcs, kMore), 0);
     EXPECT_EQ(paths(lines, kMore), paths(lines, 0.0f));
+}
+
+// Crushed to a line, to a point, and farther apart than any cloth: nothing that is no number.
+TEST(BentLines, OfAWildFrameAreNumbers) {
+    const Sheet sheet;
+    const auto finite = [&](const auto& move) {
+        for (const SpareCloth& s : sheet.bent(move, 0.2f)) {
+            for (const Vec3& e : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+                if (!std::isfinite(s.share_without_place(e))) return false;
+        }
+        return true;
+    };
+    EXPECT_TRUE(finite([](const Vec3& p) { return Vec3(p.x, 0.0f, 0.0f); }));
+    EXPECT_TRUE(finite([](const Vec3&) { return Vec3(0.0f); }));
+    EXPECT_TRUE(
+        finite([](const Vec3& p) { return 1e8f * Vec3(std::sin(1e4f * p.x), std::cos(3e4f * p.y), p.x); }));
+    EXPECT_TRUE(finite([](const Vec3& p) { return Vec3(1e8f * p.x, 1e-12f * p.y, 0.0f); }));
 }
 
 TEST(BentLines, RadiusIsChecked) {

@@ -19,6 +19,8 @@ constexpr double kRidge = 1e-2;
 constexpr float kFreeRadius = 4.0f;
 // Of the squared length: cloth that is not compressed counts as if it had so much to spare.
 constexpr float kLeastSpare = 0.01f;
+// Cloth that is pressed together farther has no more to spare.
+constexpr float kLeastStretch = 0.05f;
 
 using Row5 = std::array<double, 5>;
 
@@ -136,10 +138,11 @@ std::vector<SpareCloth> spare_cloth(const Surface& surface, const BentLinesModel
         for (const Vec2& line : {small, Vec2(-small.y, small.x)}) {
             const Vec3 along = d.first(line);
             const float length = glm::length(along);
-            if (length <= kShortestEdge) continue;
+            if (!std::isfinite(length) || length <= kShortestEdge) continue;
             const Vec3 side = glm::cross(normal / area, along / length);
             const float curvature = std::abs(glm::dot(d.second(line), side)) / (length * length);
-            const float across = area / length;  // stretch at right angles to the line
+            // Stretch at right angles to the line.
+            const float across = std::max(area / length, kLeastStretch);
             const float spare = kLeastSpare + std::max(1.0f / (across * across) - 1.0f, 0.0f);
             out[v].all.add(spare, side);
             out[v].without_place.add(spare * smooth_step(1.0f / kFreeRadius, 1.0f, radius * curvature), side);

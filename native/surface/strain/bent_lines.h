@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How much lines that run straight over the surface at rest bend along it in a pose: their geodesic
-// curvature. Cloth is pulled taut along straight lines, so no fold runs along one that bends (not in the
-// papers: docs/wrinkle_mesh.md, "No folds along lines that bend").
+// curvature. Cloth is pulled taut along straight lines, so no fold runs along one that bends. Not in the
+// papers: docs/base_cloth.md, "No folds along lines that bend".
 #pragma once
 
 #include <algorithm>
@@ -15,24 +15,25 @@ namespace rumple {
 
 // A symmetric 3x3 tensor of object space.
 struct Tensor3 {
-    Vec3 diagonal{0.0f};  // xx, yy, zz
-    Vec3 rest{0.0f};      // yz, zx, xy
+    Vec3 diagonal{0.0f};      // xx, yy, zz
+    Vec3 off_diagonal{0.0f};  // yz, zx, xy
 
     // scale times v v^T
     void add(float scale, const Vec3& v) {
         diagonal += scale * v * v;
-        rest += scale * Vec3(v.y * v.z, v.z * v.x, v.x * v.y);
+        off_diagonal += scale * Vec3(v.y * v.z, v.z * v.x, v.x * v.y);
     }
 };
 // v . T v
 inline float quadratic(const Tensor3& t, const Vec3& v) {
-    return glm::dot(t.diagonal, v * v) + 2.0f * glm::dot(t.rest, Vec3(v.y * v.z, v.z * v.x, v.x * v.y));
+    return glm::dot(t.diagonal, v * v) +
+           2.0f * glm::dot(t.off_diagonal, Vec3(v.y * v.z, v.z * v.x, v.x * v.y));
 }
 inline Tensor3 operator*(float scale, const Tensor3& tensor) {
-    return {scale * tensor.diagonal, scale * tensor.rest};
+    return {scale * tensor.diagonal, scale * tensor.off_diagonal};
 }
 inline Tensor3 operator+(const Tensor3& a, const Tensor3& b) {
-    return {a.diagonal + b.diagonal, a.rest + b.rest};
+    return {a.diagonal + b.diagonal, a.off_diagonal + b.off_diagonal};
 }
 
 // What the rest pose fixes: of every vertex, the weights that make a quadratic of the vertices around it.

@@ -230,7 +230,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     LayersState out;
     Chain chain(input);
     Clear own_cloth, body_ahead;
-    std::vector<SpareCloth> spare = spare_cloth_of(layers, input.positions, settings[0].bend_radius);
+    std::vector<SpareCloth> spare;
     std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
@@ -238,8 +238,9 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
         chain.set_threads(settings[k].threads);
         Pose pose = make_pose(layer, chain.input());
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
-        spare = carry(layer, std::span<const SpareCloth>(spare));
-        if (settings[k].bend_radius > 0.0f) pose.spare = spare;
+        if (k == 0 && settings[0].bend_radius > 0.0f)
+            spare = spare_cloth_of(layers, input.positions, settings[0].bend_radius);
+        if (!spare.empty()) pose.spare = spare = carry(layer, std::span<const SpareCloth>(spare));
         look_at_own(layers.own[k], layer, settings[k], paint[k], own_cloth, pose);
         if (input.bodies)
             look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, body_ahead, pose);

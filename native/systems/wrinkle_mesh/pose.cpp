@@ -48,14 +48,14 @@ Lanes pre_stretch(const Settings& settings, const Lanes& paint, const Vec3Lanes&
 // v . T v, of the means of a tensor at both ends of pairs.
 Lanes quadratic_of(const Pairs& pairs, const std::vector<SpareCloth>& spare, Tensor3 SpareCloth::*which,
                    const Vec3Lanes& v, size_t first, size_t count) {
-    Vec3Lanes diagonal, rest;
+    Vec3Lanes diagonal, off_diagonal;
     for (size_t k = 0; k < count; ++k) {
         const Tensor3 sum = spare[pairs.a[first + k]].*which + spare[pairs.b[first + k]].*which;
         diagonal.set(static_cast<int>(k), sum.diagonal);
-        rest.set(static_cast<int>(k), sum.rest);
+        off_diagonal.set(static_cast<int>(k), sum.off_diagonal);
     }
     const Vec3Lanes squares(v.x * v.x, v.y * v.y, v.z * v.z), products(v.y * v.z, v.z * v.x, v.x * v.y);
-    return dot(diagonal, squares) + 2.0f * dot(rest, products);
+    return dot(diagonal, squares) + 2.0f * dot(off_diagonal, products);
 }
 
 // SpareCloth::share_without_place() of folds across pairs.
