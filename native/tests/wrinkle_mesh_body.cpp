@@ -2,7 +2,7 @@
 // How far a Wrinkle Mesh may go inwards over a body.
 #include <gtest/gtest.h>
 
-#include "systems/wrinkle_mesh/pose.h"
+#include "systems/wrinkle_mesh/bounds.h"
 #include "tests/contact_bodies.h"
 #include "tests/meshes.h"
 #include "tests/wrinkle_mesh_stack.h"
@@ -41,6 +41,42 @@ TEST(WrinkleMeshBody, TheEndOfABodyStaysBelowTheClothBetweenItsVertices) {
         ++(beside <= 0.0f ? over : cone > 0.0f ? beyond : within);
     }
     for (const int count : {over, within, beyond}) EXPECT_GT(count, 4);
+}
+
+// A trouser leg slid along itself into the heel, which is not parallel to it: the floor was parallel to the
+// cloth.
+TEST(WrinkleMeshBody, ClothThatSlidesStaysOffABodyThatIsNotParallel) {
+    const Stack stack(grid(12, 6, 0.02f));
+    const Vec3 normal =
+        glm::normalize(Vec3(-0.6f, 0.0f, 0.8f));  // rises towards +x, and meets z = 0 at x = 0.25
+    Body body = body_of(grid(30, 30, 0.02f));
+    for (Vec3& p : body.positions)
+        p = Vec3(0.25f, -0.2f, 0.0f) + (p.x - 0.5f) * Vec3(0.8f, 0.0f, 0.6f) + Vec3(0, p.y, 0);
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    const std::vector<float> gap(stack.mesh.positions.size(), 0.02f);
+    const std::vector<Index> hint(gap.size(), 0);
+    Input input{stack.mesh.positions};
+    input.gap = gap;
+    input.bodies = &posed;
+    input.body_hint = hint;
+    input.thickness = 0.002f;
+    Settings settings;
+    settings.inside = 1.0f;
+    settings.hem_rings = 0;
+    const Model& model = *stack.layers->layers[1];
+    input.positions = stack.mesh.positions;
+    const Pose pose = make_pose(model, input);
+    const Bounds bounds(model, settings, {}, pose);
+    int looked_at = 0;
+    for (size_t v = 0; v < pose.attachment.size(); ++v) {
+        if (pose.body[v] == kNone || pose.gap[v] > 0.01f) continue;
+        Vec3 p = pose.attachment[v] + Vec3(0.9f * model.local_edge[v], 0.0f, -pose.gap[v]);
+        bounds.project(v, p);
+        EXPECT_GT(glm::dot(p - Vec3(0.25f, 0.0f, 0.0f), normal), input.thickness - 1e-5f);
+        ++looked_at;
+    }
+    EXPECT_GT(looked_at, 5);
 }
 
 // A garment from a game is cut at its seams: over a body it was refused, as the layers have a vertex for each

@@ -39,7 +39,7 @@ void keep_off_own(const Bound<Real>& bound, Vec3Of<Real>& p) {
     p = choose(moved < bound.behind, p - (moved - bound.behind) * bound.towards, p);
     // What that broke is mended straight towards the attachment, which breaks nothing: all bounds hold at
     // once, so a held vertex is not pushed again in every frame. (kNeighbourhood: keep_above_floor().)
-    const Real height = dot(p - bound.at, bound.normal), slid = slide_scale();
+    const Real height = dot(p - bound.at, bound.floor), slid = slide_scale();
     const Real raised = height < bound.lowest ? bound.lowest / height : one;
     const Real scale = raised < slid ? raised : slid;
     p = choose(scale < one, bound.at + scale * (p - bound.at), p);
@@ -48,8 +48,8 @@ void keep_off_own(const Bound<Real>& bound, Vec3Of<Real>& p) {
 // Collision with the plane, the own cloth, the ball.
 template <typename Real>
 void hold_within(const Bound<Real>& bound, bool own, Vec3Of<Real>& p) {
-    const Real height = dot(p - bound.at, bound.normal);
-    p = choose(height < bound.lowest, p + (bound.lowest - height) * bound.normal, p);
+    const Real height = dot(p - bound.at, bound.floor);
+    p = choose(height < bound.lowest, p + (bound.lowest - height) * bound.floor, p);
     if (own) keep_off_own(bound, p);
     const Vec3Of<Real> offset = p - bound.at;
     const Real length = square_root(dot(offset, offset));
@@ -73,6 +73,7 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
         const int k = static_cast<int>(v % kLanes);
         four.at.set(k, pose.attachment[v]);
         four.normal.set(k, pose.normal[v]);
+        four.floor.set(k, pose.floor.empty() ? pose.normal[v] : pose.floor[v]);
         if (!model.attached[v]) continue;
         float depth = settings.inside * painted(paint.inside, v) * radii_[v];
         if (!pose.gap.empty()) depth = std::min(depth, pose.gap[v]);
@@ -92,7 +93,7 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
 Bound<float> Bounds::bound(size_t v) const {
     const Bound<Lanes>& four = fours_[v / kLanes];
     const int k = static_cast<int>(v % kLanes);
-    return {four.at.at(k), four.normal.at(k),  four.radius[k], four.lowest[k],
+    return {four.at.at(k), four.normal.at(k),  four.radius[k], four.floor.at(k), four.lowest[k],
             four.slide[k], four.towards.at(k), four.ahead[k],  four.behind[k]};
 }
 

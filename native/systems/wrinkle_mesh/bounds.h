@@ -17,7 +17,8 @@ struct Bound {
 
     Vec3Of<Real> at{}, normal{};                    // of the attachment
     Real radius = all<Real>(kFar);                  // around it
-    Real lowest = all<Real>(-kFar);                 // above it along the normal
+    Vec3Of<Real> floor{};                           // off what is worn under it, unit
+    Real lowest = all<Real>(-kFar);                 // above it along that
     Real slide = all<Real>(kFar);                   // from it along the surface
     Vec3Of<Real> towards{};                         // its own cloth, unit; zero: nothing faces it
     Real ahead = all<Real>(kFar), behind = -ahead;  // from the attachment towards that

@@ -97,7 +97,10 @@ void keep_outside(const Model& model, const Input& input, Pose& pose) {
     if (input.bodies)
         expect_count("body_hint", input.body_hint.size(), model.base.display.vertex_count, "values");
     pose.gap.assign(pose.attachment.size(), 0.0f);
-    if (input.bodies) pose.body.assign(pose.attachment.size(), kNone);
+    if (input.bodies) {
+        pose.body.assign(pose.attachment.size(), kNone);
+        pose.floor = pose.normal;
+    }
     const std::vector<float> gaps = gaps_at(model.base, model.attachments, input.gap);
     const size_t queries = input.bodies ? pose.attachment.size() : 0;
     for_each_index(pose.attachment.size(), threads_for_queries(input.threads, queries), [&](size_t v) {
@@ -110,6 +113,9 @@ void keep_outside(const Model& model, const Input& input, Pose& pose) {
             const BodyContact body = input.bodies->closest(pose.attachment[v], pose.normal[v], reach, hint);
             if (body.triangle != kNone) gap = gap_above(body, input.thickness, model.local_edge[v], gap);
             pose.body[v] = body.triangle;
+            // Cloth that slides over a heel would go into it behind a plane of its own.
+            if (body.triangle != kNone && !body.border)
+                pose.floor[v] = glm::normalize(glm::mix(pose.normal[v], body.normal, body.weight));
         }
         if (gap < 0.0f) pose.attachment[v] -= gap * pose.normal[v];
         pose.gap[v] = std::max(gap, 0.0f);

@@ -22,6 +22,7 @@ struct Pose {
     std::vector<Vec3> unwrinkled;       // where layers without folds would have them; empty: no layers
     std::vector<SpareCloth> spare;      // of the base, at the attachments; empty: folds along any line
     std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
+    std::vector<Vec3> floor;            // unit: off what is worn under each; empty: the normals
     std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
     std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
     std::vector<OwnSide> own;           // what of the own cloth faces each attachment; empty: no bound
