@@ -30,6 +30,7 @@ MESH_GROUPS: dict[str, str] = {
     "room": "Rumple Room",
     SMOOTH: "Rumple Keep Smooth",
 }
+MOST_SHARPNESS = 10.0  # of a crease of 1: it stays, as in Blender's Subdivision
 REST_WRINKLE = "rumple_rest_wrinkle"  # painted vectors of the Wrinkle Field, a point attribute of the coarse mesh
 LEAST_WAVELENGTH = 0.1  # of the factor that a vertex group paints: its zero means "nothing painted" elsewhere
 ATTACHED_GROUP = "Rumple Attached"  # on an own mesh: points below one half stay unattached
@@ -82,9 +83,23 @@ def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine
     mesh.loops.foreach_get("vertex_index", corner_vertex)
     triangle_corner = np.empty(len(mesh.loop_triangles) * 3, np.int32)
     mesh.loop_triangles.foreach_get("loops", triangle_corner)
+    crease_edge, crease_sharpness = _creases(mesh)
     return engine.BaseMesh(name=name, positions=np.ascontiguousarray(positions, np.float32),
                            polygon_start=polygon_start, corner_vertex=corner_vertex,
-                           triangle_corner=triangle_corner.reshape(-1, 3))
+                           triangle_corner=triangle_corner.reshape(-1, 3),
+                           crease_edge=crease_edge, crease_sharpness=crease_sharpness)
+
+
+def _creases(mesh: bpy.types.Mesh) -> tuple[np.ndarray | None, np.ndarray | None]:
+    """Edges with a crease, and for how many subdivisions they stay sharp: as Blender's Subdivision has it."""
+    values = compat.edge_creases(mesh)
+    creased = np.flatnonzero(values > 0.0)  # an attribute may hold anything: not what is no number
+    if not len(creased):
+        return None, None
+    ends = np.empty(len(mesh.edges) * 2, np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    crease = np.minimum(values[creased], np.float32(1.0))
+    return ends.reshape(-1, 2)[creased], np.float32(MOST_SHARPNESS) * crease * crease
 
 
 # ---------------------------------------------------------------- rest shapes
@@ -227,7 +242,8 @@ def plain_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
 def shape_fingerprint(base: engine.BaseMesh) -> str:
     """Hash of everything the fine mesh is made from."""
     digest = hashlib.sha1()
-    for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner, base.uv):
+    for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner, base.uv,
+                  base.crease_edge, base.crease_sharpness):
         if array is not None:
             digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
