@@ -20,7 +20,6 @@ from .fold_guides import GUIDES
 from .frame_cache import CachedFrame, FrameCache, digest_of
 from .frame_input import FrameInput
 from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
-from .keep_smooth import SMOOTH
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
 from .shown_mesh import ShownMesh, ViewportMesh
 from .surroundings import Surroundings
@@ -147,7 +146,7 @@ class Wrinkles(ShownMesh):
         result: FrameResult | PreviewFrame = show(settings, over, pose, system_state(cached.state), frame_input)
         mesh = frame_input.in_viewport and self.in_viewport or self
         if isinstance(result, FrameResult):
-            self._by_hand.add_to(result, mesh.shown, frame_input.animated, self.HEIGHTS)
+            self._by_hand.add_to(result, mesh, frame_input.animated, over, self.HEIGHTS)
         self._add_rigid_parts(result, frame_input.animated, over, mesh)
         return result
 
@@ -250,8 +249,7 @@ class Wrinkles(ShownMesh):
             solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
                       for name, values in paint.items()}
             self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
-            self._by_hand = ByHand.of(self.base.points(paint[SMOOTH]) if SMOOTH in paint else None,
-                                      solved.pop(GUIDES, None), self.HEIGHT_PAINT, solved)
+            self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved)
             self._paint = self._take_paint(solved)
         timeline = (start, frame_rate)  # of another, frames are other ones: each scene has its own
         self.frame_cache.follow(timeline)

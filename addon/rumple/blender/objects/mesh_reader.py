@@ -12,6 +12,7 @@ from ...core import engine
 from ...core.fold_guides import GUIDES
 from ...core.keep_smooth import SMOOTH
 from ...core.on_cloth import PAINTED
+from ...core.painted_rigid import RIGID, wholly_painted
 from ...core.settings import FieldSettings, MeshSettings, PathsSettings
 from .. import compat
 from ..nodes import field_profile, wrinkle_tree
@@ -29,6 +30,7 @@ MESH_GROUPS: dict[str, str] = {
     "follow": "Rumple Follow",
     "room": "Rumple Room",
     SMOOTH: "Rumple Keep Smooth",
+    RIGID: "Rumple Rigid",
 }
 MOST_SHARPNESS = 10.0  # of a crease of 1: it stays, as in Blender's Subdivision
 REST_WRINKLE = "rumple_rest_wrinkle"  # painted vectors of the Wrinkle Field, a point attribute of the coarse mesh
@@ -51,7 +53,19 @@ def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.B
     """The coarse mesh of an object at rest. Raises engine.UserError with a sentence for the panel."""
     mesh = incoming_mesh.of(obj)
     mesh.calc_loop_triangles()
-    return _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
+    base = _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
+    rigid = _rigid_paint(obj, mesh)
+    base.painted_rigid = None if rigid is None else wholly_painted(base, rigid)
+    return base
+
+
+def _rigid_paint(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """(n,) as paint() has it for every system."""
+    name = MESH_GROUPS[RIGID]
+    if name in obj.vertex_groups:
+        return group_weights(obj, mesh, [name])[:, 0]
+    values = _point_attribute(mesh, name, "FLOAT")
+    return None if values is None else values[:, 0]
 
 
 def render_uv(mesh: bpy.types.Mesh) -> np.ndarray | None:
@@ -154,7 +168,7 @@ Settings = Union[MeshSettings, FieldSettings, PathsSettings]
 
 def paint_groups(settings: Settings) -> dict[str, str]:
     """Key of the engine -> vertex group (or, but for the Wrinkle Mesh, float attribute) that paints it."""
-    cloth = {key: MESH_GROUPS[key] for key in PAINTED}
+    cloth = {key: MESH_GROUPS[key] for key in (*PAINTED, RIGID)}
     if isinstance(settings, FieldSettings):
         return {"mask": settings.mask, "wavelength": settings.wavelength_scale, **cloth}
     if isinstance(settings, PathsSettings):
@@ -243,7 +257,7 @@ def shape_fingerprint(base: engine.BaseMesh) -> str:
     """Hash of everything the fine mesh is made from."""
     digest = hashlib.sha1()
     for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner, base.uv,
-                  base.crease_edge, base.crease_sharpness):
+                  base.crease_edge, base.crease_sharpness, base.painted_rigid):
         if array is not None:
             digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
