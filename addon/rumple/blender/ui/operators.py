@@ -16,7 +16,7 @@ from ...core.keep_smooth import SMOOTH
 from ...core.presets import Preset, touched
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
-from ..frame import rebuild
+from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
@@ -387,6 +387,7 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
             runtime = runtimes.of(context.object)
             if runtime.evaluator is not None:
                 runtime.evaluator.frame_cache.clear()
+                disk_frames.clear(context.object)
             runtime.invalidate_output()
         context.object.update_tag()
         return {"FINISHED"}
