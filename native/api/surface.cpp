@@ -34,6 +34,15 @@ SurfaceInput input_of(const rumple_surface_plan& plan) {
     return input;
 }
 
+std::vector<Crease> creases_of(const rumple_surface_plan& plan) {
+    const auto edges = rows<std::array<Index, 2>>(plan.crease_edge, plan.crease_edge_count, "crease_edge");
+    const auto sharpness = values(plan.crease_sharpness, plan.crease_sharpness_count, "crease_sharpness");
+    expect_rows("crease_sharpness", sharpness.size(), edges.size());
+    std::vector<Crease> creases;
+    for (size_t k = 0; k < edges.size(); ++k) creases.push_back({edges[k][0], edges[k][1], sharpness[k]});
+    return creases;
+}
+
 }  // namespace
 
 struct rumple_healed {
@@ -75,7 +84,9 @@ rumple_status rumple_healed_get_view(const rumple_healed* healed, rumple_healed_
 
 rumple_status rumple_surface_build(const rumple_surface_plan* plan, rumple_surface** surface) {
     return made(surface, "surface", [&] {
-        const SurfaceInput input = input_of(given(plan, "plan"));
+        SurfaceInput input = input_of(given(plan, "plan"));
+        const std::vector<Crease> creases = creases_of(*plan);
+        input.creases = creases;
         return new rumple_surface(std::make_shared<const Surface>(build_surface(input)));
     });
 }

@@ -46,6 +46,17 @@ void build_surface(World& world, Bytes& bytes) {
     plan.triangle_corner = triangle.pointer;
     plan.triangle_corner_count = triangle.count;
     plan.weld_seams = bytes.byte() % 4 != 3;
+    const size_t creased = from.corner.size() * size_t(bytes.byte() % 5) / 4;
+    const std::vector<float> sharp(creased, creased > 0 ? bytes.real(0.0f, 12.0f) : 0.0f);
+    std::vector<std::int32_t> ends;
+    for (size_t k = 0; k < creased; ++k)
+        ends.insert(ends.end(), {from.corner[k], from.corner[(k + 1) % from.corner.size()]});
+    const Numbers edges(ends, 2, bytes);
+    const Floats sharpness(sharp, 1, bytes);
+    plan.crease_edge = edges.pointer;
+    plan.crease_edge_count = edges.count;
+    plan.crease_sharpness = sharpness.pointer;
+    plan.crease_sharpness_count = sharpness.count;
     keep_surface(world, MAKE(rumple_surface, rumple_surface_build, bytes.hostile() ? nullptr : &plan),
                  positions.data, std::int32_t(from.corner.size()));
 }

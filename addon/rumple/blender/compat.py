@@ -223,13 +223,25 @@ def edge_marks(mesh: bpy.types.Mesh) -> dict[str, np.ndarray]:
         mesh.edges.foreach_get(prop, values)
         marks[prop] = values
     for prop, attribute_name in _EDGE_FLOATS:
-        values = np.zeros(count, np.float32)
-        if VERSION < (4, 0, 0):
-            mesh.edges.foreach_get(prop, values)
-        elif attribute_name in mesh.attributes:
-            mesh.attributes[attribute_name].data.foreach_get("value", values)
-        marks[prop] = values
+        marks[prop] = _edge_floats(mesh, prop, attribute_name)
     return {prop: values for prop, values in marks.items() if values.any()}
+
+
+def _edge_floats(mesh: bpy.types.Mesh, prop: str, attribute_name: str) -> np.ndarray:
+    """Until 3.6 a property of edges, later an attribute."""
+    values = np.zeros(len(mesh.edges), np.float32)
+    if VERSION < (4, 0, 0):
+        mesh.edges.foreach_get(prop, values)
+    elif attribute_name in mesh.attributes:
+        attribute = mesh.attributes[attribute_name]
+        if (attribute.domain, attribute.data_type) == ("EDGE", "FLOAT"):
+            attribute.data.foreach_get("value", values)
+    return values
+
+
+def edge_creases(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(edges,) float32 in 0..1."""
+    return _edge_floats(mesh, *_EDGE_FLOATS[0])
 
 
 def set_edge_marks(mesh: bpy.types.Mesh, marks: dict[str, np.ndarray]) -> None:

@@ -10,7 +10,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import scheduler
-from .frame import clip_status, first_pass, rebuild, solve
+from .frame import clip_status, disk_frames, first_pass, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
 from .objects import bodies, changes, kept_lists, messages, modifier, runtimes
@@ -92,6 +92,11 @@ def _on_save(*_arguments: object) -> None:
 
 
 @_handler
+def _after_save(*_arguments: object) -> None:
+    disk_frames.on_save()
+
+
+@_handler
 def _on_undo(*_arguments: object) -> None:
     kept_lists.forget_all()
     for table in _RUNTIMES:
@@ -129,6 +134,7 @@ def _pairs() -> tuple:
     return ((handlers.frame_change_pre, _before_frame), (handlers.frame_change_post, _on_frame),
             (handlers.depsgraph_update_post, _on_update),
             (handlers.load_pre, _before_load), (handlers.load_post, _on_load), (handlers.save_pre, _on_save),
+            (handlers.save_post, _after_save),
             (handlers.undo_post, _on_undo), (handlers.redo_post, _on_undo), (handlers.render_init, _on_render_start),
             (handlers.render_complete, _on_render_end), (handlers.render_cancel, _on_render_end))
 
@@ -146,4 +152,5 @@ def unregister() -> None:
         if function in functions:
             functions.remove(function)
     scheduler.stop()
+    disk_frames.stop()
     _forget_all()

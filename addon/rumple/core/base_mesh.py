@@ -9,7 +9,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ..native import kernels
-from .healing import Origin, origin_of, origin_of_itself
+from .healing import Origin, creases_of, origin_of, origin_of_itself
 from .rigid_parts import RigidParts
 from .wording import user_error
 
@@ -29,6 +29,9 @@ class BaseMesh:
     uv: np.ndarray | None = None  # (c, 2) float32 of the UV map that renders use
     origin: Origin | None = None  # of a healed mesh, or one without rigid parts: where its elements come from
     rigid: RigidParts | None = None  # that it is without
+    painted_rigid: np.ndarray | None = None  # (n,) bool of the artist's vertices: of parts that are rigid by paint
+    crease_edge: np.ndarray | None = None  # (k, 2) int32, vertices of edges that the fine mesh rounds less
+    crease_sharpness: np.ndarray | None = None  # (k,) float32: for how many subdivisions; from 10 on for ever
 
     def healed(self, weld: bool) -> "BaseMesh":
         """This mesh, or where it is no oriented manifold a copy that is one. Raises UserError."""
@@ -38,9 +41,14 @@ class BaseMesh:
         origin = origin_of(healed, self.polygon_start, self.corner_vertex, len(self.positions))
         if not origin.kinds():
             return self
-        return BaseMesh(self.name, np.ascontiguousarray(self.positions[origin.vertex]), healed.polygon_start,
+        mesh = BaseMesh(self.name, np.ascontiguousarray(self.positions[origin.vertex]), healed.polygon_start,
                         healed.corner_vertex, healed.triangle_corner,
                         None if self.uv is None else np.ascontiguousarray(self.uv[origin.corner]), origin)
+        mesh.painted_rigid = self.painted_rigid
+        if self.crease_edge is not None and self.crease_sharpness is not None:
+            mesh.crease_edge, mesh.crease_sharpness = creases_of(self.crease_edge, self.crease_sharpness, origin,
+                                                                 mesh.sides())
+        return mesh
 
     def own_origin(self) -> Origin:
         """Also of a mesh that is as the artist has it."""
@@ -49,15 +57,15 @@ class BaseMesh:
 
     def surface(self, weld: bool) -> kernels.Surface:
         """The checked native surface. Raises UserError where the mesh is no oriented manifold."""
-        return self._native(kernels.build_surface, weld)
+        return self._native(kernels.build_surface, weld, self.crease_edge, self.crease_sharpness)
 
     def points(self, values: np.ndarray) -> np.ndarray:
         """(n, ...) of the artist's vertices -> of this mesh's."""
         return values if self.origin is None else values[self.origin.vertex]
 
-    def _native(self, build: Callable[..., Any], weld: bool) -> Any:
+    def _native(self, build: Callable[..., Any], weld: bool, *more: Any) -> Any:
         try:
-            return build(self.positions, self.polygon_start, self.corner_vertex, self.triangle_corner, weld)
+            return build(self.positions, self.polygon_start, self.corner_vertex, self.triangle_corner, weld, *more)
         except ValueError as error:
             raise user_error(self.name, error) from error
 

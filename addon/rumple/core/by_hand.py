@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist asks for by hand, of every system alike: smooth places, and folds along guides. Never imports bpy."""
+"""What an artist asks for by hand, of every system alike: smooth places, rigid patches, and folds along guides. Never
+imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -7,9 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from .fold_guides import GuidedFolds
+from .base_mesh import BaseMesh
+from .fold_guides import GUIDES, GuidedFolds
 from .frame_result import FrameResult
-from .keep_smooth import left_on_shown, move, share_of_folds
+from .keep_smooth import SMOOTH, left_on_shown, move, share_of_folds
+from .painted_rigid import RIGID, PaintedRigid
+from .shown_mesh import ShownMesh
 
 
 @dataclass
@@ -18,26 +22,40 @@ class ByHand:
 
     smooth: np.ndarray | None = None  # (n,) of the base's vertices; None: none, or the system sees itself to it
     guides: np.ndarray | None = None  # as fold_guides.py has them
+    rigid: PaintedRigid | None = None
     _folds: dict[int, tuple[Any, GuidedFolds]] = field(default_factory=dict)  # by native mesh that is shown
 
     @classmethod
-    def of(cls, smooth: np.ndarray | None, guides: np.ndarray | None, height_paint: str,
-           paint: dict[str, np.ndarray]) -> "ByHand":
-        """height_paint: of the system, as Wrinkles has it; it is set in paint."""
-        if smooth is not None and height_paint:
-            paint[height_paint] = paint.get(height_paint, np.float32(1.0)) * share_of_folds(smooth)
-            smooth = None
-        return cls(smooth, guides if guides is not None and len(guides) else None)
+    def taken(cls, paint: dict[str, np.ndarray], base: BaseMesh, height_paint: str,
+              solved: dict[str, np.ndarray]) -> "ByHand":
+        """From what is painted. solved: the same as the system gets it; what is for us is taken out of it, and its
+        height_paint, as Wrinkles has it, is set."""
+        smooth = base.points(paint[SMOOTH]) if SMOOTH in paint else None
+        rigid = PaintedRigid(base.points(paint[RIGID]), base) if RIGID in paint else None
+        rigid = rigid if rigid is not None and rigid.count else None
+        guides = solved.pop(GUIDES, None)
+        solved.pop(RIGID, None)
+        if height_paint:
+            for left in ([share_of_folds(smooth)] if smooth is not None else []) + ([rigid.left()] if rigid else []):
+                solved[height_paint] = solved.get(height_paint, np.float32(1.0)) * left
+            smooth = None  # the system sees itself to it
+        return cls(smooth, guides if guides is not None and len(guides) else None, rigid)
 
     def __bool__(self) -> bool:
         """Whether results are changed."""
-        return self.smooth is not None or self.guides is not None
+        return self.smooth is not None or self.guides is not None or self.rigid is not None
 
-    def add_to(self, result: FrameResult, shown: Any, base: np.ndarray, heights: tuple[str, ...]) -> None:
-        """shown: native, of the result. base: positions that it is embedded in. heights: attributes that say how high
-        folds are."""
-        if not self:
-            return
+    def add_to(self, result: FrameResult, mesh: ShownMesh, base: np.ndarray, over: np.ndarray,
+               heights: tuple[str, ...]) -> None:
+        """mesh: that the result is of. base: positions that it is embedded in; over: where the base cloth has them, or
+        what stands for a dense base. heights: attributes that say how high folds are."""
+        if self.smooth is not None or self.guides is not None:
+            self._fold(result, mesh.shown, base, heights)
+        if self.rigid is not None:
+            self.rigid.add_to(result, mesh, base, over, heights)
+
+    def _fold(self, result: FrameResult, shown: Any, base: np.ndarray, heights: tuple[str, ...]) -> None:
+        """Take folds away, and add those along guides."""
         folds = None if self.guides is None else self._folds_on(shown)
         left = np.ones(len(result.positions), np.float32) if self.smooth is None else left_on_shown(self.smooth, shown)
         depths = left if folds is None else left[folds.rows]

@@ -9,7 +9,7 @@ import io
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -38,7 +38,8 @@ class Checkpoint:
     @classmethod
     def of(cls, sample: int, cached: CachedFrame) -> "Checkpoint":
         """Of a frame that was solved."""
-        about = {"inputs": _bytes(cached.inputs), "chosen": _bytes(cached.chosen), "final": np.uint8(cached.final)}
+        about = {"inputs": _bytes(cached.inputs), "chosen": _bytes(cached.chosen), "final": np.uint8(cached.final),
+                 "chain": _bytes(cached.chain)}
         return cls(sample, {**about, **_state_arrays(cached.state)})
 
     @property
@@ -50,7 +51,8 @@ class Checkpoint:
         """To go on from. Raises CannotGoOn."""
         try:
             state = _state_of(evaluator, self.arrays)
-            return CachedFrame.of(state, self.inputs, self._array("chosen").tobytes(), bool(self._array("final")), None)
+            return CachedFrame.of(state, self.inputs, self._array("chosen").tobytes(), bool(self._array("final")), None,
+                                  self._array("chain").tobytes())
         except (ValueError, TypeError, KeyError) as error:
             raise CannotGoOn(str(error)) from error
 
@@ -68,7 +70,7 @@ class Checkpoint:
         return out.getvalue()
 
     @classmethod
-    def read(cls, path: Path, identity: str) -> "Checkpoint | None":
+    def read(cls, path: Path | BinaryIO, identity: str) -> "Checkpoint | None":
         """None where there is none that is whole and of this bake."""
         try:
             with np.load(path, allow_pickle=False) as stored:

@@ -9,6 +9,8 @@ import numpy as np
 
 from ..native import kernels
 from .base_mesh import BaseMesh
+from .connected import parts as connected_parts
+from .connected import places as places_of
 from .rigid_parts import RigidParts
 from .wording import UserError
 
@@ -18,23 +20,28 @@ MOST_AREA = 0.25  # of the mesh: where small parts are more of it, they are what
 
 def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool,
                     unit_scale: float) -> tuple[BaseMesh, kernels.Surface, list[str]]:
-    """A base, healed where it must be (see Origin.notes()), without its rigid parts where these stay rigid; its native
-    surface, and its warnings. unit_scale: metres per object unit. Raises UserError."""
+    """A base, healed where it must be (see Origin.notes()), without its rigid parts; its native surface, and its
+    warnings. rigid_parts: small ones are rigid as well as painted ones. unit_scale: metres per object unit. Raises
+    UserError."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
         raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning: give it one")
     base = base.healed(weld)
     surface = base.surface(weld)
     warnings = [f"{base.name}: {warning}" for warning in surface.warnings]
-    cloth = without_rigid_parts(base, weld) if rigid_parts else base
+    cloth = without_rigid_parts(base, weld, rigid_parts)
     return cloth, surface if cloth is base else cloth.surface(weld), warnings
 
 
-def without_rigid_parts(base: BaseMesh, weld: bool) -> BaseMesh:
+def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseMesh:
     """The healed mesh without the faces of its rigid parts, which it has in `rigid`; their vertices stay, without a
-    face. weld: vertices at one place are one. Cost: about 0.3 s for 50,000 vertices."""
-    places = _places(base, weld)
-    parts = _connected(base, places)
-    chosen = _rigid(base, parts, places)
+    face. weld: vertices at one place are one. small: small parts are rigid, beside painted ones. Cost: about 0.3 s for
+    50,000 vertices."""
+    if not small and base.painted_rigid is None:
+        return base
+    places = places_of(base.positions) if weld else np.arange(len(base.positions))
+    parts = connected_parts(base, places)
+    chosen = _rigid(base, parts, places) if small else np.zeros(int(parts.max(initial=-1)) + 1, bool)
+    chosen = _with_painted(base, parts, chosen)
     if not chosen.any():
         return base
     sizes = np.diff(base.polygon_start)
@@ -56,32 +63,6 @@ def without_rigid_parts(base: BaseMesh, weld: bool) -> BaseMesh:
         rigid=_taken(base, parts, is_rigid, corner_is_rigid))
 
 
-def _places(base: BaseMesh, weld: bool) -> np.ndarray:
-    """(n,) a number for every vertex, the same for those that are one."""
-    places = np.arange(len(base.positions))
-    if weld and len(places):
-        order = np.lexsort(base.positions.T)
-        moved = (np.diff(base.positions[order], axis=0) != 0.0).any(1)
-        places[order] = np.concatenate([[0], np.cumsum(moved)])
-    return places
-
-
-def _connected(base: BaseMesh, places: np.ndarray) -> np.ndarray:
-    """(n,) int32: for every vertex the number of its connected part, counted from 0; loose vertices have their own."""
-    first = places[base.corner_vertex[np.repeat(base.polygon_start[:-1], np.diff(base.polygon_start))]]
-    other = places[base.corner_vertex]
-    label = np.arange(len(base.positions))
-    while True:
-        lower = label.copy()
-        np.minimum.at(lower, first, label[other])
-        np.minimum.at(lower, other, label[first])
-        while (lower[lower] != lower).any():
-            lower = lower[lower]
-        if np.array_equal(lower, label):
-            return np.unique(label[places], return_inverse=True)[1].ravel().astype(np.int32)
-        label = lower
-
-
 def _rigid(base: BaseMesh, parts: np.ndarray, places: np.ndarray) -> np.ndarray:
     """(parts,) bool: the small ones, by what the constants at the top say."""
     count = int(parts.max(initial=-1)) + 1
@@ -96,6 +77,17 @@ def _rigid(base: BaseMesh, parts: np.ndarray, places: np.ndarray) -> np.ndarray:
     limit = np.where(_closed(base, parts, count, places), SMALL_AND_CLOSED, SMALL) * size
     chosen = (diagonal <= limit) & (area > 0.0)
     return chosen if area[chosen].sum() <= MOST_AREA * area.sum() else np.zeros(count, bool)
+
+
+def _with_painted(base: BaseMesh, parts: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """(parts,) bool: those, and the ones that are painted all over, as long as there is cloth left."""
+    if base.painted_rigid is None:
+        return chosen
+    has_faces = np.zeros(len(chosen), bool)
+    has_faces[parts[base.corner_vertex]] = True
+    painted = has_faces.copy()
+    painted[parts[~base.points(base.painted_rigid)]] = False
+    return chosen | painted if (has_faces & ~chosen & ~painted).any() else chosen
 
 
 def _closed(base: BaseMesh, parts: np.ndarray, count: int, places: np.ndarray) -> np.ndarray:

@@ -17,10 +17,9 @@ from .body import Body
 from .by_hand import ByHand
 from .cloth import ClothFrame, suggested_follow
 from .fold_guides import GUIDES
-from .frame_cache import CachedFrame, FrameCache, digest_of
+from .frame_cache import CachedFrame, FrameCache, chain_of, digest_of
 from .frame_input import FrameInput
 from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
-from .keep_smooth import SMOOTH
 from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
 from .shown_mesh import ShownMesh, ViewportMesh
 from .surroundings import Surroundings
@@ -56,7 +55,7 @@ class Wrinkles(ShownMesh):
         self.warnings = warnings
         self.unit_scale = unit_scale  # metres per object unit
         self.frame_cache = FrameCache()
-        self._painted = b""  # digest of the paint of the last solve
+        self.painted = b""  # digest of the paint of the last solve
         self._last: dict[tuple[int, float], tuple[bytes, float]] = {}  # by timeline: digest of the settings, frame
         self._clip: dict[float, tuple[bytes, np.ndarray]] = {}  # by frame: digest of the pose, labels
         self.pose_mismatches: set[float] = set()  # frames that came with another pose than the clip that was looked at
@@ -121,18 +120,19 @@ class Wrinkles(ShownMesh):
         frame, digest = frame_input.frame, frame_input.digest(chosen, settings.swings)
         before = None if settings.stateless or frame <= start else self._frame_before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
-        cached = self.frame_cache.get(frame)
-        if cached is not None and cached.inputs == digest and (cached.final or not final):
+        cached = self.frame_cache.find(frame, digest, final, before)
+        if cached is not None:
             return cached, True, None
+        chain = chain_of(digest, before)
         same_settings, pose = before is not None and before.chosen == chosen, None
         if for_preview and before is not None and self._may_wait(settings, frame_input):
             kept = replace(frame_input, animated=frame_input.animated.copy())
             cached = CachedFrame.waiting(before, digest, chosen, final, lambda state: self._solve_over(
-                settings, state, same_settings, kept)[:2])
+                settings, state, same_settings, kept)[:2], chain)
         else:
             state, report, pose = self._solve_over(settings, before.state if before is not None else None,
                                                    same_settings, frame_input)
-            cached = CachedFrame.of(state, digest, chosen, final, report)
+            cached = CachedFrame.of(state, digest, chosen, final, report, chain)
         self.frame_cache.put(frame, cached)
         return cached, False, pose
 
@@ -147,7 +147,7 @@ class Wrinkles(ShownMesh):
         result: FrameResult | PreviewFrame = show(settings, over, pose, system_state(cached.state), frame_input)
         mesh = frame_input.in_viewport and self.in_viewport or self
         if isinstance(result, FrameResult):
-            self._by_hand.add_to(result, mesh.shown, frame_input.animated, self.HEIGHTS)
+            self._by_hand.add_to(result, mesh, frame_input.animated, over, self.HEIGHTS)
         self._add_rigid_parts(result, frame_input.animated, over, mesh)
         return result
 
@@ -245,13 +245,12 @@ class Wrinkles(ShownMesh):
             painted.update(key.encode())
             painted.update(np.ascontiguousarray(paint[key], np.float32).data)
         chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
-        repainted = self._paint is None or painted.digest() != self._painted
+        repainted = self._paint is None or painted.digest() != self.painted
         if repainted:
             solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
                       for name, values in paint.items()}
             self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
-            self._by_hand = ByHand.of(self.base.points(paint[SMOOTH]) if SMOOTH in paint else None,
-                                      solved.pop(GUIDES, None), self.HEIGHT_PAINT, solved)
+            self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved)
             self._paint = self._take_paint(solved)
         timeline = (start, frame_rate)  # of another, frames are other ones: each scene has its own
         self.frame_cache.follow(timeline)
@@ -259,7 +258,7 @@ class Wrinkles(ShownMesh):
         if repainted or (chosen != last and frame == at):
             self.frame_cache.clear()
             self._last.clear()
-        self._painted, self._last[timeline] = painted.digest(), (chosen, frame)
+        self.painted, self._last[timeline] = painted.digest(), (chosen, frame)
         return chosen
 
     # --- seeing ahead

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from typing import Any, Callable, Hashable
+from typing import Any, Callable, Hashable, Protocol
 
 import numpy as np
 
@@ -31,18 +31,20 @@ class CachedFrame:
     _solved: tuple[Any, Any] = (None, None)  # state, report
     _before: "CachedFrame | None" = None  # while it waits: the frame that it goes on from ...
     _solve: Callable[[Any], tuple[Any, Any]] | None = None  # ... and the state of that -> state, report
+    chain: bytes = b""  # of a final frame: digest of its inputs and those of all frames that it goes on from
 
     @classmethod
-    def of(cls, state: Any, inputs: bytes, chosen: bytes, final: bool, report: Any) -> "CachedFrame":
+    def of(cls, state: Any, inputs: bytes, chosen: bytes, final: bool, report: Any,
+           chain: bytes = b"") -> "CachedFrame":
         """A solved frame."""
-        return cls(inputs, chosen, final, state.nbytes, (state, report))
+        return cls(inputs, chosen, final, state.nbytes, (state, report), chain=chain)
 
     @classmethod
     def waiting(cls, before: "CachedFrame", inputs: bytes, chosen: bytes, final: bool,
-                solve: Callable[[Any], tuple[Any, Any]]) -> "CachedFrame":
+                solve: Callable[[Any], tuple[Any, Any]], chain: bytes = b"") -> "CachedFrame":
         """A frame whose state takes as much memory as that of the frame before it. When too many in a row wait, the
         first of them is solved."""
-        frame = cls(inputs, chosen, final, before.nbytes, _before=before, _solve=solve)
+        frame = cls(inputs, chosen, final, before.nbytes, _before=before, _solve=solve, chain=chain)
         row = frame._row()
         if len(row) > MOST_WAITING or len(row) * frame.nbytes > MOST_WAITING_BYTES:
             row[-1]._settle()
@@ -85,6 +87,18 @@ class CachedFrame:
         self._solve = self._before = None
 
 
+def chain_of(inputs: bytes, before: CachedFrame | None) -> bytes:
+    """The chain of a frame that goes on from another one, or from nothing."""
+    return hashlib.blake2b(inputs + (b"" if before is None else before.chain), digest_size=16).digest()
+
+
+class OnDisk(Protocol):
+    """Where frames are kept outside of memory: kept_frames.py."""
+
+    def read(self, frame: float, inputs: bytes) -> CachedFrame | None:
+        """The final frame of these inputs."""
+
+
 class FrameCache:
     """Entries by frame number (subframes included), within a limit of memory.
 
@@ -98,6 +112,7 @@ class FrameCache:
         self._timeline: Hashable = None
         self._timelines: dict[Hashable, dict[float, CachedFrame]] = {None: self._entries}  # the last used last
         self._bytes = 0
+        self.on_disk: OnDisk | None = None
 
     def follow(self, timeline: Hashable) -> None:
         """Go on with the entries of a timeline: what tells frames of one number apart."""
@@ -115,6 +130,27 @@ class FrameCache:
     def get(self, frame: float) -> CachedFrame | None:
         """The entry of a frame, or None."""
         return self._entries.get(frame)
+
+    def find(self, frame: float, inputs: bytes, final: bool, before: CachedFrame | None) -> CachedFrame | None:
+        """The entry that may be replayed, from memory or disk: of these inputs, and where the frame would be final
+        reached over the same inputs of the frames before it."""
+        def fits(cached: CachedFrame | None) -> bool:
+            return (cached is not None and cached.inputs == inputs
+                    and (not final or (cached.final and cached.chain == chain_of(inputs, before))))
+
+        cached = self._entries.get(frame)
+        if fits(cached) or self.on_disk is None:
+            return cached if fits(cached) else None
+        kept = self.on_disk.read(frame, inputs)
+        if kept is None or not fits(kept):
+            return None
+        self.put(frame, kept)
+        return kept
+
+    def final_frames(self) -> list[tuple[float, CachedFrame]]:
+        """Those of all timelines that are solved."""
+        return [(frame, cached) for entries in list(self._timelines.values())
+                for frame, cached in list(entries.items()) if cached.final and not cached.waits]
 
     def put(self, frame: float, cached: CachedFrame) -> None:
         """Store a frame. When it replaces another solution, whole frames after it are final no more."""

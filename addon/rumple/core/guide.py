@@ -33,7 +33,8 @@ _PLACES = {
     "attachment-constraints": "mesh.attachment mesh.radius mesh.prestretch mesh.bending mesh.collision mesh.inside "
                               "mesh.stretch_relief mesh.buckling_threshold mesh.compression_limit mesh.hem_rings",
     "solver-and-stored-frames": "*.stateless mesh.iterations mesh.start_iterations mesh.damping mesh.offset_space "
-                                "mesh.nudge mesh.seed object.memory_limit ops.object.rumple_clear_frames",
+                                "mesh.nudge mesh.seed object.memory_limit object.keep_frames object.disk_limit "
+                                "ops.object.rumple_clear_frames",
     "bake": "object.bake_* ops.object.rumple_bake* ops.object.rumple_publish ops.object.rumple_vat",
     "status": "object.message",
     "fine-mesh": "mesh.source mesh.density mesh.wavelength mesh.level mesh.segments mesh.edge_length "

@@ -51,7 +51,7 @@ class Riders:
         self._weights = np.concatenate([1.0 - weights.sum(1, keepdims=True), weights], 1)[:, :, None]
         # Where the anchors are from the flat triangles of the coarse mesh: as far as that they are in every pose.
         frames, points = self._embedded(positions)
-        self._from_base = _rowwise(frames, shown.positions_rest[self._anchors] - points)
+        self._from_base = rowwise(frames, shown.positions_rest[self._anchors] - points)
 
     def ride(self, animated: np.ndarray, cloth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Where the m vertices are, and that in the frames of their triangles of the animated mesh: (m, 3) each.
@@ -60,8 +60,8 @@ class Riders:
         moved by the rigid motion that is nearest to what moved its anchors from the animated surface.
         """
         frames, points = self._embedded(animated)
-        moved = self._moved(animated, points + _columnwise(frames, self._from_base), cloth[self._anchors])
-        return moved, _rowwise(_frames(animated, self.parts.triangle), moved - animated[self.parts.vertex])
+        moved = self._moved(animated, points + columnwise(frames, self._from_base), cloth[self._anchors])
+        return moved, rowwise(frames_of(animated, self.parts.triangle), moved - animated[self.parts.vertex])
 
     def displacements(self, animated: np.ndarray, over: np.ndarray) -> np.ndarray:
         """(m, 3): how far the parts go with the base cloth alone, (n, 3): where the shown mesh is not made."""
@@ -71,7 +71,7 @@ class Riders:
     def _moved(self, animated: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         motions = kernels.rigid_motions(self._starts, np.ascontiguousarray(before, np.float32),
                                         np.ascontiguousarray(after, np.float32))[self.parts.part]
-        return _rowwise(motions[:, :3], animated[self.parts.vertex]) + motions[:, 3]
+        return rowwise(motions[:, :3], animated[self.parts.vertex]) + motions[:, 3]
 
     def add_to(self, result: FrameResult, animated: np.ndarray, corners: int,
                attributes: tuple[Attribute, ...]) -> None:
@@ -88,7 +88,7 @@ class Riders:
     def _embedded(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Frames of the anchors' triangles, and the anchors' points on them."""
         corner = positions[self._corners]
-        return _frames(positions, self._corners), (self._weights * corner).sum(1)
+        return frames_of(positions, self._corners), (self._weights * corner).sum(1)
 
 
 def _anchors(part: np.ndarray, cloth: np.ndarray, size: float) -> np.ndarray:
@@ -103,7 +103,7 @@ def _anchors(part: np.ndarray, cloth: np.ndarray, size: float) -> np.ndarray:
     return order[:near]
 
 
-def _frames(positions: np.ndarray, corners: np.ndarray) -> np.ndarray:
+def frames_of(positions: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """(k, 3, 3) float32: rows t, b, n of triangles, as the node tree has them; zeros where a triangle collapsed."""
     origin = positions[corners[:, 0]]
     side = positions[corners[:, 1]] - origin
@@ -116,11 +116,11 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.where(length > 0.0, length, 1.0)
 
 
-def _rowwise(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def rowwise(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """(k, 3): M x. Not by a library for matrices: those give other bits on other processors."""
     return (matrices * vectors[:, None, :]).sum(2)
 
 
-def _columnwise(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def columnwise(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """(k, 3): the transposed M times x."""
     return (matrices * vectors[:, :, None]).sum(1)

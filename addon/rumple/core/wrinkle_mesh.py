@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -144,6 +145,7 @@ class WrinkleMesh(Wrinkles):
         if settings.source == "OBJECT" and own is None:
             raise UserError(f"{base.name}: choose your own fine mesh first")
         rigid_parts = settings.rigid_parts and settings.source != "OBJECT"
+        base = replace(base, painted_rigid=None) if settings.source == "OBJECT" else base  # patches of its own mesh
         base, surface, warnings = checked_surface(base, settings.weld, rigid_parts, unit_scale)
         own = own.healed(False) if own is not None and settings.source == "OBJECT" else None
         own_surface = own.surface(False) if own is not None else None

@@ -60,15 +60,21 @@ def heal_mesh(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_vert
 
 
 def build_surface(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray,
-                  triangle_corner: np.ndarray, weld_seams: bool = True) -> Surface:
+                  triangle_corner: np.ndarray, weld_seams: bool = True, crease_edge: np.ndarray | None = None,
+                  crease_sharpness: np.ndarray | None = None) -> Surface:
     """Check a polygon mesh and join its seams.
 
     positions_rest: (n, 3) float32, object space. polygon_start: (p + 1,) int32, the first corner of every polygon and
     the number of corners. corner_vertex: (c,) int32. triangle_corner: (t, 3) int32, the corners of a triangulation of
-    every polygon. weld_seams: join border vertices at one place. Raises ValueError naming the first bad element.
+    every polygon. weld_seams: join border vertices at one place. crease_edge: (k, 2) int32, vertices of edges that
+    subdivision rounds less. crease_sharpness: (k,) float32, for how many subdivisions, 0 or more; from 10 on for ever.
+    Raises ValueError naming the first bad element.
     """
-    return Surface.made(lib.rumple_surface_build,
-                        _surface_plan(positions_rest, polygon_start, corner_vertex, triangle_corner, weld_seams))
+    plan = _surface_plan(positions_rest, polygon_start, corner_vertex, triangle_corner, weld_seams)
+    if crease_edge is not None and crease_sharpness is not None:
+        fill(plan, "crease_edge", crease_edge, INT, 2)
+        fill(plan, "crease_sharpness", crease_sharpness, FLOAT)
+    return Surface.made(lib.rumple_surface_build, plan)
 
 
 def _surface_plan(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_vertex: np.ndarray,

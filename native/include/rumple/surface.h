@@ -26,6 +26,12 @@ typedef struct rumple_surface_plan {
     const int32_t* triangle_corner;  // (t, 3): corners of one polygon each, which has two corners more
     size_t triangle_corner_count;
     bool weld_seams;  // join border vertices that stand at one place
+    // Of k edges, those that subdivision rounds less; read by rumple_surface_build(). Where there is no edge
+    // of two polygons between the vertices, nothing is creased: borders are sharp as they are.
+    const int32_t* crease_edge;  // (k, 2): vertices, 0..n - 1; or none
+    size_t crease_edge_count;
+    const float* crease_sharpness;  // (k): subdivisions that it stays sharp for, >= 0; from 10 on for ever
+    size_t crease_sharpness_count;
 } rumple_surface_plan;
 RUMPLE_API rumple_surface_plan rumple_surface_plan_default(void);
 

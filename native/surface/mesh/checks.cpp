@@ -87,6 +87,21 @@ void check_triangles(const SurfaceInput& input) {
     }
 }
 
+void check_creases(const SurfaceInput& input) {
+    const std::size_t vertices = input.positions_rest.size();
+    for (std::size_t k = 0; k < input.creases.size(); ++k) {
+        const Crease& crease = input.creases[k];
+        for (const Index v : {crease.a, crease.b}) {
+            if (v >= 0 && static_cast<std::size_t>(v) < vertices) continue;
+            throw InvalidInput("crease_edge: crease " + text(k) + " names vertex " + std::to_string(v) +
+                               ", but the mesh has " + text(vertices) + " vertices");
+        }
+        if (!(crease.sharpness >= 0.0f))  // false for NaN
+            throw InvalidInput("crease_sharpness: expected 0 or more, got " +
+                               std::to_string(crease.sharpness) + " at crease " + text(k));
+    }
+}
+
 }  // namespace
 
 std::vector<EdgeUse> collect_edge_uses(const PolygonMesh& mesh) {
@@ -117,6 +132,7 @@ void check_arrays(const SurfaceInput& input) {
     check_polygon_start(input.polygon_start, input.corner_vertex.size());
     check_corners(input.corner_vertex, input.positions_rest.size());
     check_triangles(input);
+    check_creases(input);
 }
 
 std::vector<std::vector<Index>> find_equal_polygons(const PolygonMesh& mesh) {

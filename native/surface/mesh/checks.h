@@ -22,7 +22,7 @@ std::vector<EdgeUse> collect_edge_uses(const PolygonMesh& mesh);
 // The end of the run of uses that share the edge of uses[begin].
 std::size_t edge_run_end(const std::vector<EdgeUse>& uses, std::size_t begin);
 
-// Ranges, finiteness, ascending starts, n - 2 triangles within each polygon. Throws InvalidInput.
+// Ranges, finiteness, ascending starts, n - 2 triangles within each polygon, creases. Throws InvalidInput.
 void check_arrays(const SurfaceInput& input);
 
 // A vertex twice in one polygon; two polygons over the same vertices. Throws TopologyError.

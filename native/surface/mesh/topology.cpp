@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <numeric>
+#include <tuple>
 
 #include "base/errors.h"
 #include "base/tolerances.h"
@@ -83,6 +84,25 @@ void copy_triangles(Surface& surface, const SurfaceInput& input) {
     }
 }
 
+// Creases of the caller's vertices -> of the welded mesh.
+void keep_creases(Surface& surface, std::span<const Crease> given) {
+    std::vector<Crease> creases;
+    for (const Crease& crease : given) {
+        const auto [a, b] = std::minmax({surface.welded_of[crease.a], surface.welded_of[crease.b]});
+        const auto at = std::lower_bound(
+            surface.edges.begin(), surface.edges.end(), std::pair(a, b),
+            [](const Edge& e, const std::pair<Index, Index>& key) { return std::pair(e.a, e.b) < key; });
+        const bool is_edge = at != surface.edges.end() && at->a == a && at->b == b && at->right != kNone;
+        if (is_edge && crease.sharpness > 0.0f) creases.push_back({a, b, std::min(crease.sharpness, kSharp)});
+    }
+    std::sort(creases.begin(), creases.end(), [](const Crease& x, const Crease& y) {
+        return std::tuple(x.a, x.b, -x.sharpness) < std::tuple(y.a, y.b, -y.sharpness);
+    });
+    const auto same = [](const Crease& x, const Crease& y) { return x.a == y.a && x.b == y.b; };
+    creases.erase(std::unique(creases.begin(), creases.end(), same), creases.end());
+    surface.welded.creases = std::move(creases);
+}
+
 void mark_border(Surface& surface) {
     surface.boundary_vertex.assign(surface.welded.vertex_count, false);
     for (const Edge& edge : surface.edges) {
@@ -154,6 +174,7 @@ Surface build_surface(const SurfaceInput& input) {
     surface.positions_rest.resize(surface.welded.vertex_count);
     weld_positions(surface, input.positions_rest, surface.positions_rest);
     copy_triangles(surface, input);
+    keep_creases(surface, input.creases);
     mark_border(surface);
     warn_about_sizes(surface, diagonal);
     return surface;

@@ -11,12 +11,25 @@
 
 namespace rumple {
 
+// A crease of this sharpness or more is never rounded: OpenSubdiv's measure.
+inline constexpr float kSharp = 10.0f;
+
+// An edge (a < b) that stays sharp for so many subdivisions; a fraction rounds it in part. Above 0, at most
+// kSharp.
+struct Crease {
+    Index a = kNone;
+    Index b = kNone;
+    float sharpness = 0.0f;
+};
+
 // Polygons as Blender stores them. Polygon p owns the corners
 // [polygon_start[p], polygon_start[p + 1]).
 struct PolygonMesh {
     Index vertex_count = 0;
     std::vector<Index> polygon_start{0};
     std::vector<Index> corner_vertex;
+    std::vector<Crease>
+        creases{};  // of edges between two polygons, ascending by (a, b): what refinement rounds less
 
     Index polygons() const { return static_cast<Index>(polygon_start.size()) - 1; }
     Index corners() const { return static_cast<Index>(corner_vertex.size()); }
@@ -43,7 +56,7 @@ struct Triangle {
 
 // The base surface at rest, built by build_surface() and never changed.
 //   display  the mesh as the artist has it
-//   welded   the same polygons over welded vertices: what is refined and solved
+//   welded   the same polygons over welded vertices: what is refined and solved; it has the creases
 // Both share polygons and corners; only corner_vertex differs.
 struct Surface {
     PolygonMesh display;
@@ -63,6 +76,9 @@ struct SurfaceInput {
     std::span<const Index> corner_vertex;    // per corner
     std::span<const Index> triangle_corner;  // 3 per triangle: corner indices of one polygon
     bool weld_seams = true;                  // join boundary vertices that stand at one place
+    // Between these vertices, in any order and number; where there is no edge of two polygons, none is kept:
+    // borders are sharp as they are. The sharpest of an edge counts. Sharpness: 0 or more.
+    std::span<const Crease> creases = {};
 };
 
 // Checks the mesh (through OpenMesh: every polygon must be addable to a

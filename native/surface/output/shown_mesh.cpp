@@ -2,6 +2,7 @@
 #include "surface/output/shown_mesh.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -17,21 +18,22 @@ namespace {
 
 using Pair = std::array<Index, 2>;
 
-// Shown edges whose both ends are made from the same two source vertices only
-// lie on the edge between those two.
-void collect_edge_sources(ShownMesh& shown, const PolygonMesh& source) {
+// Edges whose both ends are made from the same two source vertices only lie on the edge between those two.
+// found(edge, ends of the source's edge)
+template <typename Found>
+void edges_on_source(const PolygonMesh& mesh, const SparseRows& from, const PolygonMesh& source,
+                     Found&& found) {
     const std::vector<Edge> source_edges = collect_edges(source);
     std::vector<Pair> known;
     known.reserve(source_edges.size());
     for (const Edge& e : source_edges) known.push_back({e.a, e.b});
-    const SparseRows& from = shown.vertex_from_source;
     const auto support = [&](Index v, std::vector<Index>& out) {
         for (Index k = from.start[v]; k < from.start[v + 1]; ++k) {
             if (from.weight[k] > kZeroWeight) out.push_back(from.index[k]);
         }
     };
     std::vector<Index> both;
-    for (const Edge& e : collect_edges(shown.mesh)) {
+    for (const Edge& e : collect_edges(mesh)) {
         both.clear();
         support(e.a, both);
         support(e.b, both);
@@ -39,8 +41,42 @@ void collect_edge_sources(ShownMesh& shown, const PolygonMesh& source) {
         both.erase(std::unique(both.begin(), both.end()), both.end());
         if (both.size() != 2 || !std::binary_search(known.begin(), known.end(), Pair{both[0], both[1]}))
             continue;
-        shown.edges.push_back({e.a, e.b});
-        shown.edge_sources.push_back({both[0], both[1]});
+        found(e, Pair{both[0], both[1]});
+    }
+}
+
+void collect_edge_sources(ShownMesh& shown, const PolygonMesh& source) {
+    edges_on_source(shown.mesh, shown.vertex_from_source, source, [&](const Edge& edge, const Pair& ends) {
+        shown.edges.push_back({edge.a, edge.b});
+        shown.edge_sources.push_back(ends);
+    });
+}
+
+// log2 of a number of pieces, linear between powers of two.
+float halvings(int pieces) {
+    const int whole = std::bit_width(unsigned(pieces)) - 1;
+    return float(whole) + float(pieces) / float(1 << whole) - 1.0f;
+}
+
+// Of a mesh whose edges were split: a crease that stays does so in every piece, another one has lost what so
+// many subdivisions take.
+void split_creases(FineMesh& fine, const PolygonMesh& parent) {
+    if (parent.creases.empty()) return;
+    std::vector<std::pair<Edge, const Crease*>> pieces;
+    std::vector<int> count(parent.creases.size(), 0);
+    edges_on_source(fine.mesh, fine.vertex_from_parent, parent, [&](const Edge& edge, const Pair& ends) {
+        const auto at = std::lower_bound(parent.creases.begin(), parent.creases.end(), ends,
+                                         [](const Crease& c, const Pair& key) {
+                                             return Pair{c.a, c.b} < key;
+                                         });
+        if (at == parent.creases.end() || Pair{at->a, at->b} != ends) return;
+        pieces.emplace_back(edge, &*at);
+        ++count[size_t(at - parent.creases.begin())];
+    });
+    for (const auto& [edge, crease] : pieces) {
+        const float lost = halvings(count[size_t(crease - parent.creases.data())]);
+        const float left = crease->sharpness < kSharp ? crease->sharpness - lost : kSharp;
+        if (left > 0.0f) fine.mesh.creases.push_back({edge.a, edge.b, left});
     }
 }
 
@@ -88,8 +124,9 @@ void refuse_too_many(double corners, const FineSource& source, Index steps) {
     }
 }
 
-FineMesh refine(const Surface& base, const FineSource& source, Index steps) {
-    refuse_too_many(base.welded.corners(), source, steps);
+namespace {
+
+FineMesh refine_by_kind(const Surface& base, const FineSource& source, Index steps) {
     switch (source.kind) {
         case FineSource::Kind::kSubdivision:
             return refine_subdivision(base.welded, source.level);
@@ -101,6 +138,15 @@ FineMesh refine(const Surface& base, const FineSource& source, Index steps) {
                                        Index(std::ldexp(double(source.most_vertices), -2 * steps)));
     }
     return {};
+}
+
+}  // namespace
+
+FineMesh refine(const Surface& base, const FineSource& source, Index steps) {
+    refuse_too_many(base.welded.corners(), source, steps);
+    FineMesh fine = refine_by_kind(base, source, steps);
+    if (source.kind != FineSource::Kind::kSubdivision) split_creases(fine, base.welded);
+    return fine;
 }
 
 Attachments attach_refined(const Surface& base, const FineSource& source, const FineMesh& fine,

@@ -84,6 +84,37 @@ PtexPlace to_ptex(const Surface& surface, const SurfacePoint& place, bool loop) 
     return result;
 }
 
+// Irregular vertices and creases are isolated so far, then OpenSubdiv puts Gregory patches around the
+// vertices. Along creases that stay, its patches end as they do at borders.
+void refine_adaptively(Far::TopologyRefiner& refiner, const PolygonMesh& mesh, Index levels) {
+    Far::TopologyRefiner::AdaptiveOptions options(levels);
+    options.useInfSharpPatch = !mesh.creases.empty();
+    refiner.RefineAdaptive(options);
+}
+
+SparseRows limit_rows_at(const Far::TopologyRefiner& refiner, const LimitFactory::LocationArrayVec& locations,
+                         std::span<const Index> column_of) {
+    LimitFactory::Options options;
+    options.generate1stDerivatives = false;
+    if (locations.empty()) return {};
+    const std::unique_ptr<const Far::LimitStencilTableReal<double>> table(
+        LimitFactory::Create(refiner, locations, nullptr, nullptr, options));
+    return copy_rows(*table, column_of);
+}
+
+// A corner of a polygon. Its coordinates live as long as the program.
+LimitFactory::LocationArray location_of_corner(const Far::PtexIndices& ptex, Index polygon, Index size,
+                                               Index corner, bool loop) {
+    static constexpr double kZero = 0.0, kOne = 1.0;
+    LimitFactory::LocationArray location;
+    location.numLocations = 1;
+    const bool is_one_face = loop || size == 4;  // of ptex
+    location.ptexIdx = ptex.GetFaceId(polygon) + (is_one_face ? 0 : corner);
+    location.s = is_one_face && (corner == 1 || (corner == 2 && !loop)) ? &kOne : &kZero;
+    location.t = is_one_face && corner >= 2 ? &kOne : &kZero;
+    return location;
+}
+
 // Rows of attached places to their places; unattached ones get an empty row.
 SparseRows spread_rows(const SparseRows& attached, std::span<const SurfacePoint> places) {
     SparseRows rows;
@@ -102,12 +133,27 @@ SparseRows spread_rows(const SparseRows& attached, std::span<const SurfacePoint>
 
 }  // namespace
 
+SparseRows limit_rows_by_patches(const PolygonMesh& mesh) {
+    const UsedVertices used(mesh);
+    const Refiner refiner = make_refiner(mesh, used);
+    refine_adaptively(*refiner, mesh, kExactLimitLevels);
+    const Far::PtexIndices ptex(*refiner);
+    const bool loop = refiner->GetSchemeType() == Sdc::SCHEME_LOOP;
+    LimitFactory::LocationArrayVec locations(mesh.vertex_count);
+    for (Index p = mesh.polygons() - 1; p >= 0; --p) {
+        const Index begin = mesh.polygon_start[p], size = mesh.polygon_size(p);
+        for (Index k = 0; k < size; ++k)
+            locations[mesh.corner_vertex[begin + k]] = location_of_corner(ptex, p, size, k, loop);
+    }
+    return limit_rows_at(*refiner, locations, used.vertex_of);
+}
+
 SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> places, Index exact_levels) {
     if (places.empty()) return {};
     const UsedVertices used(surface.welded);
     const Refiner refiner = make_refiner(surface.welded, used);
     // Irregular vertices are isolated so far, then OpenSubdiv puts Gregory patches around them.
-    refiner->RefineAdaptive(Far::TopologyRefiner::AdaptiveOptions(exact_levels));
+    refine_adaptively(*refiner, surface.welded, exact_levels);
     const Far::PtexIndices ptex(*refiner);
     const bool loop = refiner->GetSchemeType() == Sdc::SCHEME_LOOP;
 
@@ -127,14 +173,7 @@ SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> 
         location.t = &v.back();
         locations.push_back(location);
     }
-    LimitFactory::Options options;
-    options.generate1stDerivatives = false;
-    SparseRows attached;
-    if (!locations.empty()) {
-        const std::unique_ptr<const Far::LimitStencilTableReal<double>> table(
-            LimitFactory::Create(*refiner, locations, nullptr, nullptr, options));
-        attached = copy_rows(*table, used.vertex_of);
-    }
+    const SparseRows attached = limit_rows_at(*refiner, locations, used.vertex_of);
     assert(attached.rows() == static_cast<Index>(locations.size()));
     return spread_rows(attached, places);
 }

@@ -30,6 +30,10 @@ UsedVertices::UsedVertices(const PolygonMesh& mesh) {
     for (Index v : mesh.corner_vertex) corner.push_back(used_of[v]);
 }
 
+Index UsedVertices::number_of(Index vertex) const {
+    return Index(std::lower_bound(vertex_of.begin(), vertex_of.end(), vertex) - vertex_of.begin());
+}
+
 Refiner make_refiner(const PolygonMesh& mesh, const UsedVertices& used) {
     std::vector<int> sizes(mesh.polygons());
     for (Index p = 0; p < mesh.polygons(); ++p) sizes[p] = mesh.polygon_size(p);
@@ -39,6 +43,16 @@ Refiner make_refiner(const PolygonMesh& mesh, const UsedVertices& used) {
     descriptor.numVertsPerFace = sizes.data();
     descriptor.vertIndicesPerFace = used.corner.data();
 
+    std::vector<int> crease_vertices;
+    std::vector<float> crease_weights;
+    for (const Crease& crease : mesh.creases) {
+        for (const Index v : {crease.a, crease.b}) crease_vertices.push_back(used.number_of(v));
+        crease_weights.push_back(crease.sharpness);
+    }
+    descriptor.numCreases = static_cast<int>(mesh.creases.size());
+    descriptor.creaseVertexIndexPairs = crease_vertices.data();
+    descriptor.creaseWeights = crease_weights.data();
+
     Sdc::Options options;
     options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
     const Sdc::SchemeType scheme = all_triangles(mesh) ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK;
@@ -46,6 +60,21 @@ Refiner make_refiner(const PolygonMesh& mesh, const UsedVertices& used) {
     Refiner refiner(Factory::Create(descriptor, Factory::Options(scheme, options)));
     if (!refiner) throw TopologyError("OpenSubdiv cannot refine this mesh");
     return refiner;
+}
+
+std::vector<Crease> creases_of_last_level(const Far::TopologyRefiner& refiner) {
+    std::vector<Crease> creases;
+    const Far::TopologyLevel& level = refiner.GetLevel(refiner.GetMaxLevel());
+    for (int e = 0; e < level.GetNumEdges(); ++e) {
+        const float sharpness = level.GetEdgeSharpness(e);
+        if (sharpness <= 0.0f || level.GetEdgeFaces(e).size() != 2) continue;  // a border is sharp by itself
+        const Far::ConstIndexArray ends = level.GetEdgeVertices(e);
+        creases.push_back(
+            {std::min(ends[0], ends[1]), std::max(ends[0], ends[1]), std::min(sharpness, kSharp)});
+    }
+    std::sort(creases.begin(), creases.end(),
+              [](const Crease& x, const Crease& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
+    return creases;
 }
 
 SparseRows copy_rows(const Far::StencilTableReal<double>& table, std::span<const Index> column_of) {

@@ -22,11 +22,20 @@ struct UsedVertices {
     std::vector<Index> corner;     // per corner: used vertex
 
     explicit UsedVertices(const PolygonMesh& mesh);
+    Index number_of(Index vertex) const;  // of a parent vertex that is used. Cost: O(log vertices)
 };
 
 // Level 0 of the mesh, not yet refined: Loop when all polygons are triangles,
 // else Catmull-Clark.
 Refiner make_refiner(const PolygonMesh& mesh, const UsedVertices& used);
+
+// Creases of the vertices of the last level between two faces each. Empty without creases at level 0.
+std::vector<Crease> creases_of_last_level(const Far::TopologyRefiner& refiner);
+
+// Limit of every vertex <- vertices, of a mesh whose vertices all have a polygon: exact within a 64th of an
+// edge of where creases are rounded, where OpenSubdiv's masks take a crease of any sharpness for one that
+// stays.
+SparseRows limit_rows_by_patches(const PolygonMesh& mesh);
 
 // Linear weights (bilinear in a quad) of a uniformly refined mesh's last level.
 struct LinearRows {

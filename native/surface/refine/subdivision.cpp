@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Subdivision through OpenSubdiv's Far: it makes the tables, our arrays keep them.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -63,8 +64,27 @@ struct RowBuilder {
     void AddWithWeight(const Column& column, double weight) { entries.emplace_back(column.index, weight); }
 };
 
+PolygonMesh copy_last_level(const Far::TopologyRefiner& refiner) {
+    const Far::TopologyLevel& level = refiner.GetLevel(refiner.GetMaxLevel());
+    PolygonMesh mesh;
+    mesh.vertex_count = level.GetNumVertices();
+    for (int f = 0; f < level.GetNumFaces(); ++f) {
+        const Far::ConstIndexArray corners = level.GetFaceVertices(f);
+        mesh.corner_vertex.insert(mesh.corner_vertex.end(), corners.begin(), corners.end());
+        mesh.polygon_start.push_back(mesh.corners());
+    }
+    mesh.creases = creases_of_last_level(refiner);
+    return mesh;
+}
+
+bool is_rounded_later(const Crease& crease) {
+    return crease.sharpness < kSharp;
+}
+
 // Last-level vertices on the limit surface <- last-level vertices.
 SparseRows make_limit_rows(const Far::TopologyRefiner& refiner) {
+    if (std::ranges::any_of(creases_of_last_level(refiner), is_rounded_later))
+        return limit_rows_by_patches(copy_last_level(refiner));
     const Index count = refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices();
     std::vector<Column> columns(count);
     for (Index v = 0; v < count; ++v) columns[v].index = v;
@@ -89,21 +109,11 @@ Index levels_before_masks(const PolygonMesh& mesh) {
     return 0;
 }
 
-PolygonMesh copy_last_level(const Far::TopologyRefiner& refiner) {
-    const Far::TopologyLevel& level = refiner.GetLevel(refiner.GetMaxLevel());
-    PolygonMesh mesh;
-    mesh.vertex_count = level.GetNumVertices();
-    for (int f = 0; f < level.GetNumFaces(); ++f) {
-        const Far::ConstIndexArray corners = level.GetFaceVertices(f);
-        mesh.corner_vertex.insert(mesh.corner_vertex.end(), corners.begin(), corners.end());
-        mesh.polygon_start.push_back(mesh.corners());
-    }
-    return mesh;
-}
-
 FineMesh copy_parent(const PolygonMesh& parent, const UsedVertices& used) {
     FineMesh fine;
     fine.mesh = {static_cast<Index>(used.vertex_of.size()), parent.polygon_start, used.corner};
+    for (const Crease& crease : parent.creases)
+        fine.mesh.creases.push_back({used.number_of(crease.a), used.number_of(crease.b), crease.sharpness});
     for (Index v : used.vertex_of) {
         fine.vertex_from_parent.add(v, 1.0f);
         fine.vertex_from_parent.end_row();

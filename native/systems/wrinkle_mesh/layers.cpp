@@ -172,7 +172,7 @@ Surface solved_surface(const Model& layer) {
         }
     }
     return build_surface(
-        {layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false});
+        {layer.positions_rest, mesh.polygon_start, mesh.corner_vertex, triangle_corner, false, mesh.creases});
 }
 
 std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index display_steps,

@@ -16,21 +16,18 @@ from ...core.clip_lock import Lock
 from ...core.clip_manifest import ClipFault, Manifest
 from .. import compat, scheduler
 from ..frame import clip_status, path_curves
-from ..objects import messages, modifier, output_mesh, runtimes
+from ..objects import clip_place, messages, modifier, output_mesh, runtimes
 from .playback import BakeError, Playback
 
-FOLDER = "//rumple"
 SUFFIX = ".clip"
 
 
 def new_clip_path(obj: bpy.types.Object) -> Path:
     """Where the clip of an object belongs. Raises BakeError."""
-    folder = obj.rumple.bake_folder or FOLDER
-    beside = folder.startswith("//")
-    if beside and not bpy.data.filepath:
+    path = clip_place.of(obj)
+    if path is None:
         raise BakeError(f"{obj.name}: save the file first: the bake is stored beside it")
-    place = "" if beside else str(Path(bpy.data.filepath).parent)  # files of one name in two folders share this one
-    return Path(bpy.path.abspath(folder)) / clip_folder.clip_name(_file_name(), obj.name, place)
+    return path
 
 
 def _file_name() -> str:

@@ -15,7 +15,7 @@ from ...core.clip_lock import Held
 from ...core.clip_manifest import ClipFault, Manifest
 from ..bake import clip
 from ..bake.playback import BakeError
-from ..objects import modifier
+from ..objects import clip_place, modifier
 from . import bake, check, pieces, plan, poses, shown, source, verify
 from .shown import Exported
 
@@ -113,7 +113,7 @@ def _bake_one(obj: bpy.types.Object, files: str, options: bake.Options, say: Say
     except (BakeError, ClipFault) as error:
         return dict(code=FAILED, error=_bare(obj, error))
     except OSError as error:
-        return dict(code=FAILED, error=in_words(error, Path(obj.rumple.bake_folder or clip.FOLDER)))
+        return dict(code=FAILED, error=in_words(error, Path(obj.rumple.bake_folder or clip_place.FOLDER)))
     except Exception as error:  # nothing that is known; the others go on all the same
         return dict(code=FAILED, error=f"{type(error).__name__}: {error}")
     say(done.in_words(obj.name))

@@ -18,7 +18,7 @@ from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, mesh_reade
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
-from . import clip_status, first_pass, path_curves
+from . import clip_status, disk_frames, first_pass, path_curves
 
 
 def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
@@ -171,6 +171,7 @@ def _play_clip(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output
 def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, shown: bpy.types.Object,
                     runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene, mode: str, clip_fault: str) -> bool:
     """True when an output object was written: `shown`."""
+    disk_frames.follow(obj, runtime)
     result = _solve(runtime, inputs, scene, inputs.uses_proxy, inputs.in_viewport)
     runtime.inputs = inputs
     messages.set_frame_error(runtime, clip_fault)

@@ -102,6 +102,8 @@ def _content(mesh: bpy.types.Mesh) -> str:
         uv = np.empty(len(mesh.loops) * 2, np.float32)
         layer.data.foreach_get("uv", uv)
         digest.update(layer.name.encode() + uv.tobytes())
+    for prop, values in compat.edge_marks(mesh).items():  # no attributes in 3.4
+        digest.update(prop.encode() + values.tobytes())
     digest.update(repr([[(group.group, group.weight) for group in vertex.groups] for vertex in mesh.vertices]).encode())
     return digest.hexdigest()
 

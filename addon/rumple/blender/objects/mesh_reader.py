@@ -12,6 +12,7 @@ from ...core import engine
 from ...core.fold_guides import GUIDES
 from ...core.keep_smooth import SMOOTH
 from ...core.on_cloth import PAINTED
+from ...core.painted_rigid import RIGID, wholly_painted
 from ...core.settings import FieldSettings, MeshSettings, PathsSettings
 from .. import compat
 from ..nodes import field_profile, wrinkle_tree
@@ -29,7 +30,9 @@ MESH_GROUPS: dict[str, str] = {
     "follow": "Rumple Follow",
     "room": "Rumple Room",
     SMOOTH: "Rumple Keep Smooth",
+    RIGID: "Rumple Rigid",
 }
+MOST_SHARPNESS = 10.0  # of a crease of 1: it stays, as in Blender's Subdivision
 REST_WRINKLE = "rumple_rest_wrinkle"  # painted vectors of the Wrinkle Field, a point attribute of the coarse mesh
 LEAST_WAVELENGTH = 0.1  # of the factor that a vertex group paints: its zero means "nothing painted" elsewhere
 ATTACHED_GROUP = "Rumple Attached"  # on an own mesh: points below one half stay unattached
@@ -50,7 +53,19 @@ def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.B
     """The coarse mesh of an object at rest. Raises engine.UserError with a sentence for the panel."""
     mesh = incoming_mesh.of(obj)
     mesh.calc_loop_triangles()
-    return _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
+    base = _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
+    rigid = _rigid_paint(obj, mesh)
+    base.painted_rigid = None if rigid is None else wholly_painted(base, rigid)
+    return base
+
+
+def _rigid_paint(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """(n,) as paint() has it for every system."""
+    name = MESH_GROUPS[RIGID]
+    if name in obj.vertex_groups:
+        return group_weights(obj, mesh, [name])[:, 0]
+    values = _point_attribute(mesh, name, "FLOAT")
+    return None if values is None else values[:, 0]
 
 
 def render_uv(mesh: bpy.types.Mesh) -> np.ndarray | None:
@@ -82,9 +97,23 @@ def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine
     mesh.loops.foreach_get("vertex_index", corner_vertex)
     triangle_corner = np.empty(len(mesh.loop_triangles) * 3, np.int32)
     mesh.loop_triangles.foreach_get("loops", triangle_corner)
+    crease_edge, crease_sharpness = _creases(mesh)
     return engine.BaseMesh(name=name, positions=np.ascontiguousarray(positions, np.float32),
                            polygon_start=polygon_start, corner_vertex=corner_vertex,
-                           triangle_corner=triangle_corner.reshape(-1, 3))
+                           triangle_corner=triangle_corner.reshape(-1, 3),
+                           crease_edge=crease_edge, crease_sharpness=crease_sharpness)
+
+
+def _creases(mesh: bpy.types.Mesh) -> tuple[np.ndarray | None, np.ndarray | None]:
+    """Edges with a crease, and for how many subdivisions they stay sharp: as Blender's Subdivision has it."""
+    values = compat.edge_creases(mesh)
+    creased = np.flatnonzero(values > 0.0)  # an attribute may hold anything: not what is no number
+    if not len(creased):
+        return None, None
+    ends = np.empty(len(mesh.edges) * 2, np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    crease = np.minimum(values[creased], np.float32(1.0))
+    return ends.reshape(-1, 2)[creased], np.float32(MOST_SHARPNESS) * crease * crease
 
 
 # ---------------------------------------------------------------- rest shapes
@@ -139,7 +168,7 @@ Settings = Union[MeshSettings, FieldSettings, PathsSettings]
 
 def paint_groups(settings: Settings) -> dict[str, str]:
     """Key of the engine -> vertex group (or, but for the Wrinkle Mesh, float attribute) that paints it."""
-    cloth = {key: MESH_GROUPS[key] for key in PAINTED}
+    cloth = {key: MESH_GROUPS[key] for key in (*PAINTED, RIGID)}
     if isinstance(settings, FieldSettings):
         return {"mask": settings.mask, "wavelength": settings.wavelength_scale, **cloth}
     if isinstance(settings, PathsSettings):
@@ -227,7 +256,8 @@ def plain_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
 def shape_fingerprint(base: engine.BaseMesh) -> str:
     """Hash of everything the fine mesh is made from."""
     digest = hashlib.sha1()
-    for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner, base.uv):
+    for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner, base.uv,
+                  base.crease_edge, base.crease_sharpness, base.painted_rigid):
         if array is not None:
             digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()

@@ -15,6 +15,7 @@ METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s i
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
 DEFAULT_MOST_VERTICES = 250_000  # made in about two seconds
 DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
+DEFAULT_DISK = 2048  # megabytes
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}  # else a linked character's garments could not be tuned
 
@@ -159,6 +160,15 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                         subtype="NONE", options=set(), override=_OVERRIDE, update=_changed("SHOW"),
                                         description="Most memory for stored frames, in megabytes. The farthest frames "
                                                     "go first")
+    keep_frames: bpy.props.BoolProperty(name="Keep Stored Frames On Disk", default=False, options=set(),
+                                        override=_OVERRIDE, update=_changed("SHOW"),
+                                        description="Write frames that were played through into the bake's folder, "
+                                                    "when the file is saved and while nothing moves: in a file that "
+                                                    "is opened again a jump shows them")
+    disk_limit: bpy.props.IntProperty(name="Disk Limit", default=DEFAULT_DISK, min=16, soft_max=65536, max=1 << 20,
+                                      subtype="NONE", options=set(), override=_OVERRIDE, update=_changed("SHOW"),
+                                      description="Most room for the stored frames of this object on disk, in "
+                                                  "megabytes. The oldest go first")
     bake_start: bpy.props.IntProperty(name="Start", default=1, options=set(), override=_OVERRIDE,
                                       description="First frame that is baked")
     bake_end: bpy.props.IntProperty(name="End", default=250, options=set(), override=_OVERRIDE,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...core.keep_smooth import SMOOTH
+from ...core.painted_rigid import RIGID
 from ..objects import guide_curves
 from ..ui_base import Panel, settings_column
 from . import cloth_panel
@@ -17,6 +18,7 @@ class DATA_PT_rumple_guides(Panel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = settings_column(self.layout, context.object), context.object
         cloth_panel.paint_only(column, obj, SMOOTH, "Keep Smooth")
+        cloth_panel.paint_only(column, obj, RIGID, "Rigid")
         if obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING":
             column.label(text="Guides need the output Geometry", icon="INFO")
         for guide in guide_curves.of(obj):

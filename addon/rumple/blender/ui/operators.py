@@ -16,15 +16,14 @@ from ...core.keep_smooth import SMOOTH
 from ...core.presets import Preset, touched
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
-from ..frame import rebuild
+from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
                        properties, runtimes, stack_notes, units, viewport_mesh)
 from ..translation import said
+from . import paint_words
 
-_SMOOTH_TIP = ("Paint where no folds may be, from all of them (0) to none (1), in Weight Paint mode. Again: leave the "
-               "mode")
 _PAINTS = tuple((key, "Keep Smooth" if key == SMOOTH else key.title(), "")
                 for key in (*mesh_reader.MESH_GROUPS, "mask", "wavelength"))
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
@@ -327,8 +326,8 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context: bpy.types.Context, chosen: bpy.types.OperatorProperties) -> str:
-        """Of what is painted the other way round."""
-        return said(_SMOOTH_TIP) if chosen.group == SMOOTH else ""
+        tip = paint_words.TIPS.get(chosen.group, "")
+        return said(tip) if tip else ""
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
@@ -343,7 +342,7 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
         is_new = name not in obj.vertex_groups
         if is_new:
             group = obj.vertex_groups.new(name=name)
-            if self.group == SMOOTH:
+            if self.group in paint_words.TIPS:
                 group.add(range(len(obj.data.vertices)), 0.0, "REPLACE")
             elif self.group == "follow":
                 cloth_defaults.fill_follow(obj, group)
@@ -355,9 +354,9 @@ class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
         scheduler.request()
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-        if is_new and self.group == SMOOTH:
+        if is_new and self.group in paint_words.TIPS:
             _set_brush_weight(context, 1.0)
-            self.report({"INFO"}, said("Paint with weight 1 where the cloth stays smooth, with 0 where it folds again"))
+            self.report({"INFO"}, said(paint_words.HOW[self.group]))
         elif is_new:
             _set_brush_weight(context, 0.0)  # the new group is full already
             self.report({"INFO"}, said(f"Paint with weight 0 where {self.group} fades, with 1 where it comes back"))
@@ -388,6 +387,7 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
             runtime = runtimes.of(context.object)
             if runtime.evaluator is not None:
                 runtime.evaluator.frame_cache.clear()
+                disk_frames.clear(context.object)
             runtime.invalidate_output()
         context.object.update_tag()
         return {"FINISHED"}

@@ -8,10 +8,10 @@ from ...core.base_mesh import RAISE_MOST
 from .. import ui_base
 from ..bake import panel as bake_panel
 from ..brush import panel as brush_panel
-from ..frame import clip_status
+from ..frame import clip_status, disk_frames
 from ..maps import keys as maps_keys, modifier as maps_modifier
 from ..nodes import field_profile, field_shader
-from ..objects import changes, modifier, properties, runtimes, stack_notes
+from ..objects import changes, clip_place, modifier, properties, runtimes, stack_notes
 from ..translation import OWN_CONTEXT, said
 from ..ui_base import Panel, draw_message, draw_note, named_paint, property_column, settings_column
 from . import cloth_panel, guides_panel, healing, paths_panel, rest_panel, saved_settings
@@ -192,6 +192,10 @@ class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = property_column(self.layout), context.object
         column.prop(obj.rumple, "memory_limit")
+        column.prop(obj.rumple, "keep_frames")
+        if obj.rumple.keep_frames:
+            column.prop(obj.rumple, "disk_limit")
+            _draw_disk(column, obj)
         runtime = runtimes.known(obj)
         if runtime is None or runtime.evaluator is None:
             return
@@ -203,6 +207,15 @@ class DATA_PT_rumple_frames(Panel, bpy.types.Panel):
                 draw_note(column, said(label).format(ranges(numbers)), "BLANK1")
         draw_note(column, f"{len(frames)} frames, {history.bytes / 2**20:.1f} MB", "BLANK1")
         column.operator("object.rumple_clear_frames")
+
+
+def _draw_disk(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """What is to be said of frames on disk."""
+    kept = disk_frames.of(obj)
+    if clip_place.of(obj) is None:
+        draw_note(column, f"{obj.name}: save the file first: stored frames are kept beside it")
+    elif kept is not None and kept.note:
+        draw_note(column, kept.note)
 
 
 def ranges(frames: list[float], most: int = 6) -> str:

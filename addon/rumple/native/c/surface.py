@@ -35,9 +35,15 @@ class SurfacePlan(Struct):
     triangle_corner: int | None  # (t, 3): corners of one polygon each, which has two corners more
     triangle_corner_count: int
     weld_seams: bool  # join border vertices that stand at one place
+    crease_edge: int | None  # (k, 2): vertices, 0..n - 1; or none
+    crease_edge_count: int
+    crease_sharpness: int | None  # (k): subdivisions that it stays sharp for, >= 0; from 10 on for ever
+    crease_sharpness_count: int
     _fields_ = (("positions_rest", c_void_p), ("positions_rest_count", c_size_t), ("polygon_start", c_void_p),
         ("polygon_start_count", c_size_t), ("corner_vertex", c_void_p), ("corner_vertex_count", c_size_t),
-        ("triangle_corner", c_void_p), ("triangle_corner_count", c_size_t), ("weld_seams", c_bool),)
+        ("triangle_corner", c_void_p), ("triangle_corner_count", c_size_t), ("weld_seams", c_bool),
+        ("crease_edge", c_void_p), ("crease_edge_count", c_size_t), ("crease_sharpness", c_void_p),
+        ("crease_sharpness_count", c_size_t),)
 
 
 class HealedView(Struct):

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the files of an object belong: its baked clip, and its stored frames."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from ...core import clip_folder
+
+FOLDER = "//rumple"
+
+
+def of(obj: bpy.types.Object) -> Path | None:
+    """Of the clip. None where it belongs beside the blend file, and that was never saved."""
+    folder = obj.rumple.bake_folder or FOLDER
+    beside = folder.startswith("//")
+    if beside and not bpy.data.filepath:
+        return None
+    place = "" if beside else str(Path(bpy.data.filepath).parent)  # files of one name in two folders share this one
+    return Path(bpy.path.abspath(folder)) / clip_folder.clip_name(Path(bpy.data.filepath).stem, obj.name, place)

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What of a mesh hangs together. Never imports bpy."""
+from __future__ import annotations
+
+import numpy as np
+
+from .base_mesh import BaseMesh
+
+
+def places(positions: np.ndarray) -> np.ndarray:
+    """(n,) a number for each of (n, 3) vertices, the same for those at one place."""
+    found = np.arange(len(positions))
+    if len(found):
+        order = np.lexsort(positions.T)
+        moved = (np.diff(positions[order], axis=0) != 0.0).any(1)
+        found[order] = np.concatenate([[0], np.cumsum(moved)])
+    return found
+
+
+def spokes(base: BaseMesh) -> tuple[np.ndarray, np.ndarray]:
+    """(c,) and (c,) vertices: the first one of every polygon, and each of its corners."""
+    return (base.corner_vertex[np.repeat(base.polygon_start[:-1], np.diff(base.polygon_start))], base.corner_vertex)
+
+
+def lowest_connected(label: np.ndarray, first: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """(n,) the lowest number of all that each is connected with. label: (n,) arange. first, other: (k,) pairs."""
+    while True:
+        lower = label.copy()
+        np.minimum.at(lower, first, label[other])
+        np.minimum.at(lower, other, label[first])
+        while (lower[lower] != lower).any():
+            lower = lower[lower]
+        if np.array_equal(lower, label):
+            return label
+        label = lower
+
+
+def parts(base: BaseMesh, place: np.ndarray) -> np.ndarray:
+    """(n,) int32: for every vertex the number of its connected part, counted from 0; loose vertices have their own.
+    place: as places() has them; (n,) arange: what is at one place is not one."""
+    first, other = spokes(base)
+    label = lowest_connected(np.arange(len(base.positions)), place[first], place[other])
+    return np.unique(label[place], return_inverse=True)[1].ravel().astype(np.int32)

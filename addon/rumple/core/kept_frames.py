@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stored frames as files: what was played through is there again when the file is opened anew. Never imports bpy.
+
+A file for each final frame, in a folder for each object. Its name is a digest of all that the frame is of: version,
+model, paint, number and inputs; so a frame of other settings, or of another mesh, is never found. It holds the state of
+the solver, as a checkpoint does, behind a digest of its bytes. The same frame has the same bytes whoever writes it, and
+is put in place by a rename: two Blenders on one file write the same, and one may sweep what the other has written.
+"""
+from __future__ import annotations
+
+import hashlib
+import io
+import math
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..native import c
+from . import clip_folder
+from .checkpoint import CannotGoOn, Checkpoint
+from .frame_cache import CachedFrame
+
+if TYPE_CHECKING:
+    from .engine import Wrinkles
+
+SUFFIX = ".frame"
+FORMAT = 1
+_HEAD = b"rumple frame\n"
+_DIGEST = 16  # bytes
+
+
+class KeptFrames:
+    """Those of one evaluator. It never raises: `note` says what went wrong."""
+
+    def __init__(self, evaluator: Wrinkles, folder: Path, identity: str, limit_bytes: int) -> None:
+        """folder: of this object alone; made when something is written. identity: tells the model from others.
+        limit_bytes: of all files in the folder."""
+        self.evaluator, self.folder, self.about, self.limit_bytes = evaluator, folder, identity, limit_bytes
+        self.identity = repr((FORMAT, c.VERSION, type(evaluator).__name__, evaluator.unit_scale, identity))
+        self.note = ""
+        self._is_stopped = False  # nothing can be written
+        self._done: set[str] = set()  # names of files that were written, or found, or are too large
+        self._damaged: set[str] = set()
+
+    # --- reading
+    def read(self, frame: float, inputs: bytes) -> CachedFrame | None:
+        """The stored frame of these inputs, whole; None where there is none. Cost: that of reading its file."""
+        name = self._name(frame, inputs)
+        if name in self._damaged:
+            return None
+        try:
+            data = (self.folder / name).read_bytes()
+        except (OSError, ValueError):
+            return None  # the usual case: it is not there
+        try:
+            cached = self._restored(data, inputs)
+        except CannotGoOn:
+            self._damaged.add(name)
+            self.note = (f"{self.evaluator.name}: a stored frame on disk is damaged, or of something else: it is "
+                         "solved anew")
+            return None
+        self._done.add(name)
+        return cached
+
+    def _restored(self, data: bytes, inputs: bytes) -> CachedFrame:
+        head, digest, content = (data[:len(_HEAD)], data[len(_HEAD):len(_HEAD) + _DIGEST], data[len(_HEAD) + _DIGEST:])
+        if head != _HEAD or digest != _digest(content):
+            raise CannotGoOn("its digest is another one")
+        kept = Checkpoint.read(io.BytesIO(content), self._identity())
+        if kept is None or kept.inputs != inputs:
+            raise CannotGoOn("it is of something else")
+        return kept.restored(self.evaluator)
+
+    # --- writing
+    def write(self, seconds: float = math.inf) -> bool:
+        """Write final frames of the frame cache that are not on disk, at least one, for about so long. True where more
+        are left. Then what is above the limit is swept, the oldest first."""
+        if self._is_stopped:
+            return False
+        ends, wrote, more = time.perf_counter() + seconds, False, False
+        try:
+            for frame, cached in self.evaluator.frame_cache.final_frames():
+                name = self._name(frame, cached.inputs)
+                if name in self._done:
+                    continue
+                if wrote and time.perf_counter() > ends:
+                    more = True
+                    break
+                wrote = self._write(name, frame, cached) or wrote
+            if wrote:
+                self._sweep()
+        except (OSError, ValueError) as error:
+            self._is_stopped = True
+            self.note = f"{self.evaluator.name}: its stored frames are not kept: {self._in_words(error)}"
+            return False
+        return more
+
+    def _write(self, name: str, frame: float, cached: CachedFrame) -> bool:
+        """True where it was written now."""
+        self._done.add(name)
+        path = self.folder / name
+        if name not in self._damaged and path.exists():
+            return False
+        content = Checkpoint.of(int(frame), cached).to_bytes(self._identity())
+        if len(content) > self.limit_bytes:
+            return False
+        if not self.folder.is_dir():
+            self.folder.mkdir(parents=True, exist_ok=True)
+        own = clip_folder.temporary(path)
+        try:
+            own.write_bytes(_HEAD + _digest(content) + content)
+            os.replace(own, path)
+        except OSError:
+            clip_folder.discard(own)
+            raise
+        self._damaged.discard(name)
+        return True
+
+    def _sweep(self) -> None:
+        clip_folder.sweep(self.folder)
+        files = []
+        for path in self.folder.glob("*" + SUFFIX):
+            try:
+                about = path.stat()
+            except OSError:
+                continue  # another Blender has swept it
+            files.append((about.st_mtime_ns, path.name, about.st_size, path))
+        total = sum(size for _, _, size, _ in files)
+        for _, _, size, path in sorted(files):
+            if total <= self.limit_bytes:
+                return
+            clip_folder.discard(path)
+            total -= size
+
+    def clear(self) -> None:
+        """Remove the files of all models of this object."""
+        for path in self.folder.glob("*" + SUFFIX):
+            clip_folder.discard(path)
+        self._done.clear()
+        self._damaged.clear()
+        self.note, self._is_stopped = "", False
+
+    def _in_words(self, error: Exception) -> str:
+        return clip_folder.in_words(error, self.folder.parent)
+
+    def _identity(self) -> str:
+        """With the paint, which may have changed since."""
+        return f"{self.identity} {self.evaluator.painted.hex()}"
+
+    def _name(self, frame: float, inputs: bytes) -> str:
+        return _digest(f"{self._identity()} {frame!r}".encode(), inputs).hex() + SUFFIX
+
+
+def _digest(*parts: bytes) -> bytes:
+    digest = hashlib.blake2b(digest_size=_DIGEST)
+    for part in parts:
+        digest.update(part)
+    return digest.digest()
