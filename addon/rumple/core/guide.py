@@ -26,7 +26,7 @@ _PLACES = {
     "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.bending_length mesh.layers mesh.folds mesh.detail",
     "body": "*.thickness object.body object.body_collection",
     "guides": "guide.* ops.object.rumple_guide_add ops.object.rumple_guide_remove",
-    "paint": "ops.object.rumple_paint",
+    "paint": "ops.object.rumple_paint*",
     "rest-shape": "mesh.reference mesh.rest_shape field.reference field.rest_shape paths.rest_shape *.window "
                   "*.relaxation *.growth object.captured object.rest_key object.rest_frame "
                   "ops.object.rumple_capture_rest",
