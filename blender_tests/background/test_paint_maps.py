@@ -293,6 +293,11 @@ class Listed(unittest.TestCase):
         obj.rumple.field.mask = ""
         self.assertEqual(self.keys(obj), ["wavelength", "smooth"])
 
+    def test_names_are_those_of_the_settings(self) -> None:
+        labels = painted_maps.LABELS
+        self.assertEqual((labels["detail"], labels["radius"], labels["wavelength"], labels["room"]),
+                         ("Detail", "Attachment Radius", "Wavelength Scale", "Room"))
+
     def test_every_map_of_every_system_is_known(self) -> None:
         for method in ("MESH", "FIELD", "PATHS"):
             obj = sleeve.scene(wrinkles=False)

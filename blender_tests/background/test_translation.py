@@ -171,7 +171,8 @@ class Widths(InLanguage):
         blf.size(0, 11)
         words = {prop.name for cls in own_classes(bpy.types.PropertyGroup) for prop in own_properties(cls)
                  if prop.type != "BOOLEAN" and not prop.is_hidden and not _NOT_WORDS.fullmatch(prop.name)
-                 and prop.identifier not in self.SHOWN_OTHERWISE} | {"Smooth Viewport", "Render", *painted_maps.LABELS.values()}
+                 and prop.identifier not in self.SHOWN_OTHERWISE} | {"Smooth Viewport", "Render"}
+        words |= set(painted_maps.LABELS.values())
         self.assertGreater(len(words), 90)
         for language in CODES:
             self.speak(language)

@@ -21,7 +21,7 @@ KEYS = ("drape", "folds", "detail", "mask", "wavelength", "radius", "prestretch"
 _LABELS = {"follow": "Pinned", SMOOTH: "Keep Smooth"}
 _FIELDS = {"wavelength": "wavelength_scale"}  # of the settings, where its name is another
 LABELS: dict[str, str] = {
-    key: _LABELS.get(key) or next(f.metadata["name"] for system in (FieldSettings, MeshSettings) for f in fields(system)
+    key: _LABELS.get(key) or next(f.metadata["name"] for system in (MeshSettings, FieldSettings) for f in fields(system)
                                   if f.name == _FIELDS.get(key, key)) for key in KEYS}
 REST = {key: 0.0 if key in ("follow", SMOOTH) else 1.0 for key in KEYS}  # of a vertex that the map does not change
 _READ_DELAY = 0.2  # seconds: a frame that is solved meanwhile reads them anyway

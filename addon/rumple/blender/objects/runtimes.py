@@ -48,7 +48,7 @@ class Runtime(RuntimeBase):
     shape: tuple[str, int, int] | None = None  # fingerprint of what `evaluator` was made from, and its limits
     refused: tuple[str, int, int] | None = None  # the same of what could not be made: not tried again until it changes
     paint: dict[str, np.ndarray] | None = None  # None: read again
-    measured: tuple[dict[str, np.ndarray], dict[str, tuple[float, float]]] | None = None  # of what, painted_maps.measured
+    measured: tuple[dict, dict[str, tuple[float, float]]] | None = None  # of what was read: painted_maps.py
     stack: str = ""  # fingerprint of the modifiers in front when the incoming mesh was last made
     tried: int = -1  # vertices that arrived, and did not fit, when it was last made anew for that reason
     guides: list[str] = field(default_factory=list)  # names of the guides when they were last looked for

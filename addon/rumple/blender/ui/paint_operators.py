@@ -96,7 +96,8 @@ class OBJECT_OT_rumple_paint(_OnMap, bpy.types.Operator):
             self.report({"INFO"}, said("Paint with weight 1 where the cloth stays smooth, with 0 where it folds again"))
         elif not painted.exists:
             _set_brush_weight(context, 0.0)  # the new group is full already
-            self.report({"INFO"}, said(f"Paint with weight 0 where {self.group} fades, with 1 where it comes back"))
+            self.report({"INFO"}, said(f"Paint with weight 0 where {said(painted.label)} fades, with 1 where it comes "
+                                       "back"))
         return {"FINISHED"}
 
 
