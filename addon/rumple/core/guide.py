@@ -63,7 +63,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|is nowhere|scale is zero|the fine mesh would have|of the own mesh|has no room for"
      r"|rest wrinkle of|away from the origin", "the-mesh-and-its-modifiers"),
-    (r"raise Most Vertices", "the-panel"),
+    (r"raise Most Vertices|for Esc was pressed", "the-panel"),
     (r"was healed", "where-it-stands"),
 ))
 
