@@ -136,7 +136,7 @@ class Menu(unittest.TestCase):
     # Of another button, of a list in the panel, or not for hands
     ELSEWHERE = {"object.rumple_brush_stroke", "object.rumple_save_settings", "object.rumple_use_settings",
                  "object.rumple_select_healed", "rumple.pose_move", "rumple.pose_rename", "rumple.pose_mute",
-                 "rumple.pose_solo"}
+                 "rumple.pose_solo", "wm.rumple_rebuild_wait"}
 
     def drawn(self, menu: type) -> list[str]:
         """Operators and menus that it shows."""

@@ -14,7 +14,7 @@ import blf
 import bpy
 from bl_ui.utils import PresetPanel
 from rumple.blender import compat, translation, ui_base
-from rumple.blender.objects import properties
+from rumple.blender.objects import painted_maps, properties
 from rumple.blender.ui import panels
 from support import sentences, sleeve
 from support.registered import own_classes, own_properties
@@ -172,6 +172,7 @@ class Widths(InLanguage):
         words = {prop.name for cls in own_classes(bpy.types.PropertyGroup) for prop in own_properties(cls)
                  if prop.type != "BOOLEAN" and not prop.is_hidden and not _NOT_WORDS.fullmatch(prop.name)
                  and prop.identifier not in self.SHOWN_OTHERWISE} | {"Smooth Viewport", "Render"}
+        words |= set(painted_maps.LABELS.values())
         self.assertGreater(len(words), 90)
         for language in CODES:
             self.speak(language)

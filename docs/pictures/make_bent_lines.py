@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The demo's trousers in a squat, with folds along any line and only along straight ones: bent_lines.jpg beside this file.
+"""The demo's trousers in a squat, folds along any line and only along straight ones: bent_lines.jpg beside this file.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \

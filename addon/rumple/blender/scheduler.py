@@ -9,14 +9,27 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from typing import Callable, Iterator
+from typing import Callable, Iterator, Protocol
 
 import bpy
 
 # Handlers run in the render job's thread while the window's thread draws: one at a time. Never "skip if busy",
 # that would drop a frame.
 LOCK = threading.RLock()
+POLL = 0.05  # seconds between two looks at what threads make
 DELAY = 0.25  # seconds without another change before a dragged slider or a brush stroke is rebuilt
+
+
+class Awaited(Protocol):
+    """What a thread makes, for an object of that name."""
+
+    name: str
+
+    @property
+    def seconds(self) -> float: ...
+
+    def is_running(self) -> bool: ...
+
 
 _render_running = False
 _wanted = False
@@ -24,6 +37,9 @@ _suspended = False
 _files = 0  # that were opened
 _due: set[str] = set()  # names of objects to tag
 _workers: tuple[Callable[[], None], ...] = ()
+_may_wait = False  # what is long may be left to threads: in the timer only
+_awaited: list[Awaited] = []  # what these make
+_tell_waiting: Callable[[], None] = lambda: None
 
 
 def set_workers(*workers: Callable[[], None]) -> None:
@@ -105,17 +121,59 @@ def _on_timer() -> float | None:
     with LOCK:  # a render job that starts now waits for what is begun here
         if _render_running:
             return 0.5
+        if not awaited():
+            _sync_and_wait()
+        if not _awaited:
+            return None
+    _tell_waiting()
+    return POLL
+
+
+def _sync_and_wait() -> None:
+    """All structural work but what threads make."""
+    global _may_wait
+    _may_wait = True
+    try:
         sync_all()
-    return None
+    finally:
+        _may_wait = False
 
 
 def sync_all() -> None:
     """All structural work, now. Not in handlers while a render or a window draws."""
     global _wanted
     _wanted = False
+    _awaited.clear()
     with LOCK:
         for worker in _workers:
             worker()
+
+
+def may_wait() -> bool:
+    """Whether structural work may be left for later, while a thread makes what it needs."""
+    return _may_wait
+
+
+def wait_for(work: Awaited) -> None:
+    """Do the structural work again when this is ready."""
+    _awaited.append(work)
+
+
+def awaited() -> list[Awaited]:
+    """What threads still make."""
+    return [work for work in _awaited if work.is_running()]
+
+
+def drop(work: Awaited) -> None:
+    """Nobody waits for this any more."""
+    if work in _awaited:
+        _awaited.remove(work)
+
+
+def tell_waiting(function: Callable[[], None]) -> None:
+    """Called while something is awaited, every POLL seconds."""
+    global _tell_waiting
+    _tell_waiting = function
 
 
 # ---------------------------------------------------------------- panels
@@ -162,4 +220,5 @@ def stop() -> None:
     for function in (_on_timer, _tag_due, _redraw_panels):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)
+    _awaited.clear()
     set_workers()

@@ -16,7 +16,7 @@ _PLACES = {
     "one-click": "ops.object.rumple_add object.method",
     "presets": "*.preset ops.object.rumple_preset ops.object.rumple_save_settings ops.object.rumple_use_settings "
                "ops.object.rumple_copy_settings",
-    "the-panel": "object.most_vertices object.mesh object.field object.paths",
+    "the-panel": "object.most_vertices ops.wm.rumple_rebuild_wait object.mesh object.field object.paths",
     "user-guide": "ops.wm.rumple_open_example",
     "where-it-stands": "ops.object.rumple_apply ops.object.rumple_remove ops.object.rumple_select_healed "
                        "*.rigid_parts object.incoming",
@@ -26,7 +26,7 @@ _PLACES = {
     "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.bending_length mesh.layers mesh.folds mesh.detail",
     "body": "*.thickness object.body object.body_collection",
     "guides": "guide.* ops.object.rumple_guide_add ops.object.rumple_guide_remove",
-    "paint": "ops.object.rumple_paint",
+    "paint": "ops.object.rumple_paint*",
     "rest-shape": "mesh.reference mesh.rest_shape field.reference field.rest_shape paths.rest_shape *.window "
                   "*.relaxation *.growth object.captured object.rest_key object.rest_frame "
                   "ops.object.rumple_capture_rest",
@@ -64,7 +64,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|is nowhere|scale is zero|the fine mesh would have|of the own mesh|has no room for"
      r"|rest wrinkle of|away from the origin", "the-mesh-and-its-modifiers"),
-    (r"raise Most Vertices", "the-panel"),
+    (r"raise Most Vertices|for Esc was pressed", "the-panel"),
     (r"was healed", "where-it-stands"),
 ))
 

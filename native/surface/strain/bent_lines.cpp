@@ -7,7 +7,6 @@
 #include "base/formulas.h"
 #include "base/smooth_step.h"
 #include "base/tolerances.h"
-#include "surface/output/attachments.h"
 
 namespace rumple {
 namespace {
@@ -39,6 +38,21 @@ std::vector<std::vector<Index>> polygon_rings(const PolygonMesh& mesh) {
         ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
     }
     return rings;
+}
+
+// Of the vertices at rest, weighted by triangle area; zero where there is none.
+std::vector<Vec3> normals_at_rest(const Surface& surface) {
+    const std::vector<Vec3>& p = surface.positions_rest;
+    std::vector<Vec3> normals(p.size(), Vec3(0.0f));
+    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
+        const auto [a, b, c] = welded_vertices(surface, t);
+        for (const Index v : {a, b, c}) normals[v] += glm::cross(p[b] - p[a], p[c] - p[a]);
+    }
+    for (Vec3& normal : normals) {
+        const float length = glm::length(normal);
+        normal = length > kShortestEdge * kShortestEdge ? normal / length : Vec3(0.0f);
+    }
+    return normals;
 }
 
 // Cholesky's factor of a positive definite matrix, in its lower half; false where it is none.
@@ -84,8 +98,7 @@ struct Derivatives {
 BentLinesModel build_bent_lines(const Surface& surface) {
     BentLinesModel model;
     const std::vector<Vec3>& p = surface.positions_rest;
-    std::vector<Vec3> normals(p.size());
-    vertex_normals(surface, p, normals);
+    const std::vector<Vec3> normals = normals_at_rest(surface);
     const std::vector<std::vector<Index>> rings = polygon_rings(surface.welded);
     for (size_t v = 0; v < rings.size(); ++v) {
         const std::vector<Index>& ring = rings[v];

@@ -31,12 +31,25 @@ def sync_all() -> None:
     with messages.console_errors("bodies"):
         bodies.connect_all()
     for obj, nodes_mod in objects:
-        if runtimes.of(obj).stale:
+        if runtimes.of(obj).stale and not _is_awaited(obj, nodes_mod):
             prepare(obj, nodes_mod)
     with messages.console_errors("what was removed"):
         _tidy_removed({obj.name_full for obj, _ in objects})
     with messages.console_errors("path curves"):
         path_curves.sync([obj for obj, _ in modifier.wrinkled_objects()])
+
+
+def _is_awaited(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Whether a thread makes its fine mesh now: what it had is shown meanwhile."""
+    if not scheduler.may_wait() or modifier.is_baked(nodes_mod) or mesh_reader.is_busy(obj):
+        return False
+    try:
+        building = evaluator.begin(obj, runtimes.of(obj))
+    except Exception:  # prepare() says what is wrong
+        return False
+    if building is not None:
+        scheduler.wait_for(building)
+    return building is not None
 
 
 def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:

@@ -77,14 +77,13 @@ def _nearest(places: np.ndarray, to: np.ndarray) -> list[int]:
     return [tree.find(place)[1] for place in to.tolist()]
 
 
-def fill_follow(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> None:
-    """Start a new group from where the base cloth is pinned by itself."""
+def follow_weights(obj: bpy.types.Object) -> np.ndarray | None:
+    """(n,) float32 of the object's own vertices: where the base cloth is pinned by itself. None before it is made."""
     fine = runtimes.of(obj).evaluator
     if fine is None:
-        return
+        return None
     settings = properties.settings_of(obj, units.scene_of(obj))
     weights = np.round(fine.suggested_follow(settings) * STEPS) / STEPS
     if not incoming_mesh.is_own(obj):  # of what modifiers in front made, to the vertices that are painted
         weights = weights[_nearest(compat.positions(incoming_mesh.of(obj)), compat.positions(obj.data))]
-    for weight in np.unique(weights):
-        group.add(np.flatnonzero(weights == weight).tolist(), float(weight), "REPLACE")
+    return weights.astype(np.float32)

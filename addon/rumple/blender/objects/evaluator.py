@@ -2,9 +2,10 @@
 """What makes the wrinkles of an object: the engine's Wrinkles, built from its coarse mesh, settings and scale."""
 from __future__ import annotations
 
+import functools
 import hashlib
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Callable
 
 import bpy
 import numpy as np
@@ -13,6 +14,7 @@ from ...core import engine
 from ...core.settings import FieldSettings, MeshSettings
 from .. import compat
 from . import incoming_mesh, mesh_reader, messages, modifier, properties, units
+from .building import PATIENCE, Building
 from .runtimes import Runtime
 
 
@@ -48,18 +50,24 @@ def sources(obj: bpy.types.Object) -> Sources:
 def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     """Make entry.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.UserError."""
     now = sources(obj)
-    wanted = now.shape, obj.rumple.most_vertices, obj.rumple.viewport_steps
+    wanted = _wanted(obj, now)
+    begun, runtime.building = runtime.building, None
     if runtime.evaluator is not None and runtime.shape == wanted:
         return
     if runtime.refused == wanted:
         raise engine.UserError(runtime.refusal)
     try:
-        runtime.evaluator = _build(obj, now)
+        if begun is not None and begun.wanted == wanted:
+            fine = begun.result()
+        else:
+            fine = _builder(obj, now)()
+        runtime.evaluator = _checked(obj, fine)
     except engine.UserError as error:
         runtime.refused = wanted
         messages.set_build_error(runtime, str(error))
         raise
     runtime.shape, runtime.refused, runtime.paint = wanted, None, None
+    runtime.built_with = _properties(obj, now.settings)
     runtime.inputs = None  # solved by the former one: who draws by them must wait
     runtime.notes = list(runtime.evaluator.warnings)
     if compat.has_custom_normals(incoming_mesh.of(obj)):
@@ -67,13 +75,67 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     runtime.evaluator.frame_cache.limit_bytes = obj.rumple.memory_limit << 20
 
 
-def _build(obj: bpy.types.Object, now: Sources) -> engine.Wrinkles:
+def begin(obj: bpy.types.Object, runtime: Runtime) -> Building | None:
+    """Begin in a thread what ensure() would make, where there is something to show meanwhile. None where there is
+    nothing to wait for: it is ready, or was made within PATIENCE. Raises engine.UserError."""
+    if runtime.evaluator is None:
+        return None
+    now = sources(obj)
+    wanted = _wanted(obj, now)
+    if wanted in (runtime.shape, runtime.refused):
+        return None
+    if runtime.building is None or runtime.building.wanted != wanted:
+        runtime.building = Building(obj.name, wanted, _builder(obj, now))
+    return runtime.building if runtime.building.is_running(PATIENCE) else None
+
+
+def cancel(obj: bpy.types.Object, runtime: Runtime) -> str:
+    """Drop what is being built, and set what it was built for as it was before. What to say of it; empty where nothing
+    was under way."""
+    dropped, runtime.building = runtime.building, None
+    if dropped is None:
+        return ""
+    changed = False
+    for path, value in runtime.built_with.items():
+        group, name = _place(obj, path)
+        if getattr(group, name) != value:
+            setattr(group, name, value)
+            changed = True
+    if changed:
+        return f"{obj.name}: the former folds stay, and the settings are as they were"
+    runtime.refused = dropped.wanted
+    said = f"{obj.name}: its folds were not made anew, for Esc was pressed: change a setting to begin again"
+    messages.set_build_error(runtime, said)
+    return said
+
+
+def _wanted(obj: bpy.types.Object, now: Sources) -> tuple[str, int, int]:
+    return now.shape, obj.rumple.most_vertices, obj.rumple.viewport_steps
+
+
+def _properties(obj: bpy.types.Object, settings: Any) -> dict[str, Any]:
+    """Values of all that decides over the fine mesh, as Blender keeps them, by their path from obj.rumple."""
+    group = properties.system_of(obj).group
+    paths = ["most_vertices", "viewport_steps", *(f"{group}.{name}" for name in settings.structural())]
+    return {path: getattr(*_place(obj, path)) for path in paths}
+
+
+def _place(obj: bpy.types.Object, path: str) -> tuple[Any, str]:
+    group, _, name = path.rpartition(".")
+    return (getattr(obj.rumple, group) if group else obj.rumple), name
+
+
+def _builder(obj: bpy.types.Object, now: Sources) -> Callable[[], engine.Wrinkles]:
+    """Builds them of arrays only: in any thread."""
     more: dict[str, Any] = dict(own=now.own, attached=now.attached) if now.own is not None else {}
     if isinstance(now.settings, MeshSettings):
         more["viewport_steps"] = obj.rumple.viewport_steps
     least = FEWEST * max(len(mesh.positions) for mesh in (now.base, now.own) if mesh is not None)
-    fine = modifier.system(modifier.find(obj)).wrinkles.build(
-        now.base, now.settings, unit_scale=now.unit_scale, most_vertices=max(obj.rumple.most_vertices, least), **more)
+    return functools.partial(modifier.system(modifier.find(obj)).wrinkles.build, now.base, now.settings,
+                             unit_scale=now.unit_scale, most_vertices=max(obj.rumple.most_vertices, least), **more)
+
+
+def _checked(obj: bpy.types.Object, fine: engine.Wrinkles) -> engine.Wrinkles:
     coarse = fine.coarse_count
     if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
         raise engine.UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "

@@ -83,7 +83,7 @@ def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
     mesh = own.data
     mesh.calc_loop_triangles()
     into = np.array(obj.matrix_world.inverted_safe() @ own.matrix_world, np.float32)
-    positions = _basis_positions(mesh) @ into[:3, :3].T + into[:3, 3]
+    positions = basis_positions(mesh) @ into[:3, :3].T + into[:3, 3]
     return _flat_mesh(own.name, mesh, positions)
 
 
@@ -131,10 +131,11 @@ def rest_positions(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> np.
             raise engine.UserError(f"{obj.name}: it has no shape key named \"{rest_key}\" to rest at")
         if incoming_mesh.is_own(obj):
             return _key_positions(blocks[rest_key])
-    return _basis_positions(mesh)  # what modifiers made of a shape key has that shape
+    return basis_positions(mesh)  # what modifiers made of a shape key has that shape
 
 
-def _basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
+def basis_positions(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Of the undeformed mesh, (n, 3) float32."""
     keys = mesh.shape_keys
     return _key_positions(keys.reference_key) if keys else compat.positions(mesh)
 

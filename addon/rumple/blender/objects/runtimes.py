@@ -10,6 +10,7 @@ import numpy as np
 from ...core import engine
 from ...core.body import Body
 from ...core.surroundings import Surroundings
+from .building import Building
 from .runtime_table import RuntimeBase, RuntimeTable
 
 
@@ -47,7 +48,10 @@ class Runtime(RuntimeBase):
     evaluator: engine.Wrinkles | None = None
     shape: tuple[str, int, int] | None = None  # fingerprint of what `evaluator` was made from, and its limits
     refused: tuple[str, int, int] | None = None  # the same of what could not be made: not tried again until it changes
+    building: Building | None = None  # what takes the evaluator's place when it is ready
+    built_with: dict[str, Any] = field(default_factory=dict)  # the properties that `evaluator` was made with
     paint: dict[str, np.ndarray] | None = None  # None: read again
+    measured: tuple[dict, dict[str, tuple[float, float]]] | None = None  # of what was read: painted_maps.py
     stack: str = ""  # fingerprint of the modifiers in front when the incoming mesh was last made
     tried: int = -1  # vertices that arrived, and did not fit, when it was last made anew for that reason
     guides: list[str] = field(default_factory=list)  # names of the guides when they were last looked for

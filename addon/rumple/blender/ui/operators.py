@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons: add, remove, apply, preset, shade, capture the rest shape, paint, forget stored frames.
+"""The buttons: add, remove, apply, preset, shade, capture the rest shape, forget stored frames.
 
 bpy.ops.object.rumple_add(method="MESH"), rumple_remove(), rumple_apply(), rumple_preset(preset="DENIM"),
-rumple_shade(), rumple_unshade(), rumple_capture_rest(), rumple_paint(group="radius"), rumple_clear_frames().
+rumple_shade(), rumple_unshade(), rumple_capture_rest(), rumple_clear_frames().
 """
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from typing import Any
 import bpy
 
 from ... import native
-from ...core.keep_smooth import SMOOTH
 from ...core.presets import Preset, touched
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
@@ -22,10 +21,7 @@ from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
                        properties, runtimes, stack_notes, units, viewport_mesh)
 from ..translation import said
-from . import paint_words
 
-_PAINTS = tuple((key, "Keep Smooth" if key == SMOOTH else key.title(), "")
-                for key in (*mesh_reader.MESH_GROUPS, "mask", "wavelength"))
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
@@ -316,65 +312,6 @@ class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_rumple_paint(ui_base.OnWrinkled, bpy.types.Operator):
-    """Paint where this setting acts, from nothing (0) to all of it (1), in Weight Paint mode. Again: leave the mode"""
-
-    bl_idname = "object.rumple_paint"
-    bl_label = "Paint"
-
-    group: bpy.props.EnumProperty(name="Paint", items=_PAINTS)
-
-    @classmethod
-    def description(cls, _context: bpy.types.Context, chosen: bpy.types.OperatorProperties) -> str:
-        tip = paint_words.TIPS.get(chosen.group, "")
-        return said(tip) if tip else ""
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.object
-        name = mesh_reader.paint_groups(properties.settings_of(obj, context.scene)).get(self.group)
-        if not name:
-            self.report({"ERROR"}, said(f"{obj.name}: its wrinkles have no {self.group} to paint"))
-            return {"CANCELLED"}
-        active = obj.vertex_groups.active
-        if obj.mode == "WEIGHT_PAINT" and active is not None and active.name == name:
-            bpy.ops.object.mode_set(mode="OBJECT")
-            return {"FINISHED"}
-        is_new = name not in obj.vertex_groups
-        if is_new:
-            group = obj.vertex_groups.new(name=name)
-            if self.group in paint_words.TIPS:
-                group.add(range(len(obj.data.vertices)), 0.0, "REPLACE")
-            elif self.group == "follow":
-                cloth_defaults.fill_follow(obj, group)
-            else:
-                group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")  # 1: as before the group was there
-        obj.vertex_groups.active_index = obj.vertex_groups[name].index
-        runtime = runtimes.of(obj)
-        runtime.paint, runtime.stale = None, True
-        scheduler.request()
-        if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
-            bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-        if is_new and self.group in paint_words.TIPS:
-            _set_brush_weight(context, 1.0)
-            self.report({"INFO"}, said(paint_words.HOW[self.group]))
-        elif is_new:
-            _set_brush_weight(context, 0.0)  # the new group is full already
-            self.report({"INFO"}, said(f"Paint with weight 0 where {self.group} fades, with 1 where it comes back"))
-        return {"FINISHED"}
-
-
-def _set_brush_weight(context: bpy.types.Context, weight: float) -> None:
-    """Of Weight Paint: of the brush, and where brushes share it of all of them."""
-    tools = context.tool_settings
-    paint = tools.weight_paint  # none before the mode was entered for the first time
-    shared = getattr(tools, "unified_paint_settings", None) or getattr(paint, "unified_paint_settings", None)  # 5.0
-    if shared is not None:
-        shared.weight = weight
-    brush = None if paint is None else paint.brush
-    if brush is not None and compat.is_editable(brush):
-        brush.weight = weight
-
-
 class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
     """Forget the stored frames: they are solved anew"""
 
@@ -394,7 +331,7 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
 
 
 CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_apply, OBJECT_OT_rumple_preset,
-           OBJECT_OT_rumple_shade, OBJECT_OT_rumple_unshade, OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_paint,
+           OBJECT_OT_rumple_shade, OBJECT_OT_rumple_unshade, OBJECT_OT_rumple_capture_rest,
            OBJECT_OT_rumple_clear_frames)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -14,7 +14,7 @@ from ..nodes import field_profile, field_shader
 from ..objects import changes, clip_place, modifier, properties, runtimes, stack_notes
 from ..translation import OWN_CONTEXT, said
 from ..ui_base import Panel, draw_message, draw_note, named_paint, property_column, settings_column
-from . import cloth_panel, guides_panel, healing, paths_panel, rest_panel, saved_settings
+from . import cloth_panel, guides_panel, healing, paint_panel, paths_panel, rest_panel, saved_settings
 
 ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
 
@@ -287,7 +287,7 @@ def add_maps_button(layout: bpy.types.UILayout) -> None:
 
 
 CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT_rumple_body,
-           DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
+           paint_panel.DATA_PT_rumple_paint, DATA_PT_rumple_fine_mesh, DATA_PT_rumple_waves, DATA_PT_rumple_relaxation,
            *paths_panel.CLASSES, guides_panel.DATA_PT_rumple_guides,
            brush_panel.DATA_PT_rumple_rest_wrinkles, rest_panel.DATA_PT_rumple_rest,
            DATA_PT_rumple_constraints, DATA_PT_rumple_solver, DATA_PT_rumple_frames,

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wrinkles that are built in a thread while the window goes on: the engine's build reads arrays only, never Blender."""
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any, Callable
+
+from ...core.engine import Wrinkles
+
+PATIENCE = 0.2  # seconds: what takes no longer is waited for on the spot
+
+
+class Building:
+    """What is under way for one object. wanted: what it is made of. Its thread ends by itself, dropped or not: Blender
+    waits for it when it quits."""
+
+    def __init__(self, name: str, wanted: Any, build: Callable[[], Wrinkles]) -> None:
+        self.name, self.wanted = name, wanted
+        self._build = build
+        self._made: Wrinkles | None = None
+        self._error: Exception | None = None
+        self._began = time.monotonic()
+        self._thread = threading.Thread(target=self._run, name=f"Rumple builds {name}")
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            self._made = self._build()
+        except Exception as error:  # raised again where it is asked for
+            self._error = error
+
+    @property
+    def seconds(self) -> float:
+        """Since it began."""
+        return time.monotonic() - self._began
+
+    def is_running(self, patience: float = 0.0) -> bool:
+        """After so many seconds at most."""
+        self._thread.join(patience)
+        return self._thread.is_alive()
+
+    def result(self) -> Wrinkles:
+        """Waits for its end. Raises what the build raised."""
+        self._thread.join()
+        if self._error is not None:
+            raise self._error
+        assert self._made is not None
+        return self._made

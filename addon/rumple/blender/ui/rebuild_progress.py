@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a window shows while fine meshes are made in threads, and Esc."""
+from __future__ import annotations
+
+import bpy
+
+from .. import scheduler
+from ..objects import evaluator, runtimes
+from ..translation import said
+
+AFTER = 0.4  # seconds that are not worth a word
+
+_shown_in = -1  # the file in which it is shown
+
+
+class WM_OT_rumple_rebuild_wait(bpy.types.Operator):
+    """Say in the status bar that folds are being made. Esc leaves folds and settings as they were"""
+
+    bl_idname = "wm.rumple_rebuild_wait"
+    bl_label = "Leave Folds As They Were"
+    bl_options = {"INTERNAL", "UNDO"}
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        global _shown_in
+        _shown_in = scheduler.file_number()
+        context.window_manager.progress_begin(0, 9999)
+        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        self._say(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        works = scheduler.awaited()
+        if event.type == "ESC" and event.value == "PRESS" and works:
+            self._end(context)
+            for work in works:
+                self._cancel(work)
+            return {"FINISHED", "PASS_THROUGH"}  # what is dragged is to be let go, too
+        if not works:
+            self._end(context)
+            return {"CANCELLED", "PASS_THROUGH"}
+        if event.type == "TIMER":
+            self._say(context)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Another file, or the window is closed."""
+        self._end(context)
+
+    def _cancel(self, work: scheduler.Awaited) -> None:
+        obj = bpy.data.objects.get(work.name)
+        runtime = None if obj is None else runtimes.known(obj)
+        scheduler.drop(work)
+        if runtime is not None and runtime.building is work:
+            self.report({"INFO"}, said(evaluator.cancel(obj, runtime)))
+
+    def _say(self, context: bpy.types.Context) -> None:
+        works = scheduler.awaited()
+        if not works:
+            return
+        seconds = max(work.seconds for work in works)
+        context.window_manager.progress_update(int(seconds))
+        if context.workspace is not None:
+            names = ", ".join(work.name for work in works)
+            context.workspace.status_text_set(said(f"Making the folds of {names}: {seconds:.0f} s. Esc leaves them as "
+                                                   "they were"))
+
+    def _end(self, context: bpy.types.Context) -> None:
+        global _shown_in
+        _shown_in = -1
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+
+
+def _tell() -> None:
+    """From the timer of the structural work."""
+    windows = bpy.context.window_manager.windows
+    is_long = any(work.seconds >= AFTER for work in scheduler.awaited())
+    if not is_long or _shown_in == scheduler.file_number() or not len(windows):
+        return
+    with bpy.context.temp_override(window=windows[0]):
+        bpy.ops.wm.rumple_rebuild_wait("INVOKE_DEFAULT")
+
+
+_register, _unregister = bpy.utils.register_classes_factory((WM_OT_rumple_rebuild_wait,))
+
+
+def register() -> None:
+    global _shown_in
+    _shown_in = -1
+    _register()
+    scheduler.tell_waiting(_tell)
+
+
+def unregister() -> None:
+    scheduler.tell_waiting(lambda: None)
+    _unregister()

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Painted maps as arrays: their mean, a gradient from open borders, values of an image. Never imports bpy.
+
+A map is (n,) float32 in 0..1, a weight for each vertex of the coarse mesh.
+"""
+from __future__ import annotations
+
+import numpy as np
+
+CHANGED = 1e-6  # a weight that differs by less is a rounding
+_SEAM = 1e-5  # of the size of the mesh: vertices of open edges that lie closer are one, as the wrinkles weld them
+LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)  # Rec. 709
+CHANNELS = ("LUMINANCE", "ALPHA", "RED", "GREEN", "BLUE")
+
+
+def numbers(weights: np.ndarray, rest: float) -> tuple[float, float]:
+    """Mean of a map, and the share of its vertices that are not as without it. rest: what they are then."""
+    if not len(weights):
+        return 0.0, 0.0
+    return float(weights.mean(dtype=np.float64)), np.count_nonzero(np.abs(weights - rest) > CHANGED) / len(weights)
+
+
+# ---------------------------------------------------------------- from the border
+def open_edges(edges: np.ndarray, uses: np.ndarray, positions: np.ndarray, weld: bool) -> tuple[np.ndarray, np.ndarray]:
+    """The open border of a mesh, and which vertices are one.
+
+    edges: (m, 2) vertices; uses: (m,) faces at each edge; positions: (n, 3). weld: open edges that lie on one another
+    are a seam, no border. Returns (k,) numbers of edges, and (n,) the vertex that stands for each.
+    """
+    same = np.arange(len(positions))
+    border = np.flatnonzero(uses == 1)
+    if not weld or not len(border):
+        return border, same
+    vertices = np.unique(edges[border])
+    size = max(float(np.ptp(positions, axis=0).max()), 1e-12)
+    cells = np.round(positions[vertices] / (_SEAM * size)).astype(np.int64)
+    _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    same[vertices] = vertices[first[number.ravel()]]
+    joined = np.sort(same[edges[border]], axis=1)
+    _, number, count = np.unique(joined, axis=0, return_inverse=True, return_counts=True)
+    return border[(count[number.ravel()] == 1) & (joined[:, 0] != joined[:, 1])], same
+
+
+def border_distance(positions: np.ndarray, edges: np.ndarray, border: np.ndarray, most: float) -> np.ndarray:
+    """(n,) float32: the straight distance of each vertex to the nearest border edge that is reached along the mesh.
+
+    positions: (n, 3), in the unit of the result; edges: (m, 2); border: (k, 2), edges too. Infinite behind `most` and
+    where no border is reached. On a flat mesh it is exact. Cost: 20 ms per 10,000 vertices that are reached.
+    """
+    start, neighbour = _neighbours(len(positions), edges)
+    distance, nearest = np.full(len(positions), np.inf), np.full(len(positions), -1)
+    distance[border], nearest[border] = 0.0, np.arange(len(border))[:, None]
+    moving = np.unique(border)
+    while len(moving):
+        count = start[moving + 1] - start[moving]
+        source = np.repeat(moving, count)
+        row = np.arange(len(source)) - np.repeat(np.cumsum(count) - count, count)
+        target, edge = neighbour[start[source] + row], nearest[source]
+        way = _to_segments(positions[target], positions[border[edge, 0]], positions[border[edge, 1]])
+        order = np.lexsort((edge, way))[::-1]  # the nearest is written last; where two are as near, the lower one
+        best, by = np.full(len(positions), np.inf), np.zeros(len(positions), np.int64)
+        best[target[order]], by[target[order]] = way[order], edge[order]
+        moving = np.flatnonzero((best < distance * (1.0 - 1e-9)) & (best <= most))
+        distance[moving], nearest[moving] = best[moving], by[moving]
+    return distance.astype(np.float32)
+
+
+def gradient(distance: np.ndarray, most: float, smooth: bool) -> np.ndarray:
+    """0 at a distance of 0, 1 from `most` on. smooth: with flat ends, 3 t^2 - 2 t^3, else t = distance / most."""
+    share = np.clip(distance / most, 0.0, 1.0) if most > 0.0 else (distance > 0.0).astype(np.float32)
+    return (share * share * (3.0 - 2.0 * share) if smooth else share).astype(np.float32)
+
+
+def _neighbours(count: int, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices beside each: (n + 1,) first row of each, (2 m,) vertices."""
+    both = np.concatenate([edges, edges[:, ::-1]])
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    return np.searchsorted(both[:, 0], np.arange(count + 1)), both[:, 1]
+
+
+def _to_segments(points: np.ndarray, one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    """Row by row, float64."""
+    side, way = (two - one).astype(np.float64), (points - one).astype(np.float64)
+    length = np.einsum("ij,ij->i", side, side)
+    share = np.clip(np.einsum("ij,ij->i", side, way) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
+    return np.linalg.norm(way - share[:, None] * side, axis=1)
+
+
+# ---------------------------------------------------------------- from an image
+def channel_of(pixels: np.ndarray, channel: str) -> np.ndarray:
+    """(h, w, c) values of an image -> (h, w) in 0..1, as they are stored, of one of CHANNELS. What is no number is 0.
+
+    Without an alpha it is 1; an image of one value has the same in red, green and blue.
+    """
+    count = pixels.shape[2]
+    if channel == "ALPHA":
+        values = pixels[:, :, 3] if count > 3 else np.ones(pixels.shape[:2], np.float32)
+    elif channel == "LUMINANCE" and count >= 3:
+        values = pixels[:, :, :3] @ LUMINANCE
+    else:
+        values = pixels[:, :, min(max(CHANNELS.index(channel) - 2, 0), count - 1)]
+    return np.clip(np.nan_to_num(values, nan=0.0), 0.0, 1.0).astype(np.float32)
+
+
+def sampled(values: np.ndarray, uv: np.ndarray) -> np.ndarray:
+    """(h, w) values at (c, 2) UV coordinates -> (c,) float32: between pixels linearly, repeated outside of 0..1. Row 0
+    is at v = 0. A coordinate that is no number counts as 0."""
+    height, width = values.shape
+    place = np.nan_to_num(uv.astype(np.float64), nan=0.0, posinf=0.0, neginf=0.0) % 1.0 * (width, height) - 0.5
+    low = np.floor(place).astype(np.int64)
+    right, up = (place - low).T
+    (x, y), (next_x, next_y) = (low % (width, height)).T, ((low + 1) % (width, height)).T
+    bottom = values[y, x] * (1.0 - right) + values[y, next_x] * right
+    top = values[next_y, x] * (1.0 - right) + values[next_y, next_x] * right
+    return (bottom * (1.0 - up) + top * up).astype(np.float32)
+
+
+def on_vertices(values: np.ndarray, corner_vertex: np.ndarray, count: int, otherwise: np.ndarray) -> np.ndarray:
+    """(c,) values of corners -> (n,) their mean at each vertex; (n,) `otherwise` where no face is."""
+    sums = np.bincount(corner_vertex, values, count)
+    corners = np.bincount(corner_vertex, minlength=count)
+    return np.where(corners > 0, sums / np.maximum(corners, 1), otherwise).astype(np.float32)

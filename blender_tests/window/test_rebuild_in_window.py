@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A fine mesh that takes long is made in a thread: the window goes on, and Esc leaves what was."""
+from __future__ import annotations
+
+import threading
+from typing import Any, Iterator
+from unittest import mock
+
+import bpy
+import numpy as np
+from rumple.blender import scheduler
+from rumple.blender.objects import evaluator, runtimes
+from rumple.blender.ui import rebuild_progress
+from rumple.core.engine import UserError
+from rumple.core.wrinkle_mesh import WrinkleMesh
+from support import sleeve
+from support.window_case import WindowCase
+
+
+class Slow(WindowCase):
+    def make(self) -> Iterator[float]:
+        """A sleeve whose next fine meshes are not ready before `go` is set."""
+        obj = sleeve.scene()
+        max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height).type = "VIEW_3D"
+        yield 0.5
+        self.go, self.builds, plain = threading.Event(), [], WrinkleMesh.build
+
+        def build(*arguments: Any, **more: Any) -> WrinkleMesh:
+            self.builds.append(threading.current_thread())
+            self.go.wait(60.0)
+            return plain(*arguments, **more)
+
+        patch = mock.patch.object(WrinkleMesh, "build", build)
+        patch.start()
+        self.addCleanup(patch.stop)
+        self.addCleanup(self.go.set)
+        self.before = self.count(obj)
+
+    @property
+    def obj(self) -> bpy.types.Object:
+        return bpy.data.objects["Sleeve"]
+
+    def count(self, obj: bpy.types.Object) -> int:
+        return runtimes.of(obj).evaluator.vertex_count
+
+    def esc(self) -> Iterator[float]:
+        window = bpy.context.window_manager.windows[0]
+        for value in ("PRESS", "RELEASE"):
+            window.event_simulate("ESC", value, x=window.width // 2, y=window.height // 2)
+        yield 0.3
+
+    def shown(self) -> bool:
+        return rebuild_progress._shown_in != -1
+
+    def test_the_window_goes_on_and_the_new_mesh_comes(self) -> Iterator[float]:
+        yield from self.make()
+        self.obj.rumple.mesh.level = 2
+        yield from self.until(self.shown)
+        self.assertTrue(self.shown())
+        self.assertIsNot(self.builds[0], threading.main_thread())
+        with self.area():
+            sleeve.at(7)  # frames are solved by the former one
+        yield 0.2
+        self.assertEqual(self.count(self.obj), self.before)
+        self.assertEqual(runtimes.of(self.obj).inputs.frame, 7.0)
+        self.screenshot("rebuild_under_way")
+        self.go.set()
+        yield from self.until(lambda: self.count(self.obj) > 3 * self.before)
+        self.assertGreater(self.count(self.obj), 3 * self.before)
+        yield from self.until(lambda: not self.shown())
+        self.assertFalse(self.shown())
+        np.testing.assert_allclose(sleeve.shown(self.obj), sleeve.picture(self.obj).positions, atol=1e-6)
+        self.assertEqual((len(self.builds), self.obj.rumple.message), (1, ""))
+
+    def test_esc_leaves_folds_and_settings_as_they_were(self) -> Iterator[float]:
+        yield from self.make()
+        folds = sleeve.shown(self.obj).copy()
+        self.obj.rumple.mesh.level = 2
+        yield from self.until(self.shown)
+        yield from self.esc()
+        self.assertEqual(self.obj.rumple.mesh.level, 1)
+        yield from self.until(lambda: not runtimes.of(self.obj).stale)
+        self.assertFalse(self.shown())
+        self.go.set()  # what was dropped comes too late
+        yield 0.5
+        self.assertEqual((self.count(self.obj), self.obj.rumple.message), (self.before, ""))
+        np.testing.assert_allclose(sleeve.shown(self.obj), folds, atol=1e-6)
+        self.obj.rumple.mesh.level = 2  # and it can be asked for again
+        yield from self.until(lambda: self.count(self.obj) > 3 * self.before)
+        self.assertGreater(self.count(self.obj), 3 * self.before)
+
+    def test_esc_where_no_setting_was_changed_says_so(self) -> Iterator[float]:
+        yield from self.make()
+        self.obj.data.vertices[0].co.z += 0.01
+        self.obj.data.update()
+        yield from self.until(self.shown)
+        yield from self.esc()
+        yield from self.until(lambda: self.obj.rumple.message)
+        self.assertRegex(self.obj.rumple.message, "^Sleeve: its folds were not made anew, for Esc was pressed")
+        self.assertEqual(self.count(self.obj), self.before)
+        self.go.set()
+        self.obj.rumple.mesh.level = 2
+        yield from self.until(lambda: self.count(self.obj) > 3 * self.before)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_another_value_meanwhile_is_the_one_that_counts(self) -> Iterator[float]:
+        yield from self.make()
+        self.obj.rumple.mesh.level = 2
+        yield from self.until(self.shown)
+        self.obj.rumple.mesh.level = 0
+        yield 0.5
+        self.go.set()
+        yield from self.until(lambda: self.count(self.obj) < self.before)
+        self.assertLess(self.count(self.obj), self.before)
+        yield from self.until(lambda: not self.shown())
+        self.assertFalse(self.shown())
+
+    def test_what_cannot_be_made_is_said(self) -> Iterator[float]:
+        yield from self.make()
+        with mock.patch.object(WrinkleMesh, "build", mock.Mock(side_effect=UserError("Sleeve: no"))):
+            self.obj.rumple.mesh.level = 2
+            yield from self.until(lambda: self.obj.rumple.message)
+        self.assertEqual((self.obj.rumple.message, self.count(self.obj)), ("Sleeve: no", self.before))
+
+    def test_who_cannot_wait_gets_it_now(self) -> Iterator[float]:
+        """As a render does."""
+        yield from self.make()
+        self.obj.rumple.mesh.level = 2
+        yield from self.until(self.shown)
+        threading.Timer(0.5, self.go.set).start()
+        scheduler.sync_all()
+        self.assertGreater(self.count(self.obj), 3 * self.before)
+        self.assertEqual(len(self.builds), 1)
+        yield from self.until(lambda: not self.shown())
+        self.assertFalse(self.shown())
+
+    def test_another_file_meanwhile(self) -> Iterator[float]:
+        yield from self.make()
+        self.obj.rumple.mesh.level = 2
+        yield from self.until(self.shown)
+        sleeve.empty_file()
+        yield 0.5
+        self.go.set()
+        yield 0.5
+        self.assertEqual(scheduler.awaited(), [])
+        self.assertEqual(evaluator.cancel(None, runtimes.Runtime()), "")
