@@ -70,7 +70,7 @@ def face_rig() -> bpy.types.Object:
     bpy.context.view_layer.objects.active = rig
     bpy.ops.object.mode_set(mode="EDIT")
     head = rig.data.edit_bones.new("head")
-    head.head, head.tail = (0.0, 0.02, 1.58), (0.0, 0.02, 1.80)
+    head.head, head.tail = (0.0, 0.02, 1.58), (0.0, 0.02, 1.62)  # short: behind a brow a click would take it
     for name, (place, _) in FACE_BONES.items():
         bone = rig.data.edit_bones.new(name)
         bone.head, bone.tail, bone.parent = place, np.add(place, (0.0, -0.03, 0.0)), head

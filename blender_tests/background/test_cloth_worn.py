@@ -294,7 +294,7 @@ class Baked(Cloth):
         inner.rumple.mesh.gravity = 8.0
         self.bake(inner)
         played(outer, 10)
-        self.assertGreater(apart(10), 5e-4)
+        self.assertGreater(apart(10), 2e-4)  # twice what is allowed above
 
 
 if __name__ == "__main__":

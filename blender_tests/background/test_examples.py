@@ -8,6 +8,7 @@ from pathlib import Path
 from unittest import mock
 
 import bpy
+from mathutils import Vector
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier, output_mesh, runtimes
 from rumple.blender.ui import examples
@@ -38,6 +39,26 @@ class Examples(unittest.TestCase):
         self.assertEqual(obj.rumple.message, "")
         self.assertIn(wrinkle_tree.BASE_POSITION, sleeve.evaluated(obj).data.attributes)
         self.assertEqual(len(sleeve.shown(obj)), runtimes.of(obj).evaluator.vertex_count)
+
+    def test_viewports_look_at_the_meshes_from_the_side_of_the_camera(self) -> None:
+        """They are those of the file before: a figure was 40 pixels high in them."""
+        obj = sleeve.scene(wrinkles=False)
+        camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        bpy.context.scene.collection.objects.link(camera)
+        bpy.context.scene.camera, camera.rotation_euler = camera, (1.2, 0.0, 0.3)
+        obj.location = (3.0, 0.0, 0.0)
+        bpy.context.view_layer.update()
+        views = [area.spaces.active.region_3d for window in bpy.context.window_manager.windows
+                 for area in window.screen.areas if area.type == "VIEW_3D"]
+        self.assertTrue(views)
+        for view in views:
+            view.view_perspective, view.view_location, view.view_distance = "CAMERA", (9.0, 9.0, 9.0), 50.0
+        examples.look_at_it()
+        for view in views:
+            self.assertEqual(view.view_perspective, "PERSP")
+            self.assertLess((view.view_location - Vector((3.0 + sleeve.LENGTH / 2, 0.0, 0.0))).length, 1e-3)
+            self.assertLess(view.view_distance, sleeve.LENGTH)
+            self.assertLess(view.view_rotation.rotation_difference(camera.matrix_world.to_quaternion()).angle, 1e-3)
 
     def test_one_that_is_not_there_is_said(self) -> None:
         with mock.patch.object(examples, "FOLDER", Path("/nowhere")):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -16,21 +15,10 @@ import numpy as np
 from rumple.blender import bake, brush, maps, ui
 from rumple.blender.objects import modifier, runtimes
 from support import sleeve
+from support.lesson_result import ROOT, lessons, named, steps
 
-ROOT = Path(__file__).resolve().parents[2]
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs" / "lessons").glob("*.md"))}
 SIZE = 64
-
-
-def steps(page: str) -> str:
-    """The numbered steps of a lesson."""
-    return "\n".join(re.findall(r"^\d\. .*(?:\n   .*)*", page, re.M))
-
-
-def named(text: str) -> set[str]:
-    """What stands in bold: names in Blender's window, each part of a path."""
-    bold = [words.replace("\n   ", " ") for words in re.findall(r"\*\*(.+?)\*\*", text, re.S)]
-    return {part.strip() for words in bold for part in words.split(" > ")}
 
 
 def rna_names(rna: Any) -> Iterator[str]:
@@ -68,14 +56,6 @@ def known_names() -> set[str]:
         for path in Path(package.__file__).parent.glob("*.py"):
             found.update(re.findall(r'text="([^"{}]+)"', path.read_text(encoding="utf-8")))
     return found
-
-
-def lessons() -> Any:
-    """scripts/lessons_run.py."""
-    if str(ROOT / "scripts") not in sys.path:
-        sys.path.insert(0, str(ROOT / "scripts"))
-    import lessons_run
-    return lessons_run
 
 
 def coarse_body(run: Any) -> Callable[..., Any]:

@@ -278,20 +278,20 @@ class Listed(unittest.TestCase):
 
     def test_what_acts_and_what_is_painted(self) -> None:
         obj = sleeve.scene()  # one layer, no base cloth
-        self.assertEqual(self.keys(obj), ["radius", "prestretch", "bending", "inside", "smooth"])
+        self.assertEqual(self.keys(obj), ["radius", "prestretch", "bending", "inside", "smooth", "rigid"])
         obj.rumple.mesh.collision = "NONE"
         give(obj, uneven(obj), "Rumple Drape")
-        self.assertEqual(self.keys(obj), ["drape", "radius", "prestretch", "bending", "smooth"])
+        self.assertEqual(self.keys(obj), ["drape", "radius", "prestretch", "bending", "smooth", "rigid"])
         obj.rumple.mesh.base_cloth, obj.rumple.mesh.layers = "HANG", "CLOTH"
         self.assertEqual(self.keys(obj), ["drape", "folds", "detail", "radius", "prestretch", "bending", "room",
-                                          "follow", "smooth"])
+                                          "follow", "smooth", "rigid"])
         bpy.ops.object.rumple_remove()
         bpy.ops.object.rumple_add(method="FIELD")
-        self.assertEqual(self.keys(obj), ["mask", "wavelength", "smooth"])
+        self.assertEqual(self.keys(obj), ["mask", "wavelength", "smooth", "rigid"])
         obj.rumple.field.mask = "Mine"
         self.assertEqual(painted_maps.find(obj, "mask").name, "Mine")
         obj.rumple.field.mask = ""
-        self.assertEqual(self.keys(obj), ["wavelength", "smooth"])
+        self.assertEqual(self.keys(obj), ["wavelength", "smooth", "rigid"])
 
     def test_names_are_those_of_the_settings(self) -> None:
         labels = painted_maps.LABELS

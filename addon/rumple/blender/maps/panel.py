@@ -16,8 +16,9 @@ class RUMPLE_UL_poses(bpy.types.UIList):
 
     def draw_item(self, _context: bpy.types.Context, layout: bpy.types.UILayout, _data: Any, pose: Any, _icon: int,
                   _active_data: Any, _active_property: str, _index: int = 0) -> None:
-        row = layout.row(align=True)
-        row.prop(pose, "name", text="", emboss=False, icon="ARMATURE_DATA" if pose.image is None else "IMAGE_DATA")
+        split = layout.split(factor=0.55, align=True)  # else no more than two letters of the name stand in the sidebar
+        split.prop(pose, "name", text="", emboss=False, icon="ARMATURE_DATA" if pose.image is None else "IMAGE_DATA")
+        row = split.row(align=True)
         bar = row.row()
         bar.enabled = False
         bar.prop(pose, "present", text="", slider=True)
@@ -192,7 +193,8 @@ class _Status(_Maps):
 
 def _panel(body: Any, place: type, name: str, parent: str = "") -> type:
     """A panel class: what it draws, and where it stands."""
-    members = {"bl_idname": name, "bl_label": body.bl_label, "draw": body.draw, "bl_order": 101}
+    members = {"bl_idname": name, "bl_label": body.bl_label, "draw": body.draw, "bl_order": 101,
+               "bl_options": getattr(body, "bl_options", set())}
     if parent:
         members["bl_parent_id"] = parent
     if "poll" in vars(body):

@@ -5,10 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
+import numpy as np
+from mathutils import Vector
 
 from ..translation import said
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples"
+VIEW_DISTANCE = 0.85  # from its middle, in diagonals of the scene: all of it is seen, with a margin
 
 
 def files() -> dict[str, Path]:
@@ -30,12 +33,32 @@ class WM_OT_rumple_open_example(bpy.types.Operator):
             known = ", ".join(files()) or "none here"
             self.report({"ERROR"}, said(f"There is no example named \"{self.name}\": {known}"))
             return {"CANCELLED"}
-        return bpy.ops.wm.read_homefile(filepath=str(path), load_ui=False)
+        result = bpy.ops.wm.read_homefile(filepath=str(path), load_ui=False)
+        look_at_it()
+        self.report({"INFO"}, said("Press Space to play it"))
+        return result
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if bpy.data.is_dirty:
             return context.window_manager.invoke_confirm(self, event)
         return self.execute(context)
+
+
+def look_at_it() -> None:
+    """Turn the 3D viewports, which are those of the former file, to the meshes of the scene, from the camera's side."""
+    scene = bpy.context.scene
+    corners = np.array([obj.matrix_world @ Vector(corner) for obj in scene.objects if obj.type == "MESH"
+                        for corner in obj.bound_box])
+    if scene.camera is None or not len(corners):
+        return
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    for area in (area for window in bpy.context.window_manager.windows for area in window.screen.areas
+                 if area.type == "VIEW_3D"):
+        view = area.spaces.active.region_3d
+        view.view_perspective = "PERSP"
+        view.view_rotation = scene.camera.matrix_world.to_quaternion()
+        view.view_location = (low + high) / 2.0
+        view.view_distance = VIEW_DISTANCE * Vector(high - low).length
 
 
 class OBJECT_MT_rumple_examples(bpy.types.Menu):
