@@ -46,6 +46,7 @@ class Examples(unittest.TestCase):
         camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         bpy.context.scene.collection.objects.link(camera)
         bpy.context.scene.camera, camera.rotation_euler = camera, (1.2, 0.0, 0.3)
+        obj.modifiers.clear()  # the armature stays where it is
         obj.location = (3.0, 0.0, 0.0)
         bpy.context.view_layer.update()
         views = [area.spaces.active.region_3d for window in bpy.context.window_manager.windows
