@@ -2,6 +2,7 @@
 // Bases, coarse meshes, shown meshes and frames.
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "world.h"
 
@@ -31,6 +32,24 @@ void keep_surface(World& world, rumple_surface* surface, std::vector<float> rest
     world.surfaces.add(surface, std::move(base), 0);
 }
 
+// Of so many sides of polygons. kind: 0 to 12.
+struct Creases {
+    std::vector<std::int32_t> ends;
+    std::vector<float> sharpness;
+
+    Creases(const std::vector<std::int32_t>& corner, size_t count, int kind) : sharpness(count, float(kind)) {
+        for (size_t k = 0; k < count; ++k)
+            ends.insert(ends.end(), {corner[k], corner[(k + 1) % corner.size()]});
+        if (count == 0) return;
+        if (kind == 4) ends.back() = -1;
+        if (kind == 5) ends.front() = std::numeric_limits<std::int32_t>::max();
+        if (kind == 6) sharpness.back() = std::numeric_limits<float>::quiet_NaN();
+        if (kind == 7) sharpness.pop_back();
+        if (kind == 8) sharpness.front() = std::numeric_limits<float>::infinity();
+        if (kind < 3) sharpness.back() += 0.375f;
+    }
+};
+
 void build_surface(World& world, Bytes& bytes) {
     const Mesh from = mesh(bytes);
     const Floats positions(from.positions, 3, bytes);
@@ -45,18 +64,16 @@ void build_surface(World& world, Bytes& bytes) {
     plan.corner_vertex_count = corner.count;
     plan.triangle_corner = triangle.pointer;
     plan.triangle_corner_count = triangle.count;
-    plan.weld_seams = bytes.byte() % 4 != 3;
-    const size_t creased = from.corner.size() * size_t(bytes.byte() % 5) / 4;
-    const std::vector<float> sharp(creased, creased > 0 ? bytes.real(0.0f, 12.0f) : 0.0f);
-    std::vector<std::int32_t> ends;
-    for (size_t k = 0; k < creased; ++k)
-        ends.insert(ends.end(), {from.corner[k], from.corner[(k + 1) % from.corner.size()]});
-    const Numbers edges(ends, 2, bytes);
-    const Floats sharpness(sharp, 1, bytes);
-    plan.crease_edge = edges.pointer;
-    plan.crease_edge_count = edges.count;
-    plan.crease_sharpness = sharpness.pointer;
-    plan.crease_sharpness_count = sharpness.count;
+    const int chosen = bytes.byte();
+    plan.weld_seams = chosen % 4 != 3;
+    // By the same byte, so that kept inputs stay what they are: how many sides of the polygons are creased,
+    // and how.
+    const size_t creased = from.corner.size() * size_t(chosen / 4 % 5) / 4;
+    const Creases creases(from.corner, creased, chosen / 20);
+    plan.crease_edge = creases.ends.data();
+    plan.crease_edge_count = creased;
+    plan.crease_sharpness = creases.sharpness.data();
+    plan.crease_sharpness_count = creases.sharpness.size();
     keep_surface(world, MAKE(rumple_surface, rumple_surface_build, bytes.hostile() ? nullptr : &plan),
                  positions.data, std::int32_t(from.corner.size()));
 }
