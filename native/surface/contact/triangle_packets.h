@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -120,28 +122,57 @@ inline Lanes PosedPackets::Boxes::least_along(const Vec3Lanes& direction) const 
            least(direction.z * low.z, direction.z * high.z);
 }
 
+// A child that waits for its turn: the bits of its squared distance (at least 0, so that bits and distances
+// have one order) above those of the child; 0 for none.
+using WaitingChild = uint64_t;
+inline WaitingChild waiting_child(float squared, Index child) {
+    return uint64_t{std::bit_cast<uint32_t>(squared)} << 32 | static_cast<uint32_t>(child);
+}
+inline float squared_of(WaitingChild waiting) {
+    return std::bit_cast<float>(static_cast<uint32_t>(waiting >> 32));
+}
+inline Index child_of(WaitingChild waiting) {
+    return static_cast<Index>(static_cast<uint32_t>(waiting));
+}
+
+// Puts the open children on a stack, the nearest last; returns how many. Writes kLanes places, and sorts
+// without a branch: which of four boxes is nearest is as good as random, and a wrong guess costs more than
+// the box. No child is the root, so none that waits is 0.
+inline int push_nearest_last(const Lanes& squared, const std::array<Index, kLanes>& child,
+                             const LaneMask& open, WaitingChild* top) {
+    for (int k = 0; k < kLanes; ++k) top[k] = open[k] ? waiting_child(squared[k], child[k]) : 0;
+    const auto larger_first = [&](int i, int j) {
+        const WaitingChild a = top[i], b = top[j];
+        top[i] = std::max(a, b);
+        top[j] = std::min(a, b);
+    };
+    larger_first(0, 1);
+    larger_first(2, 3);
+    larger_first(0, 2);
+    larger_first(1, 3);
+    larger_first(1, 2);
+    return std::popcount(bits_of(open));
+}
+
 template <typename LookAt>
 void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* none_faces,
                           LookAt&& look_at) const {
-    struct Waiting {
-        float squared;
-        Index child;
-    };
     constexpr int kMostWaiting = 64;  // three siblings a level, and the depth is log4 of the packets
-    Waiting stack[kMostWaiting];
+    WaitingChild stack[kMostWaiting];
     int top = 0;
     // Distances are rounded, by the size of p too, and a tie must reach the lowest triangle, whatever is
     // looked at first: (sqrt(best) + rounding)^2 <= (1 + s) best + (1 + 1 / s) rounding^2.
     const float rounding = kPlaceRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
     const float always = (1.0f + 1.0f / kPacketTieSlack) * rounding * rounding;
-    if (!nodes_.empty()) stack[top++] = {0.0f, 0};
+    if (!nodes_.empty()) stack[top++] = waiting_child(0.0f, 0);
     const Vec3Lanes at(p), direction(none_faces ? none_faces->direction : Vec3(0.0f));
     while (top > 0) {
-        const auto [squared, child] = stack[--top];
+        const WaitingChild nearest = stack[--top];
+        const Index child = child_of(nearest);
         // Below infinity, where empty children are.
         const float far =
             std::min((1.0f + kPacketTieSlack) * best + always, std::numeric_limits<float>::max());
-        if (squared > far) continue;
+        if (squared_of(nearest) > far) continue;
         if (child < 0) {
             look_at(packets_[-1 - child], hierarchy_.packets[-1 - child]);
             continue;
@@ -152,13 +183,7 @@ void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* non
         LaneMask open = distance <= all_lanes(far);
         if (none_faces) open &= node.normals.least_along(direction) <= all_lanes(none_faces->most);
         assert(top + kLanes <= kMostWaiting);
-        const int begin = top;
-        for_each_true(open, [&](int k) {  // the nearest goes on the stack last
-            int place = top++;
-            for (; place > begin && stack[place - 1].squared < distance[k]; --place)
-                stack[place] = stack[place - 1];
-            stack[place] = {distance[k], children.child[k]};
-        });
+        top += push_nearest_last(distance, children.child, open, &stack[top]);
     }
 }
 

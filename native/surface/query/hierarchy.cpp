@@ -10,6 +10,14 @@ namespace {
 
 constexpr Index kLeafItems = 4;
 
+// About half of so many, so that leaves, and fours of leaves, are full: one that is not costs a search as much
+// as one that is.
+Index left_of(Index count) {
+    constexpr Index kLeavesOfNode = 4;
+    const Index whole = count > 2 * kLeavesOfNode * kLeafItems ? kLeavesOfNode * kLeafItems : kLeafItems;
+    return (count / 2 + whole / 2) / whole * whole;
+}
+
 void split(Index node, Index begin, Index end, std::span<const Vec3> centres, Hierarchy& out) {
     if (end - begin <= kLeafItems) {
         // nth_element leaves their order open: each standard library has its own.
@@ -24,7 +32,7 @@ void split(Index node, Index begin, Index end, std::span<const Vec3> centres, Hi
     }
     const Vec3 extent = high - low;
     const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-    const Index middle = begin + (end - begin) / 2;
+    const Index middle = begin + left_of(end - begin);
     std::nth_element(out.order.begin() + begin, out.order.begin() + middle, out.order.begin() + end,
                      [&](Index s, Index t) {
                          const float x = centres[s][axis], y = centres[t][axis];

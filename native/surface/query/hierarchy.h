@@ -19,8 +19,8 @@ struct Hierarchy {
     std::vector<Index> order;  // items, leaf by leaf
 };
 
-// Halves the items at the median of their centres (finite) along the longest axis: always balanced, so the
-// depth is log2 of the count. Without items it is one empty leaf. Cost: O(n log^2 n).
+// Halves the items by their centres (finite) along the longest axis, rounded to full leaves: always balanced,
+// so the depth is log2 of the count. Without items it is one empty leaf. Cost: O(n log^2 n).
 Hierarchy build_hierarchy(std::span<const Vec3> centres);
 
 // The volume of every node. Volume: its default is empty, add(Volume) makes it enclose another one.
