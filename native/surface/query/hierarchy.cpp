@@ -10,8 +10,8 @@ namespace {
 
 constexpr Index kLeafItems = 4;
 
-// About half of so many, so that leaves, and fours of leaves, are full: one that is not costs a search as much
-// as one that is.
+// About half of so many, so that leaves, and fours of leaves, are full: one that is not costs a search as
+// much as one that is.
 Index left_of(Index count) {
     constexpr Index kLeavesOfNode = 4;
     const Index whole = count > 2 * kLeavesOfNode * kLeafItems ? kLeavesOfNode * kLeafItems : kLeafItems;
