@@ -174,6 +174,64 @@ TEST(BaseClothExact, AFloatingSheetSinksByGravityOverFollow) {
         EXPECT_LT(glm::distance(result.positions[v], mesh.positions[v] - Vec3(0, 0, d)), 2e-5f);
 }
 
+// Along the surface, where a way counts by the share s = room over slide: d (1 + 15 s^2 (s d / R)^4) = g / F.
+TEST(BaseClothExact, ASheetSlidesFartherThanItsRoom) {
+    const MeshData mesh = grid(5, 4, 0.05f);
+    const Garment garment(mesh);
+    Settings s;
+    s.start_steps = 60;
+    s.room = 0.02f;
+    s.slide = 0.08f;
+    s.follow = 150.0f;
+    s.gravity = Vec3(9.81f, 0.0f, 0.0f);
+    const Result result = garment.solve(s, mesh.positions);
+    double d = 0.0;
+    const double share = 0.25, pull = 9.81 / 150.0;
+    for (int i = 0; i < 500; ++i)
+        d += 0.1 * (pull - d * (1.0 + 15.0 * share * share * std::pow(share * d / 0.02, 4.0)));
+    EXPECT_GT(d, 0.04);
+    for (size_t v = 0; v < mesh.positions.size(); ++v)
+        EXPECT_LT(glm::distance(result.positions[v], mesh.positions[v] + Vec3(d, 0, 0)), 2e-5f);
+}
+
+// A sheet on a slope of the angle a, every vertex alike. It is pressed on by N = g cos a, less what the pull
+// back carries, and slides by d: F d (1 + 15 (d / R)^4) + mu N f(d) = g sin a, f(d) = (2 - d / e) d / e up to
+// e, a sixth of the room R, and 1 beyond.
+TEST(BaseClothExact, FrictionHoldsASheetOnASlope) {
+    const MeshData mesh = grid(5, 4, 0.05f);
+    const Garment garment(mesh);
+    Settings s;
+    s.start_steps = 60;
+    s.room = 0.12f;
+    s.follow = 100.0f;
+    s.clearance.unknown = 0.0f;  // it lies on what is worn under it
+    const auto slid = [&](double angle, double coefficient) {
+        s.friction = float(coefficient);
+        s.gravity = Vec3(9.81 * std::sin(angle), 0.0, -9.81 * std::cos(angle));
+        Result result;
+        EXPECT_GT(garment.settle(s, mesh.positions, result), 0);
+        for (size_t v = 0; v < mesh.positions.size(); ++v)
+            EXPECT_NEAR(result.positions[v].x - mesh.positions[v].x, result.positions[0].x, 1e-5f);
+        return double(result.positions[0].x - mesh.positions[0].x);
+    };
+    const auto expected = [&](double angle, double coefficient) {
+        const double edge = 0.02;
+        double d = 0.0;
+        for (int i = 0; i < 4000; ++i) {
+            const double wall = 1.0 + 15.0 * std::pow(d / 0.12, 4.0),
+                         f = d < edge ? (2.0 - d / edge) * d / edge : 1.0;
+            const double pressed = 9.81 * std::cos(angle) * 2e4 / (2e4 + 100.0 * wall);
+            d += 5e-4 * (9.81 * std::sin(angle) - 100.0 * d * wall - coefficient * pressed * f);
+        }
+        return d;
+    };
+    for (const double coefficient : {0.0, 0.3, 0.8}) {
+        for (const double angle : {0.2, 0.6, 1.2})
+            EXPECT_NEAR(slid(angle, coefficient), expected(angle, coefficient), 2e-4) << angle << coefficient;
+    }
+    EXPECT_LT(expected(0.6, 0.8), 0.4 * expected(0.6, 0.0));  // else friction would hold nothing
+}
+
 // ---------------------------------------------------------------- figure 7
 // A strip that its two ends squeeze, a little bent so that it may buckle.
 TEST(BaseClothExact, WeakCompressionIsCompressedWhereStiffBuckles) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "surface/cloth/base_cloth.h"
+#include "surface/output/attachments.h"
 #include "tests/contact_bodies.h"
 #include "tests/meshes.h"
 
@@ -82,10 +83,15 @@ inline double spring_energy(const base_cloth::Settings& s, bool diagonal, double
 inline double energy(const base_cloth::Model& model, const base_cloth::Settings& s, const Points& animated,
                      const std::vector<glm::dvec3>& x) {
     double sum = 0.0;
+    Points normals(x.size());
+    vertex_normals(model.surface, animated, normals);
+    const double share = s.slide > s.room ? double(s.room) / double(s.slide) : 1.0;
     for (size_t v = 0; v < x.size(); ++v) {
-        const glm::dvec3 away = x[v] - glm::dvec3(animated[v]);
-        const double d2 = glm::dot(away, away), room2 = double(s.room) * double(s.room);
-        const double back = 0.5 * d2 + 15.0 / 6.0 * d2 * d2 * d2 / (room2 * room2);
+        const glm::dvec3 away = x[v] - glm::dvec3(animated[v]), n(normals[v]);
+        const glm::dvec3 counted = share * away + (1.0 - share) * glm::dot(n, away) * n;
+        const double d2 = glm::dot(away, away), used2 = glm::dot(counted, counted),
+                     room2 = double(s.room) * double(s.room);
+        const double back = 0.5 * d2 + 15.0 / 6.0 * used2 * used2 * used2 / (room2 * room2);
         sum += double(model.area[v]) * (s.follow * back - glm::dot(glm::dvec3(s.gravity), away));
     }
     for (const base_cloth::Model::Spring& spring : model.springs) {

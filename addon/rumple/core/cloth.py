@@ -158,7 +158,8 @@ class BaseCloth:
         if settings.base_cloth == "OFF":
             options.steps = options.start_steps = 0  # the animated mesh, out of the body
         options.follow = FOLLOW
-        options.slack, options.room = settings.slack, settings.room / self.unit_scale
+        options.slack, options.friction = settings.slack, settings.friction
+        options.room, options.slide = settings.room / self.unit_scale, settings.slide / self.unit_scale
         options.thickness = self.thickness(settings)
         return options
 

@@ -128,6 +128,11 @@ class ClothSettings:
                              "does not sag", low=0.0, high=10.0)
     room: float = setting(0.03, "Room", "How far the cloth may leave its animated place", low=0.0, high=10.0,
                           unit="LENGTH")
+    slide: float = setting(0.09, "Slide", "How far the cloth may slide along the body, where that is more than Room: "
+                           "a leg of trousers rides up over a bent knee", low=0.0, high=10.0, unit="LENGTH")
+    friction: float = setting(0.3, "Friction", "How firmly the cloth stays in its place on the body where it is "
+                              "pressed on. 0: it slides freely. Cotton on skin 0.3 to 0.6", low=0.0, high=10.0,
+                              soft=2.0)
     up: str = setting("Z", "Up At Rest", "Axis of the garment's own mesh that points up at rest: where nothing is "
                       "painted, the highest opening is pinned", choices=UPS)
     bending_length: float = setting(0.022, "Bending Length", "How stiffly the fabric bends for its weight, as textile "

@@ -90,10 +90,10 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest."""
     scale = size_factor(base.diagonal(), unit_scale)
     # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
+    lengths = dict(wavelength=CLOTH_WAVELENGTH, room=ClothSettings.room, slide=ClothSettings.slide,
+                   thickness=ClothSettings.thickness)
     return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
-                wavelength=float(f"{CLOTH_WAVELENGTH * scale:.2g}"),
-                room=float(f"{ClothSettings.room * scale:.2g}"),
-                thickness=float(f"{ClothSettings.thickness * scale:.2g}"))
+                **{name: float(f"{length * scale:.2g}") for name, length in lengths.items()})
 
 
 # Of a simulated garment: folds of several sizes, and none where the simulation is compressed by its own noise.

@@ -20,16 +20,18 @@ namespace rumple::base_cloth {
 // Stiffness is per mass of cloth: membrane stiffness (N/m) over mass per area (kg/m^2), in object units^2 /
 // s^2.
 struct Settings {
-    float stretch = 50.0f;             // of what is longer than at rest, > 0
-    float strain_limit = 0.02f;        // beyond this strain stretch counts kBeyondLimit times, >= 0
-    float shear = 5.0f;                // of the diagonals of quads that are longer than at rest, >= 0
-    float compression = 0.3f;          // k1: of what is shorter than at rest, >= 0
-    float compression_limit = 0.7f;    // c_l: length over rest length below which k2 counts, 0..1
-    float folded = 1.0f;               // k2: of what is shorter than that, >= 0
-    float smoothing = 1.0f;            // against displacements that differ between neighbours, >= 0
-    float slack = 1.0f;                // length of the cloth over that of the modelled garment, > 0
-    float follow = 400.0f;             // pull back to the animation where nothing is pinned, 1/s^2, > 0
-    float room = 0.03f;                // farthest that a vertex leaves its animated place, object units, >= 0
+    float stretch = 50.0f;           // of what is longer than at rest, > 0
+    float strain_limit = 0.02f;      // beyond this strain stretch counts kBeyondLimit times, >= 0
+    float shear = 5.0f;              // of the diagonals of quads that are longer than at rest, >= 0
+    float compression = 0.3f;        // k1: of what is shorter than at rest, >= 0
+    float compression_limit = 0.7f;  // c_l: length over rest length below which k2 counts, 0..1
+    float folded = 1.0f;             // k2: of what is shorter than that, >= 0
+    float smoothing = 1.0f;          // against displacements that differ between neighbours, >= 0
+    float slack = 1.0f;              // length of the cloth over that of the modelled garment, > 0
+    float follow = 400.0f;           // pull back to the animation where nothing is pinned, 1/s^2, > 0
+    float room = 0.03f;              // farthest that a vertex leaves its animated place, object units, >= 0
+    float slide = 0.0f;     // the same along the surface, where that is more than room; object units, >= 0
+    float friction = 0.0f;  // coefficient of Coulomb's law, on what is worn under it, >= 0
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2
     ClearanceSettings clearance{};
     int steps = 4;         // Newton steps from a given state, >= 0
@@ -43,7 +45,7 @@ void check(const Settings& settings);
 // Painted factors per display vertex of the base, each 0..1. Empty: follow is 0, room is 1 everywhere.
 struct Paint {
     std::vector<float> follow;  // 1: pinned to the animation
-    std::vector<float> room;    // room x value
+    std::vector<float> room;    // room and slide x value
 };
 
 // Built once at rest, then immutable.

@@ -17,6 +17,7 @@ namespace {
 constexpr float kBeyondLimit = 10.0f;  // stiffness beyond the strain limit
 constexpr float kWall = 15.0f;         // how much the pull back grows towards the edge of the room
 constexpr float kContact = 2e4f;       // stiffness of the inner surface, 1/s^2
+constexpr float kSlip = 1.0f / 6.0f;   // of the room: what has slid farther is held by the whole friction
 constexpr double kResidual = 0.05;     // conjugate gradients stop at this share of the force they began with
 constexpr int kShortenings = 4;        // of a step that went too far
 
@@ -51,9 +52,13 @@ struct Frame {
         Lanes height_of(const Vec3Lanes& p) const { return dot(p - point, normal); }
     };
     struct Vertices {
-        Vec3Lanes animated;
-        Lanes area, follow, room;
+        Vec3Lanes animated, normal;
+        Lanes area, follow, room, slide_share;
+        Lanes grip;  // most force of friction over a length, of the pressure that the step begins with
         Plane under, ahead;
+
+        // How firmly each is pressed out of what it is in.
+        Lanes firm() const { return area * most(all_lanes(kContact), follow); }
     };
     const Model& model;
     const Settings& settings;
@@ -65,7 +70,7 @@ struct Frame {
     };
     std::vector<Inertia> inertia;  // empty: none
 
-    explicit Frame(const Cloth& cloth);
+    Frame(const Cloth& cloth, std::vector<Row>& x);
 
     std::vector<Row> rows() const { return std::vector<Row>(animated.size()); }
 };
@@ -76,7 +81,7 @@ std::vector<Row> rows_with_a_spare(std::span<const Vec3> vectors) {
     return rows;
 }
 
-Frame::Frame(const Cloth& cloth)
+Frame::Frame(const Cloth& cloth, std::vector<Row>& x)
     : model(cloth.model),
       settings(cloth.settings),
       animated(rows_with_a_spare(cloth.pose.animated)),
@@ -86,13 +91,19 @@ Frame::Frame(const Cloth& cloth)
         Vertices& four = vertices[v / kLanes];
         const int k = static_cast<int>(v % kLanes);
         four.animated.set(k, pose.animated[v]);
+        four.normal.set(k, pose.normal[v]);
         four.area[k] = model.area[v];
         four.follow[k] = pose.follow[v];
         four.room[k] = pose.room[v];
+        four.slide_share[k] = pose.slide_share[v];
         four.under.point.set(k, cloth.planes[v].point);
         four.under.normal.set(k, cloth.planes[v].normal);
         four.ahead.point.set(k, pose.ahead[v].point);
         four.ahead.normal.set(k, pose.ahead[v].normal);
+    }
+    for (size_t four = 0; four < vertices.size(); ++four) {
+        const Lanes inward = -vertices[four].under.height_of(columns(four_of(x, four)));
+        vertices[four].grip = settings.friction * vertices[four].firm() * most(inward, Lanes{});
     }
     if (!cloth.inertia) return;
     inertia.resize(animated.size());
@@ -153,6 +164,7 @@ struct Hessian {
     };
     struct Vertices {
         Lanes back;      // times identity
+        Lanes off;       // times normal x normal, of the animated vertex: the pull back off the surface
         Vec3Lanes wall;  // times itself: the pull back grows along the way
         Lanes contact;   // times normal x normal, of what is worn under it
         Lanes ahead;     // the same of what is ahead
@@ -171,35 +183,53 @@ Matrix inverse_or_nothing(const Matrix& block) {
     return {inverse[0], inverse[1], inverse[2]};
 }
 
+// Force of friction over the way slid: that of Coulomb's law, smooth where it would turn over (M. Li et al.,
+// "Incremental Potential Contact", SIGGRAPH 2020, equation 13).
+Lanes friction(const Lanes& grip, const Lanes& slip, const Vec3Lanes& slid) {
+    const Lanes way = square_root(dot(slid, slid)), zero{};
+    const Lanes share = way < slip ? (2.0f - way / slip) / slip : 1.0f / way;
+    return grip > zero && slip > zero ? grip * share : zero;
+}
+
 // The forces at x; the Hessian too, where one is asked for.
 void forces_at_vertices(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hessian* hessian) {
     const Settings& settings = frame.settings;
     const Lanes zero{};
     const Vec3Lanes gravity(settings.gravity);
     for (size_t four = 0; four < frame.vertices.size(); ++four) {
-        const auto& [animated, area, follow, room, under, before] = frame.vertices[four];
+        const Frame::Vertices& cloth = frame.vertices[four];
+        const auto& [animated, normal, area, follow, room, slide_share, grip, under, before] = cloth;
         const Vec3Lanes at = columns(four_of(x, four)), away = at - animated;
-        const Lanes room_used = room > zero ? dot(away, away) / (room * room) : zero;
-        const Lanes back = area * follow * (1.0f + kWall * room_used * room_used);
-        const Lanes firm = area * most(all_lanes(kContact), follow);
+        // Along the surface a way counts by a share s against the room: S = s^2 I + (1 - s^2) n n^T.
+        const Lanes s2 = slide_share * slide_share, height = dot(normal, away);
+        const Vec3Lanes counted = s2 * away + (1.0f - s2) * height * normal;  // S away
+        const Lanes room_used = room > zero ? dot(counted, away) / (room * room) : zero;
+        const Lanes wall_used = kWall * room_used * room_used;
+        const Lanes back = area * follow * (1.0f + wall_used * s2);
+        const Lanes off = area * follow * wall_used * (1.0f - s2);
+        const Lanes firm = cloth.firm();
         const Lanes inward = -under.height_of(at), beyond = -before.height_of(at);
         const Lanes contact = inward > zero ? firm : zero, ahead = beyond > zero ? firm : zero;
-        store_rows(
-            area * gravity - back * away + contact * inward * under.normal + ahead * beyond * before.normal,
-            four_of(out, four));
+        const Vec3Lanes slid = away - dot(under.normal, away) * under.normal;
+        const Lanes rub = friction(grip, kSlip * room, slid);
+        store_rows(area * gravity - back * away + contact * inward * under.normal +
+                       ahead * beyond * before.normal - off * height * normal - rub * slid,
+                   four_of(out, four));
         if (!hessian) continue;
         const Lanes growth = 4.0f * area * follow * kWall * room_used;
-        const Vec3Lanes wall = choose(room_used > zero, square_root(growth) / room * away, {});
-        hessian->vertices[four] = {back, wall, contact, ahead};
-        FourRows walls, normals, normals_ahead;
+        const Vec3Lanes wall = choose(room_used > zero, square_root(growth) / room * counted, {});
+        hessian->vertices[four] = {back + rub, off, wall, contact - rub, ahead};
+        FourRows surface_normals, walls, normals, normals_ahead;
+        store_rows(normal, surface_normals);
         store_rows(wall, walls);
         store_rows(under.normal, normals);
         store_rows(before.normal, normals_ahead);
         for (int k = 0; k < kLanes; ++k) {
             Matrix& block = hessian->inverse_diagonal[four * kLanes + k];
-            block = scaled_identity(back[k]);
+            block = scaled_identity(back[k] + rub[k]);
+            add_outer_product(off[k], surface_normals[k], block);
             add_outer_product(1.0f, walls[k], block);
-            add_outer_product(contact[k], normals[k], block);
+            add_outer_product(contact[k] - rub[k], normals[k], block);
             add_outer_product(ahead[k], normals_ahead[k], block);
         }
     }
@@ -242,10 +272,12 @@ void forces(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hess
 
 void multiply(const Frame& frame, const Hessian& hessian, std::vector<Row>& p, std::vector<Row>& out) {
     for (size_t four = 0; four < frame.vertices.size(); ++four) {
-        const auto& [back, wall, contact, ahead] = hessian.vertices[four];
-        const Vec3Lanes &n = frame.vertices[four].under.normal, &m = frame.vertices[four].ahead.normal;
+        const auto& [back, off, wall, contact, ahead] = hessian.vertices[four];
+        const Frame::Vertices& cloth = frame.vertices[four];
+        const Vec3Lanes &n = cloth.under.normal, &m = cloth.ahead.normal;
         const Vec3Lanes at = columns(four_of(p, four));
-        store_rows(back * at + dot(wall, at) * wall + contact * dot(n, at) * n + ahead * dot(m, at) * m,
+        store_rows(back * at + dot(wall, at) * wall + contact * dot(n, at) * n + ahead * dot(m, at) * m +
+                       off * dot(cloth.normal, at) * cloth.normal,
                    four_of(out, four));
     }
     for (size_t v = 0; v < frame.inertia.size(); ++v) out[v].xyz += frame.inertia[v].resist * p[v];
@@ -299,9 +331,9 @@ int conjugate_gradients(const Frame& frame, const Hessian& hessian, const std::v
 }  // namespace
 
 float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report) {
-    const Frame frame(cloth);
-    std::vector<Row> at = rows_with_a_spare(x), force = frame.rows(), step = frame.rows(),
-                     tried = frame.rows(), there = frame.rows();
+    std::vector<Row> at = rows_with_a_spare(x);
+    const Frame frame(cloth, at);
+    std::vector<Row> force = frame.rows(), step = frame.rows(), tried = frame.rows(), there = frame.rows();
     Hessian hessian;
     hessian.springs.resize(cloth.model.spring_fours.size());
     hessian.vertices.resize(frame.vertices.size());

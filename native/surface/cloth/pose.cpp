@@ -174,10 +174,7 @@ void project(const Pose& pose, const Plane& plane, size_t v, Vec3& p) {
     if (below < 0.0f) p -= below * pose.ahead[v].normal;
     const float height = height_above(plane, p);
     if (height < 0.0f) p -= height * plane.normal;
-    const Vec3 away = p - pose.animated[v];
-    const float length = std::sqrt(glm::dot(away, away));
-    const float most = pose.farthest(v);
-    if (length > most) p = pose.animated[v] + away * (most / length);
+    p = pose.within_room(v, p);
 }
 
 void describe(const Model& model, const Settings& settings, const Pose& pose, std::span<const Vec3> x,
@@ -224,6 +221,9 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
         const float pinned = painted(paint.follow, surface.representative[v], 0.0f);
         pose.follow.push_back(settings.follow + (kPinned - settings.follow) * pinned * pinned * pinned);
         pose.room.push_back(settings.room * painted(paint.room, surface.representative[v], 1.0f));
+        // A loose vertex has no surface to slide along.
+        const bool slides = settings.slide > settings.room && pose.normal[v] != Vec3(0.0f);
+        pose.slide_share.push_back(slides ? settings.room / settings.slide : 1.0f);
     }
     std::vector<Vec3> smooth(vertices);
     apply<Vec3>(model.limit, pose.animated, smooth);

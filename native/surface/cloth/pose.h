@@ -41,9 +41,16 @@ struct Pose {
     std::vector<float> length;        // of every spring between the animated vertices, object units
     std::vector<float> follow;        // 1/s^2
     std::vector<float> room;          // Settings::room times paint, object units, >= 0
+    std::vector<float> slide_share;   // 0..1: a way along the surface counts by this share against the room
 
-    // How far a vertex leaves its animated place at most: the way out of a body is always free.
-    float farthest(size_t v) const { return std::max(room[v], -clearance[v]); }
+    // The nearest place towards the animated one that is within the room. The way out of a body is always
+    // free.
+    Vec3 within_room(size_t v, const Vec3& p) const {
+        const Vec3 away = p - animated[v], off = glm::dot(away, normal[v]) * normal[v];
+        const Vec3 counted = slide_share[v] * away + (1.0f - slide_share[v]) * off;
+        const float used = std::sqrt(glm::dot(counted, counted)), most = std::max(room[v], -clearance[v]);
+        return used > most ? animated[v] + away * (most / used) : p;
+    }
 };
 
 // Whether a state has as many springs and vertices as the model. Where its vertices are Hang and Swing say

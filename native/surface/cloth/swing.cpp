@@ -90,11 +90,9 @@ std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, std::span
 std::vector<Vec3> inertial_displacements(const Pose& pose, const Motion& motion, float h) {
     std::vector<Vec3> out;
     for (size_t v = 0; v < motion.position.size(); ++v) {
-        const Vec3 displacement = h * motion.velocity[v],
-                   away = motion.position[v] + displacement - pose.animated[v];
-        const float length = std::sqrt(glm::dot(away, away)), most = pose.farthest(v);
-        const Vec3 edge = pose.animated[v] + away * (most / std::max(length, kShortestEdge));
-        out.push_back(length > most ? edge - motion.position[v] : displacement);
+        const Vec3 displacement = h * motion.velocity[v], there = motion.position[v] + displacement;
+        const Vec3 kept = pose.within_room(v, there);
+        out.push_back(kept == there ? displacement : kept - motion.position[v]);
     }
     return out;
 }

@@ -28,6 +28,7 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
         for name in ("slack", "bending_length", "gravity"):
             column.prop(settings, name)
         painted(column, obj, "room")
+        column.prop(settings, "slide")
         paint_only(column, obj, "follow", "Pinned to the animation")
         if mesh_reader.MESH_GROUPS["follow"] not in obj.vertex_groups:
             column.prop(settings, "up")
@@ -58,7 +59,8 @@ class DATA_PT_rumple_body(Panel, bpy.types.Panel):
         column = settings_column(self.layout, context.object)
         column.prop(context.object.rumple, "body")
         column.prop(context.object.rumple, "body_collection")
-        column.prop(properties.group_of(context.object), "thickness")
+        for name in ("thickness", "friction"):
+            column.prop(properties.group_of(context.object), name)
 
 
 def painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
