@@ -43,8 +43,7 @@ class Farm(unittest.TestCase):
         self.assertIn("8 garments", said)
         killed, (victim, survivor) = self.wait_for_two_long_bakes()
         drained = next(node for node in slurm.nodes if node not in (victim, survivor))
-        before = self.starts(jobs).count(drained)
-        slurm.run("scontrol", "update", f"NodeName={drained}", "State=DRAIN", "Reason=test")
+        before = self.drain(drained, jobs)
         slurm.kill_node(victim)
         os.kill(killed, signal.SIGKILL)  # Blender alone, on a node that lives on
         slurm.wait_for((jobs / "report.json").is_file, 240.0)
@@ -73,6 +72,12 @@ class Farm(unittest.TestCase):
         self.slurm.wait_for(both_held, 120.0)
         nodes = self.slurm.processes()
         return max(held), [nodes[process] for process in (min(held), max(held))]
+
+    def drain(self, node: str, jobs: Path) -> int:
+        """What had started there. A job that Slurm had given to the node before may write that it starts after."""
+        self.slurm.run("scontrol", "update", f"NodeName={node}", "State=DRAIN", "Reason=test")
+        self.slurm.wait_for(lambda: self.slurm.run("sinfo", "-h", "-n", node, "-o", "%T").strip() == "drained", 120.0)
+        return self.starts(jobs).count(node)
 
     @staticmethod
     def starts(jobs: Path) -> list[str]:
