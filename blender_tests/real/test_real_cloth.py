@@ -170,7 +170,7 @@ class Worn(EveryFrame):
         self.for_every_frame(lambda s: s.spike < LONGEST)
 
     def test_it_is_not_deeper_in_the_body_than_the_bare_garment(self) -> None:
-        self.for_every_frame(lambda s: s.comparable > 1000 and s.deep <= s.deep_bare + MORE_DEEP * s.comparable)
+        self.for_every_frame(lambda s: s.comparable > 900 and s.deep <= s.deep_bare + MORE_DEEP * s.comparable)
 
     def test_at_most_a_tenth_more_polygons_cross_each_other_than_of_the_bare_garment(self) -> None:
         # The base cloth moves crossings that skinning made: frame by frame some are a few pairs up, so the sum counts.

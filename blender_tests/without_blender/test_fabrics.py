@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 from rumple.core.cloth import BaseCloth, stiffness_over_cotton
+from rumple.core.cloth_settings import ClothSettings
 from rumple.core.fabrics import COTTON, FABRICS, GRAVITY
-from rumple.core.presets import MESH_PRESETS, PATHS_PRESETS
-from rumple.core.settings import ClothSettings, MeshSettings
 from rumple.core.layers import layer_settings
+from rumple.core.presets import MESH_PRESETS, PATHS_PRESETS
+from rumple.core.settings import MeshSettings
 from rumple.core.wrinkle_mesh import WrinkleMesh, halvings, layers_for, wavelength_of
 from support.meshes import compressed, tube
 

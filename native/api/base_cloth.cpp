@@ -43,7 +43,7 @@ static void pair_fields(rumple_base_cloth_settings& c, base_cloth::Settings& nat
     pair(c.slack, native.slack);
     pair(c.follow, native.follow);
     pair(c.room, native.room);
-    pair(c.slide, native.slide);
+    pair(c.slide_room, native.slide_room);
     pair(c.friction, native.friction);
     pair(c.gravity, native.gravity);
     pair(c.thickness, native.clearance.thickness);

@@ -181,7 +181,7 @@ TEST(BaseClothExact, ASheetSlidesFartherThanItsRoom) {
     Settings s;
     s.start_steps = 60;
     s.room = 0.02f;
-    s.slide = 0.08f;
+    s.slide_room = 0.08f;
     s.follow = 150.0f;
     s.gravity = Vec3(9.81f, 0.0f, 0.0f);
     const Result result = garment.solve(s, mesh.positions);

@@ -136,7 +136,7 @@ TEST(BaseClothLaws, TheEnergyNeverGrowsInAHeldPose) {
         const Garment garment(mesh);
         for (Settings settings : {without_contact(), stiff_and_slack()}) {
             settings.start_steps = settings.steps = 1;
-            settings.slide = 1.5f * settings.room;
+            settings.slide_room = 1.5f * settings.room;
             for (const Points& pose : free_poses(garment)) {
                 double former = energy(*garment.model, settings, pose, in_double(pose));
                 const double first = former;
@@ -159,7 +159,7 @@ TEST(BaseClothLaws, AtRestNoVertexIsBetterOffElsewhere) {
         const Garment garment(mesh);
         for (const Points& pose : free_poses(garment)) {
             Settings settings = without_contact();
-            settings.slide = 1.5f * settings.room;
+            settings.slide_room = 1.5f * settings.room;
             settings.start_steps = 100;
             settings.gradients = 300;
             const Result result = garment.solve(settings, pose);
@@ -223,7 +223,7 @@ TEST(BaseClothLaws, NothingLeavesItsRoom) {
         const Garment garment(mesh);
         Settings settings;
         settings.gravity *= 30.0f;
-        settings.slide = 3.0f * settings.room;
+        settings.slide_room = 3.0f * settings.room;
         Paint paint;
         for (size_t v = 0; v < mesh.positions.size(); ++v) paint.room.push_back(v % 3 ? 1.0f : 0.2f);
         Result result = garment.solve(settings, mesh.positions, nullptr, paint);
@@ -236,7 +236,7 @@ TEST(BaseClothLaws, NothingLeavesItsRoom) {
                 const Vec3 away = result.positions[v] - pose[v],
                            off = glm::dot(away, normals[v]) * normals[v];
                 const float used = glm::length(
-                    Vec2(glm::length(off) / settings.room, glm::length(away - off) / settings.slide));
+                    Vec2(glm::length(off) / settings.room, glm::length(away - off) / settings.slide_room));
                 ASSERT_LE(used, paint.room[v] + 1e-4f) << v;
                 reached = std::max(reached, used / paint.room[v]);
             }
@@ -251,9 +251,9 @@ TEST(BaseClothLaws, ASlideWithinTheRoomChangesNothing) {
         Settings settings;
         const Points pose = garment.crumpled(0.8f, 2.0f, 0.3f);
         const Result without = garment.solve(settings, pose);
-        settings.slide = settings.room;
+        settings.slide_room = settings.room;
         EXPECT_TRUE(equal_bits(garment.solve(settings, pose), without));
-        settings.slide = 3.0f * settings.room;
+        settings.slide_room = 3.0f * settings.room;
         EXPECT_FALSE(equal_bits(garment.solve(settings, pose), without));
     }
 }

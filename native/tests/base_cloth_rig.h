@@ -85,7 +85,7 @@ inline double energy(const base_cloth::Model& model, const base_cloth::Settings&
     double sum = 0.0;
     Points normals(x.size());
     vertex_normals(model.surface, animated, normals);
-    const double share = s.slide > s.room ? double(s.room) / double(s.slide) : 1.0;
+    const double share = s.slide_room > s.room ? double(s.room) / double(s.slide_room) : 1.0;
     for (size_t v = 0; v < x.size(); ++v) {
         const glm::dvec3 away = x[v] - glm::dvec3(animated[v]), n(normals[v]);
         const glm::dvec3 counted = share * away + (1.0 - share) * glm::dot(n, away) * n;

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..native import kernels
 from .body import Body
+from .cloth_settings import ClothSettings
 from .fabrics import GRAVITY
-from .settings import ClothSettings
 from .surroundings import Surroundings
 
 AIR = 1.2  # kg/m^3
@@ -159,7 +159,7 @@ class BaseCloth:
             options.steps = options.start_steps = 0  # the animated mesh, out of the body
         options.follow = FOLLOW
         options.slack, options.friction = settings.slack, settings.friction
-        options.room, options.slide = settings.room / self.unit_scale, settings.slide / self.unit_scale
+        options.room, options.slide_room = settings.room / self.unit_scale, settings.slide_room / self.unit_scale
         options.thickness = self.thickness(settings)
         return options
 

@@ -23,8 +23,9 @@ _PLACES = {
     "gpu-preview": "*.gpu_preview",
     "swing": "*.mass *.swing_damping *.substeps *.locomotion *.drag",
     "pinned-to-the-animation": "*.up",
-    "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.bending_length mesh.layers mesh.folds mesh.detail",
-    "body": "*.thickness object.body object.body_collection",
+    "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.slide_room *.bending_length mesh.layers "
+             "mesh.folds mesh.detail",
+    "body": "*.thickness *.friction object.body object.body_collection",
     "guides": "guide.* ops.object.rumple_guide_add ops.object.rumple_guide_remove",
     "paint": "ops.object.rumple_paint*",
     "rest-shape": "mesh.reference mesh.rest_shape field.reference field.rest_shape paths.rest_shape *.window "

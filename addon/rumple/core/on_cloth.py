@@ -11,9 +11,9 @@ import numpy as np
 from ..native import kernels
 from .body import Body
 from .cloth import BaseCloth, ClothFrame
+from .cloth_settings import ClothSettings
 from .drape import Drape
 from .keep_smooth import SMOOTH, share_of_folds
-from .settings import ClothSettings
 from .surroundings import Surroundings
 
 PAINTED = ("follow", "room", SMOOTH)  # what is painted for the base cloth itself

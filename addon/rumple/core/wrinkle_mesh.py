@@ -13,11 +13,12 @@ from ..native import kernels
 from .base_mesh import BaseMesh, affordable_level
 from .body import Body
 from .cloth import bend_radius, size_factor
+from .cloth_settings import ClothSettings
 from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
 from .layers import layer_settings, layer_words, native_settings
 from .on_cloth import OnCloth
-from .settings import ClothSettings, MeshSettings
+from .settings import MeshSettings
 from .shown_mesh import ViewportMesh
 from .wording import UserError, user_error
 
@@ -90,7 +91,7 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest."""
     scale = size_factor(base.diagonal(), unit_scale)
     # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
-    lengths = dict(wavelength=CLOTH_WAVELENGTH, room=ClothSettings.room, slide=ClothSettings.slide,
+    lengths = dict(wavelength=CLOTH_WAVELENGTH, room=ClothSettings.room, slide_room=ClothSettings.slide_room,
                    thickness=ClothSettings.thickness)
     return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
                 **{name: float(f"{length * scale:.2g}") for name, length in lengths.items()})

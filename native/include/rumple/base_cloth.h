@@ -50,7 +50,7 @@ typedef struct rumple_base_cloth_settings {
     float slack;              // length of the cloth over that of the modelled garment, > 0
     float follow;             // pull back to the animation where nothing is pinned, 1/s^2, > 0
     float room;               // farthest that a vertex leaves its animated place, object units, >= 0
-    float slide;              // the same along the surface, where that is more than room; object units, >= 0
+    float slide_room;         // the same along the surface, where that is more than room; object units, >= 0
     float friction;           // coefficient of Coulomb's law, on what is worn under the cloth, >= 0
     float gravity[3];         // object space, object units / s^2
     float thickness;          // how far cloth stays off bodies, object units, >= 0
@@ -82,7 +82,7 @@ RUMPLE_API rumple_base_cloth_swing rumple_base_cloth_swing_default(void);
 typedef struct rumple_base_cloth_painted {
     const float* follow;  // 1: pinned to the animation; none: 0 everywhere
     size_t follow_count;
-    const float* room;  // on `room` and `slide`; none: 1 everywhere
+    const float* room;  // on `room` and `slide_room`; none: 1 everywhere
     size_t room_count;
 } rumple_base_cloth_painted;
 typedef struct rumple_base_cloth_paint rumple_base_cloth_paint;

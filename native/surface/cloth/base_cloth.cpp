@@ -44,7 +44,7 @@ void check(const Settings& settings) {
     expect_within("slack", settings.slack, 1e-3, 1e3);
     expect_within("follow", settings.follow, 1e-6, 1e9);
     expect_within("room", settings.room, 0.0, 1e9);
-    expect_within("slide", settings.slide, 0.0, 1e9);
+    expect_within("slide_room", settings.slide_room, 0.0, 1e9);
     expect_within("friction", settings.friction, 0.0, 1e3);
     expect_within("thickness", settings.clearance.thickness, 0.0, 1e9);
     expect_within("unknown", settings.clearance.unknown, 0.0, 1e9);

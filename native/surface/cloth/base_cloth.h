@@ -30,7 +30,7 @@ struct Settings {
     float slack = 1.0f;              // length of the cloth over that of the modelled garment, > 0
     float follow = 400.0f;           // pull back to the animation where nothing is pinned, 1/s^2, > 0
     float room = 0.03f;              // farthest that a vertex leaves its animated place, object units, >= 0
-    float slide = 0.0f;     // the same along the surface, where that is more than room; object units, >= 0
+    float slide_room = 0.0f;  // the same along the surface, where that is more than room; object units, >= 0
     float friction = 0.0f;  // coefficient of Coulomb's law, on what is worn under it, >= 0
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2
     ClearanceSettings clearance{};
@@ -45,7 +45,7 @@ void check(const Settings& settings);
 // Painted factors per display vertex of the base, each 0..1. Empty: follow is 0, room is 1 everywhere.
 struct Paint {
     std::vector<float> follow;  // 1: pinned to the animation
-    std::vector<float> room;    // room and slide x value
+    std::vector<float> room;    // room and slide_room x value
 };
 
 // Built once at rest, then immutable.

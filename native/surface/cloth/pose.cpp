@@ -222,8 +222,8 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
         pose.follow.push_back(settings.follow + (kPinned - settings.follow) * pinned * pinned * pinned);
         pose.room.push_back(settings.room * painted(paint.room, surface.representative[v], 1.0f));
         // A loose vertex has no surface to slide along.
-        const bool slides = settings.slide > settings.room && pose.normal[v] != Vec3(0.0f);
-        pose.slide_share.push_back(slides ? settings.room / settings.slide : 1.0f);
+        const bool slides = settings.slide_room > settings.room && pose.normal[v] != Vec3(0.0f);
+        pose.slide_share.push_back(slides ? settings.room / settings.slide_room : 1.0f);
     }
     std::vector<Vec3> smooth(vertices);
     apply<Vec3>(model.limit, pose.animated, smooth);

@@ -48,7 +48,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
     if method == "MESH":
         return values
     of_folds = wrinkle_paths.cloth_defaults(base, metres) if method == "PATHS" else {}
-    return {name: values[name] for name in ("base_cloth", "up", "room", "slide", "thickness")} | of_folds
+    return {name: values[name] for name in ("base_cloth", "up", "room", "slide_room", "thickness")} | of_folds
 
 
 def is_cloth(obj: bpy.types.Object) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from mathutils import Matrix, Vector
 
-from ...core.settings import ClothSettings
+from ...core.cloth_settings import ClothSettings
 from ...core.surroundings import Surroundings, Wind, air_velocity
 
 

@@ -28,7 +28,7 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
         for name in ("slack", "bending_length", "gravity"):
             column.prop(settings, name)
         painted(column, obj, "room")
-        column.prop(settings, "slide")
+        column.prop(settings, "slide_room")
         paint_only(column, obj, "follow", "Pinned to the animation")
         if mesh_reader.MESH_GROUPS["follow"] not in obj.vertex_groups:
             column.prop(settings, "up")

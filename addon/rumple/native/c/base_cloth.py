@@ -44,7 +44,7 @@ class BaseClothSettings(Struct):
     slack: float  # length of the cloth over that of the modelled garment, > 0
     follow: float  # pull back to the animation where nothing is pinned, 1/s^2, > 0
     room: float  # farthest that a vertex leaves its animated place, object units, >= 0
-    slide: float  # the same along the surface, where that is more than room; object units, >= 0
+    slide_room: float  # the same along the surface, where that is more than room; object units, >= 0
     friction: float  # coefficient of Coulomb's law, on what is worn under the cloth, >= 0
     gravity: Array  # object space, object units / s^2
     thickness: float  # how far cloth stays off bodies, object units, >= 0
@@ -57,9 +57,10 @@ class BaseClothSettings(Struct):
     gradients: int  # most conjugate gradients of a step, >= 0
     _fields_ = (("stretch", c_float), ("strain_limit", c_float), ("shear", c_float), ("compression", c_float),
         ("compression_limit", c_float), ("folded", c_float), ("smoothing", c_float), ("slack", c_float),
-        ("follow", c_float), ("room", c_float), ("slide", c_float), ("friction", c_float), ("gravity", c_float * 3),
-        ("thickness", c_float), ("unknown", c_float), ("reach", c_float), ("depth", c_float), ("spread", c_float),
-        ("steps", c_int32), ("start_steps", c_int32), ("gradients", c_int32),)
+        ("follow", c_float), ("room", c_float), ("slide_room", c_float), ("friction", c_float),
+        ("gravity", c_float * 3), ("thickness", c_float), ("unknown", c_float), ("reach", c_float),
+        ("depth", c_float), ("spread", c_float), ("steps", c_int32), ("start_steps", c_int32),
+        ("gradients", c_int32),)
 
 
 class BaseClothSwing(Struct):
@@ -86,7 +87,7 @@ class BaseClothPainted(Struct):
     __slots__ = ()
     follow: int | None  # 1: pinned to the animation; none: 0 everywhere
     follow_count: int
-    room: int | None  # on `room` and `slide`; none: 1 everywhere
+    room: int | None  # on `room` and `slide_room`; none: 1 everywhere
     room_count: int
     _fields_ = (("follow", c_void_p), ("follow_count", c_size_t), ("room", c_void_p), ("room_count", c_size_t),)
 
