@@ -140,7 +140,11 @@ inline Index child_of(WaitingChild waiting) {
 // the box. No child is the root, so none that waits is 0.
 inline int push_nearest_last(const Lanes& squared, const std::array<Index, kLanes>& child,
                              const LaneMask& open, WaitingChild* top) {
-    for (int k = 0; k < kLanes; ++k) top[k] = open[k] ? waiting_child(squared[k], child[k]) : 0;
+    int count = 0;  // no std::popcount(): a call, where processors without that instruction are served
+    for (int k = 0; k < kLanes; ++k) {
+        top[k] = open[k] ? waiting_child(squared[k], child[k]) : 0;
+        count -= open[k];
+    }
     const auto larger_first = [&](int i, int j) {
         const WaitingChild a = top[i], b = top[j];
         top[i] = std::max(a, b);
@@ -151,7 +155,7 @@ inline int push_nearest_last(const Lanes& squared, const std::array<Index, kLane
     larger_first(0, 2);
     larger_first(1, 3);
     larger_first(1, 2);
-    return std::popcount(bits_of(open));
+    return count;
 }
 
 template <typename LookAt>
