@@ -2,6 +2,7 @@
 #include "systems/wrinkle_mesh/pose.h"
 
 #include <algorithm>
+#include <cstring>
 #include <string>
 
 #include "base/expect.h"
@@ -44,14 +45,23 @@ Lanes pre_stretch(const Settings& settings, const Lanes& paint, const Vec3Lanes&
     return mix(taut, least(most(strain, one), taut), hanging * hanging);
 }
 
+// Four of the numbers of a tensor.
+Lanes four_of(const Tensor3& tensor, size_t first) {
+    static_assert(sizeof(Tensor3) == 6 * sizeof(float));
+    Lanes out;
+    std::memcpy(&out, reinterpret_cast<const char*>(&tensor) + first * sizeof(float), sizeof(out));
+    return out;
+}
+
 // v . T v, of the means of a tensor at both ends of pairs.
 Lanes quadratic_of(const Pairs& pairs, const std::vector<SpareCloth>& spare, Tensor3 SpareCloth::*which,
                    const Vec3Lanes& v, size_t first, size_t count) {
     std::array<Row, kLanes> diagonal, off_diagonal;
     for (size_t k = 0; k < count; ++k) {
         const Tensor3 &a = spare[pairs.a[first + k]].*which, &b = spare[pairs.b[first + k]].*which;
-        diagonal[k].xyz = Row(a.diagonal).xyz + Row(b.diagonal).xyz;
-        off_diagonal[k].xyz = Row(a.off_diagonal).xyz + Row(b.off_diagonal).xyz;
+        diagonal[k].xyz = four_of(a, 0) + four_of(b, 0);
+        const Lanes last = four_of(a, 2) + four_of(b, 2);
+        off_diagonal[k].xyz = __builtin_shufflevector(last, last, 1, 2, 3, 0);
     }
     const Vec3Lanes squares(v.x * v.x, v.y * v.y, v.z * v.z), products(v.y * v.z, v.z * v.x, v.x * v.y);
     return dot(columns(diagonal), squares) + 2.0f * dot(columns(off_diagonal), products);
