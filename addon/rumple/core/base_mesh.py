@@ -2,6 +2,7 @@
 """A coarse mesh at rest, checked. Never imports bpy."""
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any, Callable
@@ -32,6 +33,11 @@ class BaseMesh:
     painted_rigid: np.ndarray | None = None  # (n,) bool of the artist's vertices: of parts that are rigid by paint
     crease_edge: np.ndarray | None = None  # (k, 2) int32, vertices of edges that the fine mesh rounds less
     crease_sharpness: np.ndarray | None = None  # (k,) float32: for how many subdivisions; from 10 on for ever
+
+    @functools.cached_property
+    def triangles(self) -> np.ndarray:
+        """(t, 3) int32, vertices. The same array every time."""
+        return self.corner_vertex[self.triangle_corner]
 
     def healed(self, weld: bool) -> "BaseMesh":
         """This mesh, or where it is no oriented manifold a copy that is one. Raises UserError."""

@@ -2,6 +2,7 @@
 """What a garment is worn over. Never imports bpy."""
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,15 +16,26 @@ class Body:
 
     positions: np.ndarray  # (b, 3) float32, object space of the garment
     triangles: np.ndarray  # (t, 3) int32, into positions; counter-clockwise seen from outside
+    digest: bytes = b""  # digest_of_triangles(), where it is kept from frame to frame
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """All that it is, for digests."""
-        return self.positions, self.triangles
+        """What tells it from another, for digests."""
+        return self.positions, np.frombuffer(self.digest or digest_of_triangles(self.triangles), np.uint8)
 
     def same_as(self, other: "Body | None") -> bool:
         """Whether both are the same surfaces at the same places, to the bit."""
         return (other is not None and np.array_equal(self.positions, other.positions)
-                and np.array_equal(self.triangles, other.triangles))
+                and same_triangles(self.triangles, other.triangles))
+
+
+def digest_of_triangles(triangles: np.ndarray) -> bytes:
+    """16 bytes. triangles: (t, 3) int32."""
+    return hashlib.blake2b(np.ascontiguousarray(triangles).data, digest_size=16).digest()
+
+
+def same_triangles(some: np.ndarray, others: np.ndarray) -> bool:
+    """Of bodies: mostly these are one array, frame after frame."""
+    return some is others or np.array_equal(some, others)
 
 
 def facing_outwards(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:

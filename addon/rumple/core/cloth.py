@@ -9,7 +9,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ..native import kernels
-from .body import Body
+from .body import Body, same_triangles
 from .cloth_settings import ClothSettings
 from .fabrics import GRAVITY
 from .surroundings import Surroundings
@@ -102,7 +102,7 @@ class BaseCloth:
         """The native collider of a body, built once for its triangles; None for none."""
         if body is None or not len(body.triangles):
             return None
-        if self._collider is None or not np.array_equal(self._collider[0], body.triangles):
+        if self._collider is None or not same_triangles(self._collider[0], body.triangles):
             self._collider = body.triangles, kernels.Collider(body.positions, body.triangles)
         return self._collider[1]
 

@@ -337,7 +337,7 @@ class Wrinkles(ShownMesh):
         cloth = self._cloth_at(frame)
         if cloth is None:
             return None
-        return Body(cloth.positions, self.base.corner_vertex[self.base.triangle_corner])
+        return Body(cloth.positions, self.base.triangles)
 
     def curves(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
         """The folds of a solved frame as curves (see curve_rows.py). positions: as they were solved."""

@@ -103,16 +103,26 @@ std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach, int t
 
 std::vector<float> PosedOwnSurface::heights() const {
     std::vector<float> out(count_, std::numeric_limits<float>::infinity());
-    for (const auto& t : surface_.triangles_) {
-        const Vec3 p[3] = {positions_[t[0]].vec(), positions_[t[1]].vec(), positions_[t[2]].vec()};
-        const Vec3 side[3] = {p[2] - p[1], p[0] - p[2], p[1] - p[0]};  // opposite of each corner
-        const Vec3 n = glm::cross(side[0], side[1]);
-        const float twice_area = std::sqrt(glm::dot(n, n));
-        for (int k = 0; k < 3; ++k) {
-            const float length = std::sqrt(glm::dot(side[k], side[k]));
-            out[t[k]] = std::min(out[t[k]], length > kShortestEdge ? twice_area / length : 0.0f);
+    const std::vector<std::array<Index, 3>>& triangles = surface_.triangles_;
+    for_each_four(triangles.size(), [&](size_t first, size_t count) {
+        const auto corner = [&](int i) {
+            std::array<Row, kLanes> rows;
+            for (size_t k = 0; k < count; ++k) rows[k] = positions_[triangles[first + k][i]];
+            return columns(rows);
+        };
+        const Vec3Lanes a = corner(0), b = corner(1), c = corner(2);
+        const Vec3Lanes side[3] = {c - b, a - c, b - a};  // opposite of each corner
+        const Vec3Lanes n = cross(side[0], side[1]);
+        const Lanes twice_area = square_root(dot(n, n));
+        for (int i = 0; i < 3; ++i) {
+            const Lanes length = square_root(dot(side[i], side[i]));
+            const Lanes height = length > all_lanes(kShortestEdge) ? twice_area / length : Lanes{};
+            for (size_t k = 0; k < count; ++k) {
+                float& least_here = out[triangles[first + k][i]];
+                least_here = std::min(least_here, height[k]);
+            }
         }
-    }
+    });
     return out;
 }
 

@@ -99,7 +99,8 @@ PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Row
             }
             return Boxes{columns(low), columns(high)};
         };
-        nodes_[n] = {boxes(&Volume::place), boxes(&Volume::normal)};
+        nodes_[n] = {boxes(&Volume::place), std::bit_cast<LaneMask>(hierarchy.nodes[n].child),
+                     boxes(&Volume::normal)};
     }
 }
 

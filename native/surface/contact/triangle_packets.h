@@ -83,8 +83,10 @@ class PosedPackets {
         Lanes squared_distance(const Vec3Lanes& p) const;
         Lanes least_along(const Vec3Lanes& direction) const;
     };
-    struct Node {
-        Boxes places, normals;  // of the children; an empty one is infinitely far
+    struct alignas(64) Node {
+        Boxes places;    // of the children; an empty one is infinitely far
+        LaneMask child;  // as of PacketHierarchy
+        Boxes normals;
     };
 
     const PacketHierarchy& hierarchy_;
@@ -125,8 +127,12 @@ inline Lanes PosedPackets::Boxes::least_along(const Vec3Lanes& direction) const 
 // A child that waits for its turn: the bits of its squared distance (at least 0, so that bits and distances
 // have one order) above those of the child; 0 for none.
 using WaitingChild = uint64_t;
-inline WaitingChild waiting_child(float squared, Index child) {
-    return uint64_t{std::bit_cast<uint32_t>(squared)} << 32 | static_cast<uint32_t>(child);
+using WaitingChildren = std::array<WaitingChild, kLanes>;
+inline WaitingChildren waiting_children(const Lanes& squared, const LaneMask& child, const LaneMask& open) {
+    static_assert(std::endian::native == std::endian::little);
+    const LaneMask far = std::bit_cast<LaneMask>(squared) & open, which = child & open;
+    return std::bit_cast<WaitingChildren>(std::array{__builtin_shufflevector(which, far, 0, 4, 1, 5),
+                                                     __builtin_shufflevector(which, far, 2, 6, 3, 7)});
 }
 inline float squared_of(WaitingChild waiting) {
     return std::bit_cast<float>(static_cast<uint32_t>(waiting >> 32));
@@ -135,23 +141,25 @@ inline Index child_of(WaitingChild waiting) {
     return static_cast<Index>(static_cast<uint32_t>(waiting));
 }
 
-// Puts the open children on a stack, the nearest last; returns how many. Writes kLanes places, and sorts
-// without a branch: which of four boxes is nearest is as good as random, and a wrong guess costs more than
-// the box. No child is the root, so none that waits is 0.
-inline int push_nearest_last(const Lanes& squared, const std::array<Index, kLanes>& child,
-                             const LaneMask& open, WaitingChild* top) {
-    for (int k = 0; k < kLanes; ++k) top[k] = open[k] ? waiting_child(squared[k], child[k]) : 0;
+// Puts the open children on a stack, the nearest last; returns how many. Writes kLanes places, and neither
+// chooses nor sorts by a branch: which of four boxes is near is as good as random, and a wrong guess costs
+// more than the box. No child is the root, so none that waits is 0.
+inline int push_nearest_last(const Lanes& squared, const LaneMask& child, const LaneMask& open,
+                             WaitingChild* top) {
+    constexpr std::array<std::uint8_t, 16> kTrue{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};  // of bits
+    WaitingChildren waiting = waiting_children(squared, child, open);
     const auto larger_first = [&](int i, int j) {
-        const WaitingChild a = top[i], b = top[j];
-        top[i] = std::max(a, b);
-        top[j] = std::min(a, b);
+        const WaitingChild a = waiting[i], b = waiting[j];
+        waiting[i] = std::max(a, b);
+        waiting[j] = std::min(a, b);
     };
     larger_first(0, 1);
     larger_first(2, 3);
     larger_first(0, 2);
     larger_first(1, 3);
     larger_first(1, 2);
-    return std::popcount(bits_of(open));
+    std::copy(waiting.begin(), waiting.end(), top);
+    return kTrue[bits_of(open)];
 }
 
 template <typename LookAt>
@@ -164,7 +172,7 @@ void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* non
     // looked at first: (sqrt(best) + rounding)^2 <= (1 + s) best + (1 + 1 / s) rounding^2.
     const float rounding = kPlaceRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
     const float always = (1.0f + 1.0f / kPacketTieSlack) * rounding * rounding;
-    if (!nodes_.empty()) stack[top++] = waiting_child(0.0f, 0);
+    if (!nodes_.empty()) stack[top++] = 0;
     const Vec3Lanes at(p), direction(none_faces ? none_faces->direction : Vec3(0.0f));
     while (top > 0) {
         const WaitingChild nearest = stack[--top];
@@ -178,12 +186,11 @@ void PosedPackets::search(const Vec3& p, const float& best, const NoneFaces* non
             continue;
         }
         const Node& node = nodes_[child];
-        const PacketHierarchy::Node& children = hierarchy_.nodes[child];
         const Lanes distance = node.places.squared_distance(at);
         LaneMask open = distance <= all_lanes(far);
         if (none_faces) open &= node.normals.least_along(direction) <= all_lanes(none_faces->most);
         assert(top + kLanes <= kMostWaiting);
-        top += push_nearest_last(distance, children.child, open, &stack[top]);
+        top += push_nearest_last(distance, node.child, open, &stack[top]);
     }
 }
 

@@ -20,29 +20,46 @@ constexpr int kFloorSteps = 4;
 // Of squared distances, relative: a rounding.
 constexpr float kEquallyNear = 1e-4f;
 
+bool in_any(bool beyond) {
+    return beyond;
+}
+bool in_any(const LaneMask& beyond) {
+    return bits_of(beyond) != 0;
+}
+
+// 1 where a length is at most that, else most over length. Most lengths are, by far: those need no root, for
+// a square that is clearly below that of `most` says so.
+template <typename Real>
+Real shortening(const Real& squared, const Real& most) {
+    constexpr float kClearly = 1.0f - 1e-5f;
+    const Real one = all<Real>(1.0f);
+    if (!in_any(squared > kClearly * (most * most))) return one;
+    const Real length = square_root(squared);
+    return length > most ? most / length : one;
+}
+
 // The bounds by the own cloth.
 template <typename Real>
 void keep_off_own(const Bound<Real>& bound, Vec3Of<Real>& p) {
     const Real one = all<Real>(1.0f);
     const auto along = [&] { return p - bound.at - dot(p - bound.at, bound.normal) * bound.normal; };
-    // By how much the way along the surface is too long: 1 where it is not.
-    const auto slide_scale = [&] {
-        const Vec3Of<Real> way = along();
-        const Real slid = square_root(dot(way, way));
-        return slid > bound.slide ? bound.slide / slid : one;
-    };
-    p = p - (one - slide_scale()) * along();
+    const auto slide_scale = [&](const Vec3Of<Real>& way) { return shortening(dot(way, way), bound.slide); };
+    const Vec3Of<Real> way = along();
+    p = p - (one - slide_scale(way)) * way;
     // Where what faces it lies behind the vertex the two may have passed each other already, and neither
     // way is the safe one.
     const Real moved = dot(p - bound.at, bound.towards);
-    p = choose(moved > bound.ahead, p - (moved - bound.ahead) * bound.towards, p);
-    p = choose(moved < bound.behind, p - (moved - bound.behind) * bound.towards, p);
+    if (in_any((moved > bound.ahead) | (moved < bound.behind))) {
+        p = choose(moved > bound.ahead, p - (moved - bound.ahead) * bound.towards, p);
+        p = choose(moved < bound.behind, p - (moved - bound.behind) * bound.towards, p);
+    }
     // What that broke is mended straight towards the attachment, which breaks nothing: all bounds hold at
     // once, so a held vertex is not pushed again in every frame. (kNeighbourhood: keep_above_floor().)
-    const Real height = dot(p - bound.at, bound.floor), slid = slide_scale();
-    const Real raised = height < bound.lowest ? bound.lowest / height : one;
+    const Real height = dot(p - bound.at, bound.floor), slid = slide_scale(along());
+    const auto below = height < bound.lowest;
+    const Real raised = in_any(below) ? (below ? bound.lowest / height : one) : one;
     const Real scale = raised < slid ? raised : slid;
-    p = choose(scale < one, bound.at + scale * (p - bound.at), p);
+    if (in_any(scale < one)) p = choose(scale < one, bound.at + scale * (p - bound.at), p);
 }
 
 // Collision with the plane, the own cloth, the ball.
@@ -52,8 +69,9 @@ void hold_within(const Bound<Real>& bound, bool own, Vec3Of<Real>& p) {
     p = choose(height < bound.lowest, p + (bound.lowest - height) * bound.floor, p);
     if (own) keep_off_own(bound, p);
     const Vec3Of<Real> offset = p - bound.at;
-    const Real length = square_root(dot(offset, offset));
-    p = choose(length > bound.radius, bound.at + bound.radius / length * offset, p);  // (7)
+    const Real scale = shortening(dot(offset, offset), bound.radius);
+    if (in_any(scale < all<Real>(1.0f)))
+        p = choose(scale < all<Real>(1.0f), bound.at + scale * offset, p);  // (7)
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "systems/wrinkle_mesh/pose.h"
 
 #include <algorithm>
+#include <cstring>
 #include <string>
 
 #include "base/expect.h"
@@ -37,25 +38,33 @@ Lanes pre_stretch(const Settings& settings, const Lanes& paint, const Vec3Lanes&
                 length = square_root(dot(way, way));
     const Lanes strain = length / most(rest, shortest);
     const float low = settings.slack - settings.taut_range;
-    const Lanes t = within((strain - low) / (settings.slack - low), Lanes{}, one);
-    const Lanes pulled = t * t * (3.0f - 2.0f * t);  // smooth_step()
+    const Lanes pulled = smooth_step(low, settings.slack, strain);
     const Lanes hanging = dot(way, Vec3Lanes(settings.hang)) / most(length, shortest);
     const Lanes s = most_pre_stretch(settings, paint);
     const Lanes taut = mix(s, least(all_lanes(settings.slack), s), pulled);
     return mix(taut, least(most(strain, one), taut), hanging * hanging);
 }
 
+// Four of the numbers of a tensor.
+Lanes four_of(const Tensor3& tensor, size_t first) {
+    static_assert(sizeof(Tensor3) == 6 * sizeof(float));
+    Lanes out;
+    std::memcpy(&out, reinterpret_cast<const char*>(&tensor) + first * sizeof(float), sizeof(out));
+    return out;
+}
+
 // v . T v, of the means of a tensor at both ends of pairs.
 Lanes quadratic_of(const Pairs& pairs, const std::vector<SpareCloth>& spare, Tensor3 SpareCloth::*which,
                    const Vec3Lanes& v, size_t first, size_t count) {
-    Vec3Lanes diagonal, off_diagonal;
+    std::array<Row, kLanes> diagonal, off_diagonal;
     for (size_t k = 0; k < count; ++k) {
-        const Tensor3 sum = spare[pairs.a[first + k]].*which + spare[pairs.b[first + k]].*which;
-        diagonal.set(static_cast<int>(k), sum.diagonal);
-        off_diagonal.set(static_cast<int>(k), sum.off_diagonal);
+        const Tensor3 &a = spare[pairs.a[first + k]].*which, &b = spare[pairs.b[first + k]].*which;
+        diagonal[k].xyz = four_of(a, 0) + four_of(b, 0);
+        const Lanes last = four_of(a, 2) + four_of(b, 2);
+        off_diagonal[k].xyz = __builtin_shufflevector(last, last, 1, 2, 3, 0);
     }
     const Vec3Lanes squares(v.x * v.x, v.y * v.y, v.z * v.z), products(v.y * v.z, v.z * v.x, v.x * v.y);
-    return dot(diagonal, squares) + 2.0f * dot(off_diagonal, products);
+    return dot(columns(diagonal), squares) + 2.0f * dot(columns(off_diagonal), products);
 }
 
 // SpareCloth::share_without_place() of folds across pairs.
@@ -221,19 +230,21 @@ std::vector<float> attachment_radii(const Model& model, const Settings& settings
     return radii;
 }
 
+std::vector<float> pair_lengths(const Pairs& pairs, const std::vector<Row>& rows) {
+    std::vector<float> lengths(pairs.size());
+    for_each_four(pairs.size(), [&](size_t first, size_t count) {
+        const Vec3Lanes d = ways_along(pairs, rows, first, count);
+        store_lanes(square_root(dot(d, d)), &lengths[first], count);
+    });
+    return lengths;
+}
+
 std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positions) {
-    std::vector<float> lengths;
-    if (positions.empty()) return lengths;
-    lengths.resize(model.distance.size() + model.bending.size());
+    if (positions.empty()) return {};
     const std::vector<Row> rows = to_rows(positions);
-    size_t begin = 0;
-    for (const Pairs* pairs : {&model.distance, &model.bending}) {
-        for_each_four(pairs->size(), [&](size_t first, size_t count) {
-            const Vec3Lanes d = ways_along(*pairs, rows, first, count);
-            store_lanes(square_root(dot(d, d)), &lengths[begin + first], count);
-        });
-        begin += pairs->size();
-    }
+    std::vector<float> lengths = pair_lengths(model.distance, rows);
+    const std::vector<float> bending = pair_lengths(model.bending, rows);
+    lengths.insert(lengths.end(), bending.begin(), bending.end());
     return lengths;
 }
 
@@ -278,18 +289,21 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
     return targets;
 }
 
-LengthError length_error(const Pairs& pairs, std::span<const float> target, std::span<const Vec3> positions) {
+LengthError length_error(std::span<const float> target, std::span<const float> lengths) {
     double sum = 0.0;
     LengthError error;
-    for (size_t i = 0; i < pairs.size(); ++i) {
-        const float wanted = std::max(target[i], kShortestEdge);
-        const float relative =
-            std::abs(glm::distance(positions[pairs.a[i]], positions[pairs.b[i]]) - target[i]) / wanted;
-        if (target[i] < kShortestEdge) continue;  // a collapsed pair asks for nothing
-        sum += double(relative) * relative;
-        error.largest = std::max(error.largest, relative);
-    }
-    error.rms = pairs.size() ? static_cast<float>(std::sqrt(sum / double(pairs.size()))) : 0.0f;
+    const Lanes shortest = all_lanes(kShortestEdge);
+    for_each_four(target.size(), [&](size_t first, size_t count) {
+        const Lanes wanted = load_lanes(&target[first], count);
+        const Lanes difference = load_lanes(&lengths[first], count) - wanted;
+        const Lanes relative = most(difference, -difference) / most(wanted, shortest);
+        for (size_t k = 0; k < count; ++k) {
+            if (wanted[k] < kShortestEdge) continue;  // a collapsed pair asks for nothing
+            sum += double(relative[k]) * relative[k];
+            error.largest = std::max(error.largest, relative[k]);
+        }
+    });
+    error.rms = target.empty() ? 0.0f : static_cast<float>(std::sqrt(sum / double(target.size())));
     return error;
 }
 

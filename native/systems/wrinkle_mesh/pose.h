@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/lanes.h"
 #include "base/tolerances.h"
 #include "surface/contact/self_distance.h"
 #include "surface/strain/bent_lines.h"
@@ -94,7 +95,10 @@ inline float painted(const std::vector<float>& paint, size_t v) {
 // r_i (section 3.1), object units: relative to the local edge, painted, faded at hems.
 std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint);
 
-// Length of every pair: distance, then bending. Empty positions: empty.
+// Length of every pair. rows: of to_rows() of the positions.
+std::vector<float> pair_lengths(const Pairs& pairs, const std::vector<Row>& rows);
+
+// The same of distance pairs, then bending. Empty positions: empty.
 std::vector<float> pair_lengths(const Model& model, std::span<const Vec3> positions);
 
 // Where the pairs lie on the base. Cost: O(pairs).
@@ -130,6 +134,7 @@ struct LengthError {
     float largest = 0.0f;
 };
 
-LengthError length_error(const Pairs& pairs, std::span<const float> target, std::span<const Vec3> positions);
+// target, lengths: one of each for every pair.
+LengthError length_error(std::span<const float> target, std::span<const float> lengths);
 
 }  // namespace rumple::wrinkle_mesh

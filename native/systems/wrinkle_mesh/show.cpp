@@ -85,8 +85,8 @@ Measures measure_pose(const Model& model, const Settings& settings, const Paint&
     const std::vector<float> scales =
         rest_scales(model, settings, state.reference, pose, pair_lengths(model, pose.attachment));
     for (size_t i = 0; i < wanted.size(); ++i) wanted[i] *= settings.prestretch * scale_of(scales, i);
-    const LengthError before = length_error(model.distance, wanted, pose.attachment);
-    const LengthError after = length_error(model.distance, wanted, positions);
+    const LengthError before = length_error(wanted, pair_lengths(model.distance, to_rows(pose.attachment)));
+    const LengthError after = length_error(wanted, pair_lengths(model.distance, to_rows(positions)));
     out.edge_error_before_rms = before.rms;
     out.edge_error_before_max = before.largest;
     out.edge_error_after_rms = after.rms;

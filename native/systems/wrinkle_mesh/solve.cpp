@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/expect.h"
+#include "base/lanes.h"
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/smooth_step.h"
@@ -31,23 +32,30 @@ int threads_for(const Model& model, const Settings& settings) {
 // standing leg does not creep because the arm moves. lengths: as State::solved_length has them.
 std::vector<float> activity(const Model& model, std::span<const float> lengths, const State& state) {
     std::vector<float> active(model.attached.size(), 0.0f);
-    const auto visit = [&](const Pairs& pairs, size_t first, auto&& act) {
-        for (size_t i = 0; i < pairs.size(); ++i) act(pairs.a[i], pairs.b[i], pairs.rest[i], first + i);
+    const Lanes shortest = all_lanes(kShortestEdge);
+    const auto take_changed = [&](const Pairs& pairs, size_t begin) {
+        for_each_four(pairs.size(), [&](size_t first, size_t count) {
+            const Lanes difference = load_lanes(&lengths[begin + first], count) -
+                                     load_lanes(&state.solved_length[begin + first], count);
+            const Lanes change =
+                most(difference, -difference) / most(load_lanes(&pairs.rest[first], count), shortest);
+            const Lanes act = smooth_step(kHeldStrain, kFreeStrain, change);
+            if (bits_of(act > Lanes{}) == 0) return;
+            for (size_t k = 0; k < count; ++k) {
+                for (const Index v : {pairs.a[first + k], pairs.b[first + k]})
+                    active[v] = std::max(active[v], act[k]);
+            }
+        });
     };
-    const auto strain = [&](Index a, Index b, float rest, size_t i) {
-        const float change = std::abs(lengths[i] - state.solved_length[i]) / std::max(rest, kShortestEdge);
-        const float act = smooth_step(kHeldStrain, kFreeStrain, change);
-        active[a] = std::max(active[a], act);
-        active[b] = std::max(active[b], act);
-    };
-    visit(model.distance, 0, strain);
-    visit(model.bending, model.distance.size(), strain);
+    take_changed(model.distance, 0);
+    take_changed(model.bending, model.distance.size());
     // A solved vertex takes its neighbours along by half: no hard border between held and solved.
     std::vector<float> spread = active;
-    visit(model.distance, 0, [&](Index a, Index b, float, size_t) {
+    for (size_t i = 0; i < model.distance.size(); ++i) {
+        const Index a = model.distance.a[i], b = model.distance.b[i];
         spread[a] = std::max(spread[a], 0.5f * active[b]);
         spread[b] = std::max(spread[b], 0.5f * active[a]);
-    });
+    }
     return spread;
 }
 
@@ -131,7 +139,7 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
     report = {};
     report.collapsed_triangles = pose.collapsed;
     report.active = share_above_zero(active);
-    report.error_before = length_error(model.distance, targets.distance, pose.attachment).rms;
+    report.error_before = length_error(targets.distance, lengths).rms;
     const Bounds bounds(model, settings, paint, pose);
     if (report.active > 0.0f) {
         perturb_unbuckled(model, settings, pose, lengths, targets, positions);
@@ -149,7 +157,8 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
         state.offset[v] = kept ? before->offset[v] : frames.stored(v, positions[v] - pose.attachment[v]);
         report.kept_apart += bounds.kept_apart(v, positions[v]);
     }
-    const LengthError after = length_error(model.distance, targets.distance, positions);
+    const LengthError after =
+        length_error(targets.distance, pair_lengths(model.distance, to_rows(positions)));
     report.error_after = after.rms;
     report.largest_error = after.largest;
     if (before) remember_lengths(model, active, *before, state.solved_length);

@@ -7,13 +7,14 @@ connecting only reads: allowed in any handler.
 """
 from __future__ import annotations
 
-import hashlib
+import weakref
+from typing import NamedTuple
 
 import bpy
 import numpy as np
 
 from ...core import engine
-from ...core.body import Body, facing_outwards
+from ...core.body import Body, digest_of_triangles, facing_outwards
 from .. import compat
 from ..nodes import path_curves_tree
 from . import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes
@@ -155,9 +156,8 @@ def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.type
         raise engine.UserError(f"{obj.name}: its node group is linked from a file of an older Rumple: open that file "
                                "and save it, or take the body away")
     surfaces = [_surface(obj, evaluated, body, depsgraph) for body in found]
-    first = np.cumsum([0] + [len(surface.positions) for surface in surfaces[:-1]], dtype=np.int32)
-    return Body(np.concatenate([surface.positions for surface in surfaces]),
-                np.concatenate([surface.triangles + at for surface, at in zip(surfaces, first)]))
+    joined = _joined_triangles((compat.session_key(obj), depsgraph.mode), surfaces)
+    return Body(np.concatenate([surface.positions for surface in surfaces]), joined.triangles, joined.digest)
 
 
 def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types.Object,
@@ -175,7 +175,7 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
         triangles = triangles[:, ::-1]
     matrix = np.array(into, np.float32)
     return Body(np.ascontiguousarray(surface.positions @ matrix[:3, :3].T + matrix[:3, 3]),
-                np.ascontiguousarray(triangles))
+                np.ascontiguousarray(triangles))  # the same array, where it was not turned
 
 
 def _folded(body: bpy.types.Object, frame: float) -> Body | None:
@@ -204,12 +204,53 @@ def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object
 
 
 # ---------------------------------------------------------------- triangles
-_triangulated: dict[tuple[int, str], tuple[bytes, np.ndarray]] = {}  # by body and depsgraph: of what, and triangles
+ByDepsgraph = tuple[int, str]  # an object and a kind of depsgraph
+
+
+class _Connections(NamedTuple):
+    """What is connected to what."""
+
+    counts: tuple[int, int, int]
+    corners: np.ndarray
+
+    @classmethod
+    def of(cls, mesh: bpy.types.Mesh) -> "_Connections":
+        return cls((len(mesh.vertices), len(mesh.polygons), len(mesh.loops)), compat.corner_vertices(mesh))
+
+    def same_as(self, other: "_Connections") -> bool:
+        return self.counts == other.counts and np.array_equal(self.corners, other.corners)
+
+
+class _Joined(NamedTuple):
+    """The triangles of all bodies of a garment, and of what they were made."""
+
+    parts: list[weakref.ref[np.ndarray]]  # an array of a native model keeps that
+    first: list[int]
+    triangles: np.ndarray
+    digest: bytes
+
+
+_triangulated: dict[ByDepsgraph, tuple[_Connections, np.ndarray]] = {}  # by body: of what, and triangles
+_joined: dict[ByDepsgraph, _Joined] = {}  # by garment
 
 
 def forget_all() -> None:
     _triangulated.clear()
+    _joined.clear()
     _found_in.clear()
+
+
+def _joined_triangles(key: ByDepsgraph, surfaces: list[Body]) -> _Joined:
+    """The same array as long as those of the bodies are: then nobody has to look whether it is another."""
+    parts = [surface.triangles for surface in surfaces]
+    first = np.cumsum([0] + [len(surface.positions) for surface in surfaces[:-1]], dtype=np.int32)
+    kept = _joined.get(key)
+    if (kept is None or kept.first != first.tolist() or len(kept.parts) != len(parts)
+            or any(ref() is not part for ref, part in zip(kept.parts, parts))):
+        triangles = np.concatenate([part + at for part, at in zip(parts, first)])
+        kept = _joined[key] = _Joined([weakref.ref(part) for part in parts], first.tolist(), triangles,
+                                      digest_of_triangles(triangles))
+    return kept
 
 
 def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.ndarray:
@@ -218,21 +259,14 @@ def _triangles(body: bpy.types.Object, mesh: bpy.types.Mesh, mode: str) -> np.nd
     Where modifiers leave the connections alone they are those of the mesh at rest, whichever frame comes first. Those
     of a body that is inside out are turned.
     """
-    key, now = (compat.session_key(body), mode), _connections(mesh)
-    kept, triangles = _triangulated.get(key, (b"", None))
-    if kept != now:
-        rest = next((known for known in (body.data, incoming_mesh.of(body)) if _connections(known) == now), mesh)
+    key, now = (compat.session_key(body), mode), _Connections.of(mesh)
+    kept, triangles = _triangulated.get(key, (None, None))
+    if kept is None or not kept.same_as(now):
+        rest = next((known for known in (body.data, incoming_mesh.of(body)) if _Connections.of(known).same_as(now)),
+                    mesh)
         rest.calc_loop_triangles()
         triangles = np.empty(len(rest.loop_triangles) * 3, np.int32)
         rest.loop_triangles.foreach_get("vertices", triangles)
-        triangles = facing_outwards(compat.positions(rest), triangles.reshape(-1, 3))
+        triangles = np.ascontiguousarray(facing_outwards(compat.positions(rest), triangles.reshape(-1, 3)))
         _triangulated[key] = now, triangles
     return triangles
-
-
-def _connections(mesh: bpy.types.Mesh) -> bytes:
-    """A digest of what is connected to what."""
-    counts = (len(mesh.vertices), len(mesh.polygons), len(mesh.loops))
-    digest = hashlib.blake2b(repr(counts).encode(), digest_size=16)
-    digest.update(compat.corner_vertices(mesh).data)
-    return digest.digest()
