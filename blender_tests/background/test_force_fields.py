@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector, noise
-from rumple.blender.objects import runtimes, wind
+from rumple.blender.objects import wind
 from rumple.blender.ui import panels
 from rumple.core.cloth import FIELD
 from rumple.core.surroundings import Surroundings
@@ -18,9 +18,11 @@ from support.cloth_scenes import Cloth, difference, garment, pictures, played
 
 def add(kind: str, shape: str = "POINT", at: tuple[float, float, float] = (0.0, 0.0, 0.0),
         **settings: Any) -> bpy.types.Object:
-    """A force field. One of Blender's own operators makes it, so that its defaults are Blender's."""
+    """A force field. Blender's own operator makes it, so that its defaults are Blender's; what is active stays so."""
+    active = bpy.context.object
     bpy.ops.object.effector_add(type=kind, location=at)
     effector = bpy.context.object
+    sleeve.make_active(active)
     effector.field.shape = shape
     for name, value in settings.items():
         setattr(effector.field, name, value)
@@ -40,7 +42,7 @@ class AsBlendersCloth(unittest.TestCase):
     PLACE, MASS = Vector((0.5, 0.3, 0.4)), 0.3
 
     def sheet(self, gravity: float) -> bpy.types.Object:
-        sleeve.new_scene()
+        sleeve.empty_file()
         bpy.context.scene.render.fps = 24
         bpy.ops.mesh.primitive_grid_add(x_subdivisions=6, y_subdivisions=6, size=1.0)
         obj = bpy.context.object
@@ -107,7 +109,7 @@ class AsBlendersCloth(unittest.TestCase):
         self.check("FORCE", "POINT", falloff_type="CONE", radial_min=20.0, radial_max=60.0, **radial)
 
     def test_vortex(self) -> None:
-        for shape in ("POINT", "LINE", "PLANE"):
+        for shape in ("POINT", "PLANE"):
             self.check("VORTEX", shape, strength=10.0)
 
     def test_harmonic(self) -> None:
@@ -128,7 +130,7 @@ class AsBlendersCloth(unittest.TestCase):
 class AsBlendersNoise(unittest.TestCase):
 
     def test_the_lattice_is_blenders(self) -> None:
-        sleeve.new_scene()
+        sleeve.empty_file()
         effector = add("TURBULENCE", strength=1.0, size=1.0, use_global_coords=True)
         points = np.random.default_rng(3).uniform(-9.0, 9.0, (50, 3)).astype(np.float32)
         found = read(effector).effects(points).push[:, 0]
@@ -141,12 +143,8 @@ class Swinging(Cloth):
 
     def setUp(self) -> None:
         self.obj = garment(base_cloth="SWING")
-        sleeve.bend_until(1000)  # the pose stays
+        sleeve.bend_until(1000)  # the pose hardly moves
         self.calm = played(self.obj, 10)
-
-    def velocity(self) -> float:
-        runtime = runtimes.of(self.obj)
-        return float(np.abs(runtime.evaluator.state_of(runtime.inputs.frame).cloth.state.velocity).max())
 
     def test_each_kind_moves_it_and_what_is_hidden_or_does_not_act_on_locations_does_not(self) -> None:
         for kind in ("FORCE", "VORTEX", "HARMONIC", "TURBULENCE"):
@@ -187,11 +185,13 @@ class Swinging(Cloth):
         self.assertGreater(difference(shown[10], self.calm[10]), 1e-3)
 
     def test_a_held_field_is_held_and_noise_never_is(self) -> None:
+        sleeve.bend_until(8)
         bpy.context.scene.frame_end = 60
-        effector = add("TURBULENCE", strength=5.0, size=0.3)
+        calm = played(self.obj, 60)
+        effector = add("TURBULENCE", strength=10.0, size=0.3)
         shown = played(self.obj, 60)
         np.testing.assert_array_equal(shown[59], shown[60])
-        self.assertGreater(difference(shown[60], self.calm[10]), 1e-3)
+        self.assertGreater(difference(shown[60], calm[60]), 1e-3)
         effector.field.noise = 3.0
         bpy.context.view_layer.update()
         shown = played(self.obj, 60)
@@ -212,12 +212,10 @@ class Swinging(Cloth):
         self.assertLess(difference(positions.reshape(-1, 3), shown[8]), 1e-5)
 
     def test_drag_slows_it(self) -> None:
-        add("FORCE", "PLANE", strength=30.0)
-        played(self.obj, 3)
-        free = self.velocity()
+        add("FORCE", "PLANE", (0.0, 0.0, -9.0), strength=5.0)
+        free = difference(played(self.obj, 3)[3], self.calm[3])
         add("DRAG", quadratic_drag=2.0, linear_drag=2.0)
-        played(self.obj, 3)
-        self.assertLess(self.velocity(), 0.95 * free)
+        self.assertLess(difference(played(self.obj, 3)[3], self.calm[3]), 0.95 * free)
 
     def test_what_is_not_felt_is_said(self) -> None:
         def says() -> str:

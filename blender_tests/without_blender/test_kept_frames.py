@@ -58,7 +58,7 @@ class KeptOnDisk(unittest.TestCase):
         about.update(more)
         found = fine.solve_frame(float(frame), positions, about.pop("settings"), about.pop("paint"),
                                  world_from_object=np.eye(3, dtype=np.float32),
-                                 surroundings=Surroundings((0.01 * frame, 0.0, 0.0), fields=BLOWS, frame=frame), **about)
+                                 surroundings=Surroundings((0.01 * frame, 0.0, 0.0), fields=BLOWS), **about)
         assert isinstance(found, FrameResult)
         return found
 

@@ -106,7 +106,7 @@ class WhatCounts(unittest.TestCase):
             dict(location=(0.0, 0.0, -2.5)), dict(axis=(0.0, 0.1, 1.0)), dict(damping=1.0), dict(size=1.0),
             dict(flow=1.0), dict(noise=1.0), dict(seed=1), dict(power=1.0), dict(least=1.0), dict(most=0.0),
             dict(radial_power=1.0), dict(radial_least=1.0), dict(radial_most=1.0), dict(inverse_square=True),
-            dict(is_global=True))]
+            dict(in_world=True))]
         seen = {bytes(Surroundings(AT, fields=(field,)).array()) for field in fields}
         seen |= {bytes(Surroundings(AT, fields=(FORCE,), frame=5).array()), bytes(plain.array())}
         self.assertEqual(len(seen), len(fields) + 2)

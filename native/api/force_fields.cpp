@@ -32,7 +32,7 @@ static void pair_fields(rumple_force_field& c, Field& native, const Pair& pair) 
     pair(c.radial_most, native.across.most);
     pair(c.radial_ends, native.across.ends);
     pair(c.inverse_square, native.inverse_square);
-    pair(c.global, native.global);
+    pair(c.in_world, native.in_world);
 }
 
 rumple_force_field rumple_force_field_default(void) {

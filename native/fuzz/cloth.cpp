@@ -163,7 +163,7 @@ rumple_force_field force_field(Bytes& bytes) {
     f.falloff = bytes.whole(0, 2);
     bytes.vary(f.side, f.location, f.axis, f.strength, f.damping, f.size, f.flow, f.noise, f.seed);
     bytes.vary(f.power, f.least, f.most, f.ends, f.radial_power, f.radial_least, f.radial_most, f.radial_ends,
-               f.inverse_square, f.global);
+               f.inverse_square, f.in_world);
     return f;
 }
 

@@ -15,6 +15,7 @@ from .settings import ClothSettings
 from .surroundings import Surroundings
 
 AIR = 1.2  # kg/m^3
+MOST = 1e5  # m/s^2, m/s: the library refuses what is farther out still
 FIELD = 20.0 / 24.0  # N/m^2 of a force field of strength 1: against gravity what Blender's Cloth has at 24 frames/s
 FOLLOW = 150.0  # 1/s^2: gravity sags cloth by 2 cm, so that it hangs from the shoulders and not from its animation
 THIRTIETH = 1.0 / 30.0  # s: what substeps divide
@@ -151,9 +152,9 @@ class BaseCloth:
         effects = surroundings.effects((_turned(at.world_from_object, positions) + at.location).astype(np.float32))
         to_scale, of_mass = self.size_factor / self.unit_scale, FIELD / settings.mass
         return kernels.VertexForces(
-            (to_scale * _all_into_object(object_from_world, effects.air)).astype(np.float32),
-            (to_scale * of_mass * _all_into_object(object_from_world, effects.push)).astype(np.float32),
-            (effects.resist * np.array((of_mass, of_mass / to_scale))).astype(np.float32))
+            to_scale * _all_into_object(object_from_world, effects.air),
+            to_scale * _all_into_object(object_from_world, of_mass * effects.push.astype(np.float64)),
+            np.minimum(of_mass * effects.resist, MOST) * np.array((1.0, 1.0 / to_scale), np.float32))
 
     def _settings_to_scale(self) -> Any:
         """The solver's own settings, metres into object units. A doll's cloth, and a giant's, hang as a person's do:
@@ -232,9 +233,13 @@ def _turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 
 def _all_into_object(object_from_world: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """As _into_object(), of (n, 3)."""
-    def lengths(of: np.ndarray) -> np.ndarray:
-        return np.sqrt(of[:, :1]**2 + of[:, 1:2]**2 + of[:, 2:]**2)
+    """As _into_object(), of (n, 3), none longer than MOST. float32."""
     vectors = vectors.astype(np.float64)
     turned = _turned(object_from_world, vectors)
-    return turned * (lengths(vectors) / np.maximum(lengths(turned), 1e-300))
+    length, longest = _lengths(turned), np.minimum(_lengths(vectors), MOST)
+    return (turned * (longest / np.maximum(length, 1e-300))).astype(np.float32)
+
+
+def _lengths(vectors: np.ndarray) -> np.ndarray:
+    """(n, 1)"""
+    return np.sqrt(vectors[:, :1]**2 + vectors[:, 1:2]**2 + vectors[:, 2:]**2)

@@ -40,7 +40,7 @@ class Field:
     radial_least: float = 0.0
     radial_most: float | None = None
     inverse_square: bool = False
-    is_global: bool = False
+    in_world: bool = False
 
     @property
     def acts(self) -> bool:
@@ -67,10 +67,10 @@ class Field:
         """As the library takes it."""
         out = kernels.ForceField()
         for name in ("kind", "shape", "falloff", "side", "location", "axis", "strength", "damping", "size", "flow",
-                     "noise", "seed", "power", "least", "radial_power", "radial_least", "inverse_square"):
+                     "noise", "seed", "power", "least", "radial_power", "radial_least", "inverse_square",
+                     "in_world"):
             value = getattr(self, name)
             setattr(out, name, _bounded(value) if isinstance(value, float) else value)
-        setattr(out, "global", self.is_global)
         out.ends, out.radial_ends = self.most is not None, self.radial_most is not None
         out.most, out.radial_most = _bounded(self.most or 0.0), _bounded(self.radial_most or 0.0)
         return out

@@ -125,7 +125,6 @@ class BaseClothState(Handle):
     ARRAYS = {"offset": (FLOAT, 3), "length": (FLOAT, 0), "clearance": (FLOAT, 0), "ahead_height": (FLOAT, 0),
               "body_hint": (INT, 0), "contact_hint": (INT, 0), "position": (FLOAT, 3), "velocity": (FLOAT, 3),
               "animated": (FLOAT, 3), "animated_before": (FLOAT, 3), "air": (FLOAT, 3), "push": (FLOAT, 3)}
-    LATER = ("air", "push")  # of force fields: states that were stored before there were any have none
     NUMBERS, VECTORS = ("moved", "seconds", "fastest"), ("gravity", "wind")
 
     @property
@@ -144,8 +143,7 @@ class BaseClothState(Handle):
         """From what `arrays` gave."""
         kept = c.BaseClothKept()
         for name, (dtype, columns) in cls.ARRAYS.items():
-            if name in arrays or name not in cls.LATER:
-                fill(kept, name, stored_array(arrays, name), dtype, columns)
+            fill(kept, name, stored_array(arrays, name), dtype, columns)
         for name in cls.NUMBERS:
             put(kept, name, float(stored_array(arrays, name)))
         for name in cls.VECTORS:

@@ -60,7 +60,7 @@ typedef struct rumple_force_field {
     float radial_most;
     bool radial_ends;
     bool inverse_square;  // of force: divided by the distance squared
-    bool global;          // of turbulence: stays in the world when the location moves
+    bool in_world;        // of turbulence: stays in the world when the location moves
 } rumple_force_field;
 RUMPLE_API rumple_force_field rumple_force_field_default(void);
 

@@ -45,7 +45,7 @@ struct Field {
     Decay along{};          // with the distance
     Decay across{};         // Tube: with the distance from the axis; Cone: with the angle to it, degrees
     bool inverse_square = false;  // Force: divided by the square of the distance
-    bool global = false;          // Turbulence: stays where it is when its object moves
+    bool in_world = false;        // Turbulence: stays where it is when its object moves
 };
 
 // Throws InvalidInput naming the first number out of its range.

@@ -44,12 +44,12 @@ class ForceField(Struct):
     radial_most: float
     radial_ends: bool
     inverse_square: bool  # of force: divided by the distance squared
-    global: bool  # of turbulence: stays in the world when the location moves
+    in_world: bool  # of turbulence: stays in the world when the location moves
     _fields_ = (("kind", c_int32), ("shape", c_int32), ("falloff", c_int32), ("side", c_int32),
         ("location", c_float * 3), ("axis", c_float * 3), ("strength", c_float), ("damping", c_float),
         ("size", c_float), ("flow", c_float), ("noise", c_float), ("seed", c_int32), ("power", c_float),
         ("least", c_float), ("most", c_float), ("ends", c_bool), ("radial_power", c_float), ("radial_least", c_float),
-        ("radial_most", c_float), ("radial_ends", c_bool), ("inverse_square", c_bool), ("global", c_bool),)
+        ("radial_most", c_float), ("radial_ends", c_bool), ("inverse_square", c_bool), ("in_world", c_bool),)
 
 
 FORCE_FIELDS_FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
