@@ -54,10 +54,10 @@ class AsBlendersCloth(unittest.TestCase):
         settings.mass, settings.quality, settings.effector_weights.gravity = self.MASS, 20, gravity
         return obj
 
-    def moved(self, obj: bpy.types.Object) -> np.ndarray:
-        """(n, 3)"""
+    def moved(self, obj: bpy.types.Object, first: int = 1) -> np.ndarray:
+        """(n, 3), in a frame."""
         found = []
-        for frame in (1, 2):
+        for frame in (first, first + 1):
             bpy.context.scene.frame_set(frame)
             mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
             positions = np.empty(len(mesh.vertices) * 3)
@@ -125,6 +125,34 @@ class AsBlendersCloth(unittest.TestCase):
         """At rest: Blender's pressure is linear in the speed. Ours is its square: docs/base_cloth.md."""
         self.check("WIND", "PLANE", flow=0.0)
         self.check("WIND", "POINT", falloff_power=1.0)
+
+
+    def test_what_takes_velocity(self) -> None:
+        """A sheet that falls, for six frames, its vertices each for itself. Blender's Linear is the drag of the square
+        of the velocity, and its Quadratic that of the velocity."""
+        for kind, settings in (("DRAG", dict(linear_drag=0.0, quadratic_drag=2.0)),
+                               ("DRAG", dict(linear_drag=2.0, quadratic_drag=0.0)),
+                               ("FORCE", dict(strength=0.0, flow=1.5)), ("VORTEX", dict(strength=0.0))):
+            fallen = [0.0, 0.0]
+            for shown in range(2):  # without the field, and with it
+                obj = self.sheet(1.0)
+                obj.modifiers["Cloth"].settings.mass = self.MASS / 30.0
+                if shown:
+                    effector = add(kind, "PLANE" if kind == "VORTEX" else "POINT", **settings)
+                for frame in range(1, 6):
+                    bpy.context.scene.frame_set(frame)
+                fallen[shown] = -self.moved(obj, 6)[:, 2]
+            linear, square = read(effector).effects(np.zeros((1, 3), np.float32)).resist[0] * FIELD
+            velocity = np.zeros((len(obj.data.vertices), 3))
+            way = 0.0
+            for step in range(6 * 20):  # of Blender's quality, a thousandth of the acceleration a frame
+                pressure = -(linear + square * 24.0 * np.abs(velocity)) * 24.0 * velocity
+                gained = self.expected(obj, pressure) * 30.0 - (0.0, 0.0, 9.81)
+                velocity += gained / 1000.0 / 20.0
+                way = way - velocity[:, 2] / 20.0 if step >= 5 * 20 else 0.0
+            lost = fallen[0] - way
+            self.assertGreater(lost.min(), 0.02 * fallen[0].max(), f"{kind} {settings}")
+            np.testing.assert_allclose(fallen[0] - fallen[1], lost, rtol=0.05, err_msg=f"{kind} {settings}")
 
 
 class AsBlendersNoise(unittest.TestCase):

@@ -21,7 +21,7 @@ from support.meshes import tube
 FRAMES, KEPT = range(1, 9), 4
 # A vortex about the mesh, and a wind that differs from frame to frame.
 BLOWS = (Field("VORTEX", (0.1, 0.0, 0.0), (0.0, 0.0, 1.0), strength=4.0, flow=1.0),
-          Field("WIND", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), strength=3.0, noise=2.0, seed=5))
+         Field("WIND", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), strength=3.0, noise=2.0, seed=5))
 ONE = MeshSettings(density="LEVEL", level=1, layers="ONE")
 LAYERED = replace(ONE, layers="CLOTH")
 FIELD = FieldSettings(output="GEOMETRY", wavelength=0.05, detail=4)

@@ -31,7 +31,7 @@ KINDS: dict[str, tuple[str, Any]] = {
 LAST, LARGE = 8, 1 << 30
 # A vortex about the mesh, and a wind that differs from frame to frame.
 BLOWS = (Field("VORTEX", (0.1, 0.0, 0.0), (0.0, 0.0, 1.0), strength=4.0, flow=1.0),
-          Field("WIND", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), strength=3.0, noise=2.0, seed=5))
+         Field("WIND", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), strength=3.0, noise=2.0, seed=5))
 
 
 class KeptOnDisk(unittest.TestCase):

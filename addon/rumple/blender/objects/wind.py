@@ -42,12 +42,13 @@ def _three(vector: Vector) -> tuple[float, float, float]:
 
 
 def _field(field: bpy.types.FieldSettings, world: Matrix) -> Field:
-    """What distance is from is the origin of its object where that would be its surface or its points."""
-    damping = {"HARMONIC": field.harmonic_damping, "DRAG": field.linear_drag}.get(field.type, 0.0)
+    """What distance is from is the origin of its object where that would be its surface or its points. Blender's
+    Linear Drag is of the square of the velocity, and its Quadratic Drag of the velocity."""
+    damping = {"HARMONIC": field.harmonic_damping, "DRAG": field.quadratic_drag}.get(field.type, 0.0)
     size = {"HARMONIC": field.rest_length, "TURBULENCE": field.size}.get(field.type, 0.0)
     return Field(
         field.type, _three(world.translation), _three(world.to_3x3().col[2]),
-        field.quadratic_drag if field.type == "DRAG" else field.strength,
+        field.linear_drag if field.type == "DRAG" else field.strength,
         field.shape if field.shape in SHAPES else "POINT", field.falloff_type, SIDES.get(field.z_direction, "BOTH"),
         damping, size, field.flow, field.noise, field.seed, field.falloff_power,
         field.distance_min if field.use_min_distance else 0.0,
