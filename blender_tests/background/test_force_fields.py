@@ -126,7 +126,6 @@ class AsBlendersCloth(unittest.TestCase):
         self.check("WIND", "PLANE", flow=0.0)
         self.check("WIND", "POINT", falloff_power=1.0)
 
-
     def test_what_takes_velocity(self) -> None:
         """A sheet that falls, for six frames, its vertices each for itself. Blender's Linear is the drag of the square
         of the velocity, and its Quadratic that of the velocity."""
