@@ -95,7 +95,7 @@ class WhatCounts(unittest.TestCase):
         self.assertEqual(surroundings_of(AT, 7, [replace(FORCE, noise=1.0)], 1.0).frame, 7)
 
     def test_numbers_too_large_for_the_library_are_bounded(self) -> None:
-        far = replace(FORCE, strength=1e30, most=3e38)
+        far = replace(FORCE, strength=1e30, most=3e38, location=(1e20, 0.0, 0.0), axis=(0.0, 0.0, 1e12))
         self.assertTrue(np.isfinite(Surroundings(fields=(far,)).effects(np.zeros((1, 3), np.float32)).push).all())
 
     def test_digests_tell_every_change_and_stay_as_they_were_without_fields(self) -> None:

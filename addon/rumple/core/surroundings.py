@@ -70,7 +70,8 @@ class Field:
                      "noise", "seed", "power", "least", "radial_power", "radial_least", "inverse_square",
                      "in_world"):
             value = getattr(self, name)
-            setattr(out, name, _bounded(value) if isinstance(value, float) else value)
+            setattr(out, name, tuple(map(_bounded, value)) if isinstance(value, tuple) else
+                    _bounded(value) if isinstance(value, float) else value)
         out.ends, out.radial_ends = self.most is not None, self.radial_most is not None
         out.most, out.radial_most = _bounded(self.most or 0.0), _bounded(self.radial_most or 0.0)
         return out
