@@ -141,7 +141,7 @@ class OnCloth(unittest.TestCase):
         push = replace(FORCE, location=(0.0, -1e6, 0.0), strength=6.0)
         self.check([push], (0.0, 6.0 * FIELD / 0.5, 0.0))
 
-    def test_a_uniform_field_of_wind_is_the_single_wind_to_the_bit(self) -> None:
+    def test_a_wind_on_every_vertex_is_the_single_wind(self) -> None:
         limited = replace(WIND, most=1e6)
         turned = np.array(((0.6, -0.8, 0.0), (0.8, 0.6, 0.0), (0.0, 0.0, 1.0)))
         single = self.velocity([WIND], turned)
