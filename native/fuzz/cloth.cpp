@@ -104,7 +104,7 @@ void solve_cloth(World& world, Bytes& bytes) {
     rumple_base_cloth_state* state = nullptr;
     const int bits = bytes.byte();
     const bool swings = bits % 2 == 1;
-    const Acting acting(positions.count, bits, swing);
+    const Acting acting(model.base ? size_t(model.base->vertices) : 3, bits, swing);
     const auto* on = bytes.byte() % 2 == 1 ? &worn_over : nullptr;
     if (swings) {
         state = MAKE(rumple_base_cloth_state, rumple_base_cloth_swing_solve, model.handle, &settings, &swing,
