@@ -16,8 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 HEADERS = ROOT / "native" / "include" / "rumple"
 TARGET = ROOT / "addon" / "rumple" / "native" / "c"
-ORDER = ("base", "surface", "base_cloth", "wrinkle_mesh", "wrinkle_layers", "wrinkle_field", "wrinkle_field_brush",
-         "wrinkle_paths", "wrinkle_maps")  # each reads only those before it
+ORDER = ("base", "surface", "base_cloth", "force_fields", "wrinkle_mesh", "wrinkle_layers", "wrinkle_field",
+         "wrinkle_field_brush", "wrinkle_paths", "wrinkle_maps")  # each reads only those before it
 SCALARS = {"float": "c_float", "double": "c_double", "int32_t": "c_int32", "uint32_t": "c_uint32",
            "uint8_t": "c_uint8", "size_t": "c_size_t", "bool": "c_bool"}
 PYTHON = {"c_float": "float", "c_double": "float", "c_bool": "bool", "c_char_p": "bytes | None",

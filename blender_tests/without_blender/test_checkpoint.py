@@ -14,11 +14,14 @@ from rumple.core.body import Body
 from rumple.core.checkpoint import CannotGoOn, Checkpoint
 from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
-from rumple.core.surroundings import Surroundings
+from rumple.core.surroundings import Field, Surroundings
 from rumple.core.systems import SYSTEMS
 from support.meshes import tube
 
 FRAMES, KEPT = range(1, 9), 4
+# A vortex about the mesh, and a wind that differs from frame to frame.
+BLOWS = (Field("VORTEX", (0.1, 0.0, 0.0), (0.0, 0.0, 1.0), strength=4.0, flow=1.0),
+         Field("WIND", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), strength=3.0, noise=2.0, seed=5))
 ONE = MeshSettings(density="LEVEL", level=1, layers="ONE")
 LAYERED = replace(ONE, layers="CLOTH")
 FIELD = FieldSettings(output="GEOMETRY", wavelength=0.05, detail=4)
@@ -54,7 +57,7 @@ class Played:
         cloth = self.settings.base_cloth != "OFF"
         found = fine.solve_frame(float(frame), positions, settings or self.settings, {}, start=1,
                                  world_from_object=np.eye(3, dtype=np.float32), body=worn if cloth else None,
-                                 surroundings=Surroundings(location=(0.01 * frame, 0.0, 0.0)))
+                                 surroundings=Surroundings((0.01 * frame, 0.0, 0.0), fields=BLOWS, frame=frame))
         assert isinstance(found, FrameResult)
         return found
 

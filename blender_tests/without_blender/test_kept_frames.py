@@ -16,7 +16,7 @@ from rumple.core import clip_folder, kept_frames
 from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.kept_frames import SUFFIX, KeptFrames
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
-from rumple.core.surroundings import Surroundings
+from rumple.core.surroundings import Field, Surroundings
 from rumple.core.systems import SYSTEMS
 from support.meshes import tube
 
@@ -29,6 +29,9 @@ KINDS: dict[str, tuple[str, Any]] = {
     "waves on drapes": ("FIELD", FieldSettings(output="GEOMETRY", wavelength=0.05, detail=4, drape=1.0, **HANG)),
     "paths": ("PATHS", PathsSettings(width=0.02, detail=2, threshold=1.1))}
 LAST, LARGE = 8, 1 << 30
+# A vortex about the mesh, and a wind that differs from frame to frame.
+BLOWS = (Field("VORTEX", (0.1, 0.0, 0.0), (0.0, 0.0, 1.0), strength=4.0, flow=1.0),
+         Field("WIND", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), strength=3.0, noise=2.0, seed=5))
 
 
 class KeptOnDisk(unittest.TestCase):
@@ -55,7 +58,7 @@ class KeptOnDisk(unittest.TestCase):
         about.update(more)
         found = fine.solve_frame(float(frame), positions, about.pop("settings"), about.pop("paint"),
                                  world_from_object=np.eye(3, dtype=np.float32),
-                                 surroundings=Surroundings(location=(0.01 * frame, 0.0, 0.0)), **about)
+                                 surroundings=Surroundings((0.01 * frame, 0.0, 0.0), fields=BLOWS), **about)
         assert isinstance(found, FrameResult)
         return found
 

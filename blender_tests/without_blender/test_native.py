@@ -29,6 +29,7 @@ SETTINGS = {  # those of Python: the header of C++ and its struct
     "WrinklePathsSettings": ("systems/wrinkle_paths/wrinkle_paths.h", "Settings"),
     "BaseClothSettings": ("surface/cloth/base_cloth.h", "Settings"),
     "BaseClothSwing": ("surface/cloth/swing.h", "Swing"),
+    "ForceField": ("surface/cloth/force_fields.h", "Field"),
 }
 
 
@@ -104,7 +105,8 @@ class Header(unittest.TestCase):
             self.assertGreaterEqual(compared, 2, function.__name__)
 
     def test_every_function_takes_nothing_and_says_what_it_lacks(self) -> None:
-        refused, without_rows = 0, ("rumple_probe_formula", "rumple_wrinkle_maps_blend")
+        refused, without_rows = 0, ("rumple_probe_formula", "rumple_wrinkle_maps_blend",
+                                    "rumple_force_fields_evaluate")
         for name, (result, arguments) in c.FUNCTIONS.items():
             nothing = [0 if kind in (ctypes.c_int32, ctypes.c_uint32, ctypes.c_size_t, ctypes.c_bool, ctypes.c_float)
                        else None for kind in arguments]

@@ -114,7 +114,11 @@ rumple_base_cloth_kept kept_of(const base_cloth::State& s) {
                                 m.seconds,
                                 m.fastest,
                                 {},
-                                {}};
+                                {},
+                                flat<float>(m.air),
+                                m.air.size(),
+                                flat<float>(m.push),
+                                m.push.size()};
     for (int k = 0; k < 3; ++k) {
         kept.gravity[k] = m.gravity[k];
         kept.wind[k] = m.wind[k];
@@ -159,6 +163,8 @@ base_cloth::Motion motion_of(size_t vertices, const rumple_base_cloth_kept& from
     m.animated = kept_vectors(from.animated, from.animated_count, m.position.size(), "animated");
     m.animated_before =
         kept_vectors(from.animated_before, from.animated_before_count, m.position.size(), "animated_before");
+    m.air = kept_vectors(from.air, from.air_count, m.position.size(), "air");
+    m.push = kept_vectors(from.push, from.push_count, m.position.size(), "push");
     m.seconds = from.seconds;
     m.fastest = from.fastest;
     m.gravity = kept_vector(from.gravity, "gravity");
@@ -329,6 +335,9 @@ rumple_status rumple_base_cloth_swing_solve(
         const auto options = native_of<base_cloth::Settings>(settings, "settings");
         auto motion = native_of<base_cloth::Swing>(swing, "swing");
         motion.placement.matrix = matrix_of(swing->matrix);
+        motion.air = vectors(swing->air, swing->air_count, "air");
+        motion.push = vectors(swing->push, swing->push_count, "push");
+        motion.resist = rows<Vec2>(swing->resist, swing->resist_count, "resist");
         const auto points = vectors(positions, positions_count, "positions");
         const auto worn_over = posed(bodies);
         const auto painted = paint_in(of_model(paint, m, "paint"));

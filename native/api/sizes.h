@@ -29,6 +29,7 @@ inline constexpr StructSize kStructSizes[] = {
     RUMPLE_SIZE(rumple_dab),
     RUMPLE_SIZE(rumple_drawing_view),
     RUMPLE_SIZE(rumple_fine_plan),
+    RUMPLE_SIZE(rumple_force_field),
     RUMPLE_SIZE(rumple_frame_folds_view),
     RUMPLE_SIZE(rumple_frame_view),
     RUMPLE_SIZE(rumple_frame_waves_view),

@@ -69,10 +69,32 @@ void keep_state(World& world, rumple_base_cloth_state* state, const Entry<rumple
             "rumple_base_cloth_state_get_view");
 }
 
+// What acts on every vertex, by the bits of a byte: kept inputs read no byte more.
+struct Acting {
+    std::vector<float> air, push, resist;
+
+    Acting(size_t vertices, int bits, rumple_base_cloth_swing& swing) {
+        give(air, 3 * vertices * ((bits >> 1) & 1), swing.air);
+        give(push, 3 * vertices * ((bits >> 2) & 1), swing.push);
+        give(resist, 2 * vertices * ((bits >> 3) & 1), swing.resist);
+        swing.air_count = air.size() / 3;
+        swing.push_count = push.size() / 3;
+        swing.resist_count = resist.size() / 2;
+        if (bits >> 4 == 14 && swing.push_count > 0) --swing.push_count;
+        if (bits >> 4 == 15 && !resist.empty()) resist.back() = kHostileReals[bits & 3];
+    }
+
+  private:
+    static void give(std::vector<float>& values, size_t count, const float*& place) {
+        for (size_t i = 0; i < count; ++i) values.push_back(0.5f * float(i % 7));
+        place = values.empty() ? nullptr : values.data();
+    }
+};
+
 void solve_cloth(World& world, Bytes& bytes) {
     const auto model = world.cloths.pick(bytes);
     const auto settings = cloth_settings(bytes);
-    const auto swing = cloth_swing(bytes);
+    auto swing = cloth_swing(bytes);
     const auto paint = world.cloth_paints.pick_of(model.model, bytes);
     const auto before = world.cloth_states.pick_of(model.model, bytes);
     std::vector<float> keep;
@@ -80,7 +102,9 @@ void solve_cloth(World& world, Bytes& bytes) {
     const Floats positions(model.base ? pose_of(model.base->rest, bytes) : std::vector<float>(9), 3, bytes);
     rumple_base_cloth_report report;
     rumple_base_cloth_state* state = nullptr;
-    const bool swings = bytes.byte() % 2 == 1;
+    const int bits = bytes.byte();
+    const bool swings = bits % 2 == 1;
+    const Acting acting(model.base ? size_t(model.base->vertices) : 3, bits, swing);
     const auto* on = bytes.byte() % 2 == 1 ? &worn_over : nullptr;
     if (swings) {
         state = MAKE(rumple_base_cloth_state, rumple_base_cloth_swing_solve, model.handle, &settings, &swing,
@@ -121,6 +145,8 @@ void restore_cloth(World& world, Bytes& bytes) {
     kept.contact_hint = contact.data();
     kept.body_hint = body.data();
     bytes.vary(kept.moved, kept.seconds, kept.fastest);
+    kept.push = kept.velocity;  // as if that had acted
+    kept.push_count = kept.velocity_count;
     if (bytes.hostile()) kept.velocity_count = 0;
     if (bytes.hostile()) kept.contact_hint_count = 0;
     if (bytes.hostile()) kept.offset_count = 0;
@@ -130,11 +156,39 @@ void restore_cloth(World& world, Bytes& bytes) {
                model);
 }
 
+rumple_force_field force_field(Bytes& bytes) {
+    rumple_force_field f = CALL(rumple_force_field_default);
+    f.kind = bytes.whole(0, 5);
+    f.shape = bytes.whole(0, 2);
+    f.falloff = bytes.whole(0, 2);
+    bytes.vary(f.side, f.location, f.axis, f.strength, f.damping, f.size, f.flow, f.noise, f.seed);
+    bytes.vary(f.power, f.least, f.most, f.ends, f.radial_power, f.radial_least, f.radial_most, f.radial_ends,
+               f.inverse_square, f.in_world);
+    return f;
+}
+
+void evaluate_fields(Bytes& bytes) {
+    std::vector<rumple_force_field> fields;
+    for (int k = bytes.below(4); k > 0; --k) fields.push_back(force_field(bytes));
+    const size_t points = size_t(bytes.below(6));
+    std::vector<float> places(3 * points, 0.0f);
+    for (float& place : places) place = bytes.real(-3.0f, 3.0f);
+    const Floats positions(places, 3, bytes);
+    Written air(points, 3, bytes), push(points, 3, bytes), resist(points, 2, bytes);
+    const rumple_status status = CALL(rumple_force_fields_evaluate, fields.data(), fields.size(),
+                                      bytes.whole(0, 9), positions.pointer, positions.count, air.pointer(),
+                                      air.count, push.pointer(), push.count, resist.pointer(), resist.count);
+    air.check(status, "air");
+    push.check(status, "push");
+    resist.check(status, "resist");
+}
+
 void activate_cloth(World& world, Bytes& bytes) {
     const auto state = world.cloth_states.pick(bytes);
     world.cloth_states.add(MAKE(rumple_base_cloth_state, rumple_base_cloth_state_activated, state.handle),
                            state.base, state.model);
     restore_cloth(world, bytes);
+    evaluate_fields(bytes);
 }
 
 void lift_cover(World& world, Bytes& bytes) {

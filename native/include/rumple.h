@@ -44,6 +44,7 @@
 
 #include "rumple/base.h"
 #include "rumple/base_cloth.h"
+#include "rumple/force_fields.h"
 #include "rumple/surface.h"
 #include "rumple/wrinkle_field.h"
 #include "rumple/wrinkle_field_brush.h"

@@ -15,6 +15,8 @@ from .fabrics import GRAVITY
 from .surroundings import Surroundings
 
 AIR = 1.2  # kg/m^3
+MOST = 1e5  # m/s^2, m/s: the library refuses what is farther out still
+FIELD = 20.0 / 24.0  # N/m^2 of a force field of strength 1: against gravity what Blender's Cloth has at 24 frames/s
 FOLLOW = 150.0  # 1/s^2: gravity sags cloth by 2 cm, so that it hangs from the shoulders and not from its animation
 THIRTIETH = 1.0 / 30.0  # s: what substeps divide
 LEAST_BEND = 4.0  # radius of lines that folds may run along, over their wavelength; from four times that on all do
@@ -96,7 +98,8 @@ class BaseCloth:
         frame_input = SwingInput(seconds, world_from_object, np.array(surroundings.location, np.float64))
         swing = self._swing(settings, object_from_world, frame_input, surroundings, before.frame_input if before
                             else None)
-        return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame), frame_input)
+        forces = self._forces(settings, object_from_world, frame_input, surroundings, positions, before)
+        return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame, forces), frame_input)
 
     def collider(self, body: Body | None) -> Any:
         """The native collider of a body, built once for its triangles; None for none."""
@@ -136,6 +139,22 @@ class BaseCloth:
             shift = object_from_world @ (before.location - now.location)
             options.place((object_from_world @ before.world_from_object).tolist(), shift.tolist())
         return options
+
+    def _forces(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,
+                surroundings: Surroundings, positions: np.ndarray, before: ClothFrame | None) -> Any:
+        """Of the force fields on every vertex, where it was in the frame before. None without fields."""
+        if not surroundings.fields:
+            return None
+        if before is not None and before.frame_input is not None:
+            positions, at = before.positions, before.frame_input
+        else:
+            at = now
+        effects = surroundings.effects((_turned(at.world_from_object, positions) + at.location).astype(np.float32))
+        to_scale, of_mass = self.size_factor / self.unit_scale, FIELD / settings.mass
+        return kernels.VertexForces(
+            to_scale * _all_into_object(object_from_world, effects.air),
+            to_scale * _all_into_object(object_from_world, of_mass * effects.push.astype(np.float64)),
+            np.minimum(of_mass * effects.resist, MOST) * np.array((1.0, 1.0 / to_scale), np.float32))
 
     def _settings_to_scale(self) -> Any:
         """The solver's own settings, metres into object units. A doll's cloth, and a giant's, hang as a person's do:
@@ -207,3 +226,21 @@ def _into_object(object_from_world: np.ndarray, vector: np.ndarray) -> np.ndarra
     turned = object_from_world @ vector
     length = float(np.linalg.norm(turned))
     return turned * (np.linalg.norm(vector) / length) if length > 0.0 else np.zeros(3)
+
+
+def _turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """(n, 3) float64. Term by term: how BLAS adds differs from machine to machine."""
+    return vectors[:, :1] * matrix[:, 0] + vectors[:, 1:2] * matrix[:, 1] + vectors[:, 2:] * matrix[:, 2]
+
+
+def _all_into_object(object_from_world: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """As _into_object(), of (n, 3), none longer than MOST. float32."""
+    vectors = vectors.astype(np.float64)
+    turned = _turned(object_from_world, vectors)
+    length, longest = _lengths(turned), np.minimum(_lengths(vectors), MOST)
+    return (turned * (longest / np.maximum(length, 1e-300))).astype(np.float32)
+
+
+def _lengths(vectors: np.ndarray) -> np.ndarray:
+    """(n, 1)"""
+    return np.sqrt(vectors[:, :1]**2 + vectors[:, 1:2]**2 + vectors[:, 2:]**2)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 1
+FORMAT = 2  # of cloth, what acted on its vertices
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
 

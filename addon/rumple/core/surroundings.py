@@ -1,18 +1,80 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What cloth that swings meets in the world: where it stands, and the wind there. Never imports bpy.
+"""What cloth that swings meets in the world: where it stands, and the force fields there. Never imports bpy.
 
-Blender's Python tells no effector's force, so what its Wind does is done here: it blows along its axis, as fast as its
-strength says, less with the distance from the garment's origin as its Falloff says. One velocity for the whole garment.
+Blender's Python tells no effector's force, so what its force fields do is done by the library, as Blender's effect.c
+does it. A wind that blows everywhere alike is one velocity for the whole garment; all others act on every vertex.
 """
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Iterable
 
 import numpy as np
 
+from ..native import kernels
+
 Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Field:
+    """A force field, by the names of the library's. Lengths in Blender's units, world space."""
+
+    kind: str  # WIND, FORCE, VORTEX, HARMONIC, DRAG, TURBULENCE
+    location: Vector
+    axis: Vector  # Z of its object, of any length
+    strength: float = 1.0  # WIND: m/s, below 0 against its axis
+    shape: str = "POINT"
+    falloff: str = "SPHERE"
+    side: str = "BOTH"
+    damping: float = 0.0
+    size: float = 0.0
+    flow: float = 0.0
+    noise: float = 0.0
+    seed: int = 0
+    power: float = 0.0
+    least: float = 0.0
+    most: float | None = None  # None: no end
+    radial_power: float = 0.0
+    radial_least: float = 0.0
+    radial_most: float | None = None
+    inverse_square: bool = False
+    in_world: bool = False
+
+    @property
+    def acts(self) -> bool:
+        """Not what has no direction or is not finite."""
+        numbers = [value for value in (*self.location, *self.axis, *astuple(self)) if isinstance(value, (int, float))]
+        return any(self.axis) and all(map(math.isfinite, numbers))
+
+    @property
+    def is_uniform(self) -> bool:
+        """A wind that blows alike everywhere and at all times."""
+        limits = (self.power, self.noise, self.falloff != "SPHERE" and self.radial_power)
+        ends = self.most is not None or (self.falloff != "SPHERE" and self.radial_most is not None)
+        return self.kind == "WIND" and self.side == "BOTH" and not any(limits) and not ends
+
+    def array(self) -> np.ndarray:
+        """All that it is, for digests."""
+        names = (self.kind, self.shape, self.falloff, self.side)
+        numbers = [-1.0 if value is None else float(value) for value in astuple(self)[3:]
+                   if not isinstance(value, str)]
+        return np.frombuffer("/".join(names).encode() + np.array((*self.location, *self.axis, *numbers)).tobytes(),
+                             np.uint8)
+
+    def native(self) -> kernels.ForceField:
+        """As the library takes it."""
+        out = kernels.ForceField()
+        for name in ("kind", "shape", "falloff", "side", "location", "axis", "strength", "damping", "size", "flow",
+                     "noise", "seed", "power", "least", "radial_power", "radial_least", "inverse_square",
+                     "in_world"):
+            value = getattr(self, name)
+            setattr(out, name, tuple(map(_bounded, value)) if isinstance(value, tuple) else
+                    _bounded(value) if isinstance(value, float) else value)
+        out.ends, out.radial_ends = self.most is not None, self.radial_most is not None
+        out.most, out.radial_most = _bounded(self.most or 0.0), _bounded(self.radial_most or 0.0)
+        return out
 
 
 @dataclass(frozen=True)
@@ -20,41 +82,40 @@ class Surroundings:
     """Of a garment in one frame."""
 
     location: Vector = (0.0, 0.0, 0.0)  # of the object's origin, world space, Blender's units
-    wind: Vector = (0.0, 0.0, 0.0)  # velocity of the air, world space, m/s
+    wind: Vector = (0.0, 0.0, 0.0)  # velocity of the air, world space, m/s, of winds that blow everywhere alike
+    fields: tuple[Field, ...] = ()  # all others
+    frame: int = 0  # where noise makes them differ from frame to frame
+    not_felt: tuple[str, ...] = ()  # names of objects with fields that do not act on cloth, for the panel
 
     def array(self) -> np.ndarray:
         """All that it is, for digests."""
-        return np.array((self.location, self.wind), np.float64)
+        place = np.array((self.location, self.wind), np.float64)
+        if not self.fields:
+            return place
+        return np.concatenate([place.view(np.uint8).ravel(), np.array([self.frame]).view(np.uint8),
+                               *(field.array() for field in self.fields)])
+
+    def effects(self, positions: np.ndarray) -> kernels.FieldEffects:
+        """Of the fields. positions: (p, 3) float32, world space, Blender's units."""
+        return kernels.evaluate_force_fields([field.native() for field in self.fields], self.frame, positions)
 
 
-@dataclass(frozen=True)
-class Wind:
-    """One that blows, as an effector of Blender's type Wind has it. Lengths in Blender's units, world space."""
-
-    location: Vector
-    axis: Vector  # along which it blows, of any length
-    strength: float  # m/s where nothing is lost; below 0 it blows against its axis
-    power: float = 0.0  # of the falloff, >= 0; 0: as fast everywhere
-    min_distance: float | None = None  # up to which nothing is lost
-    max_distance: float | None = None  # beyond which nothing is left
-
-    def share(self, distance: float) -> float:
-        """Of the strength that is left that far away, 0..1, as Blender counts it for the shape Sphere
-        (falloff_func() in its effect.c)."""
-        if self.max_distance is not None and distance > self.max_distance:
-            return 0.0
-        return (1.0 + max(distance - (self.min_distance or 0.0), 0.0)) ** -self.power
-
-    def velocity(self, at: Vector) -> np.ndarray:
-        """(3,) float64 of the air at a place, m/s. 0 for what has no axis or is not finite."""
-        length = math.hypot(*self.axis)
-        numbers = (*at, *self.location, length, self.strength, self.power, self.min_distance or 0.0)
-        if length == 0.0 or not all(map(math.isfinite, numbers)):
-            return np.zeros(3)
-        return self.strength * self.share(math.dist(at, self.location)) / length * np.array(self.axis)
+def surroundings_of(location: Vector, frame: int, fields: Iterable[Field], drag: float,
+                    not_felt: tuple[str, ...] = ()) -> Surroundings:
+    """Of a garment at a place. drag: of the cloth's settings; without it no wind counts."""
+    fields = [field for field in fields if field.acts and not (field.kind == "WIND" and drag == 0.0)]
+    others = tuple(field for field in fields if not field.is_uniform)
+    return Surroundings(location, air_velocity(field for field in fields if field.is_uniform), others,
+                        frame if any(field.noise > 0.0 for field in others) else 0, not_felt)
 
 
-def air_velocity(at: Vector, winds: Iterable[Wind]) -> Vector:
-    """Of all winds together at a place in the world, m/s."""
-    x, y, z = sum((wind.velocity(at) for wind in winds), np.zeros(3)).tolist()
+def _bounded(number: float) -> float:
+    """The library refuses what is farther out."""
+    return min(max(number, -1e9), 1e9)
+
+
+def air_velocity(winds: Iterable[Field]) -> Vector:
+    """Of all of them together, m/s. Of winds that blow everywhere alike."""
+    x, y, z = sum((wind.strength / math.hypot(*wind.axis) * np.array(wind.axis) for wind in winds),
+                  np.zeros(3)).tolist()
     return x, y, z

@@ -2,7 +2,7 @@
 """The base cloth: native/include/rumple/base_cloth.h; docs/base_cloth.md has the mathematics."""
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any, NamedTuple, Sequence
 
 import numpy as np
 
@@ -84,6 +84,14 @@ class BaseClothSwing(c.BaseClothSwing):
         self.shift[:] = list(shift)
 
 
+class VertexForces(NamedTuple):
+    """What acts on every vertex, beside the wind and gravity that act on all alike. Object space."""
+
+    air: np.ndarray  # (n, 3) float32: velocity of the air beside `wind`, object units / s
+    push: np.ndarray  # (n, 3) float32: acceleration, object units / s^2
+    resist: np.ndarray  # (n, 2) float32, >= 0: taken from the velocity, 1/s, and times its length, 1/object unit
+
+
 class BaseClothPaint(Handle):
     """Painted factors."""
 
@@ -116,7 +124,7 @@ class BaseClothState(Handle):
 
     ARRAYS = {"offset": (FLOAT, 3), "length": (FLOAT, 0), "clearance": (FLOAT, 0), "ahead_height": (FLOAT, 0),
               "body_hint": (INT, 0), "contact_hint": (INT, 0), "position": (FLOAT, 3), "velocity": (FLOAT, 3),
-              "animated": (FLOAT, 3), "animated_before": (FLOAT, 3)}
+              "animated": (FLOAT, 3), "animated_before": (FLOAT, 3), "air": (FLOAT, 3), "push": (FLOAT, 3)}
     NUMBERS, VECTORS = ("moved", "seconds", "fastest"), ("gravity", "wind")
 
     @property
@@ -179,9 +187,13 @@ def solve_base_cloth(model: BaseClothModel, settings: BaseClothSettings, paint: 
 
 def swing_base_cloth(model: BaseClothModel, settings: BaseClothSettings, swing: BaseClothSwing, paint: BaseClothPaint,
                      positions: np.ndarray, collider: Collider | None = None, body_positions: np.ndarray | None = None,
-                     state: BaseClothState | None = None) -> Solved:
+                     state: BaseClothState | None = None, forces: VertexForces | None = None) -> Solved:
     """One frame of cloth with inertia; as solve_base_cloth. Without a state that swings: its equilibrium, at rest.
-    Baraff and Witkin 1998."""
+    Baraff and Witkin 1998. forces: of force fields, or None."""
+    if forces is not None:
+        swing = type(swing).from_buffer_copy(swing)
+        for name, array in forces._asdict().items():
+            fill(swing, name, array, FLOAT, array.shape[-1])
     return _solved(lib.rumple_base_cloth_swing_solve, (model, settings, swing, paint), positions, collider,
                    body_positions, state)
 
@@ -220,5 +232,5 @@ def cover_bodies(surface: Surface, cover: ClothCover, collider: Collider, body_p
 
 
 __all__ = ["BaseClothModel", "BaseClothPaint", "BaseClothReport", "BaseClothSettings", "BaseClothState",
-           "BaseClothSwing", "ClothCover", "Collider", "build_base_cloth", "build_cloth_cover", "cover_bodies",
-           "solve_base_cloth", "swing_base_cloth"]
+           "BaseClothSwing", "ClothCover", "Collider", "VertexForces", "build_base_cloth", "build_cloth_cover",
+           "cover_bodies", "solve_base_cloth", "swing_base_cloth"]

@@ -75,6 +75,13 @@ typedef struct rumple_base_cloth_swing {
     float wind[3];         // of the air, object space, object units / s
     float matrix[9];       // (3, 3): from the object space of the frame before to that of this one ...
     float shift[3];        // ... and the shift after it, object units
+    // What differs from vertex to vertex; each finite, or none. Object space.
+    const float* air;  // (n, 3): velocity of the air beside `wind`, object units / s
+    size_t air_count;
+    const float* push;  // (n, 3): acceleration beside gravity, object units / s^2
+    size_t push_count;
+    const float* resist;  // (n, 2): what is taken from the velocity, 1/s, and what times its length, 1/object
+    size_t resist_count;  // unit; >= 0
 } rumple_base_cloth_swing;
 RUMPLE_API rumple_base_cloth_swing rumple_base_cloth_swing_default(void);
 
@@ -141,6 +148,10 @@ typedef struct rumple_base_cloth_kept {
     float fastest;  // speed in the frame, object units / s, >= 0
     float gravity[3];
     float wind[3];
+    const float* air;  // (w, 3), object units / s, or none
+    size_t air_count;
+    const float* push;  // (w, 3), object units / s^2, or none
+    size_t push_count;
 } rumple_base_cloth_kept;
 RUMPLE_API rumple_status rumple_base_cloth_state_get_kept(const rumple_base_cloth_state* state,
                                                           rumple_base_cloth_kept* kept);

@@ -88,9 +88,12 @@ struct Motion {
     float fastest = std::numeric_limits<float>::max();  // speed in the frame, object units / s; unknown: most
     Vec3 gravity{0.0f};                                 // that acted, object units / s^2
     Vec3 wind{0.0f};                                    // that blew, object units / s
+    std::vector<Vec3> air;                              // that blew beside it, or none
+    std::vector<Vec3> push;                             // acceleration that acted beside gravity, or none
 
     size_t values() const {
-        return position.size() + velocity.size() + animated.size() + animated_before.size();
+        return position.size() + velocity.size() + animated.size() + animated_before.size() + air.size() +
+               push.size();
     }
 };
 

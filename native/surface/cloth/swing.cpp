@@ -20,6 +20,31 @@ bool fits(const Model& model, const State* state) {
     return state && state->motion.position.size() == model.area.size() && matches(model, *state);
 }
 
+// What acts on every welded vertex beside gravity and the wind; each may be empty.
+struct Acting {
+    std::vector<Vec3> air, push, resist;  // as in Swing; resist: z is nothing
+
+    Vec3 air_at(const Swing& swing, Index v) const { return air.empty() ? swing.wind : swing.wind + air[v]; }
+    // The mean over a triangle, to the bit that of its corners where they are alike.
+    Vec3 air_at(const Swing& swing, const std::array<Index, 3>& corner) const {
+        const Vec3 first = air_at(swing, corner[0]);
+        if (air.empty()) return first;
+        return first + (air_at(swing, corner[1]) - first + (air_at(swing, corner[2]) - first)) / 3.0f;
+    }
+};
+
+std::vector<Vec3> welded(const Model& model, std::span<const Vec3> display) {
+    std::vector<Vec3> out(display.empty() ? 0 : model.area.size());
+    if (!display.empty()) weld_positions(model.surface, display, out);
+    return out;
+}
+
+Acting acting_on(const Model& model, const Swing& swing) {
+    std::vector<Vec3> resist;
+    for (const Vec2& r : swing.resist) resist.emplace_back(r, 0.0f);
+    return {welded(model, swing.air), welded(model, swing.push), welded(model, resist)};
+}
+
 // ---------------------------------------------------------------- locomotion
 // The motion of the frame before in the object space of this one, after the part of the garment's own motion
 // that the inertia does not feel: in these coordinates Newton's laws hold for the whole frame.
@@ -47,13 +72,31 @@ double mean_length(const Model& model) {
     return sum / double(std::max<size_t>(model.springs.size(), 1));
 }
 
+Vec3 at_or_none(const std::vector<Vec3>& of, size_t v) {
+    return of.empty() ? Vec3(0.0f) : of[v];
+}
+
+// Whether what acts moves no vertex on the pull back alone by more than `still` from where it was.
+bool acts_as_before(const Swing& swing, const Acting& acting, const Motion& was, float most) {
+    if (was.wind != swing.wind) return false;
+    for (size_t v = 0; v < was.position.size(); ++v) {
+        const Vec3 air = swing.wind + at_or_none(acting.air, v),
+                   air_before = was.wind + at_or_none(was.air, v);
+        const float speeds = glm::length(air) + glm::length(air_before);
+        if (swing.drag * speeds * glm::distance(air, air_before) > most) return false;
+        if (glm::distance(at_or_none(acting.push, v), at_or_none(was.push, v)) > most) return false;
+    }
+    return true;
+}
+
 // Whether nothing that acts on the cloth changed, but for rounding, and it had come to rest: then it stays to
 // the bit.
-bool holds(const Model& model, const Settings& settings, const Swing& swing, const Pose& pose,
-           const Motion& was, const State& state) {
+bool holds(const Model& model, const Settings& settings, const Swing& swing, const Acting& acting,
+           const Pose& pose, const Motion& was, const State& state) {
     const float length = static_cast<float>(mean_length(model)), still = kHeldStrain * length;
     if (was.fastest > kStillSwing * length) return false;
-    if (was.gravity != settings.gravity || was.wind != swing.wind) return false;
+    if (was.gravity != settings.gravity) return false;
+    if (!acts_as_before(swing, acting, was, still * settings.follow)) return false;
     for (size_t s = 0; s < model.springs.size(); ++s) {
         if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
     }
@@ -68,8 +111,8 @@ bool holds(const Model& model, const Settings& settings, const Swing& swing, con
 // ---------------------------------------------------------------- a time step
 // Per vertex: what the air takes from its velocity, area / s. A triangle is pushed along its normal by the
 // square of the speed at which the air meets it; one of the two speeds is that at the beginning of the step.
-std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, std::span<const Vec3> x,
-                               std::span<const Vec3> velocity) {
+std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, const Acting& acting,
+                               std::span<const Vec3> x, std::span<const Vec3> velocity) {
     std::vector<glm::mat3> out(x.size(), glm::mat3(0.0f));
     if (swing.drag <= 0.0f) return out;
     for (Index t = 0; t < static_cast<Index>(model.surface.triangles.size()); ++t) {
@@ -78,7 +121,7 @@ std::vector<glm::mat3> drag_of(const Model& model, const Swing& swing, std::span
         const float twice_area = glm::length(normal);
         if (twice_area < kShortestEdge * kShortestEdge) continue;
         const Vec3 n = normal / twice_area;
-        const Vec3 met = swing.wind - (velocity[v[0]] + velocity[v[1]] + velocity[v[2]]) / 3.0f;
+        const Vec3 met = acting.air_at(swing, v) - (velocity[v[0]] + velocity[v[1]] + velocity[v[2]]) / 3.0f;
         const float drag = twice_area / 6.0f * swing.drag * std::abs(glm::dot(met, n));
         const glm::mat3 along = drag * glm::outerProduct(n, n);
         for (const Index corner : v) out[corner] += along;
@@ -112,27 +155,34 @@ std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<
 
 // Half of A |x - y|^2 / h^2, y = from + way (Gast 2015), and what takes velocity, as functions
 // whose slope is the force at the end of the step: damping A d / (2 h) |(x - from) - (way of the
-// animation)|^2, air h / 2 u . D u, u = wind - (x - from) / h.
-Inertia inertia_of(const Model& model, const Swing& swing, const Pose& pose, const Motion& motion,
-                   std::span<const Vec3> displacement, float h) {
-    Inertia out{motion.position, {}, drag_of(model, swing, motion.position, motion.velocity)};
+// animation)|^2, air h / 2 u . D u, u = wind - (x - from) / h, what is pushed -A push . x, what is resisted
+// A r / (2 h) |x - from|^2.
+Inertia inertia_of(const Model& model, const Swing& swing, const Acting& acting, const Pose& pose,
+                   const Motion& motion, std::span<const Vec3> displacement, float h) {
+    Inertia out{motion.position, {}, drag_of(model, swing, acting, motion.position, motion.velocity)};
     for (size_t v = 0; v < displacement.size(); ++v) {
         const float mass = model.area[v] / h;
         const Vec3 animated_displacement = pose.animated[v] - motion.animated[v];
         out.push.push_back(mass * (displacement[v] / h + swing.damping * animated_displacement) +
-                           out.resist[v] * swing.wind);
+                           out.resist[v] * acting.air_at(swing, Index(v)));
+        if (!acting.push.empty()) out.push[v] += model.area[v] * acting.push[v];
+        if (!acting.resist.empty()) {
+            const Vec3& resist = acting.resist[v];
+            out.resist[v] +=
+                glm::mat3(model.area[v] * (resist.x + resist.y * glm::length(motion.velocity[v])));
+        }
         out.resist[v] = glm::mat3(mass * (1.0f / h + swing.damping)) + out.resist[v] / h;
     }
     return out;
 }
 
 // One time step of the length h. motion: becomes that of its end. Returns the speed that tells rest.
-float step(const Model& model, const Settings& settings, const Swing& swing, const Pose& pose, float h,
-           Motion& motion, std::vector<Plane>& planes, Result& out) {
+float step(const Model& model, const Settings& settings, const Swing& swing, const Acting& acting,
+           const Pose& pose, float h, Motion& motion, std::vector<Plane>& planes, Result& out) {
     const std::vector<Vec3> displacement = inertial_displacements(pose, motion, h);
     std::vector<Vec3> x = first_guess(pose, motion, displacement, h);
     look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const Inertia inertia = inertia_of(model, swing, pose, motion, displacement, h);
+    const Inertia inertia = inertia_of(model, swing, acting, pose, motion, displacement, h);
     for (int newton = 0; newton < swing.newton_steps; ++newton)
         newton_step({model, settings, pose, planes, &inertia}, x, out.report);
     float fastest = 0.0f;
@@ -164,8 +214,8 @@ std::vector<Vec3> animated_at(const Pose& pose, const Motion& was, float seconds
 }
 
 // The time steps of a frame. was: carried. Returns the motion at its end.
-Motion step_through(const Model& model, const Settings& settings, const Swing& swing, const Pose& pose,
-                    const Motion& was, std::vector<Plane>& planes, Result& out) {
+Motion step_through(const Model& model, const Settings& settings, const Swing& swing, const Acting& acting,
+                    const Pose& pose, const Motion& was, std::vector<Plane>& planes, Result& out) {
     const double wanted = std::ceil(double(swing.seconds) / double(swing.longest_step) - kStepSlack);
     const int steps = int(std::min(wanted, kMostSteps));
     const float h = swing.seconds / float(std::max(steps, 1));
@@ -175,33 +225,44 @@ Motion step_through(const Model& model, const Settings& settings, const Swing& s
     for (int i = 1; i < steps; ++i) {
         const float fraction = float(i) / float(steps);
         move_to(model, pose, animated_at(pose, was, swing.seconds, fraction), pose_between);
-        motion.fastest =
-            std::max(motion.fastest, step(model, settings, swing, pose_between, h, motion, planes, out));
+        motion.fastest = std::max(motion.fastest,
+                                  step(model, settings, swing, acting, pose_between, h, motion, planes, out));
     }
     if (steps > 0)
-        motion.fastest = std::max(motion.fastest, step(model, settings, swing, pose, h, motion, planes, out));
+        motion.fastest =
+            std::max(motion.fastest, step(model, settings, swing, acting, pose, h, motion, planes, out));
     return motion;
 }
 
 // ---------------------------------------------------------------- a frame
 // The equilibrium of the pose, at rest.
-Result from_rest(const Model& model, const Settings& settings, const Swing& swing, const Pose& pose,
-                 bool has_bodies, std::vector<Index> body_hint) {
+Result from_rest(const Model& model, const Settings& settings, const Swing& swing, Acting acting,
+                 const Pose& pose, bool has_bodies, std::vector<Index> body_hint) {
     Result out = solve_pose(model, settings, pose, has_bodies, std::move(body_hint), nullptr);
     Motion& motion = out.state.motion;
     motion.position = motion.animated = motion.animated_before = pose.animated;
     motion.velocity.assign(pose.animated.size(), Vec3(0.0f));
     motion.gravity = settings.gravity;
     motion.wind = swing.wind;
+    motion.air = std::move(acting.air);
+    motion.push = std::move(acting.push);
     for (size_t v = 0; v < pose.animated.size(); ++v)
         motion.position[v] += pose.frame[v].to_object(out.state.offset[v]);
     out.state.offset.clear();
     return out;
 }
 
+// One per vertex, or none.
+void check_vectors(const char* name, std::span<const Vec3> values, size_t vertices) {
+    if (!values.empty()) expect_count(name, values.size(), vertices, "vertices");
+    for (const Vec3& value : values) {
+        for (int k = 0; k < 3; ++k) expect_within(name, value[k], -kFarthestCoordinate, kFarthestCoordinate);
+    }
+}
+
 }  // namespace
 
-void check(const Swing& swing) {
+void check(const Swing& swing, size_t vertices) {
     expect_within("seconds", swing.seconds, 0.0, 1e9);
     expect_within("longest_step", swing.longest_step, 1e-5, 1e3);
     expect_within("newton_steps", swing.newton_steps, 1, 1e6);
@@ -211,6 +272,13 @@ void check(const Swing& swing) {
     const Vec3 finite[] = {swing.wind, swing.placement.shift, swing.placement.matrix[0],
                            swing.placement.matrix[1], swing.placement.matrix[2]};
     expect_finite<Vec3>("wind and placement", finite, "vector");
+    check_vectors("air", swing.air, vertices);
+    check_vectors("push", swing.push, vertices);
+    if (!swing.resist.empty()) expect_count("resist", swing.resist.size(), vertices, "vertices");
+    for (const Vec2& resist : swing.resist) {
+        expect_within("resist", resist.x, 0.0, kFarthestCoordinate);
+        expect_within("resist", resist.y, 0.0, kFarthestCoordinate);
+    }
 }
 
 State activated(State state) {
@@ -221,18 +289,21 @@ State activated(State state) {
 Result swing(const Model& model, const Settings& settings, const Swing& swing, const Paint& paint,
              std::span<const Vec3> positions, const PosedCollider* bodies, const State* before) {
     check(settings);
-    check(swing);
+    check(swing, model.surface.welded_of.size());
     if (!fits(model, before)) before = nullptr;
     std::vector<Index> body_hint = before ? before->body_hint : std::vector<Index>();
     const Pose pose = make_pose(model, settings, paint, positions, bodies, body_hint);
-    if (!before) return from_rest(model, settings, swing, pose, bodies != nullptr, std::move(body_hint));
+    if (!before)
+        return from_rest(model, settings, swing, acting_on(model, swing), pose, bodies != nullptr,
+                         std::move(body_hint));
     Result out;
     out.state.body_hint = std::move(body_hint);
     out.state.contact_hint = before->contact_hint;
     const Motion was = carried(model, swing, pose, before->motion);
     std::vector<Plane> planes(model.area.size());
-    const bool held = holds(model, settings, swing, pose, was, *before);
-    Motion motion = held ? was : step_through(model, settings, swing, pose, was, planes, out);
+    Acting acting = acting_on(model, swing);
+    const bool held = holds(model, settings, swing, acting, pose, was, *before);
+    Motion motion = held ? was : step_through(model, settings, swing, acting, pose, was, planes, out);
     look_for_contacts(model, pose, motion.position, out.state.contact_hint, planes);
     out.state.length = held ? before->length : pose.length;
     out.state.clearance = held ? before->clearance : pose.clearance;
@@ -241,6 +312,10 @@ Result swing(const Model& model, const Settings& settings, const Swing& swing, c
     motion.seconds = swing.seconds;
     motion.gravity = settings.gravity;
     motion.wind = swing.wind;
+    if (!held) {
+        motion.air = std::move(acting.air);
+        motion.push = std::move(acting.push);
+    }
     out.state.motion = std::move(motion);
     std::vector<Vec3> x = out.state.motion.position;
     finish(model, settings, pose, planes, bodies != nullptr, x, out);

@@ -25,10 +25,16 @@ struct Swing {
     float drag = 0.0f;  // density of the air x coefficient / (2 mass per area), 1/object unit, >= 0
     Vec3 wind{0.0f};    // of the air, object space, object units / s
     Placement placement{};
+    // Of what differs from vertex to vertex, per display vertex; each may be empty. Object space, object
+    // units.
+    std::span<const Vec3> air{};   // velocity of the air beside `wind`, / s
+    std::span<const Vec3> push{};  // acceleration, / s^2
+    std::span<const Vec2>
+        resist{};  // x: taken from the velocity, 1/s; y: times its length, 1/object unit; >= 0
 };
 
-// Throws InvalidInput naming the first setting out of its range.
-void check(const Swing& swing);
+// Throws InvalidInput naming the first setting out of its range. vertices: display vertices of the cloth.
+void check(const Swing& swing, size_t vertices);
 
 // The same state, which swing() does not hold: for other settings than it was solved with.
 State activated(State state);

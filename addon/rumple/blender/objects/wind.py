@@ -1,25 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's Wind force fields, for cloth that swings. Only reads: allowed in any handler."""
+"""Blender's force fields, for cloth that swings. Only reads: allowed in any handler."""
 from __future__ import annotations
+
+from typing import Iterator
 
 import bpy
 from mathutils import Matrix, Vector
 
 from ...core.cloth_settings import ClothSettings
-from ...core.surroundings import Surroundings, Wind, air_velocity
+from ...core.surroundings import Field, Surroundings, surroundings_of
+
+KINDS = ("WIND", "FORCE", "VORTEX", "HARMONIC", "DRAG", "TURBULENCE")
+SHAPES = ("POINT", "LINE", "PLANE")
+SIDES = {"POSITIVE": "ABOVE", "NEGATIVE": "BELOW"}
+# Of particles, hair and smoke alone: Blender's Cloth feels nothing of them either.
+OTHERS = ("BOID", "GUIDE", "CHARGE", "LENNARDJ")
 
 
 def surroundings(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph, settings: ClothSettings) -> Surroundings:
     """Of a garment, as a depsgraph has it. settings: of its system."""
     if not settings.swings:
         return Surroundings()
-    place = _three(evaluated.matrix_world.translation)
-    return Surroundings(place, air_velocity(place, _winds(depsgraph) if settings.drag > 0.0 else ()))
+    fields = [_field(obj.field, obj.matrix_world) for obj in _effectors(depsgraph)
+              if obj.field.type in KINDS and obj.field.apply_to_location]
+    return surroundings_of(_three(evaluated.matrix_world.translation), depsgraph.scene.frame_current, fields,
+                           settings.drag, _not_felt(depsgraph))
 
 
-def _winds(depsgraph: bpy.types.Depsgraph) -> list[Wind]:
-    fields = ((obj.field, obj) for obj in depsgraph.objects)
-    return [_wind(field, obj.matrix_world) for field, obj in fields if field is not None and field.type == "WIND"]
+def _not_felt(depsgraph: bpy.types.Depsgraph) -> tuple[str, ...]:
+    """Names of the objects whose force field Blender's Cloth would feel, and ours does not."""
+    return tuple(sorted({obj.name for obj in _effectors(depsgraph) if obj.field.type not in (*KINDS, *OTHERS)}))
+
+
+def _effectors(depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
+    return (obj for obj in depsgraph.objects if obj.field is not None and obj.field.type != "NONE")
 
 
 def _three(vector: Vector) -> tuple[float, float, float]:
@@ -27,8 +41,17 @@ def _three(vector: Vector) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _wind(field: bpy.types.FieldSettings, world: Matrix) -> Wind:
-    """It blows along the Z axis of its object."""
-    return Wind(_three(world.translation), _three(world.to_3x3().col[2]), field.strength, field.falloff_power,
-                field.distance_min if field.use_min_distance else None,
-                field.distance_max if field.use_max_distance else None)
+def _field(field: bpy.types.FieldSettings, world: Matrix) -> Field:
+    """What distance is from is the origin of its object where that would be its surface or its points. Blender's
+    Linear Drag is of the square of the velocity, and its Quadratic Drag of the velocity."""
+    damping = {"HARMONIC": field.harmonic_damping, "DRAG": field.quadratic_drag}.get(field.type, 0.0)
+    size = {"HARMONIC": field.rest_length, "TURBULENCE": field.size}.get(field.type, 0.0)
+    return Field(
+        field.type, _three(world.translation), _three(world.to_3x3().col[2]),
+        field.linear_drag if field.type == "DRAG" else field.strength,
+        field.shape if field.shape in SHAPES else "POINT", field.falloff_type, SIDES.get(field.z_direction, "BOTH"),
+        damping, size, field.flow, field.noise, field.seed, field.falloff_power,
+        field.distance_min if field.use_min_distance else 0.0,
+        field.distance_max if field.use_max_distance else None, field.radial_falloff,
+        field.radial_min if field.use_radial_min else 0.0, field.radial_max if field.use_radial_max else None,
+        field.use_gravity_falloff and field.type == "FORCE", field.use_global_coords)

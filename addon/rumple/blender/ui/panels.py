@@ -275,8 +275,13 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         if times:
             lines.append((f"Milliseconds: {times}" + (" (stored frame)" if result.replayed else ""), "TIME"))
         lines += [(line, "BLANK1") for line in fine.status(result)]
-    notes = [*runtime.notes, clip_status.late_in_renders(obj), runtime.unplayed]
+    notes = [*runtime.notes, clip_status.late_in_renders(obj), runtime.unplayed, *_fields_not_felt(runtime)]
     return lines + [(note, "INFO") for note in notes if note]
+
+
+def _fields_not_felt(runtime: runtimes.Runtime) -> list[str]:
+    names = runtime.inputs.surroundings.not_felt if runtime.inputs is not None else ()
+    return [f"{name}: the cloth does not feel a force field of this type" for name in names]
 
 
 def add_maps_button(layout: bpy.types.UILayout) -> None:

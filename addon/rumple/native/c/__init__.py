@@ -7,6 +7,7 @@ from typing import Any
 from .base import *
 from .surface import *
 from .base_cloth import *
+from .force_fields import *
 from .wrinkle_mesh import *
 from .wrinkle_layers import *
 from .wrinkle_field import *
@@ -18,6 +19,7 @@ FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     **BASE_FUNCTIONS,
     **SURFACE_FUNCTIONS,
     **BASE_CLOTH_FUNCTIONS,
+    **FORCE_FIELDS_FUNCTIONS,
     **WRINKLE_MESH_FUNCTIONS,
     **WRINKLE_LAYERS_FUNCTIONS,
     **WRINKLE_FIELD_FUNCTIONS,
@@ -44,6 +46,7 @@ STRUCTS: dict[str, Any] = {
     "rumple_base_cloth_kept": BaseClothKept,
     "rumple_base_cloth_report": BaseClothReport,
     "rumple_cloth_cover_settings": ClothCoverSettings,
+    "rumple_force_field": ForceField,
     "rumple_wrinkle_mesh_plan": WrinkleMeshPlan,
     "rumple_wrinkle_mesh_view": WrinkleMeshView,
     "rumple_wrinkle_mesh_settings": WrinkleMeshSettings,

@@ -76,9 +76,16 @@ class BaseClothSwing(Struct):
     wind: Array  # of the air, object space, object units / s
     matrix: Array  # (3, 3): from the object space of the frame before to that of this one ...
     shift: Array  # ... and the shift after it, object units
+    air: int | None  # (n, 3): velocity of the air beside `wind`, object units / s
+    air_count: int
+    push: int | None  # (n, 3): acceleration beside gravity, object units / s^2
+    push_count: int
+    resist: int | None  # (n, 2): what is taken from the velocity, 1/s, and what times its length, 1/object
+    resist_count: int  # unit; >= 0
     _fields_ = (("seconds", c_float), ("longest_step", c_float), ("newton_steps", c_int32), ("damping", c_float),
         ("locomotion", c_float), ("drag", c_float), ("wind", c_float * 3), ("matrix", c_float * 9),
-        ("shift", c_float * 3),)
+        ("shift", c_float * 3), ("air", c_void_p), ("air_count", c_size_t), ("push", c_void_p),
+        ("push_count", c_size_t), ("resist", c_void_p), ("resist_count", c_size_t),)
 
 
 class BaseClothPainted(Struct):
@@ -144,6 +151,10 @@ class BaseClothKept(Struct):
     fastest: float  # speed in the frame, object units / s, >= 0
     gravity: Array
     wind: Array
+    air: int | None  # (w, 3), object units / s, or none
+    air_count: int
+    push: int | None  # (w, 3), object units / s^2, or none
+    push_count: int
     _fields_ = (("offset", c_void_p), ("offset_count", c_size_t), ("length", c_void_p), ("length_count", c_size_t),
         ("clearance", c_void_p), ("clearance_count", c_size_t), ("ahead_height", c_void_p),
         ("ahead_height_count", c_size_t), ("body_hint", c_void_p), ("body_hint_count", c_size_t),
@@ -151,7 +162,8 @@ class BaseClothKept(Struct):
         ("position_count", c_size_t), ("velocity", c_void_p), ("velocity_count", c_size_t), ("animated", c_void_p),
         ("animated_count", c_size_t), ("animated_before", c_void_p), ("animated_before_count", c_size_t),
         ("moved", c_float), ("seconds", c_float), ("fastest", c_float), ("gravity", c_float * 3),
-        ("wind", c_float * 3),)
+        ("wind", c_float * 3), ("air", c_void_p), ("air_count", c_size_t), ("push", c_void_p),
+        ("push_count", c_size_t),)
 
 
 class BaseClothReport(Struct):
