@@ -85,6 +85,12 @@ def settings_column(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bpy.ty
     return column
 
 
+def draw_setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str) -> None:
+    """A row for one. A length is a slider, which moves by its width: where Blender has a number with a unit, a pixel is a
+    whole millimetre or centimetre."""
+    layout.prop(group, name, slider=getattr(group.bl_rna.properties[name], "unit", "") == "LENGTH")
+
+
 def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
     """The name of a vertex group or an attribute, and the button that paints the group."""
     settings = properties.group_of(obj)

@@ -177,7 +177,7 @@ class OBJECT_OT_rumple_paint_from_border(_WholeMap, bpy.types.Operator):
     bl_label = "Map from Border"
 
     distance: bpy.props.FloatProperty(name="Distance", subtype="DISTANCE", unit="LENGTH", default=DISTANCE, min=0.0,
-                                      soft_max=5.0 * DISTANCE, step=100.0 * DISTANCE / 50.0, precision=4,
+                                      soft_max=5.0 * DISTANCE, step=0.02, precision=4,
                                       options={"SKIP_SAVE"}, description="From the border to where the gradient ends")
     falloff: bpy.props.EnumProperty(name="Falloff", items=_FALLOFFS, description="How it grows from the border on")
     reverse: bpy.props.BoolProperty(name="Reverse", options={"SKIP_SAVE"},
