@@ -197,6 +197,40 @@ class CopyToSelected(unittest.TestCase):
         self.assertEqual(bare.rumple.method, "NONE")
 
 
+class FirstClick(unittest.TestCase):
+    """What Adjust Last Operation has: it undoes the click, and does it again with other values."""
+
+    def add(self, **values: object) -> bpy.types.Object:
+        obj = sleeve.scene(wrinkles=False)
+        bpy.ops.object.rumple_add(method="MESH", **values)
+        return obj
+
+    def test_a_fabric_is_what_its_button_makes(self) -> None:
+        by_button = self.add()
+        bpy.ops.object.rumple_preset(preset="DENIM")
+        wanted = properties.settings_of(by_button, bpy.context.scene)
+        self.assertEqual(properties.settings_of(self.add(preset="DENIM"), bpy.context.scene), wanted)
+
+    def test_a_wavelength_of_the_fabric_that_is_shown_counts(self) -> None:
+        suggested = self.add().rumple.mesh.wavelength
+        self.assertAlmostEqual(self.add(width=0.06, width_of="COTTON", preset="COTTON").rumple.mesh.wavelength, 0.06, 6)
+        denim = self.add(width=suggested, width_of="COTTON", preset="DENIM").rumple.mesh.wavelength
+        self.assertGreater(denim, 1.05 * suggested)  # another fabric brings its own
+
+    def test_a_body_and_none(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        body = bpy.data.objects.new("Trunk", sleeve.tube("Trunk"))
+        bpy.context.scene.collection.objects.link(body)
+        bpy.ops.object.rumple_add(method="MESH", body="Trunk")
+        self.assertEqual(obj.rumple.body, body)
+        bpy.ops.object.rumple_remove()
+        bpy.ops.object.rumple_add(method="MESH", body="")
+        self.assertIsNone(obj.rumple.body)
+        bpy.ops.object.rumple_remove()
+        bpy.ops.object.rumple_add(method="MESH", body="Sleeve")  # over itself
+        self.assertIsNone(obj.rumple.body)
+
+
 @unittest.skipIf(bpy.app.version[:2] == (4, 3), "Debian's 4.3 has no brushes: Weight Paint without a window breaks it")
 class Paint(unittest.TestCase):
     def test_a_new_group_is_full_and_the_brush_takes_away(self) -> None:

@@ -86,8 +86,8 @@ def settings_column(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bpy.ty
 
 
 def draw_setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str) -> None:
-    """A row for one. A length is a slider, which moves by its width: where Blender has a number with a unit, a pixel is a
-    whole millimetre or centimetre."""
+    """A row for one. A length is a slider, which moves by its width: of a number with a unit, Blender moves a whole
+    millimetre or centimetre a pixel."""
     layout.prop(group, name, slider=getattr(group.bl_rna.properties[name], "unit", "") == "LENGTH")
 
 

@@ -25,6 +25,20 @@ from ..translation import said
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
+_PRESET_ITEMS = {method: properties.preset_items(system) for method, system in SYSTEMS.items()}  # Blender keeps no copy
+
+
+def _added_presets(operator: bpy.types.Operator, _context: bpy.types.Context | None) -> tuple:
+    """Of the system that is added."""
+    return _PRESET_ITEMS.get(getattr(operator, "method", ""), ()) or _PRESET_ITEMS["MESH"]
+
+
+def _other_mesh(scene: bpy.types.Scene, name: str, obj: bpy.types.Object) -> bpy.types.Object | None:
+    """What can be the body of an object, by its name in the scene."""
+    found = scene.objects.get(name)
+    return found if found is not None and found != obj and bodies.can_be_body(found) else None
+
+
 class OBJECT_OT_rumple_add(bpy.types.Operator):
     """Add wrinkles that form where the animated mesh is compressed"""
 
@@ -36,6 +50,30 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                                    options={"SKIP_SAVE"})
     shade: bpy.props.BoolProperty(name="Add to Materials", default=True, options={"SKIP_SAVE"},
                                   description="Wrinkle Field: let the materials of the object draw the waves")
+
+    # What Adjust Last Operation shows: where it was changed there, it counts.
+    preset: bpy.props.EnumProperty(name="Cloth", items=_added_presets, options={"SKIP_SAVE"},
+                                   description="The fabric that it is made of")
+    width: bpy.props.FloatProperty(name="Wavelength", subtype="DISTANCE", unit="LENGTH", min=0.0, soft_max=0.2,
+                                   step=0.02, precision=4, options={"SKIP_SAVE"},
+                                   description="From fold to fold, or the width of a path")
+    body: bpy.props.StringProperty(name="Body", options={"SKIP_SAVE"},
+                                   description="What this garment is worn over: cloth stays outside of it")
+    width_of: bpy.props.StringProperty(options={"HIDDEN", "SKIP_SAVE"},
+                                       description="The fabric that this wavelength was shown for")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Adjust Last Operation."""
+        system = SYSTEMS.get(self.method)
+        if system is None:
+            return
+        column = ui_base.property_column(self.layout)
+        if system.presets:
+            column.prop(self, "preset")
+        column.prop(self, "width", slider=True)
+        column.prop_search(self, "body", context.scene, "objects")
+        if self.method == "FIELD":
+            column.prop(self, "shade")
 
     @classmethod
     def description(cls, _context: bpy.types.Context, chosen: bpy.types.OperatorProperties) -> str:
@@ -68,6 +106,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         cloth_defaults.apply(obj, context.scene, lengths)
         if cloth_defaults.is_cloth(obj):
             self._find_body(context, obj)
+        self._adjust(context, obj)
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
@@ -102,6 +141,22 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         properties.apply_values(obj, context.scene, values)
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
         return lengths
+
+    def _adjust(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        """What Adjust Last Operation has, and otherwise shows."""
+        system, settings = SYSTEMS[self.method], properties.group_of(obj)
+        length = system.wrinkles.SUGGESTED
+        if system.presets and self.properties.is_property_set("preset") and self.preset != settings.preset:
+            use_preset(obj, context.scene, self.preset)
+        fabric = settings.preset if system.presets else ""
+        if self.properties.is_property_set("width") and self.width_of == fabric:
+            setattr(settings, length, self.width)
+        if self.properties.is_property_set("body"):
+            obj.rumple.body = _other_mesh(context.scene, self.body, obj)
+        self.width, self.width_of = getattr(settings, length), fabric
+        self.body = "" if obj.rumple.body is None else obj.rumple.body.name
+        if system.presets:
+            self.preset = fabric
 
     def _find_body(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Where none was ever set: what was set before a removal stays, and nothing too."""
@@ -232,9 +287,6 @@ def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | No
     return _PRESET_ITEMS[properties.system_of(obj).method if obj is not None else "MESH"]
 
 
-_PRESET_ITEMS = {method: properties.preset_items(system) for method, system in SYSTEMS.items()}  # Blender keeps no copy
-
-
 class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
     """Set the cloth: where folds form, how wide, high and lively they are. Rest shape and paint stay"""
 
@@ -253,21 +305,25 @@ class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
         return bool(system.presets)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.object
-        system, settings = properties.system_of(obj), properties.group_of(obj)
-        chosen, former = system.presets[self.preset], system.presets[settings.preset]
-        restored, former_width = _taken_back(obj, former)
-        now = {**vars(properties.settings_of(obj, context.scene)), **restored}
-        properties.apply_values(obj, context.scene, {**restored, **properties.defaults(obj, touched(system.presets)),
-                                                     **chosen.values, **chosen.replaced})
-        replaced = {name: now[name] for name in chosen.replaced}
-        settings.preset_replaced = json.dumps(replaced) if replaced else ""
-        length = system.wrinkles.SUGGESTED
-        scaled = now[length] * chosen.fold_width / former_width
-        # Seven digits are what a float holds: the way back is exact.
-        properties.apply_values(obj, context.scene, {length: float(f"{scaled:.7g}")})
-        settings.preset = self.preset
+        use_preset(context.object, context.scene, self.preset)
         return {"FINISHED"}
+
+
+def use_preset(obj: bpy.types.Object, scene: bpy.types.Scene, name: str) -> None:
+    """Set the cloth, as the button does."""
+    system, settings = properties.system_of(obj), properties.group_of(obj)
+    chosen, former = system.presets[name], system.presets[settings.preset]
+    restored, former_width = _taken_back(obj, former)
+    now = {**vars(properties.settings_of(obj, scene)), **restored}
+    properties.apply_values(obj, scene, {**restored, **properties.defaults(obj, touched(system.presets)),
+                                         **chosen.values, **chosen.replaced})
+    replaced = {key: now[key] for key in chosen.replaced}
+    settings.preset_replaced = json.dumps(replaced) if replaced else ""
+    length = system.wrinkles.SUGGESTED
+    scaled = now[length] * chosen.fold_width / former_width
+    # Seven digits are what a float holds: the way back is exact.
+    properties.apply_values(obj, scene, {length: float(f"{scaled:.7g}")})
+    settings.preset = name
 
 
 def _taken_back(obj: bpy.types.Object, former: Preset) -> tuple[dict[str, Any], float]:
