@@ -1,12 +1,36 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist does first, by mouse and keys in Blender's window."""
+"""What an artist does first, by mouse and keys in Blender's window.
+
+Fifteen things were once found wrong by somebody who tried the add-on so. Where each is tested:
+
+ 1 a dragged wavelength froze Blender       Drag; how many vertices at most: background/test_habits.Budget
+ 2 the first stroke of paint did nothing     Paint
+ 3 messages and bars were not redrawn        Baked.test_what_was_changed_is_said_at_once
+ 4 outside a bake the garment stood still    Baked.test_outside_its_range_folds_are_live
+ 5 nothing showed that it was baked          Baked.test_the_header_says_so_and_frees_it
+ 6 a Wrinkle Field was not seen in Solid     FirstClick.test_a_field_is_seen_in_solid
+ 7 the panel was there before its use        FirstClick.test_one_click_and_one_screen
+ 8 its header did not say which system       FirstClick.test_one_click_and_one_screen
+ 9 the labels of Paths hid the cloth         test_paths_in_window.Overlay
+10 shape keys left two garments              Baked.test_shape_keys_hide_the_garment
+11 a warning about a default                 FirstClick.test_one_click_and_one_screen
+12 one tooltip for all systems               FirstClick.test_each_system_has_a_tooltip
+13 labels that were cut off                  background/test_translation
+14 odd words                                 FirstClick.test_one_click_and_one_screen, background/test_habits.Words
+15 no way out of paint; the tool everywhere  Paint; FirstClick.test_the_brush_stands_where_it_paints
+   maps froze the window                     test_maps_in_window.MapsInWindow
+"""
 from __future__ import annotations
 
 from typing import Any, Iterator
 from unittest import mock
 
 import bpy
-from rumple.blender.objects import runtimes
+import numpy as np
+from bl_ui.space_toolsystem_common import ToolSelectPanelHelper
+from mathutils import Vector
+from rumple.blender.brush import overlay
+from rumple.blender.objects import modifier, runtimes
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from support import sleeve
 from support.artist import Artist
@@ -41,6 +65,14 @@ class Hand(Artist):
             self.event("MOUSEMOVE", "NOTHING")
             yield 0.05
         yield pause
+
+    def add(self, system: str) -> Iterator[float]:
+        """From the menu of the modifier tab."""
+        box = yield from self.see("Add Modifier", "PROPERTIES")
+        if bpy.app.version >= (4, 0, 0):
+            yield from self.click(box.middle)
+        yield from self.choose(f"Wrinkles > {system}")
+        yield 0.3
 
     def let_go(self) -> Iterator[float]:
         self.event("LEFTMOUSE", "RELEASE")
@@ -122,3 +154,173 @@ class Drag(Hand):
         yield from self.until(lambda: builds)
         self.assertEqual([round(wavelength, 4) for wavelength in builds], [0.05])
         yield from self.maximise("PROPERTIES")
+
+
+class FirstClick(Hand):
+    def test_one_click_and_one_screen(self) -> Iterator[float]:
+        yield from self.begin(wrinkles=False)
+        yield from self.modifier_tab()
+        self.assertEqual(self.places("Apply", "PROPERTIES"), [])
+        yield from self.add("Wrinkle Mesh")
+        self.assertIsNotNone(modifier.find(self.obj))
+        yield from self.see("Wrinkle Mesh \u00b7 Cotton", "PROPERTIES")
+        for words in ("Drape", "Wavelength", "Apply", "Remove", "Cloth", "Bake", "Status"):
+            yield from self.see(words, "PROPERTIES")
+        self.assertEqual(self.obj.rumple.message, "")
+        self.screenshot("first_click")
+        yield from self.maximise("PROPERTIES")
+
+    def test_a_field_is_seen_in_solid(self) -> Iterator[float]:
+        yield from self.begin(wrinkles=False)
+        space = self.editor("VIEW_3D").spaces.active
+        self.assertEqual(space.shading.type, "SOLID")
+        with self.area():
+            bpy.ops.view3d.view_all()
+        yield 0.3
+        before = self.pixels().astype(int)
+        yield from self.modifier_tab()
+        yield from self.add("Wrinkle Field")
+        yield from self.maximise("PROPERTIES")
+        yield 0.5
+        box = self.box("VIEW_3D")
+        change = np.abs(self.pixels() - before)[::-1][box.low:box.high - 60, box.left + 60:box.right - 60].max(axis=2)
+        self.screenshot("first_click_field")
+        self.assertGreater((change > 8).sum(), 300)
+
+    def test_each_system_has_a_tooltip(self) -> Iterator[float]:
+        """What stands beside the mouse, after it rested."""
+        yield from self.begin(wrinkles=False)
+        yield from self.modifier_tab()
+        box = yield from self.see("Add Modifier", "PROPERTIES")
+        if bpy.app.version >= (4, 0, 0):
+            yield from self.click(box.middle)
+        yield from self.choose("Wrinkles")
+        seen = []
+        for system in ("Wrinkle Mesh", "Wrinkle Field", "Wrinkle Paths"):
+            box = yield from self.see(system)
+            yield from self.move(box.middle)
+            yield 1.5
+            seen.append(self.pixels().astype(int))
+        self.screenshot("tooltip")
+        for first, second in ((0, 1), (1, 2), (0, 2)):
+            self.assertGreater((np.abs(seen[first] - seen[second]).max(axis=2) > 60).sum(), 500)
+        yield from self.press("ESC")
+        yield from self.press("ESC")
+        yield from self.maximise("PROPERTIES")
+
+    def test_adjust_last_operation(self) -> Iterator[float]:
+        yield from self.begin(wrinkles=False)
+        with self.area(), mock.patch.object(bpy.types.OBJECT_OT_rumple_add, "bl_options", {"REGISTER", "UNDO"}):
+            bpy.ops.ed.undo_push(message="bare")
+            bpy.ops.object.rumple_add("EXEC_DEFAULT", True, method="MESH")
+        suggested = self.obj.rumple.mesh.wavelength
+        yield from self.move(self.box("VIEW_3D").middle)
+        yield from self.press("F9")
+        box = yield from self.see("Wavelength", "VIEW_3D")
+        yield from self.click((box.right + 60, box.middle[1]))
+        yield from self.type("7 cm")
+        yield from self.press("RET")
+        yield from self.until(lambda: abs(self.obj.rumple.mesh.wavelength - 0.07) < 1e-6)
+        self.screenshot("adjust_last")
+        self.assertNotAlmostEqual(suggested, 0.07, 3)
+        self.assertAlmostEqual(self.obj.rumple.mesh.wavelength, 0.07, 6)
+        self.assertIsNotNone(modifier.find(self.obj))
+        yield from self.press("ESC")
+
+    def test_the_brush_stands_where_it_paints(self) -> Iterator[float]:
+        yield from self.begin()
+        tools = ToolSelectPanelHelper._tool_class_from_space_type("VIEW_3D")
+        with self.area():
+            self.assertNotIn(overlay._tool, self.names(tools))
+            bpy.ops.object.rumple_remove()
+            bpy.ops.object.rumple_add(method="FIELD")
+            self.assertIn(overlay._tool, self.names(tools))
+        yield
+
+    @staticmethod
+    def names(tools: Any) -> list[str]:
+        return [tool.idname for tool in ToolSelectPanelHelper._tools_flatten(tools.tools_from_context(bpy.context))
+                if tool is not None]
+
+
+class Paint(Hand):
+    def test_the_first_stroke_and_the_way_out(self) -> Iterator[float]:
+        yield from self.begin()
+        with self.area():
+            bpy.ops.view3d.view_axis(type="TOP")
+            bpy.ops.view3d.view_all()
+        yield from self.modifier_tab()
+        yield from self.brush("Drape")
+        self.assertEqual(self.obj.mode, "WEIGHT_PAINT")
+        yield from self.maximise("PROPERTIES")
+        yield 0.3
+        before = self.painted()
+        self.assertTrue((before == 1.0).all())
+        ends = [Vector(self.seen_at(Vector((x, 0.0, 0.06)))) for x in (0.02, 0.25)]
+        yield from self.stroke([tuple(int(c) for c in ends[0].lerp(ends[1], step / 8)) for step in range(9)])
+        yield from self.until(lambda: self.painted().min() < 0.5, 10.0)
+        self.screenshot("first_stroke")
+        self.assertLess(self.painted().min(), 0.5)
+        yield from self.modifier_tab()
+        yield from self.brush("Drape")
+        self.assertEqual(self.obj.mode, "OBJECT")
+        yield from self.maximise("PROPERTIES")
+
+    def painted(self) -> np.ndarray:
+        group = self.obj.vertex_groups["Rumple Drape"]
+        return np.array([group.weight(vertex.index) for vertex in self.obj.data.vertices])
+
+
+class Baked(Hand):
+    def bake(self) -> Iterator[float]:
+        yield from self.begin()
+        self.obj.rumple.bake_end = 12
+        with self.area():
+            bpy.ops.object.rumple_bake()
+        sleeve.at(5)
+        yield from self.modifier_tab()
+
+    def test_the_header_says_so_and_frees_it(self) -> Iterator[float]:
+        yield from self.bake()
+        yield from self.see("Baked 1\u201312", "PROPERTIES")
+        before = self.obj.rumple.mesh.folds
+        places = [(x + round(-40 * step / 6), y) for x, y in [(yield from self.beside("Folds"))] for step in range(7)]
+        yield from self.drag(places, 0.1)
+        yield from self.let_go()
+        self.assertEqual(self.obj.rumple.mesh.folds, before)  # greyed
+        yield from self.button("Free")
+        self.assertFalse(modifier.is_baked(modifier.find(self.obj)))
+        yield from self.maximise("PROPERTIES")
+
+    def test_what_was_changed_is_said_at_once(self) -> Iterator[float]:
+        yield from self.bake()
+        self.assertEqual(self.places("changed since", "PROPERTIES", alone=False), [])
+        self.obj.rumple.mesh.bending = 0.1
+        yield from self.see_part("changed since")
+        yield from self.maximise("PROPERTIES")
+
+    def test_outside_its_range_folds_are_live(self) -> Iterator[float]:
+        yield from self.bake()
+        yield from self.maximise("PROPERTIES")
+        yield from self.go_to_frame(18)
+        self.assertIn("is outside the bake", self.obj.rumple.message)
+        np.testing.assert_allclose(sleeve.shown(self.obj), sleeve.picture(self.obj).positions, atol=1e-6)
+        yield from self.go_to_frame(6)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_shape_keys_hide_the_garment(self) -> Iterator[float]:
+        yield from self.begin()
+        self.obj.rumple.bake_end = 6
+        yield from self.modifier_tab()
+        yield from self.button("Bake")
+        yield from self.button("Bake to Shape Keys")
+        yield from self.until(lambda: bpy.context.object.name != "Sleeve")
+        copy = bpy.context.object
+        self.assertEqual(len(copy.data.shape_keys.key_blocks), 7)
+        self.assertEqual((self.obj.hide_get(), self.obj.hide_render, copy.hide_get()), (True, True, False))
+        yield from self.maximise("PROPERTIES")
+
+    def see_part(self, words: str) -> Iterator[float]:
+        """Within a longer text."""
+        yield from self.until(lambda: self.places(words, "PROPERTIES", alone=False), 5.0)
+        self.assertNotEqual(self.places(words, "PROPERTIES", alone=False), [])

@@ -19,7 +19,8 @@ class DATA_PT_rumple_guides(Panel, bpy.types.Panel):
         column, obj = settings_column(self.layout, context.object), context.object
         cloth_panel.paint_only(column, obj, SMOOTH, "Keep Smooth")
         cloth_panel.paint_only(column, obj, RIGID, "Rigid")
-        if obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING":
+        in_use = bool(guide_curves.of(obj)) or obj.rumple_guide.seam_depth > 0.0
+        if in_use and obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING":
             column.label(text="Guides need the output Geometry", icon="INFO")
         for guide in guide_curves.of(obj):
             _draw_guide(column.box().column(), guide)
