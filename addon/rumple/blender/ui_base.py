@@ -13,6 +13,7 @@ from .objects import modifier, properties
 from .translation import said
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
+WRINKLED = "This object has wrinkles already"
 # Chinese and Japanese letters are twice as wide, and a line may break behind each, but not in front of a full stop.
 _WORDS = re.compile("(?:[\u3040-\u9fff\uff00-\uffef][\u3001\u3002\uff01-\uff0f\uff1a-\uff1f\u300d\u30fc]*)|"
                     "[^\\s\u3040-\u9fff\uff00-\uffef]+|\\s+")
@@ -33,7 +34,7 @@ def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
     if wrinkled and not found:
         return "This object has no wrinkles: add them first"
     if not wrinkled and found:
-        return "This object has wrinkles already"
+        return WRINKLED
     return ""
 
 

@@ -33,6 +33,11 @@ def _added_presets(operator: bpy.types.Operator, _context: bpy.types.Context | N
     return _PRESET_ITEMS.get(getattr(operator, "method", ""), ()) or _PRESET_ITEMS["MESH"]
 
 
+def _is_last_operation(context: bpy.types.Context) -> bool:
+    done = context.window_manager.operators
+    return len(done) > 0 and isinstance(done[-1], OBJECT_OT_rumple_add)
+
+
 def _other_mesh(scene: bpy.types.Scene, name: str, obj: bpy.types.Object) -> bpy.types.Object | None:
     """What can be the body of an object, by its name in the scene."""
     found = scene.objects.get(name)
@@ -84,12 +89,18 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         why = ui_base.refusal(context.object, wrinkled=False)
+        if why == ui_base.WRINKLED and _is_last_operation(context):
+            why = ""  # Adjust Last Operation asks before it undoes the first click
         if why:
             cls.poll_message_set(said(why))
         return not why
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
+        why = ui_base.refusal(obj, wrinkled=False)
+        if why:
+            self.report({"ERROR"}, said(why))
+            return {"CANCELLED"}
         if self.method == "MAPS":
             try:
                 return bpy.ops.rumple.maps_add()
