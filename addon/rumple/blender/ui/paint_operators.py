@@ -105,11 +105,13 @@ def _set_brush_weight(context: bpy.types.Context, weight: float) -> None:
     tools = context.tool_settings
     paint = tools.weight_paint  # none before the mode was entered for the first time
     shared = getattr(tools, "unified_paint_settings", None) or getattr(paint, "unified_paint_settings", None)  # 5.0
-    if shared is not None:
-        shared.weight = weight
     brush = None if paint is None else paint.brush
     if brush is not None and compat.is_editable(brush):
         brush.weight = weight
+    elif shared is not None:
+        shared.use_unified_weight = True  # the brush is an asset of Blender's, or comes later
+    if shared is not None:
+        shared.weight = weight
 
 
 # ---------------------------------------------------------------- the whole map
