@@ -61,8 +61,9 @@ class EverySetting(unittest.TestCase):
             self.assertTrue(self.obj.keyframe_insert(path, frame=1), path)
             group, _, name = path.rpartition(".")
             value = another(about, now)
-            setattr(self.obj.path_resolve(group), name, about.enum_items[[item.value for item in about.enum_items].index(
-                value)].identifier if about.type == "ENUM" else type(now)(value))
+            if about.type == "ENUM":
+                now = next(item.identifier for item in about.enum_items if item.value == value)
+            setattr(self.obj.path_resolve(group), name, now if about.type == "ENUM" else type(now)(value))
             self.obj.keyframe_insert(path, frame=9)
             wanted[path] = value
         sleeve.at(9)

@@ -19,7 +19,7 @@ import bpy
 import numpy as np
 
 ADDON = Path(__file__).resolve().parents[2]
-STEP = "Rumple step: "  # before what it does, in what it prints
+STEP = "Rumple bakes: "  # before the name of a pose, in what it prints
 
 
 class ApartBake:
@@ -34,10 +34,10 @@ class ApartBake:
 
     @property
     def count(self) -> int:
-        return self.plan.count
+        return len(self.plan.poses)
 
     def steps(self) -> Generator[str, None, None]:
-        """Yields what is done, every time it is asked. Raises plan.Error."""
+        """Yields what is done, every time it is asked. Raises what the plan raises."""
         yield "Saving a copy of the file"
         blend, log = self.folder / "copy.blend", self.folder / "log"
         bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
@@ -51,7 +51,7 @@ class ApartBake:
             steps = [line[len(STEP):] for line in log.read_text(encoding="utf-8", errors="replace").splitlines()
                      if line.startswith(STEP)]
             self.done = max(len(steps) - 1, 0)
-            text = steps[-1] if steps else text
+            text = f"{steps[-1]}: baking" if steps else text
             yield text
         self._check(log)
         for number in self.plan.poses:
@@ -89,20 +89,20 @@ def _load_addon() -> Any:
 
 def _main(order: dict[str, Any]) -> None:
     _load_addon()
-    from rumple.blender.maps import bake
     folder, obj = Path(order["folder"]), bpy.data.objects[order["object"]]
-    obj.rumple_maps.bake_folder = ""
-    try:
-        running = bake.MapBake(bpy.context, obj, order["poses"])
-        for text in running.steps():
-            print(f"{STEP}{text}", flush=True)
-    except bake.UserError as error:
-        (folder / "error").write_text(str(error), encoding="utf-8")
-        return
+    bpy.context.view_layer.objects.active = obj
+    about = obj.rumple_maps
+    about.bake_folder = ""
     for number in order["poses"]:
-        image = obj.rumple_maps.poses[number].image
-        pixels = np.empty(len(image.pixels), np.float32)
-        image.pixels.foreach_get(pixels)
+        about.active = number
+        print(f"{STEP}{about.poses[number].name}", flush=True)
+        try:
+            bpy.ops.rumple.maps_bake()
+        except RuntimeError as error:  # how bpy.ops hands on a refusal
+            (folder / "error").write_text(str(error).removeprefix("Error: ").strip(), encoding="utf-8")
+            return
+        pixels = np.empty(len(about.poses[number].image.pixels), np.float32)
+        about.poses[number].image.pixels.foreach_get(pixels)
         np.save(folder / f"{number}.npy", pixels)
 
 

@@ -6,13 +6,9 @@ rumple_shade(), rumple_unshade(), rumple_capture_rest(), rumple_clear_frames().
 """
 from __future__ import annotations
 
-import json
-from typing import Any
-
 import bpy
 
 from ... import native
-from ...core.presets import Preset, touched
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
 from ..frame import disk_frames, rebuild
@@ -21,16 +17,14 @@ from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
                        properties, runtimes, stack_notes, units, viewport_mesh)
 from ..translation import said
+from . import fabrics
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
-_PRESET_ITEMS = {method: properties.preset_items(system) for method, system in SYSTEMS.items()}  # Blender keeps no copy
-
-
 def _added_presets(operator: bpy.types.Operator, _context: bpy.types.Context | None) -> tuple:
     """Of the system that is added."""
-    return _PRESET_ITEMS.get(getattr(operator, "method", ""), ()) or _PRESET_ITEMS["MESH"]
+    return fabrics.ITEMS.get(getattr(operator, "method", ""), ()) or fabrics.ITEMS["MESH"]
 
 
 def _is_last_operation(context: bpy.types.Context) -> bool:
@@ -158,7 +152,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         system, settings = SYSTEMS[self.method], properties.group_of(obj)
         length = system.wrinkles.SUGGESTED
         if system.presets and self.properties.is_property_set("preset") and self.preset != settings.preset:
-            use_preset(obj, context.scene, self.preset)
+            fabrics.use(obj, context.scene, self.preset)
         fabric = settings.preset if system.presets else ""
         if self.properties.is_property_set("width") and self.width_of == fabric:
             setattr(settings, length, self.width)
@@ -292,61 +286,6 @@ def evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.typ
             m.show_viewport = True
 
 
-def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | None) -> tuple:
-    """Of the object at hand; Blender asks without one when it lists all operators."""
-    obj = context.object if context is not None else None
-    return _PRESET_ITEMS[properties.system_of(obj).method if obj is not None else "MESH"]
-
-
-class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
-    """Set the cloth: where folds form, how wide, high and lively they are. Rest shape and paint stay"""
-
-    bl_idname = "object.rumple_preset"
-    bl_label = "Cloth Preset"
-
-    preset: bpy.props.EnumProperty(name="Cloth", items=_preset_items)
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not super().poll(context):
-            return False
-        system = properties.system_of(context.object)
-        if not system.presets:
-            cls.poll_message_set(said(f"The {said(system.label)} has no presets"))
-        return bool(system.presets)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        use_preset(context.object, context.scene, self.preset)
-        return {"FINISHED"}
-
-
-def use_preset(obj: bpy.types.Object, scene: bpy.types.Scene, name: str) -> None:
-    """Set the cloth, as the button does."""
-    system, settings = properties.system_of(obj), properties.group_of(obj)
-    chosen, former = system.presets[name], system.presets[settings.preset]
-    restored, former_width = _taken_back(obj, former)
-    now = {**vars(properties.settings_of(obj, scene)), **restored}
-    properties.apply_values(obj, scene, {**restored, **properties.defaults(obj, touched(system.presets)),
-                                         **chosen.values, **chosen.replaced})
-    replaced = {key: now[key] for key in chosen.replaced}
-    settings.preset_replaced = json.dumps(replaced) if replaced else ""
-    length = system.wrinkles.SUGGESTED
-    scaled = now[length] * chosen.fold_width / former_width
-    # Seven digits are what a float holds: the way back is exact.
-    properties.apply_values(obj, scene, {length: float(f"{scaled:.7g}")})
-    settings.preset = name
-
-
-def _taken_back(obj: bpy.types.Object, former: Preset) -> tuple[dict[str, Any], float]:
-    """Settings to bring back from before the former preset, and by what it scaled the width of folds."""
-    settings = properties.group_of(obj)
-    if settings.is_property_set("preset_replaced"):
-        return json.loads(settings.preset_replaced or "{}"), former.fold_width
-    # A file that was saved before fabrics had weights: base cloth and layers were up to the artist.
-    replaced = former.replaced.keys() - {"base_cloth", "layers"}
-    return properties.defaults(obj, replaced), former.old_fold_width or former.fold_width
-
-
 class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
     """Take the shape of the mesh at the rest frame as the unwrinkled cloth"""
 
@@ -397,8 +336,7 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_apply, OBJECT_OT_rumple_preset,
-           OBJECT_OT_rumple_shade, OBJECT_OT_rumple_unshade, OBJECT_OT_rumple_capture_rest,
-           OBJECT_OT_rumple_clear_frames)
+CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_apply, OBJECT_OT_rumple_shade,
+           OBJECT_OT_rumple_unshade, OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_clear_frames)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)
