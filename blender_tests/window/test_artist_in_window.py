@@ -22,6 +22,7 @@ Fifteen things were once found wrong by somebody who tried the add-on so. Where 
 """
 from __future__ import annotations
 
+import unittest
 from typing import Any, Iterator
 from unittest import mock
 
@@ -224,6 +225,7 @@ class FirstClick(Hand):
                 if tool is not None]
 
 
+@unittest.skipIf(bpy.app.version[:2] == (4, 3), "Debian's 4.3 has no brushes")
 class Paint(Hand):
     def test_the_first_stroke_and_the_way_out(self) -> Iterator[float]:
         yield from self.begin()
@@ -238,14 +240,26 @@ class Paint(Hand):
         before = self.painted()
         self.assertTrue((before == 1.0).all())
         ends = [Vector(self.seen_at(Vector((x, 0.0, 0.06)))) for x in (0.02, 0.25)]
-        yield from self.stroke([tuple(int(c) for c in ends[0].lerp(ends[1], step / 8)) for step in range(9)])
-        yield from self.until(lambda: self.painted().min() < 0.5, 10.0)
+        yield from self.drag([tuple(int(c) for c in ends[0].lerp(ends[1], step / 8)) for step in range(9)], 0.1)
+        yield from self.until(lambda: self.of_output().min() < 0.5, 10.0)
         self.screenshot("first_stroke")
+        self.assertLess(self.of_output().min(), 0.5)  # what is seen under the brush, while it is still held
+        yield from self.let_go()
+        yield from self.until(lambda: self.painted().min() < 0.5, 10.0)
         self.assertLess(self.painted().min(), 0.5)
         yield from self.modifier_tab()
         yield from self.brush("Drape")
         self.assertEqual(self.obj.mode, "OBJECT")
         yield from self.maximise("PROPERTIES")
+
+    def of_output(self) -> np.ndarray:
+        """The weights that the fine mesh has, where it has any."""
+        output = sleeve.output_object(self.obj)
+        if "Rumple Drape" not in output.vertex_groups:
+            return np.ones(1)
+        index = output.vertex_groups["Rumple Drape"].index
+        return np.array([next((g.weight for g in vertex.groups if g.group == index), 1.0)
+                         for vertex in output.data.vertices[:len(self.obj.data.vertices)]])
 
     def painted(self) -> np.ndarray:
         group = self.obj.vertex_groups["Rumple Drape"]

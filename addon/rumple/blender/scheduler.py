@@ -105,11 +105,11 @@ def may_prepare_frame() -> bool:
 
 
 # ---------------------------------------------------------------- structural work
-def request(delay: float = 0.0) -> None:
+def request(delay: float = 0.0, until_released: bool = True) -> None:
     """Do the structural work soon. Several requests become one, after the last. With a delay it waits, too, for the
     mouse to be let go."""
     global _wanted, _may_be_held
-    _wanted, _may_be_held = True, delay > 0.0
+    _wanted, _may_be_held = True, delay > 0.0 and until_released
     if bpy.app.background or _render_running:
         return  # the next handler in background, or the end of the render, sees to it
     timers = bpy.app.timers
