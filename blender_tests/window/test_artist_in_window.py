@@ -168,7 +168,7 @@ class FirstClick(Hand):
         yield from self.see("Cotton", "PROPERTIES")
         for words in ("Wrinkle Mesh", "Cotton"):  # in the header, and on the path above or the button below
             self.assertEqual(len(self.places(words, "PROPERTIES", alone=False)), 2)
-        for words in ("Drape", "Wavelength", "Apply", "Remove", "Cloth", "Bake", "Status"):
+        for words in ("Drape", "Wavelength", "Apply", "Cloth", "Bake", "Status"):
             yield from self.see(words, "PROPERTIES")
         self.assertEqual(self.obj.rumple.message, "")
         yield from self.maximise("PROPERTIES")

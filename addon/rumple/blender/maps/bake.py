@@ -327,7 +327,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         if context.workspace is not None:
             context.workspace.status_text_set(None)
 
-    def _finished(self, bake: MapBake) -> set[str]:
+    def _finished(self, bake: MapBake | bake_apart.ApartBake) -> set[str]:
         self.report({"INFO"}, said(f"Baked {', '.join(bake.names)}"))
         return {"FINISHED"}
 
