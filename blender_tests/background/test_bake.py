@@ -14,7 +14,7 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import handlers, scheduler
-from rumple.blender.bake import clip, playback
+from rumple.blender.bake import clip, operators, playback
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import modifier, runtimes
 from rumple.core import clip_folder, clip_lock, engine
@@ -231,11 +231,34 @@ class Baked(unittest.TestCase):
         self.assertTrue(modifier.is_baked(modifier.find(self.obj)))
         self.assertEqual(len(list(self.entries())), 1)
 
-    def test_an_unsaved_file_is_told_to_be_saved(self) -> None:
-        sleeve.scene()
-        with self.assertRaises(RuntimeError) as caught:
-            bpy.ops.object.rumple_bake()
-        self.assertIn("save the file first", str(caught.exception))
+    def test_an_unsaved_file_is_baked_to_a_folder_that_goes_and_it_is_said(self) -> None:
+        self.obj = sleeve.scene()
+        with mock.patch.object(operators, "said", side_effect=operators.said) as said:
+            self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+        self.assertEqual(self.clip().parents[1], Path(bpy.app.tempdir))
+        self.assertRegex(said.call_args.args[0], f"samples to {self.clip()}: this folder goes when Blender quits")
+        sleeve.at(10)
+        self.assertEqual(self.obj.rumple.message, "")
+        bpy.ops.wm.save_as_mainfile(filepath=str(Path(self.folder.name, "late.blend")))
+        runtimes.of(self.obj).stale = True
+        scheduler.sync_all()
+        sleeve.at(11)
+        self.assertIn("baked before the file was saved", self.obj.rumple.message)
+        bpy.ops.object.rumple_bake()
+        sleeve.at(12)
+        self.assertEqual(self.obj.rumple.message, "")
+        self.assertEqual(self.clip().parents[1], Path(self.folder.name))
+
+    def test_all_of_the_scene(self) -> None:
+        """Each with its own range; one that cannot be baked keeps no other from it."""
+        other, broken = sleeve.another("Other", 1.5), sleeve.another("Broken", 2.0)
+        other.rumple.bake_end, broken.rumple.bake_end = 8, 0
+        sleeve.make_active(self.obj)
+        with self.assertRaisesRegex(RuntimeError, "Broken: the last frame"):
+            bpy.ops.object.rumple_bake(every=True)
+        self.assertEqual([modifier.is_baked(modifier.find(obj)) for obj in (self.obj, other, broken)],
+                         [True, True, False])
+        self.assertEqual([clip_status.manifest(clip_status.clip_path(obj)).end for obj in (self.obj, other)], [20, 8])
 
     def test_the_frame_stays(self) -> None:
         sleeve.at(7)

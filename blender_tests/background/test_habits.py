@@ -4,6 +4,7 @@ way before it is used."""
 from __future__ import annotations
 
 import unittest
+from typing import Any, Iterator
 from unittest import mock
 
 import bpy
@@ -11,7 +12,6 @@ import numpy as np
 from rumple.blender.nodes import field_shader
 from rumple.blender.objects import properties, runtimes
 from rumple.blender.ui import menus, panels
-from rumple.core.settings import MeshSettings
 from rumple.core.systems import SYSTEMS
 from support import sleeve
 from support.registered import own_classes
@@ -78,17 +78,27 @@ class Budget(unittest.TestCase):
 
 
 class Sliders(unittest.TestCase):
-    def test_a_length_can_be_dragged(self) -> None:
-        """Blender drags by a thousandth of the soft range a pixel."""
+    """By a mouse: test_artist_in_window.py."""
+
+    def of_systems(self) -> Iterator[Any]:
         for system in SYSTEMS.values():
-            group = getattr(bpy.data.objects.new("Any", None).rumple, system.group)
-            for name, about in group.bl_rna.properties.items():
-                if getattr(about, "unit", "") != "LENGTH":
-                    continue
-                self.assertLess((about.soft_max - about.soft_min) / 1000.0, 0.01 * about.default, name)
-                self.assertLessEqual(about.soft_min, about.default / 10.0, name)
-        wavelength = bpy.data.objects.new("Any", None).rumple.mesh.bl_rna.properties["wavelength"]
-        self.assertAlmostEqual((wavelength.soft_max - wavelength.soft_min) / 1000.0, MeshSettings.wavelength / 200.0, 5)
+            yield from getattr(bpy.data.objects.new("Any", None).rumple, system.group).bl_rna.properties
+
+    def test_a_length_can_be_dragged(self) -> None:
+        """It is drawn as a slider, of some 200 pixels."""
+        for about in self.of_systems():
+            if getattr(about, "unit", "") == "LENGTH":
+                self.assertLess((about.soft_max - about.soft_min) / 200.0, 0.02 * about.default, about.identifier)
+                self.assertLessEqual(about.soft_min, about.default / 10.0, about.identifier)
+                self.assertGreaterEqual(about.soft_max, 2.0 * about.default, about.identifier)
+
+    def test_a_plain_number_takes_some_hundred_pixels_through_its_values(self) -> None:
+        """A pixel is a hundredth of Blender's step. Ten times the default is all that anybody sets by hand."""
+        for about in self.of_systems():
+            if about.type == "FLOAT" and (about.unit, about.subtype) == ("NONE", "NONE"):
+                span = min(about.soft_max - about.soft_min, 10.0 * (about.default - about.soft_min))
+                self.assertLess(0.01 * about.step, span / 100.0, about.identifier)
+                self.assertGreater(0.01 * about.step, span / 1000.0, about.identifier)
 
 
 class Words(unittest.TestCase):
@@ -136,7 +146,7 @@ class Menu(unittest.TestCase):
     # Of another button, of a list in the panel, or not for hands
     ELSEWHERE = {"object.rumple_brush_stroke", "object.rumple_save_settings", "object.rumple_use_settings",
                  "object.rumple_select_healed", "rumple.pose_move", "rumple.pose_rename", "rumple.pose_mute",
-                 "rumple.pose_solo", "wm.rumple_rebuild_wait"}
+                 "rumple.pose_solo", "wm.rumple_rebuild_wait", "wm.rumple_held_mouse"}
 
     def drawn(self, menu: type) -> list[str]:
         """Operators and menus that it shows."""
@@ -185,6 +195,40 @@ class CopyToSelected(unittest.TestCase):
         bpy.ops.object.rumple_preset(preset="COTTON")  # the way back is known there too
         self.assertAlmostEqual(other.rumple.mesh.damping, 0.7, 5)
         self.assertEqual(bare.rumple.method, "NONE")
+
+
+class FirstClick(unittest.TestCase):
+    """What Adjust Last Operation has: it undoes the click, and does it again with other values."""
+
+    def add(self, **values: object) -> bpy.types.Object:
+        obj = sleeve.scene(wrinkles=False)
+        bpy.ops.object.rumple_add(method="MESH", **values)
+        return obj
+
+    def test_a_fabric_is_what_its_button_makes(self) -> None:
+        by_button = self.add()
+        bpy.ops.object.rumple_preset(preset="DENIM")
+        wanted = properties.settings_of(by_button, bpy.context.scene)
+        self.assertEqual(properties.settings_of(self.add(preset="DENIM"), bpy.context.scene), wanted)
+
+    def test_a_wavelength_of_the_fabric_that_is_shown_counts(self) -> None:
+        suggested = self.add().rumple.mesh.wavelength
+        self.assertAlmostEqual(self.add(width=0.06, width_of="COTTON", preset="COTTON").rumple.mesh.wavelength, 0.06, 6)
+        denim = self.add(width=suggested, width_of="COTTON", preset="DENIM").rumple.mesh.wavelength
+        self.assertGreater(denim, 1.05 * suggested)  # another fabric brings its own
+
+    def test_a_body_and_none(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        body = bpy.data.objects.new("Trunk", sleeve.tube("Trunk"))
+        bpy.context.scene.collection.objects.link(body)
+        bpy.ops.object.rumple_add(method="MESH", body="Trunk")
+        self.assertEqual(obj.rumple.body, body)
+        bpy.ops.object.rumple_remove()
+        bpy.ops.object.rumple_add(method="MESH", body="")
+        self.assertIsNone(obj.rumple.body)
+        bpy.ops.object.rumple_remove()
+        bpy.ops.object.rumple_add(method="MESH", body="Sleeve")  # over itself
+        self.assertIsNone(obj.rumple.body)
 
 
 @unittest.skipIf(bpy.app.version[:2] == (4, 3), "Debian's 4.3 has no brushes: Weight Paint without a window breaks it")

@@ -2,12 +2,14 @@
 """Wrinkle Maps with a window: EEVEE, panels, undo, the modal bake."""
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Iterator
+from unittest import mock
 
 import bpy
 import numpy as np
 from mathutils import Euler
-from rumple.blender.maps import modifier as maps_modifier
+from rumple.blender.maps import bake, modifier as maps_modifier
 from support import face, keyed_face, maps_renders, sleeve
 from support.window_case import WindowCase
 
@@ -142,16 +144,31 @@ class MapsInWindow(WindowCase):
         yield 0.5
         self.assertEqual([pose.name for pose in bpy.data.objects["Face"].rumple_maps.poses], ["Surprise"])
 
+    def texels(self) -> list[np.ndarray]:
+        """Of the maps of all poses."""
+        return [np.array(pose.image.pixels[:], np.float32) for pose in self.settings.poses]
+
     def test_the_bake_runs_modal_and_can_be_cancelled(self) -> Iterator[float]:
+        """In a second Blender, whose maps are those that a script gets in this one."""
         self.make()
         self.settings.bake_size = 64
         window = bpy.context.window_manager.windows[0]
         with self.area("VIEW_3D"):
+            bpy.ops.rumple.maps_bake(every=True)
+        by_script = self.texels()
+        for pose in self.settings.poses:
+            pose.image = None
+        before = bpy.context.scene.frame_current
+        with self.area("VIEW_3D"), mock.patch.object(bake.MapBake, "steps", side_effect=AssertionError):
             self.assertEqual(bpy.ops.rumple.maps_bake("INVOKE_DEFAULT", every=True), {"RUNNING_MODAL"})
-        yield from self.until(lambda: all(pose.image for pose in self.settings.poses))
+        yield from self.until(lambda: all(pose.image for pose in self.settings.poses), 90.0)
         yield 0.3
         former = [pose.image for pose in self.settings.poses]
         self.assertNotIn(None, former)
+        self.assertGreater(by_script[0].std(), 0.0)
+        for ours, theirs in zip(self.texels(), by_script):
+            np.testing.assert_array_equal(ours, theirs)
+        self.assertEqual(bpy.context.scene.frame_current, before)
         objects = sorted(obj.name for obj in bpy.data.objects)
         with self.area("VIEW_3D"):
             bpy.ops.rumple.maps_bake("INVOKE_DEFAULT", every=True)
@@ -159,6 +176,7 @@ class MapsInWindow(WindowCase):
         window.event_simulate("ESC", "PRESS", x=400, y=400)
         window.event_simulate("ESC", "RELEASE", x=400, y=400)
         yield 1.0
+        self.assertEqual(list(Path(bpy.app.tempdir).glob("rumple_maps_*")), [])
         self.assertIs(self.settings.poses[1].image, former[1])
         self.assertEqual(sorted(obj.name for obj in bpy.data.objects), objects)
         self.assertEqual(len(list(maps_modifier.mapped_objects())), 1)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 from rumple.core.cloth import FIELD, BaseCloth
-from rumple.core.settings import ClothSettings
+from rumple.core.cloth_settings import ClothSettings
 from rumple.core.surroundings import Field, Surroundings, air_velocity, surroundings_of
 from support.meshes import tube
 

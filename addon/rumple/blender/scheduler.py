@@ -40,6 +40,8 @@ _workers: tuple[Callable[[], None], ...] = ()
 _may_wait = False  # what is long may be left to threads: in the timer only
 _awaited: list[Awaited] = []  # what these make
 _tell_waiting: Callable[[], None] = lambda: None
+_is_held: Callable[[], bool] = lambda: False  # whether the mouse drags something
+_may_be_held = False  # whether what is wanted comes of a value or a mesh that somebody may still be dragging
 
 
 def set_workers(*workers: Callable[[], None]) -> None:
@@ -103,10 +105,11 @@ def may_prepare_frame() -> bool:
 
 
 # ---------------------------------------------------------------- structural work
-def request(delay: float = 0.0) -> None:
-    """Do the structural work soon. Several requests become one, after the last."""
-    global _wanted
-    _wanted = True
+def request(delay: float = 0.0, until_released: bool = True) -> None:
+    """Do the structural work soon. Several requests become one, after the last. With a delay it waits, too, for the
+    mouse to be let go."""
+    global _wanted, _may_be_held
+    _wanted, _may_be_held = True, delay > 0.0 and until_released
     if bpy.app.background or _render_running:
         return  # the next handler in background, or the end of the render, sees to it
     timers = bpy.app.timers
@@ -121,12 +124,27 @@ def _on_timer() -> float | None:
     with LOCK:  # a render job that starts now waits for what is begun here
         if _render_running:
             return 0.5
+        if _may_be_held and _is_held():
+            return POLL
         if not awaited():
             _sync_and_wait()
         if not _awaited:
             return None
     _tell_waiting()
     return POLL
+
+
+def hurry() -> None:
+    """The mouse was let go: what waits for that is done now."""
+    if bpy.app.timers.is_registered(_on_timer):
+        bpy.app.timers.unregister(_on_timer)
+        bpy.app.timers.register(_on_timer, first_interval=0.0)
+
+
+def ask_whether_held(function: Callable[[], bool]) -> None:
+    """Called before what somebody may still be dragging is rebuilt; it is tried again every POLL seconds."""
+    global _is_held
+    _is_held = function
 
 
 def _sync_and_wait() -> None:
@@ -217,7 +235,7 @@ def _tag_due() -> float | None:
 
 def stop() -> None:
     """For unregister()."""
-    for function in (_on_timer, _tag_due, _redraw_panels):
+    for function in (_on_timer, _tag_due, _redraw_panels, hurry):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)
     _awaited.clear()

@@ -13,6 +13,7 @@ from .objects import modifier, properties
 from .translation import said
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
+WRINKLED = "This object has wrinkles already"
 # Chinese and Japanese letters are twice as wide, and a line may break behind each, but not in front of a full stop.
 _WORDS = re.compile("(?:[\u3040-\u9fff\uff00-\uffef][\u3001\u3002\uff01-\uff0f\uff1a-\uff1f\u300d\u30fc]*)|"
                     "[^\\s\u3040-\u9fff\uff00-\uffef]+|\\s+")
@@ -33,7 +34,7 @@ def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
     if wrinkled and not found:
         return "This object has no wrinkles: add them first"
     if not wrinkled and found:
-        return "This object has wrinkles already"
+        return WRINKLED
     return ""
 
 
@@ -83,6 +84,12 @@ def settings_column(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bpy.ty
     column = property_column(layout)
     column.enabled = not modifier.is_baked(modifier.find(obj))
     return column
+
+
+def draw_setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str) -> None:
+    """A row for one. A length is a slider, which moves by its width: of a number with a unit, Blender moves a whole
+    millimetre or centimetre a pixel."""
+    layout.prop(group, name, slider=getattr(group.bl_rna.properties[name], "unit", "") == "LENGTH")
 
 
 def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:

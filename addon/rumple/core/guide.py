@@ -16,7 +16,8 @@ _PLACES = {
     "one-click": "ops.object.rumple_add object.method",
     "presets": "*.preset ops.object.rumple_preset ops.object.rumple_save_settings ops.object.rumple_use_settings "
                "ops.object.rumple_copy_settings",
-    "the-panel": "object.most_vertices ops.wm.rumple_rebuild_wait object.mesh object.field object.paths",
+    "the-panel": "object.most_vertices ops.wm.rumple_rebuild_wait ops.wm.rumple_held_mouse object.mesh object.field "
+                 "object.paths",
     "user-guide": "ops.wm.rumple_open_example",
     "where-it-stands": "ops.object.rumple_apply ops.object.rumple_remove ops.object.rumple_select_healed "
                        "*.rigid_parts object.incoming",

@@ -23,11 +23,8 @@ SUFFIX = ".clip"
 
 
 def new_clip_path(obj: bpy.types.Object) -> Path:
-    """Where the clip of an object belongs. Raises BakeError."""
-    path = clip_place.of(obj)
-    if path is None:
-        raise BakeError(f"{obj.name}: save the file first: the bake is stored beside it")
-    return path
+    """Where the clip of an object belongs: of a file that was never saved, into a folder that Blender deletes."""
+    return clip_place.of(obj) or clip_place.until_saved(obj)
 
 
 def _file_name() -> str:

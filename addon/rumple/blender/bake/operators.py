@@ -6,12 +6,14 @@ import time
 
 import bpy
 
-from .. import ui_base
-from ..objects import modifier
+from .. import compat, ui_base
+from ..objects import bodies, clip_place, modifier
 from ..translation import said
 from . import clip, shape_keys
 from .playback import BakeError, Playback
 
+PARTS = 1000  # of the progress that is shown
+UNSAVED = ": this folder goes when Blender quits. Save the file and bake again"
 STEP_SECONDS = 0.05  # the window stays alive: solve for so long between two redraws
 
 
@@ -21,25 +23,61 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     bl_idname = "object.rumple_bake"
     bl_label = "Bake"
 
+    every: bpy.props.BoolProperty(name="All Objects", options={"SKIP_SAVE"},
+                                  description="Bake every object of the scene that has wrinkles, each with its own "
+                                              "range; what is worn over others comes behind them")
+
     def execute(self, context: bpy.types.Context) -> set[str]:
-        bake = self._begin(context)
-        if bake is None:
-            return {"CANCELLED"}
+        self._line_up(context)
+        self._next(context)
+        while self._running is not None:
+            self._step_until(context, float("inf"))
+        return self._end()
+
+    def _line_up(self, context: bpy.types.Context) -> None:
+        """The names of what is to be baked."""
+        self._baked = 0
+        if not self.every:
+            self._waiting = [context.object.name]
+            return
+        pairs = [pair for pair in modifier.wrinkled_objects() if pair[0].name in context.scene.objects
+                 and compat.is_editable(pair[0])]
+        self._waiting = [obj.name for obj, _ours in bodies.in_order(pairs)]
+
+    def _next(self, context: bpy.types.Context) -> None:
+        """Begin the next that can be baked; none: all are done."""
+        self._running: clip.ClipBake | None = None
+        while self._waiting and self._running is None:
+            name = self._waiting.pop(0)
+            if name in bpy.data.objects:
+                self._running = self._begin(context, bpy.data.objects[name])
+
+    def _step_until(self, context: bpy.types.Context, until: float) -> None:
+        """Solve samples until that time, or the end of this object: then the next begins."""
         try:
-            while bake.step():
-                pass
+            while time.perf_counter() < until:
+                if not self._running.step():
+                    self._finish(self._running)
+                    self._next(context)
+                    return
         except BakeError as error:
-            return self._give_up(bake, error)
-        return self._finish(bake)
+            self._give_up(self._running, error)
+            self._next(context)
+
+    def _end(self) -> set[str]:
+        if self.every and self._baked:
+            self.report({"INFO"}, said(f"Baked {self._baked} objects"))
+        return {"FINISHED"} if self._baked else {"CANCELLED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         if bpy.app.background:
             return self.execute(context)
-        self._running = self._begin(context)
+        self._line_up(context)
+        self._next(context)
         if self._running is None:
             return {"CANCELLED"}
         manager = context.window_manager
-        manager.progress_begin(0, self._running.playback.count)
+        manager.progress_begin(0, PARTS)
         self._timer = manager.event_timer_add(0.01, window=context.window)
         manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -47,26 +85,23 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if event.type == "ESC":
             self._end_modal(context)
-            return self._give_up(self._running, BakeError("Bake cancelled: nothing was changed"), "INFO")
+            self._give_up(self._running, BakeError("Bake cancelled: nothing was changed"), "INFO")
+            return self._end()
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
-        until = time.perf_counter() + STEP_SECONDS
-        try:
-            while time.perf_counter() < until:
-                if not self._running.step():
-                    self._end_modal(context)
-                    return self._finish(self._running)
-        except BakeError as error:
+        self._step_until(context, time.perf_counter() + STEP_SECONDS)
+        if self._running is None:
             self._end_modal(context)
-            return self._give_up(self._running, error)
+            return self._end()
         self._show_progress(context)
         return {"RUNNING_MODAL"}
 
     def _show_progress(self, context: bpy.types.Context) -> None:
         done, count = self._running.done, self._running.playback.count
-        context.window_manager.progress_update(done)
+        context.window_manager.progress_update(done * PARTS // max(count, 1))
         if context.workspace is not None:
-            context.workspace.status_text_set(said(f"Baking wrinkles: {done} of {count} samples. Esc cancels"))
+            text = said(f"Baking wrinkles: {done} of {count} samples. Esc cancels")
+            context.workspace.status_text_set(f"{self._running.name}: {text}" if self.every else text)
 
     def _end_modal(self, context: bpy.types.Context) -> None:
         context.window_manager.event_timer_remove(self._timer)
@@ -74,26 +109,24 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         if context.workspace is not None:
             context.workspace.status_text_set(None)
 
-    def _begin(self, context: bpy.types.Context) -> clip.ClipBake | None:
+    def _begin(self, context: bpy.types.Context, obj: bpy.types.Object) -> clip.ClipBake | None:
         try:
-            return clip.ClipBake(context, context.object)
+            return clip.ClipBake(context, obj)
         except BakeError as error:
             self.report({"ERROR"}, said(str(error)))
             return None
 
-    def _give_up(self, bake: clip.ClipBake, error: Exception, kind: str = "ERROR") -> set[str]:
+    def _give_up(self, bake: clip.ClipBake, error: Exception, kind: str = "ERROR") -> None:
         bake.cancel()
         self.report({kind}, said(str(error)))
-        return {"CANCELLED"}
 
-    def _finish(self, bake: clip.ClipBake) -> set[str]:
-        try:
-            written = bake.finish()
-        except BakeError as error:
-            return self._give_up(bake, error)
-        self.report({"WARNING"} if bake.note else {"INFO"},
-                    said(f"Baked {bake.writer.manifest.sample_count} samples to {written}{bake.note}"))
-        return {"FINISHED"}
+    def _finish(self, bake: clip.ClipBake) -> None:
+        """Raises BakeError."""
+        written = bake.finish()
+        self._baked += 1
+        note = bake.note + (UNSAVED if clip_place.is_temporary(written) else "")
+        self.report({"WARNING"} if note else {"INFO"},
+                    said(f"Baked {bake.writer.manifest.sample_count} samples to {written}{note}"))
 
 
 class OBJECT_OT_rumple_bake_free(ui_base.OnWrinkled, bpy.types.Operator):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import bpy
 
 from ..frame import clip_status
-from ..objects import modifier
+from ..objects import clip_place, modifier
 from ..translation import said
-from ..ui_base import Panel, property_column
+from ..ui_base import Panel, draw_note, property_column
 
 
 def draw_header(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
@@ -31,8 +31,11 @@ class DATA_PT_rumple_bake(Panel, bpy.types.Panel):
             column.prop(obj.rumple, name)
         if clip_status.sees_ahead(obj, context.scene):
             column.prop(obj.rumple, "bake_whole_clip")
+        if clip_place.of(obj) is None:
+            draw_note(self.layout, f"{obj.name}: the file was never saved, so the clip goes to a temporary folder")
         row = column.row(align=True)
-        row.operator("object.rumple_bake", icon="RENDER_ANIMATION")
+        row.operator("object.rumple_bake", icon="RENDER_ANIMATION").every = False
+        row.operator("object.rumple_bake", text="Bake All").every = True
         if modifier.is_baked(modifier.find(obj)):
             row.operator("object.rumple_bake_free")
         column.operator("object.rumple_bake_shape_keys")

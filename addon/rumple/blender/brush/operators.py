@@ -269,6 +269,20 @@ CLASSES = (RUMPLE_Brush, OBJECT_OT_rumple_brush, OBJECT_OT_rumple_brush_stroke, 
            OBJECT_OT_rumple_clear_rest_wrinkles)
 
 
+def _where_it_paints(context: bpy.types.Context | None) -> tuple:
+    """For the toolbar, which takes functions in place of tools. Without a context it asks for all that there may be."""
+    obj = None if context is None else context.object
+    nodes_mod = modifier.find(obj) if obj is not None and obj.type == "MESH" else None
+    shown = context is None or (nodes_mod is not None and modifier.system(nodes_mod).method == "FIELD")
+    return (RUMPLE_RestWrinkleTool._bl_tool,) if shown else ()
+
+
+def _exchange(listed: object, other: object) -> None:
+    """In the list of tools of Object Mode."""
+    tools = bpy.types.VIEW3D_PT_tools_active._tools[RUMPLE_RestWrinkleTool.bl_context_mode]
+    tools[tools.index(listed)] = other
+
+
 @persistent
 def _on_load(*_arguments: object) -> None:
     brush_canvas.forget()
@@ -281,6 +295,7 @@ def register() -> None:
     bpy.types.Scene.rumple_brush = bpy.props.PointerProperty(type=RUMPLE_Brush)
     if not bpy.app.background:  # there are no keymaps yet when a background Blender starts with the add-on on
         bpy.utils.register_tool(RUMPLE_RestWrinkleTool, after={"builtin.cursor"}, separator=True)
+        _exchange(RUMPLE_RestWrinkleTool._bl_tool, _where_it_paints)
     bpy.app.handlers.load_post.append(_on_load)
     brush_overlay.register(TOOL)
 
@@ -289,6 +304,7 @@ def unregister() -> None:
     brush_overlay.unregister()
     bpy.app.handlers.load_post.remove(_on_load)
     if not bpy.app.background:
+        _exchange(_where_it_paints, RUMPLE_RestWrinkleTool._bl_tool)
         bpy.utils.unregister_tool(RUMPLE_RestWrinkleTool)
     del bpy.types.Scene.rumple_brush
     for cls in reversed(CLASSES):

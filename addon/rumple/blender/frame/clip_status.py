@@ -9,7 +9,7 @@ import bpy
 
 from ...core import clip_file
 from ...core.clip_manifest import ClipFault, Manifest
-from ..objects import bodies, coarse_copy, evaluator, mesh_reader, messages, modifier, properties, units
+from ..objects import bodies, clip_place, coarse_copy, evaluator, mesh_reader, messages, modifier, properties, units
 from ..objects.runtimes import Runtime
 from . import path_curves
 
@@ -155,6 +155,8 @@ def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
     if clip is None or about is None:
         return f"{obj.name}: the baked clip {clip.name if clip else ''} has no manifest, so nobody knows what it was " \
                "baked from: bake again"
+    if clip_place.is_temporary(clip) and bpy.data.filepath:
+        return f"{obj.name}: the clip was baked before the file was saved, and goes when Blender quits: bake again"
     if about.inputs != inputs_fingerprint(obj, units.scene_of(obj)):
         return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
     return ""

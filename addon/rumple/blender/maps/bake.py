@@ -22,7 +22,7 @@ from ..frame import rebuild
 from ..nodes import maps_shader
 from ..objects import cloth_defaults, modifier, properties, runtimes, units
 from ..translation import said
-from . import (changes as maps_changes, export as maps_export, keys as maps_keys, modifier as maps_modifier,
+from . import (bake_apart, changes as maps_changes, export as maps_export, keys as maps_keys, modifier as maps_modifier,
                operators as maps_operators, rig as maps_rig, stored_poses)
 
 SAMPLES = 8  # of the baker, for each texel: wrinkles narrower than a texel are averaged
@@ -71,6 +71,19 @@ class MapBake:
             self._store(image)
             self.names.append(image.name)
             self.done += 1
+
+    def take(self, number: int, pixels: np.ndarray) -> bpy.types.Image:
+        """The map of a pose that another Blender has baked. pixels: (4 texels,) float32."""
+        pose = self.obj.rumple_maps.poses[number]
+        pose.image = image = self._new_image(pose)
+        image.pixels.foreach_set(pixels)
+        image.update()
+        self._store(image)
+        return image
+
+    def refuse(self, text: str) -> None:
+        """What went wrong there. Raises UserError."""
+        raise UserError(text)
 
     def close(self) -> None:
         """Put the armature back."""
@@ -157,10 +170,7 @@ class MapBake:
     # --- the baker
     def _bake(self, pose: bpy.types.PropertyGroup, low: bpy.types.Object, high: bpy.types.Object,
               height: float) -> bpy.types.Image:
-        settings = self.obj.rumple_maps
-        size, name = settings.bake_size, f"{self.obj.name} {pose.name}"
-        image = bpy.data.images.new(name, size, size, alpha=False, float_buffer=settings.bake_deep, is_data=True)
-        image.colorspace_settings.name = "Non-Color"
+        settings, image = self.obj.rumple_maps, self._new_image(pose)
         material = _show_only(low, image)
         if settings.uv_map in low.data.uv_layers:
             low.data.uv_layers[settings.uv_map].active_render = True
@@ -187,6 +197,13 @@ class MapBake:
             bpy.data.scenes.remove(scene)
             bpy.data.materials.remove(material)
         _flatten_strays(image)
+        return image
+
+    def _new_image(self, pose: bpy.types.PropertyGroup) -> bpy.types.Image:
+        settings = self.obj.rumple_maps
+        image = bpy.data.images.new(f"{self.obj.name} {pose.name}", settings.bake_size, settings.bake_size,
+                                    alpha=False, float_buffer=settings.bake_deep, is_data=True)
+        image.colorspace_settings.name = "Non-Color"
         return image
 
     def _store(self, image: bpy.types.Image) -> None:
@@ -264,7 +281,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         if bpy.app.background:
             return self.execute(context)
         try:
-            self._running = self._begin(context)
+            self._running = bake_apart.ApartBake(self._begin(context))
         except UserError as error:
             self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
@@ -283,7 +300,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
         try:
-            text = next(self._steps)
+            text = said(next(self._steps))
         except StopIteration:
             self._end_modal(context)
             return self._finished(self._running)
@@ -303,14 +320,14 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         return MapBake(context, obj, list(range(len(settings.poses))) if self.every else [settings.active])
 
     def _end_modal(self, context: bpy.types.Context) -> None:
-        self._steps.close()  # deletes the copies
+        self._steps.close()
         self._running.close()
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
         if context.workspace is not None:
             context.workspace.status_text_set(None)
 
-    def _finished(self, bake: MapBake) -> set[str]:
+    def _finished(self, bake: MapBake | bake_apart.ApartBake) -> set[str]:
         self.report({"INFO"}, said(f"Baked {', '.join(bake.names)}"))
         return {"FINISHED"}
 

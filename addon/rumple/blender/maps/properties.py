@@ -163,7 +163,8 @@ class RUMPLE_Maps(bpy.types.PropertyGroup):
                                        override={"LIBRARY_OVERRIDABLE"},
                                        description="Texels by which the map reaches beyond the islands of the UV map")
     bake_cage: bpy.props.FloatProperty(name="Cage", default=0.0, min=0.0, soft_max=0.1, subtype="DISTANCE",
-                                       unit="LENGTH", precision=4, options=set(), override={"LIBRARY_OVERRIDABLE"},
+                                       unit="LENGTH", step=0.02, precision=4, options=set(),
+                                       override={"LIBRARY_OVERRIDABLE"},
                                        description="How far outside the coarse mesh the baker looks for wrinkles. 0: "
                                                    "from the height of the folds")
     bake_deep: bpy.props.BoolProperty(name="16 Bit", options=set(), override={"LIBRARY_OVERRIDABLE"},

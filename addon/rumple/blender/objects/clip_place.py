@@ -11,6 +11,16 @@ from ...core import clip_folder
 FOLDER = "//rumple"
 
 
+def until_saved(obj: bpy.types.Object) -> Path:
+    """Of the clip of a file that was never saved: Blender's own temporary folder."""
+    return Path(bpy.app.tempdir) / "rumple" / clip_folder.clip_name("unsaved", obj.name, "")
+
+
+def is_temporary(clip: Path) -> bool:
+    """Whether it goes when Blender quits."""
+    return Path(bpy.app.tempdir).resolve() in clip.resolve().parents
+
+
 def of(obj: bpy.types.Object) -> Path | None:
     """Of the clip. None where it belongs beside the blend file, and that was never saved."""
     folder = obj.rumple.bake_folder or FOLDER

@@ -26,7 +26,7 @@ def _changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> Non
     read_again(obj.parent if obj.type != "MESH" else obj)
 
 
-_LENGTH = dict(min=0.0, step=0.1, precision=4, subtype="DISTANCE", unit="LENGTH", options=set(), override=_OVERRIDE,
+_LENGTH = dict(min=0.0, step=0.02, precision=4, subtype="DISTANCE", unit="LENGTH", options=set(), override=_OVERRIDE,
                update=_changed)
 
 
@@ -40,16 +40,16 @@ class RUMPLE_Guide(bpy.types.PropertyGroup):
     count: bpy.props.IntProperty(name="Count", default=3, min=1, max=200, soft_max=30, options=set(),
                                  override=_OVERRIDE, update=_changed,
                                  description="Folds side by side; of puckers, how many spacings they reach over")
-    spacing: bpy.props.FloatProperty(name="Spacing", default=SPACING, soft_max=0.3, **_LENGTH,
+    spacing: bpy.props.FloatProperty(name="Spacing", default=SPACING, soft_max=0.1, **_LENGTH,
                                      description="From fold to fold")
-    depth: bpy.props.FloatProperty(name="Fold Depth", default=DEPTH, soft_max=0.1, **_LENGTH,
+    depth: bpy.props.FloatProperty(name="Fold Depth", default=DEPTH, soft_max=0.03, **_LENGTH,
                                    description="From valley to crest. The radius of each point of the curve scales it")
     others: bpy.props.FloatProperty(name="Other Folds", default=0.0, min=0.0, max=1.0, subtype="FACTOR", options=set(),
                                     override=_OVERRIDE, update=_changed,
                                     description="Share of the folds of motion that stays between those of the guide")
     seam_depth: bpy.props.FloatProperty(name="Seam Pucker", default=0.0, soft_max=0.02, **_LENGTH,
                                         description="How high the cloth puckers along edges that are marked as seams")
-    seam_spacing: bpy.props.FloatProperty(name="Pucker Spacing", default=0.02, soft_max=0.1, **_LENGTH,
+    seam_spacing: bpy.props.FloatProperty(name="Pucker Spacing", default=0.02, soft_max=0.06, **_LENGTH,
                                           description="From pucker to pucker along a seam")
 
 

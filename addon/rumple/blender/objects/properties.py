@@ -2,6 +2,7 @@
 """What is stored on objects: `object.rumple`. The settings are made from core/settings.py, field by field."""
 from __future__ import annotations
 
+import math
 from dataclasses import Field, fields
 from typing import Any, Callable, Iterable
 
@@ -16,6 +17,8 @@ MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the 
 DEFAULT_MOST_VERTICES = 250_000  # made in about two seconds
 DEFAULT_MEMORY = 512  # megabytes; about 250 frames of a shirt at 50,000 points
 DEFAULT_DISK = 2048  # megabytes
+
+MOST_STEPS = 200  # pixels of a drag over the values in use
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}  # else a linked character's garments could not be tuned
 
@@ -51,17 +54,31 @@ def _property(f: Field) -> Any:
         if about[key] is not None:
             common.update({name: about[key] for name in names})
     if about["unit"] == "LENGTH":  # kept in the scene's unit, which may be a millimetre or a kilometre
-        # Blender drags by a thousandth of the soft range a pixel: a tenth of a millimetre or two of a fold.
+        # A slider of 200 pixels (ui_base.draw_setting): half a millimetre or so of a fold a pixel. The step is that of
+        # Ctrl and the wheel, a millimetre.
         length: float = f.default  # type: ignore[assignment]
-        common.update(soft_min=length / 20.0 if common["min"] > 0.0 else 0.0, soft_max=5.0 * length, step=5.0 * length)
+        common.update(soft_min=length / 20.0 if common["min"] > 0.0 else 0.0, soft_max=3.0 * length, step=0.02)
         common.update(min=common["min"] / 1000.0, max=1000.0 * common["max"])
     if isinstance(f.default, int):
         return bpy.props.IntProperty(**common)
+    if about["unit"] == "NONE":
+        common["step"] = 100.0 * _nice_step(f)
     if about["unit"] == "LENGTH":
         return bpy.props.FloatProperty(subtype="DISTANCE", unit="LENGTH", precision=4, **common)
     if about["unit"] == "SECONDS":
         return bpy.props.FloatProperty(subtype="TIME_ABSOLUTE", unit="TIME_ABSOLUTE", precision=3, **common)
     return bpy.props.FloatProperty(subtype="FACTOR" if about["unit"] == "FACTOR" else "NONE", precision=3, **common)
+
+
+def _nice_step(f: Field) -> float:
+    """What a pixel of a drag changes of a plain number: 1, 2 or 5 of a decimal place, some hundred of them over the
+    values that are in use."""
+    about = f.metadata
+    default: float = f.default  # type: ignore[assignment]
+    highest = about["high"] if about["soft"] is None else about["soft"]
+    span = min(highest - about["low"], 10.0 * (default - about["low"]) or highest)
+    decade = 10.0 ** math.floor(math.log10(span / MOST_STEPS))
+    return max(step for step in (decade, 2.0 * decade, 5.0 * decade) if step <= 1.001 * span / MOST_STEPS)
 
 
 def _settings_group(method: str, **others: Any) -> type:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..objects import mesh_reader, properties
-from ..ui_base import Panel, settings_column
+from ..ui_base import Panel, draw_setting, settings_column
 
 
 class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
@@ -26,9 +26,9 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
         if obj.rumple.method != "MESH":
             column.prop(settings, "drape")
         for name in ("slack", "bending_length", "gravity"):
-            column.prop(settings, name)
+            draw_setting(column, settings, name)
         painted(column, obj, "room")
-        column.prop(settings, "slide_room")
+        draw_setting(column, settings, "slide_room")
         paint_only(column, obj, "follow", "Pinned to the animation")
         if mesh_reader.MESH_GROUPS["follow"] not in obj.vertex_groups:
             column.prop(settings, "up")
@@ -60,13 +60,13 @@ class DATA_PT_rumple_body(Panel, bpy.types.Panel):
         column.prop(context.object.rumple, "body")
         column.prop(context.object.rumple, "body_collection")
         for name in ("thickness", "friction"):
-            column.prop(properties.group_of(context.object), name)
+            draw_setting(column, properties.group_of(context.object), name)
 
 
 def painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
     """A setting and the button that paints where it acts."""
     row = column.row(align=True)
-    row.prop(properties.group_of(obj), name)
+    draw_setting(row, properties.group_of(obj), name)
     paint_button(row, obj, name)
 
 

@@ -7,7 +7,7 @@ import bpy
 from ...core.keep_smooth import SMOOTH
 from ...core.painted_rigid import RIGID
 from ..objects import guide_curves
-from ..ui_base import Panel, settings_column
+from ..ui_base import Panel, draw_setting, settings_column
 from . import cloth_panel
 
 
@@ -19,15 +19,16 @@ class DATA_PT_rumple_guides(Panel, bpy.types.Panel):
         column, obj = settings_column(self.layout, context.object), context.object
         cloth_panel.paint_only(column, obj, SMOOTH, "Keep Smooth")
         cloth_panel.paint_only(column, obj, RIGID, "Rigid")
-        if obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING":
+        in_use = bool(guide_curves.of(obj)) or obj.rumple_guide.seam_depth > 0.0
+        if in_use and obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING":
             column.label(text="Guides need the output Geometry", icon="INFO")
         for guide in guide_curves.of(obj):
             _draw_guide(column.box().column(), guide)
         column.operator("object.rumple_guide_add", icon="CURVE_DATA")
-        column.prop(obj.rumple_guide, "seam_depth")
+        draw_setting(column, obj.rumple_guide, "seam_depth")
         row = column.row()
         row.active = obj.rumple_guide.seam_depth > 0.0
-        row.prop(obj.rumple_guide, "seam_spacing")
+        draw_setting(row, obj.rumple_guide, "seam_spacing")
 
 
 def _draw_guide(column: bpy.types.UILayout, guide: bpy.types.Object) -> None:
@@ -35,4 +36,4 @@ def _draw_guide(column: bpy.types.UILayout, guide: bpy.types.Object) -> None:
     row.label(text=guide.name, icon="CURVE_DATA", translate=False)
     row.operator("object.rumple_guide_remove", text="", icon="X").name = guide.name
     for name in ("kind", "count", "spacing", "depth", "others"):
-        column.prop(guide.rumple_guide, name)
+        draw_setting(column, guide.rumple_guide, name)

@@ -6,13 +6,9 @@ rumple_shade(), rumple_unshade(), rumple_capture_rest(), rumple_clear_frames().
 """
 from __future__ import annotations
 
-import json
-from typing import Any
-
 import bpy
 
 from ... import native
-from ...core.presets import Preset, touched
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
 from ..frame import disk_frames, rebuild
@@ -21,8 +17,25 @@ from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
                        properties, runtimes, stack_notes, units, viewport_mesh)
 from ..translation import said
+from . import fabrics
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
+
+
+def _added_presets(operator: bpy.types.Operator, _context: bpy.types.Context | None) -> tuple:
+    """Of the system that is added."""
+    return fabrics.ITEMS.get(getattr(operator, "method", ""), ()) or fabrics.ITEMS["MESH"]
+
+
+def _is_last_operation(context: bpy.types.Context) -> bool:
+    done = context.window_manager.operators
+    return len(done) > 0 and isinstance(done[-1], OBJECT_OT_rumple_add)
+
+
+def _other_mesh(scene: bpy.types.Scene, name: str, obj: bpy.types.Object) -> bpy.types.Object | None:
+    """What can be the body of an object, by its name in the scene."""
+    found = scene.objects.get(name)
+    return found if found is not None and found != obj and bodies.can_be_body(found) else None
 
 
 class OBJECT_OT_rumple_add(bpy.types.Operator):
@@ -37,6 +50,30 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     shade: bpy.props.BoolProperty(name="Add to Materials", default=True, options={"SKIP_SAVE"},
                                   description="Wrinkle Field: let the materials of the object draw the waves")
 
+    # What Adjust Last Operation shows: where it was changed there, it counts.
+    preset: bpy.props.EnumProperty(name="Cloth", items=_added_presets, options={"SKIP_SAVE"},
+                                   description="The fabric that it is made of")
+    width: bpy.props.FloatProperty(name="Wavelength", subtype="DISTANCE", unit="LENGTH", min=0.0, soft_max=0.2,
+                                   step=0.02, precision=4, options={"SKIP_SAVE"},
+                                   description="From fold to fold, or the width of a path")
+    body: bpy.props.StringProperty(name="Body", options={"SKIP_SAVE"},
+                                   description="What this garment is worn over: cloth stays outside of it")
+    width_of: bpy.props.StringProperty(options={"HIDDEN", "SKIP_SAVE"},
+                                       description="The fabric that this wavelength was shown for")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Adjust Last Operation."""
+        system = SYSTEMS.get(self.method)
+        if system is None:
+            return
+        column = ui_base.property_column(self.layout)
+        if system.presets:
+            column.prop(self, "preset")
+        column.prop(self, "width", slider=True)
+        column.prop_search(self, "body", context.scene, "objects")
+        if self.method == "FIELD":
+            column.prop(self, "shade")
+
     @classmethod
     def description(cls, _context: bpy.types.Context, chosen: bpy.types.OperatorProperties) -> str:
         """The tooltip of the method that is chosen."""
@@ -46,12 +83,18 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         why = ui_base.refusal(context.object, wrinkled=False)
+        if why == ui_base.WRINKLED and _is_last_operation(context):
+            why = ""  # Adjust Last Operation asks before it undoes the first click
         if why:
             cls.poll_message_set(said(why))
         return not why
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
+        why = ui_base.refusal(obj, wrinkled=False)
+        if why:
+            self.report({"ERROR"}, said(why))
+            return {"CANCELLED"}
         if self.method == "MAPS":
             try:
                 return bpy.ops.rumple.maps_add()
@@ -68,6 +111,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         cloth_defaults.apply(obj, context.scene, lengths)
         if cloth_defaults.is_cloth(obj):
             self._find_body(context, obj)
+        self._adjust(context, obj)
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
@@ -102,6 +146,22 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         properties.apply_values(obj, context.scene, values)
         obj.rumple.bake_start, obj.rumple.bake_end = context.scene.frame_start, context.scene.frame_end
         return lengths
+
+    def _adjust(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        """What Adjust Last Operation has, and otherwise shows."""
+        system, settings = SYSTEMS[self.method], properties.group_of(obj)
+        length = system.wrinkles.SUGGESTED
+        if system.presets and self.properties.is_property_set("preset") and self.preset != settings.preset:
+            fabrics.use(obj, context.scene, self.preset)
+        fabric = settings.preset if system.presets else ""
+        if self.properties.is_property_set("width") and self.width_of == fabric:
+            setattr(settings, length, self.width)
+        if self.properties.is_property_set("body"):
+            obj.rumple.body = _other_mesh(context.scene, self.body, obj)
+        self.width, self.width_of = getattr(settings, length), fabric
+        self.body = "" if obj.rumple.body is None else obj.rumple.body.name
+        if system.presets:
+            self.preset = fabric
 
     def _find_body(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Where none was ever set: what was set before a removal stays, and nothing too."""
@@ -226,60 +286,6 @@ def evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.typ
             m.show_viewport = True
 
 
-def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | None) -> tuple:
-    """Of the object at hand; Blender asks without one when it lists all operators."""
-    obj = context.object if context is not None else None
-    return _PRESET_ITEMS[properties.system_of(obj).method if obj is not None else "MESH"]
-
-
-_PRESET_ITEMS = {method: properties.preset_items(system) for method, system in SYSTEMS.items()}  # Blender keeps no copy
-
-
-class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
-    """Set the cloth: where folds form, how wide, high and lively they are. Rest shape and paint stay"""
-
-    bl_idname = "object.rumple_preset"
-    bl_label = "Cloth Preset"
-
-    preset: bpy.props.EnumProperty(name="Cloth", items=_preset_items)
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not super().poll(context):
-            return False
-        system = properties.system_of(context.object)
-        if not system.presets:
-            cls.poll_message_set(said(f"The {said(system.label)} has no presets"))
-        return bool(system.presets)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.object
-        system, settings = properties.system_of(obj), properties.group_of(obj)
-        chosen, former = system.presets[self.preset], system.presets[settings.preset]
-        restored, former_width = _taken_back(obj, former)
-        now = {**vars(properties.settings_of(obj, context.scene)), **restored}
-        properties.apply_values(obj, context.scene, {**restored, **properties.defaults(obj, touched(system.presets)),
-                                                     **chosen.values, **chosen.replaced})
-        replaced = {name: now[name] for name in chosen.replaced}
-        settings.preset_replaced = json.dumps(replaced) if replaced else ""
-        length = system.wrinkles.SUGGESTED
-        scaled = now[length] * chosen.fold_width / former_width
-        # Seven digits are what a float holds: the way back is exact.
-        properties.apply_values(obj, context.scene, {length: float(f"{scaled:.7g}")})
-        settings.preset = self.preset
-        return {"FINISHED"}
-
-
-def _taken_back(obj: bpy.types.Object, former: Preset) -> tuple[dict[str, Any], float]:
-    """Settings to bring back from before the former preset, and by what it scaled the width of folds."""
-    settings = properties.group_of(obj)
-    if settings.is_property_set("preset_replaced"):
-        return json.loads(settings.preset_replaced or "{}"), former.fold_width
-    # A file that was saved before fabrics had weights: base cloth and layers were up to the artist.
-    replaced = former.replaced.keys() - {"base_cloth", "layers"}
-    return properties.defaults(obj, replaced), former.old_fold_width or former.fold_width
-
-
 class OBJECT_OT_rumple_capture_rest(ui_base.OnWrinkled, bpy.types.Operator):
     """Take the shape of the mesh at the rest frame as the unwrinkled cloth"""
 
@@ -330,8 +336,7 @@ class OBJECT_OT_rumple_clear_frames(ui_base.OnWrinkled, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_apply, OBJECT_OT_rumple_preset,
-           OBJECT_OT_rumple_shade, OBJECT_OT_rumple_unshade, OBJECT_OT_rumple_capture_rest,
-           OBJECT_OT_rumple_clear_frames)
+CLASSES = (OBJECT_OT_rumple_add, OBJECT_OT_rumple_remove, OBJECT_OT_rumple_apply, OBJECT_OT_rumple_shade,
+           OBJECT_OT_rumple_unshade, OBJECT_OT_rumple_capture_rest, OBJECT_OT_rumple_clear_frames)
 
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

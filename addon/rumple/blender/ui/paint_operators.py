@@ -105,11 +105,13 @@ def _set_brush_weight(context: bpy.types.Context, weight: float) -> None:
     tools = context.tool_settings
     paint = tools.weight_paint  # none before the mode was entered for the first time
     shared = getattr(tools, "unified_paint_settings", None) or getattr(paint, "unified_paint_settings", None)  # 5.0
-    if shared is not None:
-        shared.weight = weight
     brush = None if paint is None else paint.brush
     if brush is not None and compat.is_editable(brush):
         brush.weight = weight
+    elif shared is not None:
+        shared.use_unified_weight = True  # the brush is an asset of Blender's, or comes later
+    if shared is not None:
+        shared.weight = weight
 
 
 # ---------------------------------------------------------------- the whole map
@@ -177,7 +179,7 @@ class OBJECT_OT_rumple_paint_from_border(_WholeMap, bpy.types.Operator):
     bl_label = "Map from Border"
 
     distance: bpy.props.FloatProperty(name="Distance", subtype="DISTANCE", unit="LENGTH", default=DISTANCE, min=0.0,
-                                      soft_max=5.0 * DISTANCE, step=100.0 * DISTANCE / 50.0, precision=4,
+                                      soft_max=5.0 * DISTANCE, step=0.02, precision=4,
                                       options={"SKIP_SAVE"}, description="From the border to where the gradient ends")
     falloff: bpy.props.EnumProperty(name="Falloff", items=_FALLOFFS, description="How it grows from the border on")
     reverse: bpy.props.BoolProperty(name="Reverse", options={"SKIP_SAVE"},

@@ -13,7 +13,7 @@ from ..maps import keys as maps_keys, modifier as maps_modifier
 from ..nodes import field_profile, field_shader
 from ..objects import changes, clip_place, modifier, properties, runtimes, stack_notes
 from ..translation import OWN_CONTEXT, said
-from ..ui_base import Panel, draw_message, draw_note, named_paint, property_column, settings_column
+from ..ui_base import Panel, draw_message, draw_note, draw_setting, named_paint, property_column, settings_column
 from . import cloth_panel, guides_panel, healing, paint_panel, paths_panel, rest_panel, saved_settings
 
 ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
@@ -84,7 +84,7 @@ def _draw_first(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     if obj.rumple.method == "PATHS":
         paths_panel.draw_size(column, settings)
     elif obj.rumple.method == "FIELD" or (settings.source == "SUBDIVISION" and settings.density == "WAVELENGTH"):
-        column.prop(settings, "wavelength")
+        draw_setting(column, settings, "wavelength")
 
 
 class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
@@ -103,7 +103,7 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
         elif settings.source == "REGULAR":
             column.prop(settings, "segments")
         elif settings.source == "EDGE_LENGTH":
-            column.prop(settings, "edge_length")
+            draw_setting(column, settings, "edge_length")
         else:
             column.prop(obj.rumple, "own_mesh")
         steps = column.column(align=True)

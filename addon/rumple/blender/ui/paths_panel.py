@@ -6,13 +6,13 @@ import bpy
 
 from ..frame import path_curves
 from ..objects import modifier
-from ..ui_base import Panel, named_paint, property_column, settings_column
+from ..ui_base import Panel, draw_setting, named_paint, property_column, settings_column
 
 
 def draw_size(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     """How wide and how high folds are: above all panels."""
     row = column.row(align=True)
-    row.prop(settings, "width")
+    draw_setting(row, settings, "width")
     row.operator("object.rumple_width_from_height", text="", icon="OUTLINER_OB_ARMATURE")
     column.prop(settings, "height")
 

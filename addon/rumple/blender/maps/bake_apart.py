@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes maps in a second Blender, without a window, from a copy of the file: the window goes on meanwhile.
+
+Settling the wrinkles of a pose and Blender's own baker take seconds each, in one piece. This file is also what the
+second Blender runs.
+"""
+from __future__ import annotations
+
+import importlib.util
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any, Generator
+
+import bpy
+import numpy as np
+
+ADDON = Path(__file__).resolve().parents[2]
+STEP = "Rumple bakes: "  # before the name of a pose, in what it prints
+
+
+class ApartBake:
+    """As bake.MapBake, but that no step() takes long."""
+
+    def __init__(self, plan: Any) -> None:
+        """plan: the MapBake that is to be done."""
+        self.plan, self.done = plan, 0
+        self.names: list[str] = []
+        self.folder = Path(tempfile.mkdtemp(prefix="rumple_maps_", dir=bpy.app.tempdir))
+        self._process: subprocess.Popen | None = None
+
+    @property
+    def count(self) -> int:
+        return len(self.plan.poses)
+
+    def steps(self) -> Generator[str, None, None]:
+        """Yields what is done, every time it is asked. Raises what the plan raises."""
+        yield "Saving a copy of the file"
+        blend, log = self.folder / "copy.blend", self.folder / "log"
+        bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
+        order = json.dumps(dict(object=self.plan.obj.name_full, poses=self.plan.poses, folder=str(self.folder)))
+        with open(log, "w", encoding="utf-8") as printed:
+            self._process = subprocess.Popen(
+                [bpy.app.binary_path, "-b", "--factory-startup", str(blend), "--python-exit-code", "1", "--python",
+                 __file__, "--", order], stdout=printed, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+        text = "Starting a second Blender"
+        while self._process.poll() is None:
+            steps = [line[len(STEP):] for line in log.read_text(encoding="utf-8", errors="replace").splitlines()
+                     if line.startswith(STEP)]
+            self.done = max(len(steps) - 1, 0)
+            text = f"{steps[-1]}: baking" if steps else text
+            yield text
+        self._check(log)
+        for number in self.plan.poses:
+            yield text
+            self.names.append(self.plan.take(number, np.load(self.folder / f"{number}.npy")).name)
+
+    def _check(self, log: Path) -> None:
+        error = self.folder / "error"
+        if error.exists():
+            self.plan.refuse(error.read_text(encoding="utf-8"))
+        if self._process.returncode:
+            last = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-1:]
+            self.plan.refuse(f"{self.plan.obj.name}: the second Blender, which bakes the maps, broke off: "
+                             f"{''.join(last)}")
+
+    def close(self) -> None:
+        """Ends what is under way."""
+        if self._process is not None and self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+# ---------------------------------------------------------------- in the second Blender
+def _load_addon() -> Any:
+    """This add-on, wherever it is installed. Files know its properties only while it is on: so open the file again."""
+    spec = importlib.util.spec_from_file_location("rumple", ADDON / "__init__.py",
+                                                  submodule_search_locations=[str(ADDON)])
+    rumple = importlib.util.module_from_spec(spec)
+    sys.modules["rumple"] = rumple
+    spec.loader.exec_module(rumple)
+    rumple.register()
+    bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath)
+
+
+def _main(order: dict[str, Any]) -> None:
+    _load_addon()
+    folder, obj = Path(order["folder"]), bpy.data.objects[order["object"]]
+    bpy.context.view_layer.objects.active = obj
+    about = obj.rumple_maps
+    about.bake_folder = ""
+    for number in order["poses"]:
+        about.active = number
+        print(f"{STEP}{about.poses[number].name}", flush=True)
+        try:
+            bpy.ops.rumple.maps_bake()
+        except RuntimeError as error:  # how bpy.ops hands on a refusal
+            (folder / "error").write_text(str(error).removeprefix("Error: ").strip(), encoding="utf-8")
+            return
+        pixels = np.empty(len(about.poses[number].image.pixels), np.float32)
+        about.poses[number].image.pixels.foreach_get(pixels)
+        np.save(folder / f"{number}.npy", pixels)
+
+
+if __name__ == "__main__":
+    _main(json.loads(sys.argv[sys.argv.index("--") + 1]))

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The menu of fabrics."""
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import bpy
+
+from ...core.presets import Preset, touched
+from ...core.systems import SYSTEMS
+from .. import ui_base
+from ..objects import properties
+from ..translation import said
+
+ITEMS = {method: properties.preset_items(system) for method, system in SYSTEMS.items()}  # Blender keeps no copy
+
+
+def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | None) -> tuple:
+    """Of the object at hand; Blender asks without one when it lists all operators."""
+    obj = context.object if context is not None else None
+    return ITEMS[properties.system_of(obj).method if obj is not None else "MESH"]
+
+
+class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
+    """Set the cloth: where folds form, how wide, high and lively they are. Rest shape and paint stay"""
+
+    bl_idname = "object.rumple_preset"
+    bl_label = "Cloth Preset"
+
+    preset: bpy.props.EnumProperty(name="Cloth", items=_preset_items)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not super().poll(context):
+            return False
+        system = properties.system_of(context.object)
+        if not system.presets:
+            cls.poll_message_set(said(f"The {said(system.label)} has no presets"))
+        return bool(system.presets)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        use(context.object, context.scene, self.preset)
+        return {"FINISHED"}
+
+
+def use(obj: bpy.types.Object, scene: bpy.types.Scene, name: str) -> None:
+    """Set the cloth, as the button does."""
+    system, settings = properties.system_of(obj), properties.group_of(obj)
+    chosen, former = system.presets[name], system.presets[settings.preset]
+    restored, former_width = _taken_back(obj, former)
+    now = {**vars(properties.settings_of(obj, scene)), **restored}
+    properties.apply_values(obj, scene, {**restored, **properties.defaults(obj, touched(system.presets)),
+                                         **chosen.values, **chosen.replaced})
+    replaced = {key: now[key] for key in chosen.replaced}
+    settings.preset_replaced = json.dumps(replaced) if replaced else ""
+    length = system.wrinkles.SUGGESTED
+    scaled = now[length] * chosen.fold_width / former_width
+    # Seven digits are what a float holds: the way back is exact.
+    properties.apply_values(obj, scene, {length: float(f"{scaled:.7g}")})
+    settings.preset = name
+
+
+def _taken_back(obj: bpy.types.Object, former: Preset) -> tuple[dict[str, Any], float]:
+    """Settings to bring back from before the former preset, and by what it scaled the width of folds."""
+    settings = properties.group_of(obj)
+    if settings.is_property_set("preset_replaced"):
+        return json.loads(settings.preset_replaced or "{}"), former.fold_width
+    # A file that was saved before fabrics had weights: base cloth and layers were up to the artist.
+    replaced = former.replaced.keys() - {"base_cloth", "layers"}
+    return properties.defaults(obj, replaced), former.old_fold_width or former.fold_width
+
+
+register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_rumple_preset,))

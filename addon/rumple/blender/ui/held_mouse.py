@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether the left button of the mouse is down: a dragged slider is rebuilt when it is let go.
+
+Blender tells only operators: an operator that is invoked sees the last press or release of its window, whatever moves
+came since. Where that was a press, it stays in front of what is dragged, hands every event on, and sees the release.
+"""
+from __future__ import annotations
+
+import bpy
+
+from .. import scheduler
+
+APPLIED = 0.05  # seconds after a release in which Blender gives the dragged value once more
+
+_down_in = -1  # the file in which it is down
+
+
+class WM_OT_rumple_held_mouse(bpy.types.Operator):
+    """Wait until the mouse is let go"""
+
+    bl_idname = "wm.rumple_held_mouse"
+    bl_label = "Wait for the Mouse"
+    bl_options = {"INTERNAL"}
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        global _down_in
+        if (event.type, event.value) != ("LEFTMOUSE", "PRESS"):
+            return {"CANCELLED"}
+        _down_in = scheduler.file_number()
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, _context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        # Another press: the release went elsewhere.
+        if (event.type, event.value) == ("LEFTMOUSE", "RELEASE") or event.value == "PRESS":
+            _let_go()
+            return {"FINISHED", "PASS_THROUGH"}
+        return {"PASS_THROUGH"}
+
+    def cancel(self, _context: bpy.types.Context) -> None:
+        """Another file, or the window is closed."""
+        _let_go()
+
+
+def _let_go() -> None:
+    global _down_in
+    _down_in = -1
+    if not bpy.app.timers.is_registered(scheduler.hurry):
+        bpy.app.timers.register(scheduler.hurry, first_interval=APPLIED)
+
+
+def _is_down() -> bool:
+    """From the timer of the structural work."""
+    if _down_in == scheduler.file_number():
+        return True
+    for window in bpy.context.window_manager.windows:
+        with bpy.context.temp_override(window=window):
+            if bpy.ops.wm.rumple_held_mouse("INVOKE_DEFAULT") == {"RUNNING_MODAL"}:
+                return True
+    return False
+
+
+_register, _unregister = bpy.utils.register_classes_factory((WM_OT_rumple_held_mouse,))
+
+
+def register() -> None:
+    global _down_in
+    _down_in = -1
+    _register()
+    scheduler.ask_whether_held(_is_down)
+
+
+def unregister() -> None:
+    scheduler.ask_whether_held(lambda: False)
+    _unregister()
