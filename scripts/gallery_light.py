@@ -12,7 +12,7 @@ import bpy
 from demo_shirt import UV_UNITS_PER_METRE
 from mathutils import Vector
 
-SAMPLES = 14
+SAMPLES = 10
 # Where the light comes from, watts per square metre, its angle in degrees, colour.
 SUNS = {
     "Key": ((-0.75, -0.45, 0.55), 3.4, 14.0, (1.0, 0.96, 0.90)),

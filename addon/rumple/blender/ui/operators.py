@@ -21,6 +21,7 @@ from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
                        properties, runtimes, stack_notes, units, viewport_mesh)
 from ..translation import said
+from . import thumbnails
 
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
@@ -228,11 +229,7 @@ def evaluated_mesh(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.typ
 
 def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | None) -> tuple:
     """Of the object at hand; Blender asks without one when it lists all operators."""
-    obj = context.object if context is not None else None
-    return _PRESET_ITEMS[properties.system_of(obj).method if obj is not None else "MESH"]
-
-
-_PRESET_ITEMS = {method: properties.preset_items(system) for method, system in SYSTEMS.items()}  # Blender keeps no copy
+    return thumbnails.items_of(context.object if context is not None else None)
 
 
 class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
