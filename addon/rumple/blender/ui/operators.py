@@ -23,6 +23,7 @@ from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incomin
 from ..translation import said
 from . import thumbnails
 
+_NEXT = "Next: play it; fabric and folds are set in its panel, in the modifier tab"
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
@@ -125,8 +126,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"INFO"}, said(note))
         worn_over = ", ".join(body.name for body in bodies.of(obj))
         label = said(properties.system_of(obj).label)
-        self.report({"INFO"}, said(f"{label} added, {fine.vertex_count:,} vertices, over {worn_over}" if worn_over else
-                                   f"{label} added, {fine.vertex_count:,} vertices"))
+        made = said(f"{label} added, {fine.vertex_count:,} vertices, over {worn_over}" if worn_over else
+                    f"{label} added, {fine.vertex_count:,} vertices")
+        self.report({"INFO"}, f"{made}. {said(_NEXT)}")
 
 
 class _OnWaves(ui_base.OnWrinkled):
