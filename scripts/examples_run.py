@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes the examples inside Blender: scenes of the demo, of the lessons and of the gallery. Started by scripts/examples.
+"""Makes the examples inside Blender: scenes of demo, lessons and gallery. Started by scripts/examples.
 
-The fine meshes are not in the file: they are made when it is opened. So it stays small. Every file has a text, Read Me: what it
-shows, what to try, its licence.
+The fine meshes are not in the file: they are made when it is opened. So it stays small. Every file has a text, Read Me:
+what it shows, what to try, its licence.
 """
 from __future__ import annotations
 
@@ -103,27 +103,32 @@ class Example:
 
 
 EXAMPLES = {
-    "Shirt": Example(make_shirt, "A shirt over trousers, one click each. Select the shirt: its panel stands in the tab of "
-                     "modifiers. Choose another fabric at its top, and play again."),
-    "Skirt": Example(lesson_scenes.build_skirt_scene, "A skirt that turns as if it were of wood. The lesson \"A skirt that "
-                     "swings over a body\" makes cloth of it."),
-    "Face": Example(lesson_scenes.build_face_scene, "A face with two brows and a jaw to pose. The lesson \"A face with maps\" "
-                    "wrinkles it."),
-    "Cape": Example(make_cape, "A runner in place, in a head wind (the object Wind). The cape is a sheet whose upper rows are "
-                    "painted Pinned to the animation; Base Cloth is Swing. Play it from the first frame. Then try Mass, Swing "
-                    "Damping, and the strength of the wind."),
-    "Jeans": Example(make_jeans, "Denim with a belt. The belt and its buckle are painted Rigid; under them the waist is painted "
-                     "Pinned to the animation and Keep Smooth. Look at them in the part Paint of the panel."),
-    "Sitting_Down": Example(make_sit, "Trousers and a shirt, one click each. Nothing is set by hand. Look behind the knees and "
-                            "at the lap."),
-    "Sweater": Example(make_sweater, "A sleeve of wool from near. Try silk and leather at the top of the panel, and Wavelength "
-                       "below it."),
-    "Twist": Example(make_twist, "A torso that turns: folds run across it, to the shoulder that goes ahead. Try Drape, Folds and "
-                     "Detail."),
-    "Painted_Shirt": Example(make_painted, "Folds that were painted down the chest with the brush of the Wrinkle Field. Go on: "
-                             "select the shirt and press Paint Rest Wrinkles in the part Rest Wrinkles of its panel."),
-    "Expressions": Example(make_expressions, "Brows that rise and frown, with Wrinkle Maps: normal maps that appear with the "
-                           "pose. Solid viewports show no materials: go to Material Preview. In Pose Mode move one brow alone."),
+    "Shirt": Example(make_shirt, """\
+A shirt over trousers, one click each. Select the shirt: its panel stands in the tab of modifiers. Choose another fabric
+at its top, and play again."""),
+    "Skirt": Example(lesson_scenes.build_skirt_scene, """\
+A skirt that turns as if it were of wood. The lesson "A skirt that swings over a body" makes cloth of it."""),
+    "Face": Example(lesson_scenes.build_face_scene, """\
+A face with two brows and a jaw to pose. The lesson "A face with maps" wrinkles it."""),
+    "Cape": Example(make_cape, """\
+A runner in place, in a head wind (the object Wind). The cape is a sheet whose upper rows are painted Pinned to the
+animation; Base Cloth is Swing. Play it from the first frame. Then try Mass, Swing Damping, and the strength of the
+wind."""),
+    "Jeans": Example(make_jeans, """\
+Denim with a belt. The belt and its buckle are painted Rigid; under them the waist is painted Pinned to the animation
+and Keep Smooth. Look at them in the part Paint of the panel."""),
+    "Sitting_Down": Example(make_sit, """\
+Trousers and a shirt, one click each. Nothing is set by hand. Look behind the knees and at the lap."""),
+    "Sweater": Example(make_sweater, """\
+A sleeve of wool from near. Try silk and leather at the top of the panel, and Wavelength below it."""),
+    "Twist": Example(make_twist, """\
+A torso that turns: folds run across it, to the shoulder that goes ahead. Try Drape, Folds and Detail."""),
+    "Painted_Shirt": Example(make_painted, """\
+Folds that were painted down the chest with the brush of the Wrinkle Field. Go on: select the shirt and press Paint Rest
+Wrinkles in the part Rest Wrinkles of its panel."""),
+    "Expressions": Example(make_expressions, """\
+Brows that rise and frown, with Wrinkle Maps: normal maps that appear with the pose. Solid viewports show no materials:
+go to Material Preview. In Pose Mode move one brow alone."""),
 }
 
 

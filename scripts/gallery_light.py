@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The light of the gallery: Cycles, a low sun from the left that shows folds, a cooler one from behind, an even sky and a
-floor that takes shadows; and its cloth, which has the sheen of fibres, and a weave where it is seen from near. What is bare
-and what is wrinkled get the same.
+"""The light of the gallery: Cycles, a low sun from the left that shows folds, a cooler one from behind, an even sky and
+a floor that takes shadows; and its cloth, which has the sheen of fibres, and a weave where it is seen from near. What
+is bare and what is wrinkled get the same.
 """
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ FLOOR = (0.34, 0.37, 0.42)
 FLOOR_RADIUS = 2.6  # metres: there the floor has faded into the sky
 SHEEN, SHEEN_TINT, SPECULAR = 0.9, 0.6, 0.15
 THREADS = 340.0  # of the weave in a metre
+BANDS = 20.0 / math.tau  # of Blender's wave texture, of scale 1, in a unit
 WEAVE_HEIGHT = 0.0006  # metres
 
 
@@ -97,7 +98,8 @@ def add_weave(tree: bpy.types.NodeTree, shader: bpy.types.Node) -> None:
     height = None
     for direction in ("X", "Y"):
         wave = tree.nodes.new("ShaderNodeTexWave")
-        wave.bands_direction, wave.inputs["Scale"].default_value = direction, THREADS / UV_UNITS_PER_METRE * math.tau / 20.0  # of waves
+        wave.bands_direction = direction
+        wave.inputs["Scale"].default_value = THREADS / UV_UNITS_PER_METRE / BANDS
         tree.links.new(uv.outputs["UV"], wave.inputs["Vector"])
         if height is None:
             height = wave

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Two scenes of the gallery in which more than frames goes by: a hand that paints folds, and a face with Wrinkle Maps.
 
-The hand is a path that is written here. Its strokes are those of the add-on's own brush: the same dabs on the same canvas, so
-many for each frame. Blender keys no painting: what is rendered is what an artist sees while the hand moves.
+The hand is a path that is written here. Its strokes are those of the add-on's own brush: the same dabs on the same
+canvas, so many for each frame. Blender keys no painting: what is rendered is what an artist sees while the hand moves.
 """
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ def paint_until(shirt: bpy.types.Object, frame: int) -> None:
         hit = ready.hit(Vector((dab.place[0], -1.0, dab.place[1])), Vector(TOWARDS))
         if hit is None:
             continue
-        painted = ready.easel.dab(painted, False, touch="PAINT", centre=tuple(hit[0]), normal=tuple(hit[1]), view=TOWARDS,
-                                  direction=(dab.way[0], 0.0, dab.way[1]), across=False, radius=RADIUS,
+        painted = ready.easel.dab(painted, False, touch="PAINT", centre=tuple(hit[0]), normal=tuple(hit[1]),
+                                  view=TOWARDS, direction=(dab.way[0], 0.0, dab.way[1]), across=False, radius=RADIUS,
                                   strength=STRENGTH, length=LENGTH, falloff="SMOOTH")
         set_ring(*hit)
     canvas.write(shirt.data, painted)

@@ -113,7 +113,9 @@ def place_floor(clip: Clip, ways: dict[int, Vector]) -> None:
 
 def shown(clip: Clip, still: int | None) -> range:
     """The frames that are rendered; those between are played."""
-    return range(still, still + 1) if still is not None else range(clip.frames[0], clip.frames[1] + 1, max(bpy.context.scene.render.fps // LEAST_RATE, 1))
+    if still is not None:
+        return range(still, still + 1)
+    return range(clip.frames[0], clip.frames[1] + 1, max(bpy.context.scene.render.fps // LEAST_RATE, 1))
 
 
 def render(clip: Clip, column: Column, ways: dict[int, Vector], frames: range, folder: Path) -> None:

@@ -155,7 +155,7 @@ def recolour(material: bpy.types.Material, name: str, colour: tuple[float, float
 
 
 def belt() -> tuple[Array, Array, Array]:
-    """A band around the waist of the trousers, and its buckle: points (n, 3), quads (m, 4), whether it is of metal (m,)."""
+    """A band around the waist, and its buckle: points (n, 3), quads (m, 4), whether they are of metal (m,)."""
     angles = 2.0 * np.pi * np.arange(BELT_AROUND) / BELT_AROUND
     rings = []
     for height, off in ((BELT[0], BELT_OFF), (BELT[0], BELT_OFF + BELT_THICK), (BELT[1], BELT_OFF + BELT_THICK),
@@ -199,8 +199,8 @@ def build_cape() -> bpy.types.Object:
 
 
 def add_head_wind() -> None:
-    """It turns to and fro, and comes in gusts by that. What is keyed is an empty that holds it: of a keyed force field Blender
-    3.4 complains in the console."""
+    """It turns to and fro, and comes in gusts by that. What is keyed is an empty that holds it: of a keyed force field
+    Blender 3.4 complains in the console."""
     vane = bpy.data.objects.new("Weather Vane", None)
     bpy.context.scene.collection.objects.link(vane)
     vane.location, vane.empty_display_size = (0.0, -2.0, 1.2), 0.2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the figure of the demo does in the scenes of the gallery. Frames count from 1, 24 a second; angles in degrees."""
+"""What the figure of the demo does in scenes of the gallery. Frames count from 1, 24 a second; angles in degrees."""
 from __future__ import annotations
 
 import math
@@ -35,7 +35,8 @@ def sit() -> list[Pose]:
         bent = math.sin(math.pi * down)
         leg = LegPose(SEATED.thigh * down, 16.0 * bent + SEATED.back * down)
         arm = ArmPose(-19 + 3 * down, 8, 8 + 14 * down, 22 + 22 * down, 5 + 20 * down, 22 * down + 16 * bent)
-        poses.append(Pose(frame, arm, arm, lean_front=34 * bent + 2 * down, nod=-14 * bent, left_leg=leg, right_leg=leg))
+        poses.append(Pose(frame, arm, arm, lean_front=34 * bent + 2 * down, nod=-14 * bent, left_leg=leg,
+                          right_leg=leg))
     return poses
 
 
@@ -54,8 +55,8 @@ def shift_weight() -> list[Pose]:
     def pose(frame: int, left: float, right: float) -> Pose:
         arms = [ArmPose(-4, 14, 8, 34, 5, 0.3 * thigh) for thigh in (right, left)]
         legs = [LegPose(thigh, knee_bend(thigh)) for thigh in (left, right)]
-        return Pose(frame, *arms, lean_side=0.2 * (left - right), lean_front=0.25 * (left + right) / 2, left_leg=legs[0],
-                    right_leg=legs[1], turn=0.25 * (left - right))
+        return Pose(frame, *arms, lean_side=0.2 * (left - right), lean_front=0.125 * (left + right),
+                    turn=0.25 * (left - right), left_leg=legs[0], right_leg=legs[1])
     return [pose(frame, *thighs) for frame, thighs in ((1, (2, 2)), (16, (50, 28)), (22, (50, 28)), (36, (16, 16)),
                                                        (52, (28, 50)), (58, (28, 50)), (72, (2, 2)))]
 
@@ -76,7 +77,8 @@ def run_distance(frame: float) -> float:
     """Metres of ground that have gone by."""
     started = min(frame - 1.0, RUN_START) / RUN_START
     # The integral of ease() over the first frames, and full speed behind them.
-    return RUN_SPEED / FRAMES_PER_SECOND * (RUN_START * (started**3 - 0.5 * started**4) + max(frame - 1.0 - RUN_START, 0.0))
+    seconds = (RUN_START * (started**3 - 0.5 * started**4) + max(frame - 1.0 - RUN_START, 0.0)) / FRAMES_PER_SECOND
+    return RUN_SPEED * seconds
 
 
 def run() -> list[Pose]:

@@ -45,8 +45,8 @@ class Thumbnails(unittest.TestCase):
     def test_the_menu_has_the_presets_as_before(self) -> None:
         for method, system in SYSTEMS.items():
             items = thumbnails.items(method)
-            self.assertEqual([(key, label, tip, number) for key, label, tip, _, number in items],
-                             [(key, label, tip, number) for key, label, tip, _, number in properties.preset_items(system)])
+            self.assertEqual([(*item[:3], item[4]) for item in items],
+                             [(*item[:3], item[4]) for item in properties.preset_items(system)])
 
     def test_a_choice_in_the_large_pictures_is_a_choice_in_the_menu(self) -> None:
         obj = sleeve.scene()

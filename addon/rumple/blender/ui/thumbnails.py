@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of the fabrics, as Blender's own preview icons: in the menu of fabrics, and large in the panel.
 
-docs/pictures/make_thumbnails.py renders them into thumbnails/. Where one is missing or cannot be read, the menu has its words.
+docs/pictures/make_thumbnails.py renders them into thumbnails/. Where one is missing or cannot be read, the menu has its
+words.
 """
 from __future__ import annotations
 
