@@ -77,6 +77,7 @@ def make_painted() -> None:
     shirt = gallery_live.build_painted()
     gallery_live.wrinkle_painted(shirt)
     gallery_live.paint_until(shirt, gallery_live.PAINT_FRAMES[1])
+    del shirt[gallery_live.DONE]
     bpy.data.objects.remove(bpy.data.objects[gallery_live.RING])
     skeleton = bpy.data.objects["Skeleton"]
     skeleton.animation_data_clear()

@@ -49,6 +49,7 @@ class Clip:
     folder: Path = DATA
     bone: str = ""  # of the demo's skeleton, in the middle of the picture
     weave: bool = False  # seen from so near that the cloth has threads
+    rate: int = 12  # frames a second that are rendered, at least: a browser loads every one of them
 
     @property
     def path(self) -> Path | None:
@@ -81,7 +82,7 @@ CLIPS = {
                  distance=5.0, view=(1.0, 0.3, 0.15), looks_at=("Mannequin",), size=(340, 360)),
     "painted": Clip("painted", ("Shirt",), (1, 70), (
         Column("What the brush leaves", "FIELD", paint=True), Column("Wrinkle Field, while the hand moves", "FIELD")),
-        distance=1.9, view=(0.25, -1.0, 0.12), raised=0.02, size=(300, 330)),
+        distance=1.9, view=(0.25, -1.0, 0.12), raised=0.02, size=(300, 330), rate=6),
     "face": Clip("face", ("Face",), (1, 84), (Column("As it was animated"), Column("Wrinkle Maps", "MAPS")),
                  distance=0.75, view=(0.22, -1.0, 0.05), raised=0.025, size=(280, 260)),
     "skirt": Clip("skirt", ("Skirt",), (1, 60), (Column("As it was animated"), HANG, SWING), distance=3.2,

@@ -26,6 +26,7 @@ RADIUS, SPACING, STRENGTH, LENGTH = 0.034, 0.008, 0.5, 0.75  # metres, metres fr
 FIELD_WAVELENGTH, FIELD_IRREGULARITY = 0.03, 0.2
 TOWARDS = (0.0, 1.0, 0.0)  # the view
 RING = "Brush"
+DONE = "painted dabs"  # property of the shirt: how many of them
 # Frame; where the brows go, metres: left, right.
 UP, FROWN_LEFT, FROWN_RIGHT, REST = (0, 0, 0.012), (-0.01, 0, -0.005), (0.01, 0, -0.005), (0, 0, 0)
 BROWS = ((1, REST, REST), (14, UP, UP), (24, UP, UP), (36, FROWN_LEFT, FROWN_RIGHT), (46, FROWN_LEFT, FROWN_RIGHT),
@@ -61,11 +62,13 @@ def dabs_until(frame: int) -> list[Dab]:
 
 
 def paint_until(shirt: bpy.types.Object, frame: int) -> None:
-    """What the hand has painted up to a frame, anew; the ring of the brush stands where the hand is."""
+    """Go on to paint what the hand has painted up to a frame; the ring of the brush stands where the hand is."""
     ready = canvas.canvas_of(shirt)
     ready.pose(shirt, bpy.context.evaluated_depsgraph_get())
-    painted = np.zeros((len(shirt.data.vertices), 3), np.float32)
-    for dab in dabs_until(frame):
+    before = canvas.read(shirt.data)
+    painted = np.zeros((len(shirt.data.vertices), 3), np.float32) if before is None else before
+    dabs = dabs_until(frame)
+    for dab in dabs[shirt.get(DONE, 0):]:
         hit = ready.hit(Vector((dab.place[0], -1.0, dab.place[1])), Vector(TOWARDS))
         if hit is None:
             continue
@@ -73,6 +76,7 @@ def paint_until(shirt: bpy.types.Object, frame: int) -> None:
                                   view=TOWARDS, direction=(dab.way[0], 0.0, dab.way[1]), across=False, radius=RADIUS,
                                   strength=STRENGTH, length=LENGTH, falloff="SMOOTH")
         set_ring(*hit)
+    shirt[DONE] = len(dabs)
     canvas.write(shirt.data, painted)
     scheduler.sync_all()
 

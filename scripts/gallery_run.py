@@ -24,7 +24,6 @@ from gallery_light import add_floor, as_cloth, light  # noqa: E402
 LEAD_IN = 12  # frames that are played before the first one that is shown
 CALM = 12  # frames over which the camera's way is averaged
 LABEL = 26  # pixels
-LEAST_RATE = 12  # frames a second that are rendered, at least: a browser loads every one of them
 
 
 def arguments() -> argparse.Namespace:
@@ -115,7 +114,7 @@ def shown(clip: Clip, still: int | None) -> range:
     """The frames that are rendered; those between are played."""
     if still is not None:
         return range(still, still + 1)
-    return range(clip.frames[0], clip.frames[1] + 1, max(bpy.context.scene.render.fps // LEAST_RATE, 1))
+    return range(clip.frames[0], clip.frames[1] + 1, max(bpy.context.scene.render.fps // clip.rate, 1))
 
 
 def render(clip: Clip, column: Column, ways: dict[int, Vector], frames: range, folder: Path) -> None:
