@@ -34,7 +34,7 @@ BROWS = ((1, REST, REST), (14, UP, UP), (24, UP, UP), (36, FROWN_LEFT, FROWN_RIG
 
 
 def build_painted() -> bpy.types.Object:
-    """The figure, at rest: no fold but what is painted, in a shirt that is to be painted on."""
+    """The figure at rest, in a shirt that is to be painted on."""
     gallery_scenes.dressed([demo_rig.Pose(frame) for frame in PAINT_FRAMES])
     return gallery_scenes.ready("Shirt")
 

@@ -157,7 +157,7 @@ class Zips(unittest.TestCase):
             self.assertGreater(checked, 0)
 
     def test_pictures_of_fabrics_and_three_examples_come_along(self) -> None:
-        pictures = {path.name for path in (ROOT / "addon" / "rumple" / "thumbnails").iterdir()}
+        pictures = {path.name for path in (DIST.parent / "addon" / "rumple" / "thumbnails").iterdir()}
         self.assertGreater(len(pictures), 10)
         for path in DIST.glob("rumple-*.zip"):
             with zipfile.ZipFile(path) as archive:
