@@ -8,6 +8,7 @@ body under it move with one and the same field and keep their distance.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Sequence
 
 import bpy
 import numpy as np
@@ -41,6 +42,7 @@ LEG_CHAIN = (
     ("foot", THIGH + SHIN - 0.01, 0.035),
 )
 SIDES = {"L": 1.0, "R": -1.0}
+_ACROSS = (-1.0, 0.0, 0.0)  # turns to the front, on both sides
 
 
 def torso_joint(height: float) -> tuple[float, float, float]:
@@ -141,6 +143,16 @@ class ArmPose:
     twist: float = 0.0  # upper arm about its axis, inwards
     bend: float = 0.0  # elbow
     pronate: float = 0.0  # forearm about its axis, inwards
+    flex: float = 0.0  # about the line through both shoulders, to the front
+
+
+@dataclass(frozen=True)
+class LegPose:
+    """Angles of one leg in degrees."""
+
+    thigh: float = 0.0  # to the front
+    back: float = 0.0  # by which the shin leans back: the ankle is behind the knee
+    toes: float = 0.0  # below the horizontal
 
 
 @dataclass(frozen=True)
@@ -156,6 +168,15 @@ class Pose:
     nod: float = 0.0
     look: float = 0.0  # head about the vertical, to the figure's left
     crouch: float = 0.0  # thighs, to the front; the feet stay where they are
+    left_leg: LegPose | None = None  # in place of the crouch: the lower foot stands on the ground
+    right_leg: LegPose | None = None
+    hop: float = 0.0  # metres above that
+
+    @property
+    def legs(self) -> tuple[LegPose, LegPose]:
+        """Left and right."""
+        crouching = LegPose(self.crouch, knee_bend(self.crouch)) if self.crouch else LegPose()
+        return self.left_leg or crouching, self.right_leg or crouching
 
 
 _REST_LEFT = ArmPose(raise_side=-19, swing_front=8, twist=8, bend=22, pronate=5)
@@ -188,7 +209,8 @@ def arm_turns(pose: ArmPose, side: str) -> dict[str, Quaternion]:
     along = body.ARM_DIRECTION * axial
     hinge = np.cross(body.ARM_DIRECTION, [0.0, -1.0, 0.0]) * axial
     up, front = np.array([0.0, -1.0, 0.0]) * axial, np.array([0.0, 0.0, -1.0]) * axial
-    swing = turn_about(front, 0.85 * pose.swing_front) @ turn_about(up, 0.75 * pose.raise_side)
+    swing = (turn_about(_ACROSS, pose.flex) @ turn_about(front, 0.85 * pose.swing_front)
+             @ turn_about(up, 0.75 * pose.raise_side))
     return {
         f"clavicle.{side}": (turn_about(front, 0.15 * pose.swing_front)
                              @ turn_about(up, 0.25 * pose.raise_side)),
@@ -211,8 +233,8 @@ def pose_turns(pose: Pose) -> dict[str, Quaternion]:
     for bone, share in (("neck", 0.4), ("head", 0.6)):
         turns[bone] = (turn_about((0, 0, 1), share * pose.look)
                        @ turn_about((1, 0, 0), share * pose.nod))
-    for side in SIDES:
-        turns.update(leg_turns(pose.crouch, side))
+    for leg, side in zip(pose.legs, SIDES):
+        turns.update(leg_turns(leg, side))
     return {**turns, **arm_turns(pose.left, "L"), **arm_turns(pose.right, "R")}
 
 
@@ -221,21 +243,27 @@ def knee_bend(crouch: float) -> float:
     return float(np.degrees(np.arcsin(THIGH * np.sin(np.radians(crouch)) / SHIN)))
 
 
-def leg_turns(crouch: float, side: str) -> dict[str, Quaternion]:
+def leg_turns(leg: LegPose, side: str) -> dict[str, Quaternion]:
     """Rotation of each bone of a leg, in armature space at rest."""
-    across, back = (-1.0, 0.0, 0.0), knee_bend(crouch)
-    half = turn_about(across, -0.5 * (crouch + back))
-    return {f"thigh.{side}": turn_about(across, crouch), f"knee.{side}": half, f"shin.{side}": half,
-            f"foot.{side}": turn_about(across, back)}
+    half = turn_about(_ACROSS, -0.5 * (leg.thigh + leg.back))
+    return {f"thigh.{side}": turn_about(_ACROSS, leg.thigh), f"knee.{side}": half, f"shin.{side}": half,
+            f"foot.{side}": turn_about(_ACROSS, leg.back - leg.toes)}
 
 
-def ankle_shift(crouch: float) -> Vector:
-    """Where the ankles would go if the hips stayed, metres: the hips go the other way."""
-    back = knee_bend(crouch)
+def ankle_shift(leg: LegPose) -> Vector:
+    """Where the ankle would go if the hips stayed, metres."""
     joints = [Vector(leg_joint(start)) for _, start, _ in LEG_CHAIN]
     bones = [after - before for before, after in zip(joints, joints[1:])]
-    leaning = (crouch, 0.5 * (crouch - back), -back)  # thigh, knee, shin
-    return sum((turn_about((-1.0, 0.0, 0.0), angle) @ bone - bone for bone, angle in zip(bones, leaning)), Vector())
+    leaning = (leg.thigh, 0.5 * (leg.thigh - leg.back), -leg.back)  # thigh, knee, shin
+    return sum((turn_about(_ACROSS, angle) @ bone - bone for bone, angle in zip(bones, leaning)), Vector())
+
+
+def hips_shift(pose: Pose) -> Vector:
+    """Where the hips go, metres, so that the lower foot stays on the ground; both feet where they stand alike."""
+    left, right = (ankle_shift(leg) for leg in pose.legs)
+    if pose.legs[0] == pose.legs[1]:
+        return Vector((0.0, 0.0, pose.hop)) - left
+    return Vector((0.0, 0.0, pose.hop - min(left.z, right.z)))
 
 
 def build_armature(collection: bpy.types.Collection) -> bpy.types.Object:
@@ -255,10 +283,10 @@ def build_armature(collection: bpy.types.Collection) -> bpy.types.Object:
     return skeleton
 
 
-def animate(skeleton: bpy.types.Object) -> None:
-    """Key the performance; neighbouring quaternions stay in one hemisphere."""
+def animate(skeleton: bpy.types.Object, performance: Sequence[Pose] = PERFORMANCE) -> None:
+    """Key a performance; neighbouring quaternions stay in one hemisphere."""
     last: dict[str, Quaternion] = {}
-    for pose in PERFORMANCE:
+    for pose in performance:
         for name, turn in pose_turns(pose).items():
             bone = skeleton.pose.bones[name]
             rest = bone.bone.matrix_local.to_quaternion()
@@ -269,7 +297,7 @@ def animate(skeleton: bpy.types.Object) -> None:
             bone.rotation_quaternion = value
             bone.keyframe_insert("rotation_quaternion", frame=pose.frame)
         hips = skeleton.pose.bones["hips"]
-        hips.location = hips.bone.matrix_local.to_3x3().inverted() @ -ankle_shift(pose.crouch)
+        hips.location = hips.bone.matrix_local.to_3x3().inverted() @ hips_shift(pose)
         hips.keyframe_insert("location", frame=pose.frame)
 
 

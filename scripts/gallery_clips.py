@@ -16,6 +16,9 @@ ROOT = Path(__file__).resolve().parents[1]
 DATA, OUTFITS = ROOT.parent / "shared" / "data", ROOT / "out" / "outfits"
 
 
+MADE = ("", "skirt", "face", "sit", "twist", "elbow", "jeans", "cape", "painted")  # by scripts
+
+
 @dataclass(frozen=True)
 class Column:
     """One of the pictures that stand side by side."""
@@ -24,6 +27,7 @@ class Column:
     method: str = ""  # of the wrinkles; none: bare
     preset: str = ""  # a fabric
     settings: tuple[tuple[str, Any], ...] = ()  # of the system: name, value
+    paint: bool = False  # what is painted, in place of the folds
 
 
 BARE, CLOTH = Column("As it was animated"), Column("Wrinkle Mesh, one click", "MESH")
@@ -33,7 +37,7 @@ BARE, CLOTH = Column("As it was animated"), Column("Wrinkle Mesh, one click", "M
 class Clip:
     """A scene, played through."""
 
-    file: str  # of the folder; none: the demo's; skirt: that of the lessons
+    file: str  # of the folder; none: the demo's; skirt, face: of the lessons; others of scripts/gallery_scenes.py
     garments: tuple[str, ...]  # what is wrinkled, what is worn under others first
     frames: tuple[int, int]
     columns: tuple[Column, ...] = (BARE, CLOTH)
@@ -43,11 +47,14 @@ class Clip:
     raised: float = 0.0  # metres: how far above that middle the camera looks
     size: tuple[int, int] = (360, 440)  # pixels of a column
     folder: Path = DATA
+    bone: str = ""  # of the demo's skeleton, in the middle of the picture
+    weave: bool = False  # seen from so near that the cloth has threads
+    rate: int = 12  # frames a second that are rendered, at least: a browser loads every one of them
 
     @property
     def path(self) -> Path | None:
         """Where the scene is; None for what is made by scripts."""
-        return self.folder / f"{self.file}.blend" if self.file not in ("", "skirt") else None
+        return None if self.file in MADE else self.folder / f"{self.file}.blend"
 
 
 FABRICS = tuple(Column(preset.capitalize(), "MESH", preset) for preset in ("SILK", "COTTON", "DENIM", "LEATHER"))
@@ -57,12 +64,27 @@ HANG, SWING = (Column(label, "MESH", settings=(("base_cloth", value), *WIDE_SKIR
                for label, value in (("Hang: no time passes", "HANG"), ("Swing", "SWING")))
 FRONT, WALKING = (0.32, -1.0, 0.08), (0.5, -1.0, 0.15)
 CLIPS = {
-    "dressed": Clip("", ("Trousers", "Shirt"), (1, 72), distance=4.9, view=FRONT, looks_at=("Mannequin",)),
-    "close": Clip("", ("Trousers", "Shirt"), (1, 72), distance=2.3, view=(0.75, -1.0, 0.15), looks_at=("Shirt",)),
+    "dressed": Clip("", ("Trousers", "Shirt"), (1, 72), distance=4.4, view=FRONT, looks_at=("Mannequin",)),
+    "close": Clip("", ("Trousers", "Shirt"), (1, 72), distance=2.3, view=(0.75, -1.0, 0.15), looks_at=("Shirt",),
+                  weave=True),
     "walk": Clip("S1_walk_shirt", ("trousers", "shirt"), (30, 120), distance=4.6, view=WALKING, raised=0.1),
     "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=4.6, view=WALKING, raised=0.12),
     "suit": Clip("male_elegantsuit01", ("male_elegantsuit01",), (2, 66), distance=4.3, view=FRONT, looks_at=("Body",),
                  folder=OUTFITS),
+    "sit": Clip("sit", ("Trousers", "Shirt"), (5, 64), distance=4.2, view=(0.9, -1.0, 0.15), looks_at=("Mannequin",),
+                size=(300, 360)),
+    "twist": Clip("twist", ("Shirt",), (1, 78), distance=2.9, view=FRONT, size=(300, 330)),
+    "elbow": Clip("elbow", ("Shirt",), (1, 60), (BARE, Column("Wrinkle Mesh, wool", "MESH", "WOOL")), distance=1.15,
+                  view=(1.0, -0.6, 0.1), bone="elbow.L", size=(320, 320), weave=True),
+    "jeans": Clip("jeans", ("Jeans",), (1, 72), (BARE, Column("Wrinkle Mesh, denim", "MESH", "DENIM")), distance=2.7,
+                  view=(0.45, -1.0, 0.15), size=(360, 420)),
+    "cape": Clip("cape", ("Trousers", "Shirt", "Cape"), (13, 74), (BARE, Column("Wrinkle Mesh, Swing", "MESH")),
+                 distance=5.0, view=(1.0, 0.3, 0.15), looks_at=("Mannequin",), size=(340, 360)),
+    "painted": Clip("painted", ("Shirt",), (1, 70), (
+        Column("What the brush leaves", "FIELD", paint=True), Column("Wrinkle Field, while the hand moves", "FIELD")),
+        distance=1.9, view=(0.25, -1.0, 0.12), raised=0.02, size=(300, 330), rate=6),
+    "face": Clip("face", ("Face",), (1, 84), (Column("As it was animated"), Column("Wrinkle Maps", "MAPS")),
+                 distance=0.75, view=(0.22, -1.0, 0.05), raised=0.025, size=(280, 260)),
     "skirt": Clip("skirt", ("Skirt",), (1, 60), (Column("As it was animated"), HANG, SWING), distance=3.2,
                   view=FRONT, looks_at=("Skirt",), size=(320, 400)),
     "dance": Clip("S3_skirt_sim", ("skirt",), (20, 110), (

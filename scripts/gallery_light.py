@@ -1,20 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The light of the gallery: Cycles, a low sun from the left that shows folds, a cooler one from behind, an even sky."""
+"""The light of the gallery: Cycles, a low sun from the left that shows folds, a cooler one from behind, an even sky and
+a floor that takes shadows; and its cloth, which has the sheen of fibres, and a weave where it is seen from near. What
+is bare and what is wrinkled get the same.
+"""
 from __future__ import annotations
 
 import math
 
 import addon_utils
 import bpy
+from demo_shirt import UV_UNITS_PER_METRE
 from mathutils import Vector
 
-SAMPLES = 20
+SAMPLES = 10
 # Where the light comes from, watts per square metre, its angle in degrees, colour.
 SUNS = {
     "Key": ((-0.75, -0.45, 0.55), 3.4, 14.0, (1.0, 0.96, 0.90)),
     "Rim": ((0.55, 0.65, 0.45), 2.0, 10.0, (0.86, 0.92, 1.0)),
 }
 SKY, SKY_STRENGTH = (0.36, 0.40, 0.46), 0.6
+FLOOR = (0.34, 0.37, 0.42)
+FLOOR_RADIUS = 2.6  # metres: there the floor has faded into the sky
+SHEEN, SHEEN_TINT, SPECULAR = 0.9, 0.6, 0.15
+THREADS = 340.0  # of the weave in a metre
+BANDS = 20.0 / math.tau  # of Blender's wave texture, of scale 1, in a unit
+WEAVE_HEIGHT = 0.0006  # metres
 
 
 def light(scene: bpy.types.Scene) -> None:
@@ -23,7 +33,7 @@ def light(scene: bpy.types.Scene) -> None:
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = SAMPLES, False, False
-    cycles.max_bounces, cycles.diffuse_bounces, cycles.sample_clamp_indirect = 3, 2, 2.0
+    cycles.max_bounces, cycles.diffuse_bounces, cycles.sample_clamp_indirect = 2, 1, 2.0
     scene.view_settings.view_transform, scene.view_settings.look = "Filmic", "Medium High Contrast"
     for lamp in [thing for thing in scene.objects if thing.type == "LIGHT"]:
         bpy.data.objects.remove(lamp)
@@ -38,3 +48,66 @@ def light(scene: bpy.types.Scene) -> None:
     sky = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
     sky.inputs["Color"].default_value = (*SKY, 1.0)
     sky.inputs["Strength"].default_value = SKY_STRENGTH
+
+
+def add_floor(scene: bpy.types.Scene) -> bpy.types.Object:
+    """A disk at z = 0 that takes shadows around its middle and fades into the sky."""
+    mesh = bpy.data.meshes.new("Floor")
+    rim = [(FLOOR_RADIUS * math.cos(angle), FLOOR_RADIUS * math.sin(angle), 0.0)
+           for angle in (math.tau * step / 64 for step in range(64))]
+    mesh.from_pydata(rim, [], [range(64)])
+    floor = bpy.data.objects.new("Floor", mesh)
+    scene.collection.objects.link(floor)
+    made = bpy.data.materials.new("Floor")
+    mesh.materials.append(made)
+    made.use_nodes = True
+    tree = made.node_tree
+    tree.nodes.clear()
+    nodes = {kind: tree.nodes.new(f"ShaderNode{kind}") for kind in (
+        "TexCoord", "VectorMath", "MapRange", "BsdfDiffuse", "BsdfTransparent", "MixShader", "OutputMaterial")}
+    nodes["VectorMath"].operation = "LENGTH"
+    ramp = nodes["MapRange"]
+    ramp.interpolation_type = "SMOOTHSTEP"
+    for name, value in (("From Min", 0.25 * FLOOR_RADIUS), ("From Max", FLOOR_RADIUS)):
+        ramp.inputs[name].default_value = value
+    nodes["BsdfDiffuse"].inputs["Color"].default_value = (*FLOOR, 1.0)
+    for source, sink in ((nodes["TexCoord"].outputs["Object"], nodes["VectorMath"].inputs[0]),
+                         (nodes["VectorMath"].outputs["Value"], ramp.inputs["Value"]),
+                         (ramp.outputs["Result"], nodes["MixShader"].inputs[0]),
+                         (nodes["BsdfDiffuse"].outputs[0], nodes["MixShader"].inputs[1]),
+                         (nodes["BsdfTransparent"].outputs[0], nodes["MixShader"].inputs[2]),
+                         (nodes["MixShader"].outputs[0], nodes["OutputMaterial"].inputs["Surface"])):
+        tree.links.new(source, sink)
+    return floor
+
+
+def as_cloth(garment: bpy.types.Object, weave: bool) -> None:
+    """Sheen for its materials; weave: fine threads as well, by the UV map of the demo's garments."""
+    for slot in garment.material_slots:
+        tree = slot.material.node_tree
+        for shader in [node for node in tree.nodes if node.type == "BSDF_PRINCIPLED"]:
+            for name, value in (("Sheen", SHEEN), ("Sheen Tint", SHEEN_TINT), ("Specular", SPECULAR)):
+                shader.inputs[name].default_value = value
+            if weave:
+                add_weave(tree, shader)
+
+
+def add_weave(tree: bpy.types.NodeTree, shader: bpy.types.Node) -> None:
+    """Threads over and under each other, as a bump: in front of what the normal is."""
+    uv, bump = tree.nodes.new("ShaderNodeUVMap"), tree.nodes.new("ShaderNodeBump")
+    height = None
+    for direction in ("X", "Y"):
+        wave = tree.nodes.new("ShaderNodeTexWave")
+        wave.bands_direction = direction
+        wave.inputs["Scale"].default_value = THREADS / UV_UNITS_PER_METRE / BANDS
+        tree.links.new(uv.outputs["UV"], wave.inputs["Vector"])
+        if height is None:
+            height = wave
+        else:
+            both = tree.nodes.new("ShaderNodeMath")
+            both.operation = "MULTIPLY"
+            tree.links.new(height.outputs["Fac"], both.inputs[0])
+            tree.links.new(wave.outputs["Fac"], both.inputs[1])
+            tree.links.new(both.outputs[0], bump.inputs["Height"])
+    bump.inputs["Distance"].default_value = WEAVE_HEIGHT
+    tree.links.new(bump.outputs["Normal"], shader.inputs["Normal"])

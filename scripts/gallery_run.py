@@ -14,21 +14,23 @@ from mathutils import Vector
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE"]]
+import gallery_live  # noqa: E402
+import gallery_scenes  # noqa: E402
 import rumple  # noqa: E402
 from contact_sheet import LENS  # noqa: E402
 from gallery_clips import CLIPS, Clip, Column  # noqa: E402
-from gallery_light import light  # noqa: E402
+from gallery_light import add_floor, as_cloth, light  # noqa: E402
 
 LEAD_IN = 12  # frames that are played before the first one that is shown
 CALM = 12  # frames over which the camera's way is averaged
 LABEL = 26  # pixels
-LEAST_RATE = 12  # frames a second that are rendered, at least: a browser loads every one of them
 
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="scripts/gallery")
     parser.add_argument("--clip", required=True, choices=CLIPS)
     parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--still", type=int, help="one frame alone, as a PNG, to look at")
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
 
 
@@ -37,6 +39,12 @@ def open_scene(clip: Clip) -> bpy.types.Scene:
     if clip.file == "skirt":
         import lesson_scenes
         lesson_scenes.build_skirt_scene()
+    elif clip.file in gallery_scenes.SCENES:
+        gallery_scenes.SCENES[clip.file]()
+    elif clip.file == "painted":
+        gallery_live.build_painted()
+    elif clip.file == "face":
+        gallery_live.build_face()
     elif clip.path is None:
         import demo_scene
         demo_scene.build_demo_scene()
@@ -47,6 +55,10 @@ def open_scene(clip: Clip) -> bpy.types.Scene:
 
 def wrinkle(clip: Clip, column: Column) -> None:
     """One click for every garment, and the fabric."""
+    if clip.file == "painted":
+        return gallery_live.wrinkle_painted(bpy.data.objects["Shirt"])
+    if column.method == "MAPS":
+        return gallery_live.wrinkle_face(bpy.data.objects["Face"])
     for name in clip.garments if column.method else ():
         obj = bpy.context.view_layer.objects.active = bpy.data.objects[name]
         if bpy.ops.object.rumple_add(method=column.method) != {"FINISHED"}:
@@ -71,7 +83,9 @@ def middles(clip: Clip) -> dict[int, Vector]:
         corners = [obj.matrix_world @ Vector(corner) for obj in (bpy.data.objects[name].evaluated_get(depsgraph)
                                                                  for name in clip.looks_at or clip.garments)
                    for corner in obj.bound_box]
-        found.append((np.min(corners, axis=0) + np.max(corners, axis=0)) / 2.0)
+        skeleton = bpy.data.objects.get("Skeleton")
+        found.append((np.min(corners, axis=0) + np.max(corners, axis=0)) / 2.0 if not clip.bone else
+                     np.array(skeleton.matrix_world @ skeleton.pose.bones[clip.bone].head))
     padded = np.pad(np.array(found), ((CALM, CALM), (0, 0)), mode="edge")
     calm = [padded[number:number + 2 * CALM + 1].mean(axis=0) for number in range(len(found))]
     return {first + number: Vector(middle) + Vector((0.0, 0.0, clip.raised)) for number, middle in enumerate(calm)}
@@ -88,28 +102,46 @@ def place_camera(clip: Clip, ways: dict[int, Vector]) -> None:
         camera.keyframe_insert("location", frame=frame)
 
 
-def shown(clip: Clip) -> range:
+def place_floor(clip: Clip, ways: dict[int, Vector]) -> None:
+    """Under the middle of the picture, which it follows."""
+    floor = add_floor(bpy.context.scene)
+    for frame, middle in ways.items():
+        floor.location.xy = middle.xy
+        floor.keyframe_insert("location", frame=frame)
+
+
+def shown(clip: Clip, still: int | None) -> range:
     """The frames that are rendered; those between are played."""
-    return range(clip.frames[0], clip.frames[1] + 1, max(bpy.context.scene.render.fps // LEAST_RATE, 1))
+    if still is not None:
+        return range(still, still + 1)
+    return range(clip.frames[0], clip.frames[1] + 1, max(bpy.context.scene.render.fps // clip.rate, 1))
 
 
-def render(clip: Clip, column: Column, ways: dict[int, Vector], folder: Path) -> None:
+def render(clip: Clip, column: Column, ways: dict[int, Vector], frames: range, folder: Path) -> None:
     """Its pictures, in a folder."""
     scene = open_scene(clip)
     wrinkle(clip, column)
     light(scene)
+    for name in clip.garments if clip.file != "face" else ():
+        as_cloth(bpy.data.objects[name], clip.weave)
     place_camera(clip, ways)
+    if clip.file != "face":
+        place_floor(clip, ways)
+    if column.paint:
+        gallery_live.show_paint(bpy.data.objects["Shirt"])
     scene.render.resolution_x, scene.render.resolution_y = clip.size
     scene.render.resolution_percentage = 100
     scene.frame_start = max(clip.frames[0] - LEAD_IN, scene.frame_start)
-    for frame in range(scene.frame_start, clip.frames[1] + 1):
+    for frame in range(scene.frame_start, frames[-1] + 1):
+        if clip.file == "painted" and frame in frames:
+            gallery_live.paint_until(bpy.data.objects["Shirt"], frame)
         scene.frame_set(frame)
-        if frame in shown(clip):
+        if frame in frames:
             scene.render.filepath = str(folder / f"{frame:04d}.png")
             bpy.ops.render.render(write_still=True)
 
 
-def side_by_side(clip: Clip, folders: list[Path], out: Path, rate: float) -> None:
+def side_by_side(clip: Clip, frames: range, folders: list[Path], out: Path, rate: float) -> None:
     """Pictures for a video, and an animated WebP."""
     from PIL import Image, ImageDraw, ImageFont
     try:
@@ -118,7 +150,7 @@ def side_by_side(clip: Clip, folders: list[Path], out: Path, rate: float) -> Non
         font = ImageFont.load_default()
     width, height = clip.size
     pages = []
-    for frame in shown(clip):
+    for frame in frames:
         page = Image.new("RGB", (width * len(folders), height + LABEL), (24, 24, 26))
         pen = ImageDraw.Draw(page)
         for number, (folder, column) in enumerate(zip(folders, clip.columns)):
@@ -136,13 +168,14 @@ def main() -> None:
     out.mkdir(parents=True, exist_ok=True)
     rumple.register()
     ways = middles(clip)
+    frames = shown(clip, options.still)
     with tempfile.TemporaryDirectory() as temporary:
         folders = [Path(temporary) / str(number) for number in range(len(clip.columns))]
         for column, folder in zip(clip.columns, folders):
             folder.mkdir()
-            render(clip, column, ways, folder)
-        rate = bpy.context.scene.render.fps / shown(clip).step
-        side_by_side(clip, folders, out, rate)
+            render(clip, column, ways, frames, folder)
+        rate = bpy.context.scene.render.fps / frames.step
+        side_by_side(clip, frames, folders, out, rate)
     (out / "fps").write_text(f"{rate:g}")
 
 

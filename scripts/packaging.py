@@ -18,6 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 ADDON = ROOT / "addon" / "rumple"
 HEADER = ROOT / "native" / "include" / "rumple" / "base.h"
+PACKED_EXAMPLES = ("Face", "Shirt", "Skirt")  # of the lessons; the others are a zip of their own, as large as a package
 FIXED_TIME = (2000, 1, 1, 0, 0, 0)
 
 
@@ -66,6 +67,10 @@ def guide_files(site: Path) -> dict[str, bytes]:
 def zips(installed: Path, out: Path) -> None:
     version = project_version()
     addon = files_below(ADDON) | {"LICENSE": (ROOT / "LICENSE").read_bytes()}
+    others = {name: addon.pop(name) for name in list(addon)
+              if name.startswith("examples/") and Path(name).stem not in PACKED_EXAMPLES}
+    if others:
+        write_zip(out / f"examples-{version}.zip", others | {"examples/LICENSE": addon["LICENSE"]})
     addon |= {f"shaders/{name}": data for name, data in files_below(ROOT / "shaders").items()}  # see viewport/glsl.py
     guide = guide_files(ROOT / "build" / "guide")  # see core/guide.py
     addon |= {f"guide/{name}": data for name, data in guide.items()}

@@ -156,6 +156,16 @@ class Zips(unittest.TestCase):
                     self.assertTrue(facts.signed)
             self.assertGreater(checked, 0)
 
+    def test_pictures_of_fabrics_and_three_examples_come_along(self) -> None:
+        pictures = {path.name for path in (DIST.parent / "addon" / "rumple" / "thumbnails").iterdir()}
+        self.assertGreater(len(pictures), 10)
+        for path in DIST.glob("rumple-*.zip"):
+            with zipfile.ZipFile(path) as archive:
+                names = archive.namelist()
+            self.assertEqual({name.split("/")[-1] for name in names if "thumbnails/" in name}, pictures, path.name)
+            self.assertEqual({name.split("/")[-1] for name in names if name.endswith(".blend")},
+                             {"Face.blend", "Shirt.blend", "Skirt.blend"}, path.name)
+
     def test_a_platform_has_at_most_eight_megabytes(self) -> None:
         for path in DIST.glob("rumple-*-*.zip"):
             if "legacy" not in path.name:

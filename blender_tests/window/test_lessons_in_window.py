@@ -51,7 +51,7 @@ class Lessons(Artist):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.scripted = Path(folder.name)
-        made = child("scripts/examples", cls.scripted)
+        made = child("scripts/examples", cls.scripted, SHIRT, SKIRT, FACE)
         printed, _ = made.communicate()
         if made.returncode != 0:
             raise AssertionError(printed)

@@ -154,6 +154,7 @@ class RUMPLE_OT_maps_add(bpy.types.Operator):
         except (UserError, native.NativeMissing) as error:
             self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
+        self.report({"INFO"}, said("Next: pose the bones, or set the shape keys, and press Add Reference Pose"))
         context.scene.render.use_lock_interface = True  # handlers write while the window draws
         return {"FINISHED"}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The menu of fabrics."""
+"""Sets a fabric. Its pictures: thumbnails.py."""
 from __future__ import annotations
 
 import json
@@ -8,18 +8,15 @@ from typing import Any
 import bpy
 
 from ...core.presets import Preset, touched
-from ...core.systems import SYSTEMS
 from .. import ui_base
 from ..objects import properties
 from ..translation import said
-
-ITEMS = {method: properties.preset_items(system) for method, system in SYSTEMS.items()}  # Blender keeps no copy
+from . import thumbnails
 
 
 def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | None) -> tuple:
     """Of the object at hand; Blender asks without one when it lists all operators."""
-    obj = context.object if context is not None else None
-    return ITEMS[properties.system_of(obj).method if obj is not None else "MESH"]
+    return thumbnails.items_of(context.object if context is not None else None)
 
 
 class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):

@@ -17,14 +17,16 @@ from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
                        properties, runtimes, stack_notes, units, viewport_mesh)
 from ..translation import said
-from . import fabrics
+from . import fabrics, thumbnails
 
+_NEXT = "Next: play it; fabric and folds are set in its panel, in the modifier tab"
 _NOT_SHOWN = "The wrinkles do not show: switch the modifier on in the viewport first"
 
 
 def _added_presets(operator: bpy.types.Operator, _context: bpy.types.Context | None) -> tuple:
     """Of the system that is added."""
-    return fabrics.ITEMS.get(getattr(operator, "method", ""), ()) or fabrics.ITEMS["MESH"]
+    method = getattr(operator, "method", "")
+    return (thumbnails.items(method) if method in SYSTEMS else ()) or thumbnails.items("MESH")
 
 
 def _is_last_operation(context: bpy.types.Context) -> bool:
@@ -184,8 +186,9 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self.report({"INFO"}, said(note))
         worn_over = ", ".join(body.name for body in bodies.of(obj))
         label = said(properties.system_of(obj).label)
-        self.report({"INFO"}, said(f"{label} added, {fine.vertex_count:,} vertices, over {worn_over}" if worn_over else
-                                   f"{label} added, {fine.vertex_count:,} vertices"))
+        made = said(f"{label} added, {fine.vertex_count:,} vertices, over {worn_over}" if worn_over else
+                    f"{label} added, {fine.vertex_count:,} vertices")
+        self.report({"INFO"}, f"{made}. {said(_NEXT)}")
 
 
 class _OnWaves(ui_base.OnWrinkled):

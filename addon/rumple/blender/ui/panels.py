@@ -14,7 +14,7 @@ from ..nodes import field_profile, field_shader
 from ..objects import changes, clip_place, modifier, properties, runtimes, stack_notes
 from ..translation import OWN_CONTEXT, said
 from ..ui_base import Panel, draw_message, draw_note, draw_setting, named_paint, property_column, settings_column
-from . import cloth_panel, guides_panel, healing, paint_panel, paths_panel, rest_panel, saved_settings
+from . import cloth_panel, guides_panel, healing, paint_panel, paths_panel, rest_panel, saved_settings, thumbnails
 
 ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
 
@@ -51,8 +51,7 @@ class DATA_PT_rumple(bpy.types.Panel):
             draw_message(layout, note)
         system = properties.system_of(obj)
         if system.presets:
-            layout.operator_menu_enum("object.rumple_preset", "preset", icon=ICONS[system.method],
-                                      text=system.presets[properties.group_of(obj).preset].label)
+            thumbnails.draw(layout, obj, ICONS[system.method])
         _draw_first(settings_column(layout, obj), obj)
         runtime = runtimes.known(obj)
         for note in runtime.notes if runtime is not None else ():

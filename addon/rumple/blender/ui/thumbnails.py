@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of the fabrics, as Blender's own preview icons: in the menu of fabrics, and large in the panel.
+
+docs/pictures/make_thumbnails.py renders them into thumbnails/. Where one is missing or cannot be read, the menu has its
+words.
+"""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import bpy.utils.previews
+
+from ...core.systems import SYSTEMS
+from ..objects import modifier, properties
+from ..translation import said
+
+FOLDER = Path(__file__).resolve().parents[2] / "thumbnails"
+CHOICE = "rumple_fabric"  # of the window manager: files do not have it
+SCALE, SCALE_IN_POPUP = 2.5, 5.0
+
+_pictures: Any = None  # bpy.utils.previews.ImagePreviewCollection
+_items: dict[str, tuple] = {}  # Blender keeps no copy
+
+
+def path(method: str, preset: str) -> Path:
+    """Of the picture of a preset."""
+    return FOLDER / f"{method}_{preset}.png"
+
+
+def icon(method: str, preset: str) -> int:
+    """The number of its icon; 0 without a picture."""
+    global _pictures
+    file = path(method, preset)
+    if not file.is_file():
+        return 0
+    if _pictures is None:
+        _pictures = bpy.utils.previews.new()
+    try:
+        return (_pictures.get(file.stem) or _pictures.load(file.stem, str(file), "IMAGE")).icon_id
+    except (KeyError, RuntimeError, OSError):
+        return 0
+
+
+def items(method: str) -> tuple[tuple[str, str, str, int, int], ...]:
+    """The presets of a system for an enum, with their icons."""
+    if method not in _items:
+        _items[method] = tuple((key, preset.label, preset.tip, icon(method, key), preset.number)
+                               for key, preset in SYSTEMS[method].presets.items())
+    return _items[method]
+
+
+def items_of(obj: bpy.types.Object | None) -> tuple:
+    """Of the system that an object has."""
+    return items(properties.system_of(obj).method if obj is not None and modifier.find(obj) is not None else "MESH")
+
+
+def _context_items(_owner: Any, context: bpy.types.Context | None) -> tuple:
+    """Blender asks without a context when it lists all properties."""
+    return items_of(context.object if context is not None else None)
+
+
+def _chosen(_owner: Any) -> int:
+    obj = bpy.context.object
+    if obj is None or modifier.find(obj) is None:
+        return 0
+    settings, presets = properties.group_of(obj), properties.system_of(obj).presets
+    return presets[settings.preset].number if presets else 0
+
+
+def _choose(_owner: Any, number: int) -> None:
+    """As the menu does, with its step of undo."""
+    obj = bpy.context.object
+    presets = properties.system_of(obj).presets if obj is not None and modifier.find(obj) is not None else {}
+    for key, preset in presets.items():
+        if preset.number == number and bpy.ops.object.rumple_preset.poll():
+            bpy.ops.object.rumple_preset("EXEC_DEFAULT", True, preset=key)
+
+
+def draw(layout: bpy.types.UILayout, obj: bpy.types.Object, icon_of_system: str) -> None:
+    """The menu of fabrics, beside the picture of the one that was chosen last: a click on that shows all pictures."""
+    system = properties.system_of(obj)
+    key = properties.group_of(obj).preset
+    row = layout.row()
+    if icon(system.method, key):
+        row.template_icon_view(bpy.context.window_manager, CHOICE, show_labels=True, scale=SCALE,
+                               scale_popup=SCALE_IN_POPUP)
+        row = row.column()
+    row.operator_menu_enum("object.rumple_preset", "preset", icon=icon_of_system, text=said(system.presets[key].label))
+
+
+def register() -> None:
+    setattr(bpy.types.WindowManager, CHOICE, bpy.props.EnumProperty(
+        name="Cloth", items=_context_items, get=_chosen, set=_choose, options={"SKIP_SAVE"},
+        description="The material that was chosen last"))
+
+
+def unregister() -> None:
+    global _pictures
+    delattr(bpy.types.WindowManager, CHOICE)
+    _items.clear()
+    if _pictures is not None:
+        bpy.utils.previews.remove(_pictures)
+        _pictures = None

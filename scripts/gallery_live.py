@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two scenes of the gallery in which more than frames goes by: a hand that paints folds, and a face with Wrinkle Maps.
+
+The hand is a path that is written here. Its strokes are those of the add-on's own brush: the same dabs on the same
+canvas, so many for each frame. Blender keys no painting: what is rendered is what an artist sees while the hand moves.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import demo_rig
+import gallery_scenes
+import lesson_scenes
+import lessons_run
+import numpy as np
+from mathutils import Vector
+from rumple.blender import scheduler
+from rumple.blender.brush import canvas
+
+# Strokes: from and to, metres across the chest and above the ground, as the camera sees them.
+STROKES = (((-0.045, 1.415), (-0.125, 1.02)), ((0.045, 1.415), (0.125, 1.02)), ((0.0, 1.385), (0.0, 1.00)))
+STROKE_FRAMES, PAUSE, LAST_FRAMES = 16, 4, 10  # of a stroke, before the next, behind the last
+PAINT_FRAMES = (1, len(STROKES) * (STROKE_FRAMES + PAUSE) + LAST_FRAMES)
+RADIUS, SPACING, STRENGTH, LENGTH = 0.034, 0.008, 0.5, 0.75  # metres, metres from dab to dab; as the brush's own
+FIELD_WAVELENGTH, FIELD_IRREGULARITY = 0.03, 0.2
+TOWARDS = (0.0, 1.0, 0.0)  # the view
+RING = "Brush"
+DONE = "painted dabs"  # property of the shirt: how many of them
+# Frame; where the brows go, metres: left, right.
+UP, FROWN_LEFT, FROWN_RIGHT, REST = (0, 0, 0.012), (-0.01, 0, -0.005), (0.01, 0, -0.005), (0, 0, 0)
+BROWS = ((1, REST, REST), (14, UP, UP), (24, UP, UP), (36, FROWN_LEFT, FROWN_RIGHT), (46, FROWN_LEFT, FROWN_RIGHT),
+         (56, REST, REST), (66, UP, REST), (76, UP, REST), (84, REST, REST))
+
+
+def build_painted() -> bpy.types.Object:
+    """The figure at rest, in a shirt that is to be painted on."""
+    gallery_scenes.dressed([demo_rig.Pose(frame) for frame in PAINT_FRAMES])
+    return gallery_scenes.ready("Shirt")
+
+
+@dataclass(frozen=True)
+class Dab:
+    """Where the brush is set down, and where the hand goes: metres in the picture."""
+
+    place: tuple[float, float]
+    way: tuple[float, float]
+
+
+def dabs_until(frame: int) -> list[Dab]:
+    """All of them, up to a frame."""
+    found = []
+    for number, (start, end) in enumerate(STROKES):
+        done = (frame - PAINT_FRAMES[0] - number * (STROKE_FRAMES + PAUSE)) / STROKE_FRAMES
+        if done <= 0.0:
+            break
+        way = np.subtract(end, start)
+        length = float(np.hypot(*way))
+        for along in np.arange(0.0, min(done, 1.0) * length, SPACING) / length:
+            found.append(Dab(tuple(np.add(start, along * way)), tuple(way / length)))
+    return found
+
+
+def paint_until(shirt: bpy.types.Object, frame: int) -> None:
+    """Go on to paint what the hand has painted up to a frame; the ring of the brush stands where the hand is."""
+    ready = canvas.canvas_of(shirt)
+    ready.pose(shirt, bpy.context.evaluated_depsgraph_get())
+    before = canvas.read(shirt.data)
+    painted = np.zeros((len(shirt.data.vertices), 3), np.float32) if before is None else before
+    dabs = dabs_until(frame)
+    for dab in dabs[shirt.get(DONE, 0):]:
+        hit = ready.hit(Vector((dab.place[0], -1.0, dab.place[1])), Vector(TOWARDS))
+        if hit is None:
+            continue
+        painted = ready.easel.dab(painted, False, touch="PAINT", centre=tuple(hit[0]), normal=tuple(hit[1]),
+                                  view=TOWARDS, direction=(dab.way[0], 0.0, dab.way[1]), across=False, radius=RADIUS,
+                                  strength=STRENGTH, length=LENGTH, falloff="SMOOTH")
+        set_ring(*hit)
+    shirt[DONE] = len(dabs)
+    canvas.write(shirt.data, painted)
+    scheduler.sync_all()
+
+
+def set_ring(place: Vector, normal: Vector) -> None:
+    """The circle of the brush, as its overlay draws it in a viewport."""
+    ring = bpy.data.objects.get(RING)
+    if ring is None:
+        bpy.ops.curve.primitive_bezier_circle_add(radius=RADIUS)
+        ring = bpy.context.object
+        ring.name, ring.data.bevel_depth = RING, 0.0012
+        ring.data.materials.append(glowing())
+    ring.location = place + 0.012 * normal
+    ring.rotation_euler = normal.to_track_quat("Z", "Y").to_euler()
+
+
+def glowing() -> bpy.types.Material:
+    made = bpy.data.materials.new(RING)
+    made.use_nodes = True
+    made.node_tree.nodes.clear()
+    light, out = (made.node_tree.nodes.new(f"ShaderNode{kind}") for kind in ("Emission", "OutputMaterial"))
+    light.inputs["Color"].default_value = (1.0, 0.45, 0.1, 1.0)
+    made.node_tree.links.new(light.outputs[0], out.inputs["Surface"])
+    return made
+
+
+def wrinkle_painted(shirt: bpy.types.Object) -> None:
+    """A Wrinkle Field as geometry, as in the lesson."""
+    bpy.context.view_layer.objects.active = shirt
+    if bpy.ops.object.rumple_add(method="FIELD") != {"FINISHED"}:
+        raise SystemExit(shirt.rumple.message)
+    settings = shirt.rumple.field
+    settings.output, settings.wavelength, settings.irregularity = "GEOMETRY", FIELD_WAVELENGTH, FIELD_IRREGULARITY
+    scheduler.sync_all()
+
+
+def show_paint(shirt: bpy.types.Object) -> None:
+    """The bare shirt, redder where more is painted."""
+    for modifier in shirt.modifiers:
+        if modifier.type == "NODES":
+            modifier.show_render = False
+    for slot in shirt.material_slots:
+        tree = slot.material.node_tree
+        shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+        paint, length, colour = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Attribute", "VectorMath", "MixRGB"))
+        paint.attribute_name = "rumple_rest_wrinkle"
+        length.operation = "LENGTH"
+        colour.inputs[1].default_value = shader.inputs["Base Color"].default_value
+        colour.inputs[2].default_value = (0.80, 0.10, 0.04, 1.0)
+        tree.links.new(paint.outputs["Vector"], length.inputs[0])
+        tree.links.new(length.outputs["Value"], colour.inputs[0])
+        tree.links.new(colour.outputs[0], shader.inputs["Base Color"])
+
+
+def build_face() -> bpy.types.Object:
+    """The face of the lesson: its brows rise, frown, and one of them rises alone."""
+    face = lesson_scenes.build_face_scene()
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = BROWS[0][0], BROWS[-1][0]
+    key_brows()
+    scene.frame_set(scene.frame_start)
+    return face
+
+
+def key_brows() -> None:
+    rig = bpy.data.objects["Face Rig"]
+    for frame, *places in BROWS:
+        for name, place in zip(("brow.L", "brow.R"), places):
+            bone = rig.pose.bones[name]
+            bone.location = bone.bone.matrix_local.to_3x3().inverted() @ Vector(place)
+            bone.keyframe_insert("location", frame=frame)
+
+
+def wrinkle_face(face: bpy.types.Object) -> None:
+    """What the lesson does, by its own words in Python."""
+    bpy.data.objects["Face Rig"].animation_data_clear()
+    exec(compile(lessons_run.script_of("face"), "face.md", "exec"), {"__name__": "face"})
+    key_brows()
+    scene = bpy.context.scene
+    scene.frame_set(scene.frame_start)
+    if face.rumple.message:
+        raise SystemExit(face.rumple.message)
