@@ -18,10 +18,10 @@ from .ui import (copy_settings, examples, fabrics, guide_operators, healing, hel
 from .viewport import paths_overlay, preview
 
 _MODULES = (manual, translation, properties, guide_curves, maps_properties, thumbnails, fabrics, operators,
-            paint_operators, guide_operators, paths_operators, held_mouse, rebuild_progress, healing, copy_settings, saved_settings,
-            examples, maps_operators, maps_pose_operators, maps_export, maps_bake, bake_operators, panels,
-            menus, maps_panel, maps_overlay, handlers, farm_command, farm_operators, preview, paths_overlay,
-            brush_operators)  # the last three draw, in this order
+            paint_operators, guide_operators, paths_operators, held_mouse, rebuild_progress, healing,
+            copy_settings, saved_settings, examples, maps_operators, maps_pose_operators, maps_export,
+            maps_bake, bake_operators, panels, menus, maps_panel, maps_overlay, handlers, farm_command,
+            farm_operators, preview, paths_overlay, brush_operators)  # the last three draw, in this order
 
 
 def register() -> None:

@@ -79,6 +79,8 @@ class AdaptiveRest:
         for name in ("window", "relaxation", "growth"):
             setattr(options, name, getattr(self, name))
         options.reference = self.reference if self.adapts else "STATIC_REST"
+
+
 LAYERS = (
     ("ONE", "One", "One fine mesh with folds of one size, as in the paper"),
     ("CLOTH", "Cloth", "Wide folds first, finer ones on them: Drape, Folds and Detail"),
