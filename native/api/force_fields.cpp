@@ -11,10 +11,10 @@ using force_fields::Field;
 // api/settings.h. Not in a namespace: found by its arguments.
 template <typename Pair>
 static void pair_fields(rumple_force_field& c, Field& native, const Pair& pair) {
-    pair.choose("kind", c.kind, native.kind, force_fields::Kind::Turbulence);
-    pair.choose("shape", c.shape, native.shape, force_fields::Shape::Plane);
-    pair.choose("falloff", c.falloff, native.falloff, force_fields::Falloff::Cone);
-    pair.choose("side", c.side, native.side, force_fields::Side::Below);
+    pair.choose("kind", c.kind, native.kind, force_fields::Kind::kTurbulence);
+    pair.choose("shape", c.shape, native.shape, force_fields::Shape::kPlane);
+    pair.choose("falloff", c.falloff, native.falloff, force_fields::Falloff::kCone);
+    pair.choose("side", c.side, native.side, force_fields::Side::kBelow);
     pair(c.location, native.location);
     pair(c.axis, native.axis);
     pair(c.strength, native.strength);

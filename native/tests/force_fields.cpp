@@ -26,7 +26,7 @@ void expect_near(const Vec3& found, const Vec3& expected, float tolerance = 1e-6
         << " " << expected.z;
 }
 
-Field of(Kind kind, float strength, Shape shape = Shape::Point) {
+Field of(Kind kind, float strength, Shape shape = Shape::kPoint) {
     Field field;
     field.kind = kind;
     field.strength = strength;
@@ -43,30 +43,30 @@ TEST(ForceFields, NothingActsWithoutThem) {
 }
 
 TEST(ForceFields, AForcePushesAwayFromItsShapeAsHardAtAnyDistance) {
-    Field force = of(Kind::Force, 6.0f);
+    Field force = of(Kind::kForce, 6.0f);
     force.location = {1, 0, 0};
     expect_near(effect(force, {4, 0, 4}).push, {3.6, 0, 4.8});
-    force.shape = Shape::Line;
+    force.shape = Shape::kLine;
     expect_near(effect(force, {4, 0, 4}).push, {6, 0, 0});
-    force.shape = Shape::Plane;
+    force.shape = Shape::kPlane;
     expect_near(effect(force, {4, 0, 4}).push, {0, 0, 6});
     expect_near(effect(force, {1, 0, 0}).push, Vec3(0.0f));  // no direction
-    force.shape = Shape::Point;
+    force.shape = Shape::kPoint;
     force.inverse_square = true;
     expect_near(effect(force, {4, 0, 4}).push, Vec3(3.6, 0, 4.8) / 25.0f);
 }
 
 TEST(ForceFields, FalloffOfSphereTubeAndCone) {
-    Field force = of(Kind::Force, 1.0f);
+    Field force = of(Kind::kForce, 1.0f);
     force.along = {.power = 2.0f, .least = 1.0f, .most = 10.0f, .ends = true};
     EXPECT_NEAR(glm::length(effect(force, {0.5, 0, 0}).push), 1.0f, 1e-6f);
     EXPECT_NEAR(glm::length(effect(force, {4, 0, 0}).push), 1.0f / 16, 1e-7f);  // 1 + 4 - 1
     EXPECT_EQ(effect(force, {11, 0, 0}).push, Vec3(0.0f));
-    force.falloff = Falloff::Tube;
+    force.falloff = Falloff::kTube;
     force.across = {.power = 1.0f, .least = 0.0f, .most = 4.0f, .ends = true};
     EXPECT_NEAR(glm::length(effect(force, {3, 0, -2}).push), 0.25f / 4.0f, 1e-7f);
     EXPECT_EQ(effect(force, {5, 0, 2}).push, Vec3(0.0f));
-    force.falloff = Falloff::Cone;
+    force.falloff = Falloff::kCone;
     force.across = {.power = 0.0f, .least = 0.0f, .most = 44.0f, .ends = true};
     EXPECT_EQ(effect(force, {2, 0, 2}).push, Vec3(0.0f));  // 45 degrees
     force.across.most = 46.0f;
@@ -74,17 +74,17 @@ TEST(ForceFields, FalloffOfSphereTubeAndCone) {
 }
 
 TEST(ForceFields, OneSideOnly) {
-    Field force = of(Kind::Force, 1.0f);
-    force.side = Side::Above;
+    Field force = of(Kind::kForce, 1.0f);
+    force.side = Side::kAbove;
     EXPECT_EQ(effect(force, {0, 1, -1}).push, Vec3(0.0f));
     EXPECT_NE(effect(force, {0, 1, 1}).push, Vec3(0.0f));
-    force.side = Side::Below;
+    force.side = Side::kBelow;
     EXPECT_NE(effect(force, {0, 1, -1}).push, Vec3(0.0f));
     EXPECT_EQ(effect(force, {0, 1, 1}).push, Vec3(0.0f));
 }
 
 TEST(ForceFields, AWindIsAirAlongItsAxisWhoseLengthDoesNotCount) {
-    Field wind = of(Kind::Wind, 5.0f, Shape::Plane);
+    Field wind = of(Kind::kWind, 5.0f, Shape::kPlane);
     wind.axis = {3, 0, 4};
     wind.flow = 1.0f;
     const Effect found = effect(wind, {7, 8, 9});
@@ -94,16 +94,16 @@ TEST(ForceFields, AWindIsAirAlongItsAxisWhoseLengthDoesNotCount) {
 }
 
 TEST(ForceFields, AVortexTurnsAboutItsAxis) {
-    const Field point = of(Kind::Vortex, 2.0f);
+    const Field point = of(Kind::kVortex, 2.0f);
     expect_near(effect(point, {3, 0, 0}).push, {0, 6, 0});
-    const Effect found = effect(of(Kind::Vortex, 2.0f, Shape::Plane), {3, 0, 5});
+    const Effect found = effect(of(Kind::kVortex, 2.0f, Shape::kPlane), {3, 0, 5});
     // With the velocity (0, 6, 0) of a body that turns at 2 rad/s nothing is left but the pull to the axis.
     EXPECT_EQ(found.resist, Vec2(1.0f, 0.0f));
     expect_near(found.push - Vec3(0, 6, 0), {-12, 0, 0});
 }
 
 TEST(ForceFields, HarmonicIsASpringAndCriticallyDampedByOne) {
-    Field spring = of(Kind::Harmonic, 9.0f);
+    Field spring = of(Kind::kHarmonic, 9.0f);
     spring.damping = 1.0f;
     expect_near(effect(spring, {2, 0, 0}).push, {-18, 0, 0});
     EXPECT_EQ(effect(spring, {2, 0, 0}).resist, Vec2(6.0f, 0.0f));
@@ -112,12 +112,12 @@ TEST(ForceFields, HarmonicIsASpringAndCriticallyDampedByOne) {
 }
 
 TEST(ForceFields, DragIsAgainstTheVelocityAndFlowIsToo) {
-    Field drag = of(Kind::Drag, 0.5f);
+    Field drag = of(Kind::kDrag, 0.5f);
     drag.damping = 0.25f;
     EXPECT_EQ(effect(drag, {1, 0, 0}).resist, Vec2(0.25f, 0.5f));
     drag.strength = drag.damping = 7.0f;
     EXPECT_EQ(effect(drag, {1, 0, 0}).resist, Vec2(2.0f, 2.0f));
-    Field force = of(Kind::Force, 1.0f);
+    Field force = of(Kind::kForce, 1.0f);
     force.flow = 0.75f;
     EXPECT_EQ(effect(force, {1, 0, 0}).resist, Vec2(0.75f, 0.0f));
 }
@@ -134,7 +134,7 @@ TEST(ForceFields, PerlinsNoiseIsZeroOnItsLatticeAndRepeatsAfter256) {
 }
 
 TEST(ForceFields, TurbulenceIsTheSameEveryTimeAndSmoothOverItsSize) {
-    Field turbulence = of(Kind::Turbulence, 1.0f);
+    Field turbulence = of(Kind::kTurbulence, 1.0f);
     turbulence.size = 2.0f;
     Vec3 before = effect(turbulence, {0.1f, 0.2f, 0.3f}).push;
     float most = 0.0f;
@@ -159,7 +159,7 @@ TEST(ForceFields, TurbulenceIsTheSameEveryTimeAndSmoothOverItsSize) {
 }
 
 TEST(ForceFields, NoiseDiffersWithSeedFrameAndPoint) {
-    Field wind = of(Kind::Wind, 3.0f);
+    Field wind = of(Kind::kWind, 3.0f);
     wind.noise = 2.0f;
     std::set<float> found;
     double sum = 0.0;
@@ -198,7 +198,7 @@ TEST(ForceFields, BadOnesAreRefusedByName) {
 // ---------------------------------------------------------------- on cloth
 // Turbulence at the points of a pose, in metres.
 std::vector<Vec3> turbulent(const Points& pose, float strength) {
-    Field field = of(Kind::Turbulence, strength);
+    Field field = of(Kind::kTurbulence, strength);
     field.size = 0.2f;
     std::vector<Vec3> push;
     for (const Effect& e : effects(std::span(&field, 1), 1, pose)) push.push_back(e.push);

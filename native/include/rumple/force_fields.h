@@ -66,9 +66,9 @@ RUMPLE_API rumple_force_field rumple_force_field_default(void);
 
 // What all fields do together. frame: noise differs from frame to frame. positions: (p, 3), world space,
 // finite. Written: air, (p, 3), the velocity of the air: winds; push, (p, 3), the force of all others;
-// resist, (p, 2),
-// >= 0: against the velocity, times it and times it and its length. Units are those of the strengths.
-// Cost: about 0.1 us a point and field, 0.5 us for turbulence.
+// resist, (p, 2), >= 0: against the velocity, times it and times it and its length. Units are those of the
+// strengths.
+// Cost: about 0.1 us a point and field, 1 us for turbulence.
 RUMPLE_API rumple_status rumple_force_fields_evaluate(const rumple_force_field* fields, size_t fields_count,
                                                       int32_t frame, const float* positions,
                                                       size_t positions_count, float* air, size_t air_count,

@@ -93,20 +93,20 @@ Placed placed(const Field& field, const Real3& point) {
     const Real3 along = axis * glm::dot(axis, from_origin);
     // A vortex about a plane takes the plane for its axis.
     const bool is_line =
-        field.shape == Shape::Line || (field.shape == Shape::Plane && field.kind == Kind::Vortex);
-    const Real3 to_point = field.shape == Shape::Point ? from_origin : is_line ? from_origin - along : along;
+        field.shape == Shape::kLine || (field.shape == Shape::kPlane && field.kind == Kind::kVortex);
+    const Real3 to_point = field.shape == Shape::kPoint ? from_origin : is_line ? from_origin - along : along;
     return {axis, from_origin, to_point, glm::length(to_point)};
 }
 
 double share(const Field& field, const Placed& at) {
     const double height = glm::dot(at.axis, at.from_origin);
-    if ((field.side == Side::Above && height < 0.0) || (field.side == Side::Below && height > 0.0))
+    if ((field.side == Side::kAbove && height < 0.0) || (field.side == Side::kBelow && height > 0.0))
         return 0.0;
-    if (field.falloff == Falloff::Sphere) return field.along.share(at.distance);
+    if (field.falloff == Falloff::kSphere) return field.along.share(at.distance);
     const double radius = glm::length(at.from_origin - height * at.axis);
     const double angle = elementary::atan2(radius, height) * (180.0 / std::numbers::pi);
     return field.along.share(std::abs(height)) *
-           field.across.share(field.falloff == Falloff::Tube ? radius : angle);
+           field.across.share(field.falloff == Falloff::kTube ? radius : angle);
 }
 
 // What the strength became by noise. The damping of Drag and Harmonic has noise too.
@@ -128,7 +128,7 @@ struct Sum {
 };
 
 void add_vortex(const Field& field, const Placed& at, double strength, double left, Sum& sum) {
-    if (field.shape == Shape::Point) {
+    if (field.shape == Shape::kPoint) {
         sum.push += unit(glm::cross(at.axis, at.to_point)) * (strength * left * at.distance);
         return;
     }
@@ -156,24 +156,24 @@ void add(const Field& field, const Real3& point, const Varied& by, Sum& sum) {
     const double left = share(field, at);
     if (left <= 0.0) return;
     switch (field.kind) {
-        case Kind::Wind:
+        case Kind::kWind:
             sum.air += at.axis * (by.strength * left);
             return;  // it resists as air does
-        case Kind::Force: {
+        case Kind::kForce: {
             const double square = field.inverse_square ? at.distance * at.distance : 1.0;
             if (at.distance > kNearest) sum.push += at.to_point / at.distance * (by.strength * left / square);
             break;
         }
-        case Kind::Vortex:
+        case Kind::kVortex:
             add_vortex(field, at, by.strength, left, sum);
             break;
-        case Kind::Harmonic:
+        case Kind::kHarmonic:
             return add_harmonic(field, at, by, left, sum);
-        case Kind::Drag:
+        case Kind::kDrag:
             sum.resist +=
                 left * glm::dvec2(std::min(by.damping, kMostDrag), std::min(by.strength, kMostDrag));
             return;
-        case Kind::Turbulence:
+        case Kind::kTurbulence:
             add_turbulence(field, at, point, by.strength * left, sum);
             break;
     }
