@@ -31,7 +31,7 @@ struct Settings {
     float follow = 400.0f;           // pull back to the animation where nothing is pinned, 1/s^2, > 0
     float room = 0.03f;              // farthest that a vertex leaves its animated place, object units, >= 0
     float slide_room = 0.0f;  // the same along the surface, where that is more than room; object units, >= 0
-    float friction = 0.0f;  // coefficient of Coulomb's law, on what is worn under it, >= 0
+    float friction = 0.0f;    // coefficient of Coulomb's law, on what is worn under it, >= 0
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2
     ClearanceSettings clearance{};
     int steps = 4;         // Newton steps from a given state, >= 0
