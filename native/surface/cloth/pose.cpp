@@ -221,8 +221,9 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
         const float pinned = painted(paint.follow, surface.representative[v], 0.0f);
         pose.follow.push_back(settings.follow + (kPinned - settings.follow) * pinned * pinned * pinned);
         pose.room.push_back(settings.room * painted(paint.room, surface.representative[v], 1.0f));
-        // A loose vertex has no surface to slide along.
-        const bool slides = settings.slide_room > settings.room && pose.normal[v] != Vec3(0.0f);
+        // A loose vertex has no surface to slide along; what has no room at all stays.
+        const bool slides =
+            settings.room > 0.0f && settings.slide_room > settings.room && pose.normal[v] != Vec3(0.0f);
         pose.slide_share.push_back(slides ? settings.room / settings.slide_room : 1.0f);
     }
     std::vector<Vec3> smooth(vertices);
