@@ -26,6 +26,7 @@ class Artist(WindowCase):
     """Mouse, keys and eyes."""
 
     def setUp(self) -> None:
+        bpy.context.preferences.view.show_tooltips = False  # they hide words below the mouse, some time after it came
         self.here = (400, 300)
         self.read: set[str] = set()
 
