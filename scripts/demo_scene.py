@@ -173,12 +173,18 @@ def set_up_render() -> None:
         scene.cycles.use_denoising = False
 
 
-def build_demo_scene(body_spacing: float = 0.0075) -> bpy.types.Object:
-    """Replace the open scene's objects by the demo and return the shirt. body_spacing: metres."""
+def build_figure(body_spacing: float) -> bpy.types.Object:
+    """An empty scene with the figure alone, at rest. body_spacing: metres. Returns its skeleton."""
     clear_scene()
     set_up_render()
     skeleton = demo_rig.build_armature(bpy.context.scene.collection)
     build_mannequin_object(skeleton, body_spacing)
+    return skeleton
+
+
+def build_demo_scene(body_spacing: float = 0.0075) -> bpy.types.Object:
+    """Replace the open scene's objects by the demo and return the shirt. body_spacing: metres."""
+    skeleton = build_figure(body_spacing)
     build_trousers_object(skeleton)
     shirt = build_shirt_object(skeleton)
     demo_rig.animate(skeleton)

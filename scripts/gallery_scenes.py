@@ -36,12 +36,8 @@ BUCKLE = (0.026, 0.024, 0.006)  # half width, half height, thickness, metres
 
 def figure(motion: Sequence[Pose], frames: tuple[int, int]) -> bpy.types.Object:
     """An empty scene with the figure in motion. Returns its skeleton."""
-    demo_scene.clear_scene()
-    demo_scene.set_up_render()
-    scene = bpy.context.scene
+    skeleton, scene = demo_scene.build_figure(BODY_SPACING), bpy.context.scene
     scene.frame_start, scene.frame_end = frames
-    skeleton = demo_rig.build_armature(scene.collection)
-    demo_scene.build_mannequin_object(skeleton, BODY_SPACING)
     demo_rig.animate(skeleton, motion)
     return skeleton
 

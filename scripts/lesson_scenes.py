@@ -10,7 +10,6 @@ import math
 import bmesh
 import bpy
 import demo_body
-import demo_rig
 import demo_scene
 import numpy as np
 from demo_body import Array
@@ -43,12 +42,8 @@ def skirt_mesh() -> tuple[Array, Array]:
 
 def build_skirt_scene() -> bpy.types.Object:
     """A figure that turns and stops, in a smooth skirt. Returns the skirt."""
-    demo_scene.clear_scene()
-    demo_scene.set_up_render()
-    scene = bpy.context.scene
+    skeleton, scene = demo_scene.build_figure(SKIRT_BODY_SPACING), bpy.context.scene
     scene.frame_start, scene.frame_end = SKIRT_FRAMES
-    skeleton = demo_rig.build_armature(scene.collection)
-    demo_scene.build_mannequin_object(skeleton, SKIRT_BODY_SPACING)
     points, quads = skirt_mesh()
     skirt = demo_scene.mesh_object("Skirt", points, quads, ("Shirt cloth",))
     skirt.vertex_groups.new(name="hips").add(range(len(points)), 1.0, "REPLACE")

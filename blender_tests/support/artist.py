@@ -163,6 +163,14 @@ class Artist(WindowCase):
             yield from self.click((bar.x + bar.width // 2, y))
         self.fail("no tab is that of the modifiers")
 
+    def add(self, system: str) -> Iterator[float]:
+        """Wrinkles, from the menu of the modifier tab."""
+        box = yield from self.see("Add Modifier", "PROPERTIES")
+        if bpy.app.version >= (4, 0, 0):
+            yield from self.click(box.middle)
+        yield from self.choose(f"Wrinkles > {system}")
+        yield 0.3
+
     def button(self, words: str, which: int = 0) -> Iterator[float]:
         """Press a button of the Properties editor."""
         box = yield from self.scroll_to(words, which)

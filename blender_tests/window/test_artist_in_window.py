@@ -67,14 +67,6 @@ class Hand(Artist):
             yield 0.05
         yield pause
 
-    def add(self, system: str) -> Iterator[float]:
-        """From the menu of the modifier tab."""
-        box = yield from self.see("Add Modifier", "PROPERTIES")
-        if bpy.app.version >= (4, 0, 0):
-            yield from self.click(box.middle)
-        yield from self.choose(f"Wrinkles > {system}")
-        yield 0.3
-
     def along(self, label: str, pixels: int) -> Iterator[Any]:
         """Places on a slider, from its middle to so many pixels right of it."""
         x, y = yield from self.beside(label)

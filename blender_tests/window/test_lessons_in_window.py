@@ -81,13 +81,6 @@ class Lessons(Artist):
         yield from self.click(self.seen_at(Vector(place)))
         self.assertEqual(bpy.context.object.name, name)
 
-    def add(self, system: str) -> Iterator[float]:
-        box = yield from self.see("Add Modifier", "PROPERTIES")
-        if bpy.app.version >= (4, 0, 0):
-            yield from self.click(box.middle)
-        yield from self.choose(f"Wrinkles > {system}")
-        yield 0.3
-
     def see_all(self, *words: str) -> Iterator[float]:
         for one in words:
             yield from self.scroll_to(one)

@@ -192,6 +192,9 @@ TEST(BaseClothExact, ASheetSlidesFartherThanItsRoom) {
     EXPECT_GT(d, 0.04);
     for (size_t v = 0; v < mesh.positions.size(); ++v)
         EXPECT_LT(glm::distance(result.positions[v], mesh.positions[v] + Vec3(d, 0, 0)), 2e-5f);
+    s.slide_room = 0.08f;  // counts for nothing where there is no room at all
+    s.room = 0.0f;
+    EXPECT_EQ(farthest(garment.solve(s, mesh.positions).positions, mesh.positions), 0.0f);
 }
 
 // A sheet on a slope of the angle a, every vertex alike. It is pressed on by N = g cos a, less what the pull

@@ -255,8 +255,6 @@ TEST(BaseClothLaws, ASlideWithinTheRoomChangesNothing) {
         EXPECT_TRUE(equal_bits(garment.solve(settings, pose), without));
         settings.slide_room = 3.0f * settings.room;
         EXPECT_FALSE(equal_bits(garment.solve(settings, pose), without));
-        settings.room = 0.0f;
-        EXPECT_EQ(farthest(garment.solve(settings, pose).positions, pose), 0.0f);
     }
 }
 

@@ -54,7 +54,7 @@ struct Frame {
     struct Vertices {
         Vec3Lanes animated, normal;
         Lanes area, follow, room, slide_share;
-        Lanes grip;  // most force of friction over a length, of the pressure that the step begins with
+        Lanes grip;  // most force of friction: by the contact that the Newton step begins with
         Plane under, ahead;
 
         // How firmly each is pressed out of what it is in.
@@ -183,8 +183,8 @@ Matrix inverse_or_nothing(const Matrix& block) {
     return {inverse[0], inverse[1], inverse[2]};
 }
 
-// Force of friction over the way slid: that of Coulomb's law, smooth where it would turn over (M. Li et al.,
-// "Incremental Potential Contact", SIGGRAPH 2020, equation 13).
+// Force of friction over the way slid: Coulomb's law, smooth where the way is short (f_1 of M. Li et al.,
+// "Incremental Potential Contact", SIGGRAPH 2020).
 Lanes friction(const Lanes& grip, const Lanes& slip, const Vec3Lanes& slid) {
     const Lanes way = square_root(dot(slid, slid)), zero{};
     const Lanes share = way < slip ? (2.0f - way / slip) / slip : 1.0f / way;
@@ -200,9 +200,10 @@ void forces_at_vertices(const Frame& frame, std::vector<Row>& x, std::vector<Row
         const Frame::Vertices& cloth = frame.vertices[four];
         const auto& [animated, normal, area, follow, room, slide_share, grip, under, before] = cloth;
         const Vec3Lanes at = columns(four_of(x, four)), away = at - animated;
-        // Along the surface a way counts by a share s against the room: S = s^2 I + (1 - s^2) n n^T.
+        // Along the surface a way counts by a share s against the room: S = s I + (1 - s) n n^T, and S S is
+        // s^2 I + (1 - s^2) n n^T.
         const Lanes s2 = slide_share * slide_share, height = dot(normal, away);
-        const Vec3Lanes counted = s2 * away + (1.0f - s2) * height * normal;  // S away
+        const Vec3Lanes counted = s2 * away + (1.0f - s2) * height * normal;  // S S away
         const Lanes room_used = room > zero ? dot(counted, away) / (room * room) : zero;
         const Lanes wall_used = kWall * room_used * room_used;
         const Lanes back = area * follow * (1.0f + wall_used * s2);
