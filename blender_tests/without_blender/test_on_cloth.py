@@ -118,7 +118,7 @@ class OnCloth(unittest.TestCase):
                 cloth = fine.solved_over(float(frame), self.clip[frame])
                 moved = max(moved, float(np.abs(cloth - self.clip[frame]).max()))
                 expected = self.solve(apart, frame, settings, cloth)
-                if name != "FIELD":  # whose waves are bounded: see below
+                if name not in ("FIELD", "DRAPED"):  # whose waves are bounded: see below
                     self.same(picture, expected, offsets=False)
                 if name != "SHADED":
                     self.assertFalse(np.array_equal(picture.local_offset, expected.local_offset))
@@ -178,12 +178,12 @@ class OnCloth(unittest.TestCase):
 
     def test_waves_stand_where_the_cloth_is_compressed_and_nowhere_else(self) -> None:
         fine, settings = self.build(SHADED), on_cloth(SHADED)
-        self.solve(fine, 1, settings, self.base.positions)
-        cloth = fine.solved_over(1.0, self.base.positions)
+        self.solve(fine, 5, settings)
+        cloth = fine.solved_over(5.0, self.clip[5])
         waves = native.load().shown_waves_wrinkle_field(
             fine.model, fine._native_settings(settings), native.load().WrinkleFieldProfile("SINE"), fine._paint, cloth,
-            fine.wrinkles_of(1.0))
-        amplitude = self.solve(fine, 1, settings, self.base.positions).attributes["rumple_amplitude"]
+            fine.wrinkles_of(5.0))
+        amplitude = self.solve(fine, 5, settings).attributes["rumple_amplitude"]
         np.testing.assert_allclose(amplitude, waves.height, atol=1e-9)
         self.assertGreater(float((waves.height > 0.0).mean()), 0.05)
         self.assertFalse((waves.height[waves.compression >= 1.0] > 0.0).any())

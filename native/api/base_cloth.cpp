@@ -41,6 +41,7 @@ static void pair_fields(rumple_base_cloth_settings& c, base_cloth::Settings& nat
     pair(c.folded, native.folded);
     pair(c.smoothing, native.smoothing);
     pair(c.slack, native.slack);
+    pair(c.hang, native.hang);
     pair(c.follow, native.follow);
     pair(c.room, native.room);
     pair(c.slide_room, native.slide_room);

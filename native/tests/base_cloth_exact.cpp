@@ -29,11 +29,15 @@ Settings nothing_but_springs() {
 // / 6 (f L - l).
 constexpr float kSide = 0.2f;
 
-float side_at_rest(const Settings& settings, float factor) {
+MeshData triangle_of_side(float side) {
     MeshData mesh;
-    mesh.positions = {{0, 0, 0}, {kSide, 0, 0}, {0.5f * kSide, kSide * std::sqrt(0.75f), 0}};
+    mesh.positions = {{0, 0, 0}, {side, 0, 0}, {0.5f * side, side * std::sqrt(0.75f), 0}};
     mesh.add_polygon({0, 1, 2});
-    const Garment garment(mesh);
+    return mesh;
+}
+
+float side_at_rest(const Settings& settings, float factor) {
+    const Garment garment(triangle_of_side(kSide));
     const Result result = garment.solve(settings, garment.moved([&](const Vec3& p) { return factor * p; }));
     const float a = glm::distance(result.positions[0], result.positions[1]);
     EXPECT_NEAR(glm::distance(result.positions[1], result.positions[2]), a, 1e-5f);
@@ -95,6 +99,20 @@ TEST(BaseClothExact, BelowTheCompressionLimitItIsPushedByK2) {
         const double l = balance(s.compression * (limit - kSide), s.folded, limit, q, factor * kSide);
         ASSERT_LT(l, limit);
         EXPECT_NEAR(side_at_rest(s, factor), l, 2e-5) << factor;
+    }
+}
+
+// A garment is cut wider around the body, not longer on it: sides at 0 and 60 degrees to the hang.
+TEST(BaseClothExact, AlongTheHangThereIsNoSlack) {
+    Settings s = two_stiffnesses();
+    s.follow = 1e-3f;
+    s.slack = 1.1f;
+    const Garment garment(triangle_of_side(kSide));
+    for (const float much : {0.0f, 0.5f, 1.0f}) {
+        s.hang = {much, 0.0f, 0.0f};
+        const Points x = garment.solve(s, garment.mesh.positions).positions;
+        EXPECT_NEAR(glm::distance(x[0], x[1]), (1.0f + 0.1f * (1.0f - much * much)) * kSide, 2e-5f);
+        EXPECT_NEAR(glm::distance(x[1], x[2]), (1.0f + 0.1f * (1.0f - 0.25f * much * much)) * kSide, 2e-5f);
     }
 }
 

@@ -97,7 +97,10 @@ inline double energy(const base_cloth::Model& model, const base_cloth::Settings&
     for (const base_cloth::Model::Spring& spring : model.springs) {
         const glm::dvec3 way = x[spring.b] - x[spring.a];
         const glm::dvec3 change = way - glm::dvec3(animated[spring.b] - animated[spring.a]);
-        double e = spring_energy(s, spring.diagonal, glm::length(way), double(s.slack) * double(spring.rest));
+        const glm::dvec3 along = glm::normalize(glm::dvec3(animated[spring.b] - animated[spring.a]));
+        const double hang = glm::dot(glm::dvec3(s.hang), along);
+        const double slack = 1.0 + (double(s.slack) - 1.0) * (1.0 - hang * hang);
+        double e = spring_energy(s, spring.diagonal, glm::length(way), slack * double(spring.rest));
         if (!spring.diagonal) e += 0.5 * s.smoothing * glm::dot(change, change);
         sum += spring.weight * e;
     }

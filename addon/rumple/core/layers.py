@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..native import kernels
-from .cloth import downwards, length_over_cotton
+from .cloth import hanging, length_over_cotton
 from .settings import MeshSettings
 
 
@@ -40,11 +40,6 @@ LOOSER = 4.0  # slack of the layers over that of the base cloth, where that is n
 TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
 LIMPEST = 0.7  # bending length over cotton's, about silk's: limper cloth has no more to spare than that
 LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
-
-
-def hanging(gravity: float, world_from_object: np.ndarray | None) -> tuple[float, ...]:
-    """Object space: along it its own weight pulls the cloth taut. gravity: over the earth's."""
-    return tuple(float(part) for part in np.clip(gravity, 0.0, 1.0) * downwards(world_from_object))
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,

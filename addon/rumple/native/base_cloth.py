@@ -64,6 +64,7 @@ class BaseClothSettings(c.BaseClothSettings):
 
     __slots__ = ()
     gravity: Any = Vector("three floats, object space, object units / s^2")
+    hang: Any = Vector("three floats, object space, length 0 to 1: along it there is no slack")
 
     def __new__(cls) -> "BaseClothSettings":
         return cls.from_buffer_copy(lib.rumple_base_cloth_settings_default())

@@ -48,6 +48,7 @@ typedef struct rumple_base_cloth_settings {
     float folded;             // k2: of what is shorter than c_l, >= 0
     float smoothing;          // against displacements that differ between neighbours, >= 0
     float slack;              // length of the cloth over that of the modelled garment, > 0
+    float hang[3];            // object space, length 0..1: along it there is no slack
     float follow;             // pull back to the animation where nothing is pinned, 1/s^2, > 0
     float room;               // farthest that a vertex leaves its animated place, object units, >= 0
     float slide_room;         // the same along the surface, where that is more than room; object units, >= 0

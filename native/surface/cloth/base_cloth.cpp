@@ -42,6 +42,7 @@ void check(const Settings& settings) {
     expect_within("folded", settings.folded, 0.0, 1e12);
     expect_within("smoothing", settings.smoothing, 0.0, 1e12);
     expect_within("slack", settings.slack, 1e-3, 1e3);
+    expect_within("hang", glm::length(settings.hang), 0.0, 1.0 + 1e-5);
     expect_within("follow", settings.follow, 1e-6, 1e9);
     expect_within("room", settings.room, 0.0, 1e9);
     expect_within("slide_room", settings.slide_room, 0.0, 1e9);

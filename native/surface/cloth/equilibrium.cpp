@@ -64,6 +64,7 @@ struct Frame {
     const Settings& settings;
     std::vector<Row> animated;
     std::vector<Vertices> vertices;
+    std::span<const float> cut;  // as of Pose
     struct Inertia {
         Row from, push;
         Matrix resist;
@@ -85,7 +86,8 @@ Frame::Frame(const Cloth& cloth, std::vector<Row>& x)
     : model(cloth.model),
       settings(cloth.settings),
       animated(rows_with_a_spare(cloth.pose.animated)),
-      vertices(animated.size() / kLanes) {
+      vertices(animated.size() / kLanes),
+      cut(cloth.pose.cut) {
     const Pose& pose = cloth.pose;
     for (size_t v = 0; v < pose.animated.size(); ++v) {
         Vertices& four = vertices[v / kLanes];
@@ -249,7 +251,7 @@ void forces(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hess
         const Vec3Lanes displacement = ends_apart(springs, x);
         const Lanes length = most(square_root(dot(displacement, displacement)), all_lanes(kShortestEdge));
         const Vec3Lanes n{displacement.x / length, displacement.y / length, displacement.z / length};
-        const Tension t = tension(settings, springs.diagonal, length, settings.slack * springs.rest);
+        const Tension t = tension(settings, springs.diagonal, length, load_lanes(&frame.cut[s * kLanes]));
         const Lanes smooth = springs.diagonal ? Lanes{} : all_lanes(settings.smoothing);
         const Vec3Lanes bent = displacement - ends_apart(springs, frame.animated);
         pull_together(springs, springs.weight * (t.force * n + smooth * bent), out);

@@ -30,6 +30,13 @@ float painted(const std::vector<float>& values, Index display_vertex, float unpa
     return values.empty() ? unpainted : values[display_vertex];
 }
 
+// Slack is cut around a body, not along what hangs on it.
+float slack_along(const Settings& settings, const Vec3& direction) {
+    const float length = glm::length(direction);
+    const float hang = length < kShortestEdge ? 0.0f : glm::dot(settings.hang, direction) / length;
+    return 1.0f + (settings.slack - 1.0f) * (1.0f - hang * hang);
+}
+
 void place_facets(const Surface& surface, Pose& pose) {
     pose.facets.resize(surface.triangles.size());
     for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
@@ -188,8 +195,8 @@ void describe(const Model& model, const Settings& settings, const Pose& pose, st
         out.report.offset_max = std::max(out.report.offset_max, moved);
         touching += height_above(planes[v], x[v]) < kTouching * settings.room;
     }
-    for (const Model::Spring& spring : model.springs)
-        taut += glm::distance(x[spring.a], x[spring.b]) > settings.slack * spring.rest;
+    for (size_t s = 0; s < model.springs.size(); ++s)
+        taut += glm::distance(x[model.springs[s].a], x[model.springs[s].b]) > pose.cut[s];
     out.report.offset_mean = static_cast<float>(sum / double(std::max<size_t>(vertices, 1)));
     out.report.touching = float(touching) / float(std::max<size_t>(vertices, 1));
     out.report.body_known = pose.body_known;
@@ -238,8 +245,12 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
     look_ahead(settings, bodies, pose);
     keep_inner_parts_inside(model, settings, pose);
     pose.length.reserve(model.springs.size());
-    for (const Model::Spring& spring : model.springs)
-        pose.length.push_back(glm::distance(pose.animated[spring.a], pose.animated[spring.b]));
+    for (const Model::Spring& spring : model.springs) {
+        const Vec3 along = pose.animated[spring.b] - pose.animated[spring.a];
+        pose.length.push_back(glm::length(along));
+        pose.cut.push_back(slack_along(settings, along) * spring.rest);
+    }
+    pose.cut.resize(in_fours(pose.cut.size()));
     return pose;
 }
 

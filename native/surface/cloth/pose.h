@@ -39,9 +39,10 @@ struct Pose {
     std::vector<float> ahead_height;  // of the animated place above that plane, object units; none: its room
     float body_known = 0.0f;          // share of the vertices that have a body under them
     std::vector<float> length;        // of every spring between the animated vertices, object units
-    std::vector<float> follow;        // 1/s^2
-    std::vector<float> room;          // Settings::room times paint, object units, >= 0
-    std::vector<float> slide_share;   // 0..1: a way along the surface counts by this share against the room
+    std::vector<float> cut;  // of every spring: length of the cloth, object units; in fours, 0 after the last
+    std::vector<float> follow;       // 1/s^2
+    std::vector<float> room;         // Settings::room times paint, object units, >= 0
+    std::vector<float> slide_share;  // 0..1: a way along the surface counts by this share against the room
 
     // The nearest place towards the animated one that is within the room. The way out of a body is always
     // free.

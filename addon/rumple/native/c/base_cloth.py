@@ -42,6 +42,7 @@ class BaseClothSettings(Struct):
     folded: float  # k2: of what is shorter than c_l, >= 0
     smoothing: float  # against displacements that differ between neighbours, >= 0
     slack: float  # length of the cloth over that of the modelled garment, > 0
+    hang: Array  # object space, length 0..1: along it there is no slack
     follow: float  # pull back to the animation where nothing is pinned, 1/s^2, > 0
     room: float  # farthest that a vertex leaves its animated place, object units, >= 0
     slide_room: float  # the same along the surface, where that is more than room; object units, >= 0
@@ -57,7 +58,7 @@ class BaseClothSettings(Struct):
     gradients: int  # most conjugate gradients of a step, >= 0
     _fields_ = (("stretch", c_float), ("strain_limit", c_float), ("shear", c_float), ("compression", c_float),
         ("compression_limit", c_float), ("folded", c_float), ("smoothing", c_float), ("slack", c_float),
-        ("follow", c_float), ("room", c_float), ("slide_room", c_float), ("friction", c_float),
+        ("hang", c_float * 3), ("follow", c_float), ("room", c_float), ("slide_room", c_float), ("friction", c_float),
         ("gravity", c_float * 3), ("thickness", c_float), ("unknown", c_float), ("reach", c_float),
         ("depth", c_float), ("spread", c_float), ("steps", c_int32), ("start_steps", c_int32),
         ("gradients", c_int32),)
