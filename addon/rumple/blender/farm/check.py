@@ -84,7 +84,7 @@ def _is_there(text: str) -> bool:
 def _garments(garments: list[bpy.types.Object], to_bake: bool) -> Iterator[Finding]:
     for obj in garments:
         nodes_mod = modifier.find(obj)
-        refused = bodies.refusal(obj, bodies.of(obj))
+        refused = bodies.refusal(obj)
         if refused:
             yield Finding("garment", refused)
         if not nodes_mod.show_viewport:

@@ -28,8 +28,7 @@ def garments(scene: bpy.types.Scene) -> list[bpy.types.Object]:
 
 def needs(obj: bpy.types.Object) -> list[str]:
     """The wrinkled objects that one rests on or follows: what is baked before it. Linked ones are baked elsewhere."""
-    worn_over = bodies.of(obj)
-    others = [] if bodies.refusal(obj, worn_over) else worn_over
+    others = [] if bodies.refusal(obj) else bodies.of(obj)
     follows = modifier.depends_on_wrinkled(obj)
     if follows is not None and follows not in others:
         others.append(follows)

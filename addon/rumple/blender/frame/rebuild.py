@@ -20,11 +20,11 @@ from . import clip_status, path_curves
 
 def sync_all() -> None:
     """Bring every wrinkled object in order: node groups, shared output objects, stale meshes, leftovers."""
+    kept_lists.forget_all()
     for group in list(bpy.data.node_groups):
         if wrinkle_tree.is_ours(group):
             with messages.console_errors(group.name):
                 wrinkle_tree.upgrade(group)
-    kept_lists.forget_all()
     objects = list(modifier.wrinkled_objects())
     runtimes.forget_all_but(obj for obj, _ in objects)
     _split_shared_outputs(objects)

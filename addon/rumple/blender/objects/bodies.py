@@ -57,12 +57,12 @@ def _is_somewhere(obj: bpy.types.Object) -> bool:
 _found_in: dict[int, str] = {}  # the collection to look into first, by object: some files have hundreds
 
 
-def refusal(obj: bpy.types.Object, found: list[bpy.types.Object]) -> str:
-    """What is wrong with the bodies that are set, in a sentence; empty when nothing is. found: of() the garment.
+def refusal(obj: bpy.types.Object) -> str:
+    """What is wrong with the bodies that are set, in a sentence; empty when nothing is.
 
     Where garments are worn over one another in a circle, the last of them by name is refused.
     """
-    for body in found:
+    for body in of(obj):
         if body == obj:
             return f"{obj.name}: it is worn over itself: take it out of its bodies"
         if _leads_to(body, obj):
@@ -92,9 +92,8 @@ def in_order(wrinkled: list[Wrinkled]) -> list[Wrinkled]:
         nodes_mod = waiting.pop(obj, None)
         if nodes_mod is None:
             return
-        found = of(obj)
-        if not refusal(obj, found):
-            for body in found:
+        if not refusal(obj):
+            for body in of(obj):
                 take(body)
         ordered.append((obj, nodes_mod))
 
@@ -119,7 +118,7 @@ def all_under(obj: bpy.types.Object) -> set[bpy.types.Object]:
 def _wanted(obj: bpy.types.Object) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
     """What the modifier has to name. Nothing of what is refused: it would be a circle."""
     found = of(obj)
-    if not found or refusal(obj, found):
+    if not found or refusal(obj):
         return None, None
     return (obj.rumple.body if obj.rumple.body in found else None), obj.rumple.body_collection
 
@@ -148,8 +147,7 @@ def are_busy(obj: bpy.types.Object) -> bool:
 
 def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
     """The bodies of a garment as a depsgraph has them; None where it has none. Raises engine.UserError."""
-    found = of(obj)
-    refused = refusal(obj, found)
+    found, refused = of(obj), refusal(obj)
     if refused:
         raise engine.UserError(refused)
     if not found:

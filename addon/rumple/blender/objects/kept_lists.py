@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects have one of our modifiers, and what their inputs are called: searched for once after something may have
-changed, then kept.
+"""Which objects have one of our modifiers: searched for once after something may have changed, then kept.
 
 Kept are names, not objects: undo and deletion free those behind Python's back. Every use looks them up again. What
 adds, removes or copies modifiers outside of our own code is followed by an update, a frame, a file or an undo, and
@@ -11,8 +10,6 @@ from __future__ import annotations
 from typing import Callable, Iterator
 
 import bpy
-
-from .. import compat
 
 Found = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
@@ -64,31 +61,10 @@ class ModifiedObjects:
         return [(obj, nodes_mod) for obj, nodes_mod in pairs if nodes_mod is not None]
 
 
-class GroupInputs:
-    """The identifiers of the inputs of node groups. A frame asks for twenty of each garment."""
-
-    def __init__(self) -> None:
-        self._identifiers: dict[int, dict[str, str]] = {}  # by group: by name
-        _all.append(self)
-
-    def identifier(self, group: bpy.types.NodeTree, name: str) -> str | None:
-        """None where the group has no such input."""
-        key = compat.session_key(group)
-        found = self._identifiers.get(key, {}).get(name)
-        if found is None:  # not asked for yet, or an input that was added since
-            inputs = self._identifiers[key] = compat.group_sockets(group, "INPUT")
-            found = inputs.get(name)
-        return found
-
-    def forget(self) -> None:
-        """Read them again: another group may be at the address of one that was removed."""
-        self._identifiers = {}
-
-
-_all: list[ModifiedObjects | GroupInputs] = []
+_all: list[ModifiedObjects] = []
 
 
 def forget_all() -> None:
     """Anything may have been added, removed or renamed."""
-    for kept in _all:
-        kept.forget()
+    for objects in _all:
+        objects.forget()

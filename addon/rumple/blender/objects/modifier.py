@@ -10,7 +10,7 @@ from ...core.clip_manifest import Manifest
 from ...core.systems import SYSTEMS, System
 from .. import compat
 from ..nodes import wrinkle_tree
-from .kept_lists import GroupInputs, ModifiedObjects
+from .kept_lists import ModifiedObjects
 
 CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the cache object of a baked clip
 
@@ -28,7 +28,6 @@ NEUTRAL = DEFORMING | frozenset((
 SIMULATION_NODE = "GeometryNodeSimulationInput"  # the start of a simulation zone, from Blender 3.6 on
 
 _WRINKLED = ModifiedObjects(wrinkle_tree.is_ours)
-_INPUTS = GroupInputs()
 
 
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
@@ -118,7 +117,6 @@ def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
     modifier = obj.modifiers.new(SYSTEMS[method].label, "NODES")
     modifier.node_group = wrinkle_tree.ensure(method)
     _WRINKLED.forget()
-    _INPUTS.forget()
     last = len(obj.modifiers) - 1
     if place != last:
         compat.move_modifier(obj, last, place)
@@ -131,7 +129,7 @@ def _set(modifier: bpy.types.NodesModifier, name: str, value: object) -> None:
 
 
 def _get(modifier: bpy.types.NodesModifier, name: str) -> Any:
-    identifier = _INPUTS.identifier(modifier.node_group, name)
+    identifier = compat.group_sockets(modifier.node_group, "INPUT").get(name)
     return compat.modifier_input(modifier, identifier) if identifier else None
 
 
@@ -158,7 +156,7 @@ def viewport_output(modifier: bpy.types.NodesModifier) -> bpy.types.Object | Non
 
 def can_show_in_viewport(modifier: bpy.types.NodesModifier) -> bool:
     """Not with a node group of an older version that is linked from another file."""
-    return _INPUTS.identifier(modifier.node_group, wrinkle_tree.VIEWPORT_OUTPUT) is not None
+    return wrinkle_tree.VIEWPORT_OUTPUT in compat.group_sockets(modifier.node_group, "INPUT")
 
 
 def set_viewport_output(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
@@ -237,7 +235,7 @@ def bodies(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.Object | None, 
 
 def can_name_bodies(modifier: bpy.types.NodesModifier) -> bool:
     """Not with a node group of an older version that is linked from another file."""
-    return _INPUTS.identifier(modifier.node_group, wrinkle_tree.BODIES) is not None
+    return wrinkle_tree.BODIES in compat.group_sockets(modifier.node_group, "INPUT")
 
 
 def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,

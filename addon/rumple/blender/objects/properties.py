@@ -2,7 +2,6 @@
 """What is stored on objects: `object.rumple`. The settings are made from core/settings.py, field by field."""
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import Field, fields
 from typing import Any, Callable, Iterable
@@ -215,14 +214,9 @@ def system_of(obj: bpy.types.Object) -> System:
     return SYSTEMS.get(obj.rumple.method, SYSTEMS["MESH"])
 
 
-@functools.cache
-def _fields_by_name(settings: type) -> dict[str, Field]:
-    return {f.name: f for f in fields(settings)}
-
-
 def fields_of(obj: bpy.types.Object) -> dict[str, Field]:
     """The fields of the settings of an object's method."""
-    return _fields_by_name(system_of(obj).settings)
+    return {f.name: f for f in fields(system_of(obj).settings)}
 
 
 def settings_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
