@@ -35,6 +35,7 @@ class CachedFrame:
     _solve: Callable[[Any], tuple[Any, Any]] | None = None  # ... and the state of that -> state, report
     chain: bytes = b""  # of a final frame: digest of its inputs and those of all frames that it goes on from
     pictures: dict[bool, FrameResult] = field(default_factory=dict)  # by whether they are of what viewports show
+    was_replayed: bool = False
 
     @classmethod
     def of(cls, state: Any, inputs: bytes, chosen: bytes, final: bool, report: Any,
@@ -177,15 +178,16 @@ class FrameCache:
         self._bytes += cached.nbytes
         self._evict(frame)
 
-    def picture(self, cached: CachedFrame, in_viewport: bool, make: Callable[[], FrameResult]) -> FrameResult:
-        """Of an entry that is replayed. Made at its first replay and kept where there is room: bakes and renders, which
-        replay none, keep none."""
+    def picture(self, cached: CachedFrame, in_viewport: bool, make: Callable[[], Any]) -> FrameResult:
+        """Of an entry that is replayed. Kept from its second replay on, where there is room: what was played and then
+        baked or rendered is not asked for again."""
         found = cached.pictures.get(in_viewport)
         if found is None:
             found = make()
-            if self._bytes + self._picture_bytes + found.nbytes <= self.limit_bytes:
+            if cached.was_replayed and self._bytes + self._picture_bytes + found.nbytes <= self.limit_bytes:
                 cached.pictures[in_viewport] = found
                 self._picture_bytes += found.nbytes
+        cached.was_replayed = True
         return found
 
     def clear(self) -> None:
