@@ -102,7 +102,7 @@ class Carrying(unittest.TestCase):
     def test_nothing_is_carried_twice(self) -> None:
         obj = sleeve.scene()
         fine = runtimes.of(obj).evaluator
-        self.assertFalse(output_mesh.carry_changes(sleeve.output_object(obj), obj, fine, obj))
+        self.assertFalse(output_mesh.carry_changes(sleeve.output_object(obj), fine, output_mesh.Inherited(obj, obj)))
         self.assertFalse(rebuild.prepare(obj, modifier.find(obj)))
 
     def test_an_own_mesh_brings_its_own_looks_and_the_groups_of_the_coarse_one(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import unittest
 from dataclasses import replace
 from typing import Any
+from unittest import mock
 
 import numpy as np
 from rumple.core import frame_cache
@@ -173,6 +174,63 @@ class FrameLaws(unittest.TestCase):
         cache.clear()
         cache.follow((1, 0.0))
         self.assertEqual(cache.frames(), [])
+
+    def test_pictures_are_kept_from_the_second_replay_on(self) -> None:
+        """Of viewports and of renders, each to the bit; a clip that is played and then baked or rendered keeps none."""
+        self.mesh, other = (WrinkleMesh.build(self.base, SETTINGS, viewport_steps=0) for _ in range(2))
+        poses = list(self.clip)[:3]
+
+        def shown(mesh: WrinkleMesh, frame: int, in_viewport: bool) -> np.ndarray:
+            return mesh.solve_frame(float(frame), self.clip[frame], SETTINGS, {}, start=1,
+                                    in_viewport=in_viewport).positions
+
+        expected = {(frame, where): shown(other, frame, where) for where in (False, True) for frame in poses}
+        for _ in range(2):
+            for frame in poses:
+                shown(self.mesh, frame, False)
+        self.assertEqual(self.pictures(), 0)
+        for _ in range(3):
+            for (frame, where), positions in expected.items():
+                np.testing.assert_array_equal(shown(self.mesh, frame, where), positions)
+        self.assertEqual(self.pictures(), 6)
+        with mock.patch.object(self.mesh, "_show", side_effect=AssertionError):
+            self.assertTrue(self.solve(2).replayed)
+
+    def test_pictures_do_not_outlive_what_they_were_solved_from(self) -> None:
+        for _ in range(4):
+            first = self.play()
+        kept, self.clip[3] = self.clip[3], compressed(self.base.positions, 0.7)
+        for _ in range(4):
+            changed = self.play()
+        for one, two in zip(changed, self.play(WrinkleMesh.build(self.base, SETTINGS))):
+            np.testing.assert_array_equal(one, two)
+        self.assertTrue((changed[3] != first[3]).any())
+        self.clip[3] = kept
+        for _ in range(4):
+            np.testing.assert_array_equal(self.play()[2], first[2])
+
+    def test_pictures_take_the_memory_that_states_leave(self) -> None:
+        cache = self.mesh.frame_cache
+        self.play()
+        size = self.solve(1).nbytes
+        cache.clear()
+        self.play()
+        cache.limit_bytes = cache.bytes + 2 * size + size // 2
+        for _ in range(3):
+            self.play()
+        self.assertEqual(self.pictures(), 2)
+        self.clip[9] = self.clip[5]
+        cache.limit_bytes = cache.bytes + size
+        self.solve(9)
+        self.assertEqual([frame for frame, _ in cache.frames()], [float(frame) for frame in (*FRAMES, 9)])
+        self.assertEqual(self.pictures(), 0)
+        cache.limit_bytes = cache.bytes + size
+        self.play()
+        self.assertEqual(self.pictures(), 1)
+        self.assertLessEqual(cache.bytes + self.pictures() * size, cache.limit_bytes)
+
+    def pictures(self) -> int:
+        return sum(len(cached.pictures) for _, cached in self.mesh.frame_cache._all())
 
     def test_folds_ride_with_a_rigid_motion(self) -> None:
         here = self.solve(5)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from rumple.core.base_mesh import BaseMesh
 from rumple.core.cloth_surface import without_rigid_parts
+from rumple.core.connected import lowest_connected
 from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WrinkleField
@@ -225,3 +226,40 @@ class Motions(unittest.TestCase):
 
 if __name__ == "__main__":
     unittest.main()
+
+
+class Connected(unittest.TestCase):
+    """The lowest number of all that each is connected with, beside a walk from vertex to vertex."""
+
+    def walked(self, count: int, pairs: np.ndarray) -> list[int]:
+        label, beside = [-1] * count, [set[int]() for _ in range(count)]
+        for one, other in pairs.tolist():
+            beside[one].add(other)
+            beside[other].add(one)
+        for lowest in range(count):
+            waiting = [lowest] if label[lowest] < 0 else []
+            while waiting:
+                vertex = waiting.pop()
+                if label[vertex] < 0:
+                    label[vertex] = lowest
+                    waiting += beside[vertex]
+        return label
+
+    def check(self, count: int, pairs: np.ndarray) -> None:
+        before = np.arange(count)
+        found = lowest_connected(before, pairs[:, 0], pairs[:, 1])
+        self.assertEqual(found.tolist(), self.walked(count, pairs))
+        self.assertEqual(before.tolist(), list(range(count)))
+
+    def test_of_any_graph(self) -> None:
+        random = np.random.default_rng(5)
+        for count, edges in ((1, 0), (40, 15), (40, 40), (400, 300), (400, 2000)):
+            self.check(count, random.integers(0, count, (edges, 2)))
+
+    def test_of_lines_in_any_order(self) -> None:
+        """What a walk of neighbours takes most steps for."""
+        random = np.random.default_rng(6)
+        for order in (np.arange(300), np.arange(300)[::-1], random.permutation(300)):
+            pairs = np.stack([order[:-1], order[1:]], 1)
+            self.check(300, pairs[random.permutation(299)])
+            self.check(300, np.delete(pairs, 100, axis=0)[:, ::-1])

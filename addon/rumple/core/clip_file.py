@@ -53,13 +53,19 @@ def point_count(vertices: int, corners: int, attributes: tuple[Attribute, ...]) 
 
 def points_of(result: FrameResult, attributes: tuple[Attribute, ...], before: np.ndarray | None = None) -> np.ndarray:
     """The points of a sample, (points, 3) float32. before: those of the sample before it, for angles to go on from."""
-    parts = [result.positions]
-    for block in blocks(attributes):
-        values = [result.attributes[a.name] for a in block.attributes]
-        if not block.attributes[0].vector:
-            values = [np.stack(values + [np.zeros_like(values[0])] * (3 - len(values)), 1)]
-        parts.append(np.array(values[0], np.float32))
-    points = np.concatenate(parts)
+    packed, done = blocks(attributes), len(result.positions)
+    sizes = [len(result.attributes[block.attributes[0].name]) for block in packed]
+    points = np.empty((done + sum(sizes), 3), np.float32)
+    points[:done] = result.positions
+    for block, size in zip(packed, sizes):
+        there = points[done:done + size]
+        if block.attributes[0].vector:
+            there[:] = result.attributes[block.attributes[0].name]
+        else:
+            there[:, len(block.attributes):] = 0.0
+            for column, attribute in enumerate(block.attributes):
+                there[:, column] = result.attributes[attribute.name]
+        done += size
     if before is not None:
         go_on(points, len(result.positions), attributes, before)
     return points
@@ -130,7 +136,7 @@ class SampleWriter:
         """(points, 3) of one sample."""
         if len(points) != self.manifest.points:
             raise ValueError(f"expected {self.manifest.points} points, got {len(points)}")
-        data = np.ascontiguousarray(points, "<f4").tobytes()
+        data = np.ascontiguousarray(points, "<f4").data
         self._do(self.file.write, data)  # type: ignore[union-attr]
         self.manifest.checksums.append(zlib.crc32(data))
 

@@ -148,7 +148,7 @@ class PartialWriter(ClipWriter):
                     return
                 self._append(data, checksum, pose)
 
-    def _append(self, data: bytes, checksum: int, pose: list[float]) -> None:
+    def _append(self, data: bytes | memoryview, checksum: int, pose: list[float]) -> None:
         assert self.file is not None and self.journal is not None
         self.file.write(data)
         self.file.flush()
@@ -181,7 +181,7 @@ class PartialWriter(ClipWriter):
     def add(self, result: FrameResult, coarse: np.ndarray) -> None:
         """As ClipWriter has it. From the first sample on that is kept and differs, nothing is kept."""
         self.before = clip_file.points_of(result, self.attributes, self.before)
-        data = np.ascontiguousarray(self.before, "<f4").tobytes()
+        data = np.ascontiguousarray(self.before, "<f4").data
         pose, checksum = clip_manifest.stored_pose(coarse), zlib.crc32(data)
         if self.done < self.kept and (checksum, pose) != (self.manifest.checksums[self.done],
                                                           self.manifest.poses[self.done]):

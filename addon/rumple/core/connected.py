@@ -23,16 +23,21 @@ def spokes(base: BaseMesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 def lowest_connected(label: np.ndarray, first: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """(n,) the lowest number of all that each is connected with. label: (n,) arange. first, other: (k,) pairs."""
+    """(n,) the lowest number of all that each is connected with. label: (n,) arange. first, other: (k,) pairs.
+
+    Shiloach and Vishkin 1982: trees whose roots are their lowest numbers; of two that a pair joins the higher root goes
+    below the lower one (below which, where several pairs ask, does not matter), and all then stand below their roots.
+    """
+    label = label.copy()
     while True:
-        lower = label.copy()
-        np.minimum.at(lower, first, label[other])
-        np.minimum.at(lower, other, label[first])
-        while (lower[lower] != lower).any():
-            lower = lower[lower]
-        if np.array_equal(lower, label):
+        first, other = label[first], label[other]
+        apart = first != other
+        if not apart.any():
             return label
-        label = lower
+        first, other = first[apart], other[apart]
+        label[np.maximum(first, other)] = np.minimum(first, other)
+        while (label[label] != label).any():
+            label = label[label]
 
 
 def parts(base: BaseMesh, place: np.ndarray) -> np.ndarray:

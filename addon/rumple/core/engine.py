@@ -2,6 +2,7 @@
 """What the systems share: pictures, and frames that do not depend on how one got there. Never imports bpy."""
 from __future__ import annotations
 
+import functools
 import hashlib
 import math
 import time
@@ -106,12 +107,12 @@ class Wrinkles(ShownMesh):
         if for_preview and cached.waits:
             return PreviewFrame(replayed=replayed)
         solved = time.perf_counter()
-        result = self._result_of(settings, cached, pose, replace(frame_input, cloth=cloth_of(cached.state)),
-                                 for_preview)
-        result.report, result.replayed = cached.report, replayed
-        result.milliseconds = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
-        result.unplayed = settings.swings and not cached.final
-        return result
+        make = functools.partial(self._result_of, settings, cached, pose,
+                                 replace(frame_input, cloth=cloth_of(cached.state)), for_preview)
+        result = self.frame_cache.picture(cached, in_viewport, make) if replayed and not for_preview else make()
+        spent = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
+        return replace(result, report=cached.report, replayed=replayed, milliseconds=spent,
+                       unplayed=settings.swings and not cached.final)
 
     def _stored(self, settings: Any, chosen: bytes, start: int, frame_input: FrameInput,
                 for_preview: bool) -> tuple[CachedFrame, bool, Any]:

@@ -8,10 +8,12 @@ before it becomes final, then it is solved once more and stays.
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
-from typing import Any, Callable, Hashable, Protocol
+from dataclasses import dataclass, field
+from typing import Any, Callable, Hashable, Iterable, Protocol
 
 import numpy as np
+
+from .frame_result import FrameResult
 
 MOST_TIMELINES = 4  # kept of one object
 MOST_WAITING, MOST_WAITING_BYTES = 1000, 256 * 2**20  # frames in a row
@@ -32,6 +34,8 @@ class CachedFrame:
     _before: "CachedFrame | None" = None  # while it waits: the frame that it goes on from ...
     _solve: Callable[[Any], tuple[Any, Any]] | None = None  # ... and the state of that -> state, report
     chain: bytes = b""  # of a final frame: digest of its inputs and those of all frames that it goes on from
+    pictures: dict[bool, FrameResult] = field(default_factory=dict)  # by whether they are of what viewports show
+    was_replayed: bool = False
 
     @classmethod
     def of(cls, state: Any, inputs: bytes, chosen: bytes, final: bool, report: Any,
@@ -61,6 +65,7 @@ class CachedFrame:
     @state.setter
     def state(self, state: Any) -> None:
         self._solved = state, self.report
+        self.pictures = {}
 
     @property
     def report(self) -> Any:
@@ -103,7 +108,8 @@ class FrameCache:
     """Entries by frame number (subframes included), within a limit of memory.
 
     Scenes with another first frame or frame rate have entries of their own, see follow(). limit_bytes: of all together;
-    when exceeded, those of other scenes are dropped, then entries farthest from the newest, provisional ones first.
+    when exceeded, pictures are dropped, then those of other scenes, then entries farthest from the newest, provisional
+    ones first.
     """
 
     def __init__(self, limit_bytes: int = 512 * 2**20) -> None:
@@ -111,7 +117,7 @@ class FrameCache:
         self._entries: dict[float, CachedFrame] = {}
         self._timeline: Hashable = None
         self._timelines: dict[Hashable, dict[float, CachedFrame]] = {None: self._entries}  # the last used last
-        self._bytes = 0
+        self._bytes = self._picture_bytes = 0
         self.on_disk: OnDisk | None = None
 
     def follow(self, timeline: Hashable) -> None:
@@ -125,7 +131,12 @@ class FrameCache:
             self._drop(other)
 
     def _drop(self, timeline: Hashable) -> None:
-        self._bytes -= sum(cached.nbytes for cached in self._timelines.pop(timeline).values())
+        self._forget(self._timelines.pop(timeline).values())
+
+    def _forget(self, dropped: Iterable[CachedFrame]) -> None:
+        for cached in dropped:
+            self._bytes -= cached.nbytes
+            self._picture_bytes -= sum(picture.nbytes for picture in cached.pictures.values())
 
     def get(self, frame: float) -> CachedFrame | None:
         """The entry of a frame, or None."""
@@ -149,14 +160,17 @@ class FrameCache:
 
     def final_frames(self) -> list[tuple[float, CachedFrame]]:
         """Those of all timelines that are solved."""
-        return [(frame, cached) for entries in list(self._timelines.values())
-                for frame, cached in list(entries.items()) if cached.final and not cached.waits]
+        return [(frame, cached) for frame, cached in self._all() if cached.final and not cached.waits]
+
+    def _all(self) -> list[tuple[float, CachedFrame]]:
+        """Those of all timelines."""
+        return [item for entries in list(self._timelines.values()) for item in list(entries.items())]
 
     def put(self, frame: float, cached: CachedFrame) -> None:
         """Store a frame. When it replaces another solution, whole frames after it are final no more."""
         old = self._entries.get(frame)
         if old is not None:
-            self._bytes -= old.nbytes
+            self._forget([old])
             for later, other in self._entries.items():
                 if later > frame:
                     other.final = False
@@ -164,11 +178,23 @@ class FrameCache:
         self._bytes += cached.nbytes
         self._evict(frame)
 
+    def picture(self, cached: CachedFrame, in_viewport: bool, make: Callable[[], Any]) -> FrameResult:
+        """Of an entry that is replayed. Kept from its second replay on, where there is room: what was played and then
+        baked or rendered is not asked for again."""
+        found = cached.pictures.get(in_viewport)
+        if found is None:
+            found = make()
+            if cached.was_replayed and self._bytes + self._picture_bytes + found.nbytes <= self.limit_bytes:
+                cached.pictures[in_viewport] = found
+                self._picture_bytes += found.nbytes
+        cached.was_replayed = True
+        return found
+
     def clear(self) -> None:
         """Forget every frame, those of other timelines too."""
         self._entries = {}
         self._timelines = {self._timeline: self._entries}
-        self._bytes = 0
+        self._bytes = self._picture_bytes = 0
 
     @property
     def bytes(self) -> int:
@@ -180,6 +206,10 @@ class FrameCache:
         return [(frame, self._entries[frame].final) for frame in sorted(self._entries)]
 
     def _evict(self, newest: float) -> None:
+        if self._bytes + self._picture_bytes > self.limit_bytes:
+            for _, cached in self._all():
+                cached.pictures = {}
+            self._picture_bytes = 0
         for other in list(self._timelines)[:-1]:
             if self._bytes > self.limit_bytes:
                 self._drop(other)
@@ -189,7 +219,7 @@ class FrameCache:
         for frame in order:
             if self._bytes <= self.limit_bytes or frame == newest:
                 continue
-            self._bytes -= self._entries.pop(frame).nbytes
+            self._forget([self._entries.pop(frame)])
 
 
 def digest_of(chosen: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:

@@ -57,6 +57,11 @@ class FrameResult:
                                     a.rest, np.float32) for a in attributes})
 
     @property
+    def nbytes(self) -> int:
+        """Memory of the arrays."""
+        return sum(values.nbytes for values in (self.local_offset, self.positions, *self.attributes.values()))
+
+    @property
     def offset(self) -> np.ndarray:
         """(d, 3) from the unwrinkled surface."""
         return self.attributes["rumple_offset"]

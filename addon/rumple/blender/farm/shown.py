@@ -94,9 +94,7 @@ def about(obj: bpy.types.Object, manifest: Manifest) -> dict[str, str]:
 
 def face_sizes(mesh: bpy.types.Mesh) -> np.ndarray:
     """Corners of each face, (faces,) int32."""
-    counts = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_total", counts)
-    return counts
+    return compat.indices(mesh.polygons, "loop_total")
 
 
 def normals(mesh: bpy.types.Mesh) -> np.ndarray:

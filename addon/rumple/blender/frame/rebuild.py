@@ -89,7 +89,8 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
         obj.update_tag()  # the output object may fit as it is, but nothing is solved by this one
     former_output, former_viewport = modifier.output_object(nodes_mod), modifier.viewport_output(nodes_mod)
     count = len(incoming_mesh.of(obj).vertices)
-    filled = [_filled(obj, former, fine) for former, fine in zip(
+    inherited = output_mesh.Inherited(obj, evaluator.source_of(obj))
+    filled = [_filled(former, fine, inherited) for former, fine in zip(
         (former_output, former_viewport), viewport_mesh.solved_for(nodes_mod, runtime.evaluator))]
     viewport_output = filled[1][0] if len(filled) == 2 else None
     if (not any(changed for _, changed in filled) and modifier.coarse_vertices(nodes_mod) == count
@@ -101,20 +102,19 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     return True
 
 
-def _filled(obj: bpy.types.Object, output_obj: bpy.types.Object | None,
-            fine: ShownMesh) -> tuple[bpy.types.Object, bool]:
+def _filled(output_obj: bpy.types.Object | None, fine: ShownMesh,
+            inherited: output_mesh.Inherited) -> tuple[bpy.types.Object, bool]:
     """An output object with a fine mesh, and whether it had to be made or changed."""
-    source = evaluator.source_of(obj)
     if output_obj is None or output_obj.type != "MESH" or not _is_local(output_obj):
-        output_obj = output_mesh.make(obj, fine, source)
+        output_obj = output_mesh.make(fine, inherited)
         output_obj[output_mesh.KEY] = True
         if isinstance(fine, ViewportMesh):
             output_obj.location.x = viewport_mesh.AWAY  # until it is known that nothing minds it
         return output_obj, True
     if not output_mesh.is_embedding_of(output_obj.data, fine):
-        output_mesh.fill(output_obj, obj, fine, source)
+        output_mesh.fill(output_obj, fine, inherited)
         return output_obj, True
-    return output_obj, output_mesh.carry_changes(output_obj, obj, fine, source)
+    return output_obj, output_mesh.carry_changes(output_obj, fine, inherited)
 
 
 def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:

@@ -2,6 +2,7 @@
 """Which object a garment is worn over, for the first click: the innermost skinned mesh that lies under it at rest."""
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import bpy
@@ -10,6 +11,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from ...core.healing import TURNED
+from .. import compat
 from . import bodies, incoming_mesh, mesh_reader, modifier
 
 SAMPLES = 500  # vertices at most that are asked what lies under them
@@ -47,15 +49,15 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
                   and bodies.can_be_body(other)]
     trees = {other: _tree(other) for other in candidates
              if len(other.data.polygons) and np.isfinite(_rest(other)).all()}
-    cloth = _cloth(obj)
-    shares = {other: _share_over(cloth, tree) for other, tree in trees.items()}
+    cloth = functools.cache(_cloth)
+    shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}
     under = [other for other, share in shares.items() if share > LEAST_SHARE]
-    worn = {other for other in under if _is_worn(other, [trees[body] for body in under if body != other])}
+    worn = {other for other in under if _is_worn(cloth(other), [trees[body] for body in under if body != other])}
     body = max((other for other in under if other not in worn and modifier.find(other) is None), key=shares.get,
                default=None)
     own = _tree(obj)
     garments = [other for other, share in shares.items() if other != body and share > LEAST_OVERLAP
-                and share > MORE_OVER * _share_over(_cloth(other), own)]
+                and share > MORE_OVER * _share_over(cloth(other), own)]
     return WornOver(body, garments)
 
 
@@ -67,8 +69,7 @@ def _armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
     return {rig for rig in (*found, obj.parent) if rig is not None and rig.type == "ARMATURE"}
 
 
-def _is_worn(obj: bpy.types.Object, others: list[BVHTree]) -> bool:
-    cloth = _cloth(obj)
+def _is_worn(cloth: _Cloth, others: list[BVHTree]) -> bool:
     return any(_share_over(cloth, tree) > WORN_SHARE for tree in others)
 
 
@@ -96,7 +97,9 @@ def _is_inside_out(obj: bpy.types.Object) -> bool:
 
 def _tree(obj: bpy.types.Object) -> BVHTree:
     mesh = incoming_mesh.of(obj)
-    return BVHTree.FromPolygons(_rest(obj).tolist(), [tuple(polygon.vertices) for polygon in mesh.polygons])
+    corners = compat.corner_vertices(mesh).tolist()
+    starts = [*compat.indices(mesh.polygons, "loop_start").tolist(), len(corners)]
+    return BVHTree.FromPolygons(_rest(obj).tolist(), [corners[start:end] for start, end in zip(starts, starts[1:])])
 
 
 def _share_over(cloth: _Cloth, tree: BVHTree) -> float:

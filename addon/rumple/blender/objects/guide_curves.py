@@ -131,10 +131,8 @@ def _seams(mesh: bpy.types.Mesh) -> Iterator[list[int]]:
     marked = compat.edge_marks(mesh).get("use_seam")
     if marked is None:
         return
-    pairs = np.empty(len(mesh.edges) * 2, np.int32)
-    mesh.edges.foreach_get("vertices", pairs)
     beside: dict[int, list[int]] = {}
-    for one, two in pairs.reshape(-1, 2)[marked].tolist():
+    for one, two in compat.edge_vertices(mesh)[marked].tolist():
         beside.setdefault(one, []).append(two)
         beside.setdefault(two, []).append(one)
     ends = [vertex for vertex in sorted(beside) if len(beside[vertex]) != 2]

@@ -78,11 +78,7 @@ def _keep_captured(former: bpy.types.Mesh | None, mesh: bpy.types.Mesh) -> None:
 
 def _faces(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
     """The vertices of all corners, and how many corners each face has."""
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    sizes = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_total", sizes)
-    return corners, sizes
+    return compat.corner_vertices(mesh), compat.indices(mesh.polygons, "loop_total")
 
 
 def _same_faces(one: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:

@@ -88,18 +88,11 @@ def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
 
 
 def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine.BaseMesh:
-    polygon_start = np.empty(len(mesh.polygons) + 1, np.int32)
-    starts = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_start", starts)
-    polygon_start[:-1] = starts
-    polygon_start[-1] = len(mesh.loops)
-    corner_vertex = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corner_vertex)
-    triangle_corner = np.empty(len(mesh.loop_triangles) * 3, np.int32)
-    mesh.loop_triangles.foreach_get("loops", triangle_corner)
+    polygon_start = np.append(compat.indices(mesh.polygons, "loop_start"), np.int32(len(mesh.loops)))
+    triangle_corner = compat.indices(mesh.loop_triangles, "loops", 3)
     crease_edge, crease_sharpness = _creases(mesh)
     return engine.BaseMesh(name=name, positions=np.ascontiguousarray(positions, np.float32),
-                           polygon_start=polygon_start, corner_vertex=corner_vertex,
+                           polygon_start=polygon_start, corner_vertex=compat.corner_vertices(mesh),
                            triangle_corner=triangle_corner.reshape(-1, 3),
                            crease_edge=crease_edge, crease_sharpness=crease_sharpness)
 
@@ -110,10 +103,8 @@ def _creases(mesh: bpy.types.Mesh) -> tuple[np.ndarray | None, np.ndarray | None
     creased = np.flatnonzero(values > 0.0)  # an attribute may hold anything: not what is no number
     if not len(creased):
         return None, None
-    ends = np.empty(len(mesh.edges) * 2, np.int32)
-    mesh.edges.foreach_get("vertices", ends)
     crease = np.minimum(values[creased], np.float32(1.0))
-    return ends.reshape(-1, 2)[creased], np.float32(MOST_SHARPNESS) * crease * crease
+    return compat.edge_vertices(mesh)[creased], np.float32(MOST_SHARPNESS) * crease * crease
 
 
 # ---------------------------------------------------------------- rest shapes

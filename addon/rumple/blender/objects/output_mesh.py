@@ -7,6 +7,7 @@ Not carried: custom split normals (they belong to the coarse corners only), edge
 """
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 
@@ -25,23 +26,65 @@ SUFFIX = ".wrinkles"
 WEIGHT_STEPS = 1024.0  # of the weights of vertex groups: a call for each, and thousands of them take half a second
 
 
-def make(obj: bpy.types.Object, fine: ShownMesh, source: bpy.types.Object) -> bpy.types.Object:
+class Inherited:
+    """What the output objects of one garment inherit. The slow parts are read when first asked for, once for all of
+    them: it is for one use, as the garment is then.
+
+    source: whose materials, UV maps and attributes they inherit: obj, or the artist's own fine mesh.
+    """
+
+    def __init__(self, obj: bpy.types.Object, source: bpy.types.Object) -> None:
+        self.obj, self.source = obj, source
+        self.mesh = incoming_mesh.of(obj) if source == obj else source.data  # of corners, faces and points
+        self.group_names = [group.name for group in obj.vertex_groups]
+
+    @functools.cached_property
+    def weights(self) -> np.ndarray:
+        """(n, groups) float32 of the vertex groups."""
+        return mesh_reader.group_weights(self.obj, incoming_mesh.of(self.obj), self.group_names)
+
+    @functools.cached_property
+    def groups(self) -> dict[str, str]:
+        """Hash of the weights of every vertex group."""
+        return {name: hashlib.sha1(self.weights[:, column].tobytes()).hexdigest()
+                for column, name in enumerate(self.group_names)}
+
+    @functools.cached_property
+    def surface(self) -> str:
+        """Hash of all that carry() reads but the vertex groups."""
+        digest, mesh = hashlib.sha1(), self.mesh
+        digest.update(repr([slot.material and slot.material.name_full for slot in self.source.material_slots]).encode())
+        for prop, dtype in (("material_index", np.int32), ("use_smooth", bool)):
+            values = np.empty(len(mesh.polygons), dtype)
+            mesh.polygons.foreach_get(prop, values)
+            digest.update(values.tobytes())
+        for layer in mesh.uv_layers:
+            flat = np.empty(len(mesh.loops) * 2, np.float32)
+            layer.data.foreach_get("uv", flat)
+            digest.update(f"{layer.name} {layer.active} {layer.active_render}".encode() + flat.tobytes())
+        for attribute in compat.generic_attributes(mesh):
+            digest.update(f"{attribute.name} {attribute.domain}".encode() + compat.read_attribute(attribute).tobytes())
+        for prop, values in compat.edge_marks(mesh).items():
+            digest.update(prop.encode() + values.tobytes())
+        digest.update(repr(compat.smoothing(mesh)).encode())
+        return digest.hexdigest()
+
+
+def make(fine: ShownMesh, inherited: Inherited) -> bpy.types.Object:
     """A new output object, in no collection: the modifier's input keeps it alive."""
-    output = bpy.data.objects.new(obj.name + SUFFIX, bpy.data.meshes.new(obj.name + SUFFIX))
-    fill(output, obj, fine, source)
+    name = inherited.obj.name + SUFFIX
+    output = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    fill(output, fine, inherited)
     return output
 
 
-def fill(output: bpy.types.Object, obj: bpy.types.Object, fine: ShownMesh, source: bpy.types.Object) -> None:
-    """Give the output object the fine mesh, embedded and at rest, and everything carried.
-
-    source: whose materials, UV maps and attributes it inherits: obj, or the artist's own fine mesh.
-    """
+def fill(output: bpy.types.Object, fine: ShownMesh, inherited: Inherited) -> None:
+    """Give the output object the fine mesh, embedded and at rest, and everything carried."""
     mesh = output.data
     mesh.clear_geometry()
     compat.fill_polygons(mesh, fine.positions_rest, fine.polygon_start, fine.corner_vertex)
     write_embedding(mesh, fine)
-    carry(output, obj, fine, source)
+    carry(output, fine, inherited)
     mesh.update()
 
 
@@ -63,9 +106,7 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: ShownMesh) -> bool:
     """True where the output object (from a file, perhaps) already is this fine mesh, bound in this way."""
     if len(mesh.vertices) != fine.vertex_count or len(mesh.loops) != len(fine.corner_vertex):
         return False
-    corner_vertex = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corner_vertex)
-    if not np.array_equal(corner_vertex, fine.corner_vertex):
+    if not np.array_equal(compat.corner_vertices(mesh), fine.corner_vertex):
         return False
     names = (*wrinkle_tree.CORNERS, wrinkle_tree.BARYCENTRIC, wrinkle_tree.LOCAL_OFFSET, wrinkle_tree.BASE_INDEX,
              *(attribute.name for attribute in fine.ATTRIBUTES))
@@ -107,23 +148,18 @@ def _write_attributes(mesh: bpy.types.Mesh, result: engine.FrameResult,
 
 
 # ---------------------------------------------------------------- carrying
-def carry(output: bpy.types.Object, obj: bpy.types.Object, fine: ShownMesh, source: bpy.types.Object) -> None:
+def carry(output: bpy.types.Object, fine: ShownMesh, inherited: Inherited) -> None:
     """Everything inherited, again: called when it changed while the topology did not."""
-    mesh, inherited = output.data, _inherited(obj, source)
+    mesh = output.data
     _drop_inherited(mesh)
-    _carry_materials(mesh, source)
-    _carry_faces(mesh, inherited, fine)
-    _carry_edges(mesh, inherited, fine)
-    _carry_uv_maps(mesh, inherited, fine)
-    _carry_attributes(mesh, inherited, fine)
-    compat.copy_smoothing(inherited, mesh)
-    carry_vertex_groups(output, obj, fine, [group.name for group in obj.vertex_groups])
-    _note_carried(mesh, surface_fingerprint(obj, source), group_fingerprints(obj))
-
-
-def _inherited(obj: bpy.types.Object, source: bpy.types.Object) -> bpy.types.Mesh:
-    """The mesh of the source that corners, faces and vertices are inherited from."""
-    return incoming_mesh.of(obj) if source == obj else source.data
+    _carry_materials(mesh, inherited.source)
+    _carry_faces(mesh, inherited.mesh, fine)
+    _carry_edges(mesh, inherited.mesh, fine)
+    _carry_uv_maps(mesh, inherited.mesh, fine)
+    _carry_attributes(mesh, inherited.mesh, fine)
+    compat.copy_smoothing(inherited.mesh, mesh)
+    carry_vertex_groups(output, fine, inherited, inherited.group_names)
+    _note_carried(mesh, inherited)
 
 
 def _drop_inherited(mesh: bpy.types.Mesh) -> None:
@@ -154,15 +190,9 @@ def _edge_keys(pairs: np.ndarray, vertex_count: int) -> np.ndarray:
     return ordered[:, 0] * vertex_count + ordered[:, 1]
 
 
-def _edge_pairs(mesh: bpy.types.Mesh) -> np.ndarray:
-    pairs = np.empty(len(mesh.edges) * 2, np.int32)
-    mesh.edges.foreach_get("vertices", pairs)
-    return pairs.reshape(-1, 2)
-
-
 def _find_edges(mesh: bpy.types.Mesh, pairs: np.ndarray) -> np.ndarray:
     """Index of the edge between each pair of vertices; every pair is an edge of the mesh."""
-    keys = _edge_keys(_edge_pairs(mesh), len(mesh.vertices))
+    keys = _edge_keys(compat.edge_vertices(mesh), len(mesh.vertices))
     order = np.argsort(keys)
     place = np.searchsorted(keys, _edge_keys(pairs, len(mesh.vertices)), sorter=order)
     return order[place]
@@ -220,10 +250,9 @@ def _carried_values(fine: ShownMesh, domain: str, values: np.ndarray) -> np.ndar
     return result if values.dtype == np.float32 else np.rint(result).astype(values.dtype)
 
 
-def carry_vertex_groups(output: bpy.types.Object, obj: bpy.types.Object, fine: ShownMesh,
-                        names: list[str]) -> None:
+def carry_vertex_groups(output: bpy.types.Object, fine: ShownMesh, inherited: Inherited, names: list[str]) -> None:
     """Weights of the named groups. Every group gets its name: a missing one makes a modifier act on everything."""
-    wanted = [group.name for group in obj.vertex_groups]
+    wanted = inherited.group_names
     for group in [group for group in output.vertex_groups if group.name not in wanted or group.name in names]:
         output.vertex_groups.remove(group)
     for name in wanted:
@@ -231,7 +260,7 @@ def carry_vertex_groups(output: bpy.types.Object, obj: bpy.types.Object, fine: S
             output.vertex_groups.new(name=name)
     if not names:
         return
-    weights = _from_base(fine, mesh_reader.group_weights(obj, incoming_mesh.of(obj), names))
+    weights = _from_base(fine, inherited.weights[:, [wanted.index(name) for name in names]])
     for column, name in enumerate(names):
         _write_group(output.vertex_groups[name], weights[:, column])
 
@@ -255,55 +284,25 @@ def _write_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
 
 
 # ---------------------------------------------------------------- what changed
-def carry_changes(output: bpy.types.Object, obj: bpy.types.Object, fine: ShownMesh,
-                  source: bpy.types.Object) -> bool:
+def carry_changes(output: bpy.types.Object, fine: ShownMesh, inherited: Inherited) -> bool:
     """Carry again what differs from what the output object has. True when something did."""
-    mesh = output.data
-    surface, groups = surface_fingerprint(obj, source), group_fingerprints(obj)
+    mesh, groups = output.data, inherited.groups
     stored = json.loads(mesh.get(CARRIED_KEY, "{}"))
     stored_groups = stored.get("groups", {})
     changed = [name for name in groups if groups[name] != stored_groups.get(name)]
-    if surface != stored.get("surface"):
-        carry(output, obj, fine, source)
+    if inherited.surface != stored.get("surface"):
+        carry(output, fine, inherited)
     elif changed or groups.keys() != stored_groups.keys():
-        carry_vertex_groups(output, obj, fine, changed)
-        _note_carried(mesh, surface, groups)
+        carry_vertex_groups(output, fine, inherited, changed)
+        _note_carried(mesh, inherited)
     else:
         return False
     mesh.update()
     return True
 
 
-def _note_carried(mesh: bpy.types.Mesh, surface: str, groups: dict[str, str]) -> None:
-    mesh[CARRIED_KEY] = json.dumps(dict(surface=surface, groups=groups))
-
-
-def surface_fingerprint(obj: bpy.types.Object, source: bpy.types.Object) -> str:
-    """Hash of all that carry() reads but the vertex groups."""
-    digest = hashlib.sha1()
-    mesh = _inherited(obj, source)
-    digest.update(repr([slot.material and slot.material.name_full for slot in source.material_slots]).encode())
-    for prop, dtype in (("material_index", np.int32), ("use_smooth", bool)):
-        values = np.empty(len(mesh.polygons), dtype)
-        mesh.polygons.foreach_get(prop, values)
-        digest.update(values.tobytes())
-    for layer in mesh.uv_layers:
-        flat = np.empty(len(mesh.loops) * 2, np.float32)
-        layer.data.foreach_get("uv", flat)
-        digest.update(f"{layer.name} {layer.active} {layer.active_render}".encode() + flat.tobytes())
-    for attribute in compat.generic_attributes(mesh):
-        digest.update(f"{attribute.name} {attribute.domain}".encode() + compat.read_attribute(attribute).tobytes())
-    for prop, values in compat.edge_marks(mesh).items():
-        digest.update(prop.encode() + values.tobytes())
-    digest.update(repr(compat.smoothing(mesh)).encode())
-    return digest.hexdigest()
-
-
-def group_fingerprints(obj: bpy.types.Object) -> dict[str, str]:
-    """Hash of the weights of every vertex group."""
-    names = [group.name for group in obj.vertex_groups]
-    weights = mesh_reader.group_weights(obj, incoming_mesh.of(obj), names)
-    return {name: hashlib.sha1(weights[:, column].tobytes()).hexdigest() for column, name in enumerate(names)}
+def _note_carried(mesh: bpy.types.Mesh, inherited: Inherited) -> None:
+    mesh[CARRIED_KEY] = json.dumps(dict(surface=inherited.surface, groups=inherited.groups))
 
 
 def copy_for(obj: bpy.types.Object, shared: bpy.types.Object) -> bpy.types.Object:

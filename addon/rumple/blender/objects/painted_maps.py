@@ -13,7 +13,7 @@ from ...core.engine import UserError
 from ...core.keep_smooth import SMOOTH
 from ...core.painted_rigid import RIGID
 from ...core.settings import FieldSettings, MeshSettings
-from .. import scheduler
+from .. import compat, scheduler
 from . import cloth_defaults, mesh_reader, properties, runtimes, units
 
 # In the order in which they are listed.
@@ -153,20 +153,11 @@ def selected(obj: bpy.types.Object) -> np.ndarray | None:
         return chosen
     if not mesh.use_paint_mask:
         return None
-    faces, total, corner_vertex = (np.empty(len(mesh.polygons), bool), np.empty(len(mesh.polygons), np.int32),
-                                   corner_vertices(mesh))
+    faces, total = np.empty(len(mesh.polygons), bool), compat.indices(mesh.polygons, "loop_total")
     mesh.polygons.foreach_get("select", faces)
-    mesh.polygons.foreach_get("loop_total", total)
     chosen = np.zeros(len(mesh.vertices), bool)
-    chosen[corner_vertex[np.repeat(faces, total)]] = True
+    chosen[compat.corner_vertices(mesh)[np.repeat(faces, total)]] = True
     return chosen
-
-
-def corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(corners,) int32: the vertex of each."""
-    corner_vertex = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corner_vertex)
-    return corner_vertex
 
 
 def write(obj: bpy.types.Object, painted: PaintedMap, values: np.ndarray) -> None:

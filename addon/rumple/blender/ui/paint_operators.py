@@ -201,11 +201,7 @@ def _from_border(obj: bpy.types.Object, most: float) -> np.ndarray:
     """(n,) distances of the undeformed mesh from its open border, in the scene's unit. Raises UserError."""
     mesh = obj.data
     positions = mesh_reader.basis_positions(mesh) @ np.array(obj.matrix_world.to_3x3(), np.float32).T
-    edges = np.empty(len(mesh.edges) * 2, np.int32)
-    mesh.edges.foreach_get("vertices", edges)
-    edges = edges.reshape(-1, 2)
-    of_corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("edge_index", of_corners)
+    edges, of_corners = compat.edge_vertices(mesh), compat.indices(mesh.loops, "edge_index")
     border, same = paint_maps.open_edges(edges, np.bincount(of_corners, minlength=len(edges)), positions,
                                          properties.group_of(obj).weld)
     if not len(border):
@@ -238,7 +234,7 @@ class OBJECT_OT_rumple_paint_from_texture(_WholeMap, bpy.types.Operator):
         column.prop(self, "channel")
 
     def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
-        corners, uv = painted_maps.corner_vertices(obj.data), _uv_map(obj)
+        corners, uv = compat.corner_vertices(obj.data), _uv_map(obj)
         values = paint_maps.channel_of(_pixels(obj, _image(obj, self.image)), self.channel)
         painted_maps.write(obj, painted, paint_maps.on_vertices(
             paint_maps.sampled(values, uv), corners, len(obj.data.vertices), painted_maps.start(obj, painted)))
