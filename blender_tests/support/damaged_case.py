@@ -19,7 +19,6 @@ from support.real_clip import sides
 LONGEST = 3.5  # no shown edge is as many times as long as on the bare garment, or at rest: test_real_cloth.py
 PICTURE = (300, 360)  # pixels
 VIEW = Vector((-0.55, -1.0, 0.22)).normalized()  # from the garment to the camera
-# Colours on which folds show, and what is wrong.
 LOOK = dict(samples=8, use_adaptive_sampling=False, use_denoising=False, max_bounces=2)
 
 
@@ -92,8 +91,12 @@ class Damaged:
         if what == "bare":
             scene.collection.objects.link(camera)
             camera.data.lens, scene.camera = 85.0, camera
+            scene.world = bpy.data.worlds.new("Damaged")
+            scene.world.use_nodes = True
+            sky = next(node for node in scene.world.node_tree.nodes if node.type == "BACKGROUND")
+            sky.inputs["Color"].default_value, sky.inputs["Strength"].default_value = (0.5, 0.5, 0.5, 1.0), 0.6
             camera.rotation_euler = (-VIEW).to_track_quat("-Z", "Y").to_euler()
-            distance = 3.0 * float(np.linalg.norm(np.ptp(corners, axis=0)))
+            distance = 2.2 * float(np.linalg.norm(np.ptp(corners, axis=0)))
             camera.location = Vector((corners.min(0) + corners.max(0)) / 2) + distance * VIEW
         path = Path(os.environ["RUMPLE_OUT"]) / "damaged" / f"{cls.__name__}_{what}.png"
         scene.render.filepath = str(path)
