@@ -268,7 +268,7 @@ class Stack(Arriving, unittest.TestCase):
         said = io.StringIO()
         with contextlib.redirect_stdout(said):
             small_renders.still(5)
-        self.assertRegex(said.getvalue(), 'Rumple: Sleeve: "Subsurf".* number of vertices .* set the same')
+        self.assertRegex(said.getvalue(), 'Rumple: Sleeve: the modifier "Subsurf".* number of vertices .* set the same')
 
     def test_in_one_render_job_frames_before_and_after_a_change_are_as_without_it(self) -> None:
         pictures: dict[tuple[int, ...], dict[int, np.ndarray]] = {}
