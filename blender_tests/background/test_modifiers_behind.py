@@ -7,11 +7,12 @@ import os
 import tempfile
 import unittest
 from typing import Any, Callable
+from unittest import mock
 
 import bpy
 import numpy as np
 from rumple.blender import compat
-from rumple.blender.objects import coarse_copy, runtimes
+from rumple.blender.objects import coarse_copy, runtimes, stack_notes, subdivision_behind
 from support import sleeve, small_renders
 
 SETTINGS = {
@@ -147,6 +148,46 @@ class Behind(unittest.TestCase):
         sleeve.at(6)
         self.assertEqual(obj.rumple.message, "")
         self.assertEqual(runtimes.of(obj).inputs.frame, 6.0)
+
+
+class SubdivisionOfTriangles(unittest.TestCase):
+    """Blender ended for want of memory: 0.1 MB for every triangle of the fine mesh."""
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene()
+        self.behind = self.obj.modifiers.new("Subdivision", "SUBSURF")
+        sleeve.at(2)
+
+    def of_triangles(self) -> None:
+        self.obj.rumple.mesh.source, self.obj.rumple.mesh.segments = "REGULAR", 1
+        sleeve.at(3)
+        sleeve.at(4)
+
+    def test_quads_are_cheap(self) -> None:
+        with mock.patch.multiple(subdivision_behind, NOTED=0.0, MOST=0.0):
+            self.obj.rumple.mesh.level = 2
+            sleeve.at(3)
+            self.assertEqual((self.obj.rumple.message, stack_notes.of(self.obj)), ("", []))
+
+    def test_much_is_said(self) -> None:
+        with mock.patch.object(subdivision_behind, "NOTED", 10.0):
+            self.of_triangles()
+            self.assertEqual(self.obj.rumple.message, "")
+            self.assertRegex(stack_notes.of(self.obj)[0], '^Sleeve: the modifier "Subdivision" behind .* needs about')
+            self.behind.levels = self.behind.render_levels = 0
+            self.assertEqual(stack_notes.of(self.obj), [])
+
+    def test_too_much_is_refused_before_it_is_spent_and_the_former_mesh_plays_on(self) -> None:
+        before = len(sleeve.shown(self.obj))
+        with mock.patch.object(subdivision_behind, "MOST", 10.0):
+            self.of_triangles()
+            self.assertRegex(self.obj.rumple.message, "switch off Use Limit Surface in it .*, or choose Subdivision")
+            self.assertEqual(len(sleeve.shown(self.obj)), before)
+            self.behind.use_limit_surface = False
+            sleeve.at(5)
+            sleeve.at(6)
+            self.assertEqual((self.obj.rumple.message, runtimes.of(self.obj).inputs.frame), ("", 6.0))
+            self.assertNotEqual(len(sleeve.shown(self.obj)), before)
 
 
 if __name__ == "__main__":

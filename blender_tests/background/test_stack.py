@@ -16,6 +16,7 @@ import numpy as np
 from rumple.blender import compat, scheduler
 from rumple.blender.objects import incoming_mesh, modifier, runtimes
 from support import sleeve, small_renders
+from support.arriving import Arriving
 
 
 def in_front(obj: bpy.types.Object, kind: str, **settings: Any) -> bpy.types.Modifier:
@@ -66,7 +67,7 @@ def nodes_with(kind: str) -> bpy.types.NodeTree:
     return group
 
 
-class Stack(unittest.TestCase):
+class Stack(Arriving, unittest.TestCase):
     def garment(self, *fronts: tuple, method: str = "MESH", cut: bool = False) -> bpy.types.Object:
         """The sleeve with modifiers in front of its Armature, and then wrinkles by one click."""
         obj = sleeve.scene(wrinkles=False)
@@ -82,31 +83,6 @@ class Stack(unittest.TestCase):
         bpy.ops.object.rumple_add(method=method)
         bpy.context.view_layer.update()
         return obj
-
-    def bare(self, obj: bpy.types.Object) -> np.ndarray:
-        """What arrives at the wrinkles in this frame."""
-        nodes_mod = modifier.find(obj)
-        with scheduler.suspended():
-            nodes_mod.show_viewport = False
-            bpy.context.view_layer.update()
-            positions = sleeve.shown(obj)
-            nodes_mod.show_viewport = True
-            bpy.context.view_layer.update()
-        return positions
-
-    def check(self, obj: bpy.types.Object) -> None:
-        """It plays on what arrives, and is solved over it."""
-        self.assertEqual(obj.rumple.message, "")
-        fine = runtimes.of(obj).evaluator
-        arriving = self.bare(obj)
-        self.assertEqual(fine.coarse_count, len(arriving))
-        sleeve.play(1, 8)
-        self.assertEqual(obj.rumple.message, "")
-        np.testing.assert_array_equal(runtimes.of(obj).inputs.positions[:len(arriving)], self.bare(obj))
-        shown = sleeve.shown(obj)
-        self.assertEqual(len(shown), fine.vertex_count)
-        self.assertTrue(np.isfinite(shown).all())
-        self.assertGreater(np.abs(runtimes.of(obj).result.offset).max(), 1e-4)
 
     def test_every_modifier_that_makes_points(self) -> None:
         for fronts, cut in (
@@ -292,7 +268,29 @@ class Stack(unittest.TestCase):
         said = io.StringIO()
         with contextlib.redirect_stdout(said):
             small_renders.still(5)
-        self.assertRegex(said.getvalue(), 'Rumple: Sleeve: "Subsurf".* number of vertices .* set the same')
+        self.assertRegex(said.getvalue(), 'Rumple: Sleeve: the modifier "Subsurf".* number of vertices .* set the same')
+
+    def test_in_one_render_job_frames_before_and_after_a_change_are_as_without_it(self) -> None:
+        pictures: dict[tuple[int, ...], dict[int, np.ndarray]] = {}
+        for levels in ((1, 1, 1), (1, 2, 1), ()):  # of the Subdivision in front; (): no wrinkles
+            obj = small_renders.stage("CYCLES")
+            bpy.ops.object.rumple_remove()
+            made = in_front(obj, "SUBSURF", levels=1, render_levels=1)
+            obj.rumple.mesh.stateless = True  # else the frames after it begin anew, and differ a little
+            bpy.ops.object.rumple_add(method="MESH")
+            modifier.find(obj).show_render = bool(levels)
+            for frame, level in zip((1, 3, 5), levels or (1, 2, 1)):
+                made.render_levels = level
+                made.keyframe_insert("render_levels", frame=frame)
+            for key in next(compat.action_curves(obj.animation_data.action)).keyframe_points:
+                key.interpolation = "CONSTANT"
+            with contextlib.redirect_stdout(io.StringIO()) as said:
+                pictures[levels] = small_renders.clip(1, 6)
+            self.assertEqual("no wrinkles here: set the same" in said.getvalue(), levels == (1, 2, 1))
+        even, changed, bare = pictures.values()
+        for frame, picture in changed.items():
+            np.testing.assert_array_equal(picture, (bare if frame in (3, 4) else even)[frame], f"frame {frame}")
+        self.assertGreater(np.abs(even[6] - bare[6]).max(), 0.05)
 
     def test_one_that_is_switched_off_and_on_is_followed(self) -> None:
         obj = self.garment(("MIRROR", dict(use_axis=(False, True, False))), cut=True)

@@ -60,6 +60,12 @@ def embedded(mesh: Wrinkles, coarse: np.ndarray, local_offset: np.ndarray) -> np
     return p0 + u * (p1 - p0) + v * (p2 - p0) + t * x + np.cross(n, t) * y + n * z
 
 
+def leant(positions: np.ndarray) -> np.ndarray:
+    """Laid on its side: cloth sinks through what it hung on."""
+    x, y, z = positions.T
+    return np.ascontiguousarray(np.stack([x, -z, y], axis=1))
+
+
 def distances(points: np.ndarray) -> np.ndarray:
     """Between all of them."""
     return np.linalg.norm(points[:, None].astype(np.float64) - points[None], axis=2)
@@ -159,6 +165,33 @@ class Buttons(unittest.TestCase):
         np.testing.assert_allclose(result.positions[-8:], self.result.positions[-8:], atol=2e-3)  # other diagonals
         np.testing.assert_allclose(distances(result.positions[-8:]), distances(self.pose[-8:]), atol=1e-7)
         np.testing.assert_array_equal(mesh.polygon_parent[-6:], self.mesh.polygon_parent[-6:])
+
+
+class Flaps(unittest.TestCase):
+    """Faces that stand on an edge that has two already. Healing cuts them off, and as cloth of their own they fell."""
+
+    def test_they_stay_at_the_cloth(self) -> None:
+        first = [24 * row + column for row in (6, 12, 18) for column in (2, 8, 14, 20)]
+        edges = np.stack([first, np.add(first, 1)], axis=1)
+        outer = GARMENT.positions[edges.ravel()] * np.array((1.04, 1.04, 1.0), np.float32)
+        rows = len(GARMENT.positions) + np.arange(len(outer)).reshape(-1, 2)
+        base = quad_mesh("Torn", np.concatenate([GARMENT.positions, outer]),
+                         np.concatenate([GARMENT.corner_vertex.reshape(-1, 4), np.c_[edges, rows[:, ::-1]]]))
+        mesh, result = solved(base, CLOTH, leant(compressed(base.positions, 0.8)))
+        corners = np.repeat(mesh.polygon_parent, np.diff(mesh.polygon_start))
+        whole = len(GARMENT.polygon_start) - 1
+        cloth = result.positions[np.unique(mesh.corner_vertex[corners < whole])]
+        for number in range(len(edges)):
+            flap = result.positions[np.unique(mesh.corner_vertex[corners == whole + number])]
+            self.assertLess(np.linalg.norm(flap[:, None] - cloth, axis=2).min(), 0.003, number)
+
+    def test_a_doubled_one_takes_nothing_from_a_button(self) -> None:
+        base = together(GARMENT, BUTTON, box((-0.053, 0.0, 0.15), (0.003, 0.01, 0.01)))
+        faces = base.corner_vertex.reshape(-1, 4)
+        doubled = quad_mesh("Worn", base.positions, np.concatenate([faces, faces[-1:]]))
+        found = without_rigid_parts(doubled.healed(True), True).rigid
+        assert found is not None
+        self.assertEqual((found.count, len(found.vertex)), (1, 8))
 
 
 class WhichAreRigid(unittest.TestCase):

@@ -11,6 +11,7 @@ from ..native import kernels
 from .base_mesh import BaseMesh
 from .connected import parts as connected_parts
 from .connected import places as places_of
+from .healing import CUT
 from .rigid_parts import RigidParts
 from .wording import UserError
 
@@ -39,17 +40,17 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
     if not small and base.painted_rigid is None:
         return base
     places = places_of(base.positions) if weld else np.arange(len(base.positions))
-    parts = connected_parts(base, places)
+    parts = connected_parts(base, _cut_apart(base, places))
     chosen = _rigid(base, parts, places) if small else np.zeros(int(parts.max(initial=-1)) + 1, bool)
     chosen = _with_painted(base, parts, chosen)
+    sizes, origin = np.diff(base.polygon_start), base.own_origin()
+    part_of_polygon = parts[base.corner_vertex[base.polygon_start[:-1]]]
+    for doubled in origin.copies:  # a doubled button: rather solved as cloth than shown once
+        chosen[part_of_polygon[doubled.lies_on]] = False
     if not chosen.any():
         return base
-    sizes = np.diff(base.polygon_start)
-    is_rigid = chosen[parts[base.corner_vertex[base.polygon_start[:-1]]]]
+    is_rigid = chosen[part_of_polygon]
     corner_is_rigid = np.repeat(is_rigid, sizes)
-    origin = base.own_origin()
-    if any(is_rigid[copies.lies_on].any() for copies in origin.copies):
-        return base  # a doubled button: rather solved as cloth than shown once
     kept_polygon, kept_corner = np.cumsum(~is_rigid) - 1, np.cumsum(~corner_is_rigid) - 1
     copies = [replace(one, corner=one.corner[~corner_is_rigid], lies_on=kept_polygon[one.lies_on].astype(np.int32))
               for one in origin.copies]
@@ -61,6 +62,15 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
         origin=replace(origin, corner=origin.corner[~corner_is_rigid], polygon=origin.polygon[~is_rigid],
                        copies=copies),
         rigid=_taken(base, parts, is_rigid, corner_is_rigid))
+
+
+def _cut_apart(base: BaseMesh, places: np.ndarray) -> np.ndarray:
+    """Places of vertices, of which those on edges that healing cut are no longer at one: a flap there is a part."""
+    if base.origin is None or not len(base.origin.elements[CUT]):
+        return places
+    at_cut = np.isin(base.origin.vertex, base.origin.elements[CUT])
+    apart = np.where(at_cut, len(places) + np.arange(len(places)), places)
+    return np.unique(apart, return_inverse=True)[1].ravel()
 
 
 def _rigid(base: BaseMesh, parts: np.ndarray, places: np.ndarray) -> np.ndarray:

@@ -304,9 +304,10 @@ def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
               or (changer is None and not incoming_mesh.is_own(obj))
               or runtime.stack != incoming_mesh.stack_fingerprint(obj))
     if changer is not None and not edited and arriving != own and (in_render or runtime.tried == arriving):
-        raise engine.UserError(f"{obj.name}: \"{changer.name}\" or another modifier in front of {nodes_mod.name} makes "
-                               f"another number of vertices here than at rest in the viewport ({own}): set the same "
-                               f"for viewport and renders, apply it, or move it behind {nodes_mod.name}")
+        raise engine.UserError(f"{obj.name}: the modifier \"{changer.name}\", or another in front of {nodes_mod.name}, "
+                               f"makes another number of vertices here than at rest in the viewport ({own}), so there "
+                               "are no wrinkles here: set the same for viewport and renders; where the number changes "
+                               f"within the clip, apply it, or move it behind {nodes_mod.name}")
     if edited or (changer is not None and arriving != own):  # else this frame was evaluated just before
         runtime.stale, runtime.tried = True, arriving
         scheduler.request()

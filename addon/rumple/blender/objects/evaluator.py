@@ -13,7 +13,7 @@ import numpy as np
 from ...core import engine
 from ...core.settings import FieldSettings, MeshSettings
 from .. import compat
-from . import incoming_mesh, mesh_reader, messages, modifier, properties, units
+from . import incoming_mesh, mesh_reader, messages, modifier, properties, subdivision_behind, units
 from .building import PATIENCE, Building
 from .runtimes import Runtime
 
@@ -63,7 +63,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
             fine = _builder(obj, now)()
         runtime.evaluator = _checked(obj, fine)
     except engine.UserError as error:
-        runtime.refused = wanted
+        runtime.refused = None if isinstance(error, subdivision_behind.Costly) else wanted
         messages.set_build_error(runtime, str(error))
         raise
     runtime.shape, runtime.refused, runtime.paint = wanted, None, None
@@ -140,6 +140,7 @@ def _checked(obj: bpy.types.Object, fine: engine.Wrinkles) -> engine.Wrinkles:
     if fine.vertex_count < coarse:  # the result could not bring the coarse positions back to us
         raise engine.UserError(f"{obj.name}: the fine mesh has {fine.vertex_count} vertices, fewer than the coarse one "
                                f"({coarse}): choose a denser one")
+    subdivision_behind.refuse_costly(obj, fine)
     return fine
 
 
