@@ -131,7 +131,7 @@ class Drawn(PreviewCase):
         yield from self.shot()
         self.assertGreater(len(passes), 0)
 
-
+    def test_bones_and_outlines_stay_over_the_waves(self) -> Iterator[float]:
         """It once lay over all that Blender had drawn. What Blender blends over a picture depends on the picture by no
         more than the pictures differ."""
         yield from self.make()
