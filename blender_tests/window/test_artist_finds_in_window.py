@@ -60,20 +60,22 @@ class Words(Found):
         yield from self.begin()
         bpy.context.preferences.view.show_tooltips = True
         yield from self.modifier_tab()
-        box = yield from self.see("Add Modifier", "PROPERTIES")
-        if bpy.app.version >= (4, 0, 0):
-            yield from self.click(box.middle)
-        yield from self.choose("Wrinkles")
-        entries = {}
-        for system in TIPS:  # before a tooltip hides them
-            entries[system] = yield from self.see(system)
         for system, tip in TIPS.items():
-            yield from self.move(entries[system].middle)
+            box = yield from self.see("Add Modifier", "PROPERTIES")
+            if bpy.app.version >= (4, 0, 0):
+                yield from self.click(box.middle)
+            yield from self.choose("Wrinkles")
+            entry = yield from self.see(system)
+            yield from self.move(entry.middle)
+            yield 0.3
+            yield from self.move((entry.middle[0] + 6, entry.middle[1] + 2))
             yield from self.until(lambda: self.places(tip, alone=False), 6.0)
             self.assertNotEqual(self.places(tip, alone=False), [], self.screenshot("tooltip_not_found"))
             self.screenshot(f"tooltip_{system.replace(' ', '_')}")
-        yield from self.press("ESC")
-        yield from self.press("ESC")
+            yield from self.press("ESC")
+            yield from self.press("ESC")
+            yield from self.move((self.box("PROPERTIES").middle[0], 60))
+            yield 0.3
         yield from self.maximise("PROPERTIES")
 
     def test_no_label_is_cut_off_at_the_default_width_or_in_a_narrow_editor(self) -> Iterator[float]:
@@ -90,7 +92,7 @@ class Words(Found):
             yield from self.see(words, "PROPERTIES")
         self.screenshot("panel_default_width")
         yield from self.button("Attachment & Constraints")
-        for words in ("Radius", "Stiffness", "Hem Rings"):
+        for words in ("Attachment Radius", "Bend Stiffness", "Max Gather Ratio", "Hem Fade"):
             yield from self.scroll_to(words)
         self.screenshot("panel_constraints")
         yield from self.button("Attachment & Constraints")
