@@ -60,16 +60,15 @@ class Words(Found):
         yield from self.begin()
         bpy.context.preferences.view.show_tooltips = True
         yield from self.modifier_tab()
-        for system, tip in TIPS.items():
+        # 3.4 and 4.3 show simulated events no second tooltip; there background/test_habits.Words has the others.
+        for system, tip in list(TIPS.items())[:None if bpy.app.version >= (5, 0, 0) else 1]:
             box = yield from self.see("Add Modifier", "PROPERTIES")
             if bpy.app.version >= (4, 0, 0):
                 yield from self.click(box.middle)
             yield from self.choose("Wrinkles")
             entry = yield from self.see(system)
             yield from self.move(entry.middle)
-            yield 0.3
-            yield from self.move((entry.middle[0] + 6, entry.middle[1] + 2))
-            yield from self.until(lambda: self.places(tip, alone=False), 6.0)
+            yield from self.until(lambda: self.places(tip, alone=False), 10.0)
             self.assertNotEqual(self.places(tip, alone=False), [], self.screenshot("tooltip_not_found"))
             self.screenshot(f"tooltip_{system.replace(' ', '_')}")
             yield from self.press("ESC")
