@@ -3,6 +3,7 @@
 paths. By mouse and keys; see test_artist_in_window.py."""
 from __future__ import annotations
 
+import unittest
 from typing import Iterator
 
 import bpy
@@ -56,11 +57,12 @@ class Found(Artist):
 
 
 class Words(Found):
+    @unittest.skipIf(bpy.app.version[:2] == (4, 3), "shows simulated events no tooltip of a menu")
     def test_each_system_has_a_tooltip_of_its_own(self) -> Iterator[float]:
         yield from self.begin()
         bpy.context.preferences.view.show_tooltips = True
         yield from self.modifier_tab()
-        # 3.4 and 4.3 show simulated events no second tooltip; there background/test_habits.Words has the others.
+        # 3.4 shows simulated events no second tooltip; background/test_habits.Words has the others.
         for system, tip in list(TIPS.items())[:None if bpy.app.version >= (5, 0, 0) else 1]:
             box = yield from self.see("Add Modifier", "PROPERTIES")
             if bpy.app.version >= (4, 0, 0):
@@ -91,7 +93,7 @@ class Words(Found):
             yield from self.see(words, "PROPERTIES")
         self.screenshot("panel_default_width")
         yield from self.button("Attachment & Constraints")
-        for words in ("Attachment Radius", "Bend Stiffness", "Max Gather Ratio", "Hem Fade"):
+        for words in ("Bend Stiffness", "Max Gather Ratio", "Hem Fade"):
             yield from self.scroll_to(words)
         self.screenshot("panel_constraints")
         yield from self.button("Attachment & Constraints")
