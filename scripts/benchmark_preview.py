@@ -78,7 +78,7 @@ def render(held: preview._OnGpu, pixels: int) -> tuple[Callable[[], None], Calla
             with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
                 gpu.matrix.load_matrix(view)
                 gpu.matrix.load_projection_matrix(Matrix.Diagonal((scale, scale, -0.1, 1.0)))
-                preview._draw_object(obj, held, shading)
+                preview._draw_object(obj, held, shading, gpu_arrays.no_overlays())
 
     def finish() -> None:
         with target.bind():

@@ -120,6 +120,7 @@ class Interfaces(unittest.TestCase):
         obj = sleeve.scene(wrinkles=False)
         shading = mock.MagicMock(light="FLAT", color_type="SINGLE", single_color=(1.0, 1.0, 1.0))
         with mock.patch.object(preview, "gpu") as fake:
+            fake.state.viewport_get.return_value = (0, 0, 400, 300)
             preview._block(obj, Matrix(), Matrix(), studio_light.lights(shading, Matrix()),
                            studio_light.finish(obj, 0, shading))
         self.assertEqual(4 * fake.types.Buffer.call_args.args[1], end)

@@ -60,6 +60,14 @@ class PreviewCase(WindowCase):
         bottom = screen.shape[0] - region.y
         self.seen = screen[bottom - region.height + 100:bottom - 10, region.x + 60:region.x + region.width - 60]
 
+    def show_overlays(self, on: bool) -> None:
+        """The armature's bones in front of all, and the outline of the selected sleeve. Nothing of it otherwise."""
+        for obj in bpy.data.objects:
+            obj.select_set(on and obj == self.obj, view_layer=bpy.context.view_layer)
+        bpy.data.objects["Arm"].show_in_front = True
+        overlay = self.area.spaces.active.overlay
+        overlay.show_bones = overlay.show_outline_selected = on
+
     def held(self) -> preview._OnGpu:
         (held,) = preview._on_gpu.values()
         return held

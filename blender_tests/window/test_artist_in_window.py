@@ -1,24 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an artist does first, by mouse and keys in Blender's window.
 
-Fifteen things were once found wrong by somebody who tried the add-on so. Where each is tested:
-
- 1 a dragged wavelength froze Blender       Drag; how many vertices at most: background/test_habits.Budget
- 2 the first stroke of paint did nothing     Paint
- 3 messages and bars were not redrawn        Baked.test_what_was_changed_is_said_at_once
- 4 outside a bake the garment stood still    Baked.test_outside_its_range_folds_are_live
- 5 nothing showed that it was baked          Baked.test_the_header_says_so_and_frees_it
- 6 a Wrinkle Field was not seen in Solid     FirstClick.test_a_field_is_seen_in_solid
- 7 the panel was there before its use        FirstClick.test_one_click_and_one_screen
- 8 its header did not say which system       FirstClick.test_one_click_and_one_screen
- 9 the labels of Paths hid the cloth         test_paths_in_window.Overlay
-10 shape keys left two garments              Baked.test_shape_keys_hide_the_garment
-11 a warning about a default                 FirstClick.test_one_click_and_one_screen
-12 one tooltip for all systems               background/test_habits.Words
-13 labels that were cut off                  background/test_translation
-14 odd words                                 FirstClick.test_one_click_and_one_screen, background/test_habits.Words
-15 no way out of paint; the tool everywhere  Paint; FirstClick.test_the_brush_stands_where_it_paints
-   maps froze the window                     test_maps_in_window.MapsInWindow
+Fifteen things were once found wrong by somebody who tried the add-on so: docs/habits.md says where each is tested.
 """
 from __future__ import annotations
 

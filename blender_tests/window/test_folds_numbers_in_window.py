@@ -151,7 +151,7 @@ class Stage(WindowCase):
             with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
                 gpu.matrix.load_matrix(view)
                 gpu.matrix.load_projection_matrix(Matrix.Diagonal((1.0 / 0.6, 1.0 / 0.6, -1.0, 1.0)))
-                preview._draw_object(obj, preview._OnGpu(sheet.fine.model, drawing), shading)
+                preview._draw_object(obj, preview._OnGpu(sheet.fine.model, drawing), shading, gpu_arrays.no_overlays())
             color, depth = (here.read_color(0, 0, SIDE, SIDE, 4, 0, "FLOAT"), here.read_depth(0, 0, SIDE, SIDE))
         gpu_arrays.plain_state()
         self.color, self.depth = as_array(color, 4), as_array(depth, 1)[..., 0]

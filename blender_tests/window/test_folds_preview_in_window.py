@@ -97,6 +97,23 @@ class Pictures(FoldsCase):
         yield from self.shot()
         self.assertGreater((np.abs(self.seen - plain) > 20.0).sum(), 300)
 
+    def test_bones_stay_over_the_folds(self) -> Iterator[float]:
+        """It once lay over all that Blender had drawn."""
+        yield from self.make()
+        yield from self.both()
+        self.show_overlays(True)
+        self.obj.select_set(False)  # the fine mesh has its outline elsewhere
+        yield from self.shot()
+        above = self.seen
+        self.screenshot("overlays_over_folds")
+        self.obj.rumple.paths.gpu_preview = False
+        yield from self.settled(False)
+        yield from self.shot()
+        bones = np.abs(self.seen - self.fine) > 60.0
+        self.assertGreater(bones.sum(), 300)
+        self.assertGreater((np.abs(above - self.drawn)[bones] > 30.0).mean(), 0.9)
+        self.assertLess(np.median(np.abs(above - self.seen)[bones]), 4.0)
+
     def test_two_garments(self) -> Iterator[float]:
         yield from self.make()
         with sleeve.context():

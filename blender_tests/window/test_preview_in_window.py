@@ -131,6 +131,26 @@ class Drawn(PreviewCase):
         yield from self.shot()
         self.assertGreater(len(passes), 0)
 
+    def test_bones_and_outlines_stay_over_the_waves(self) -> Iterator[float]:
+        """It once lay over all that Blender had drawn. What Blender blends over a picture depends on the picture by no
+        more than the pictures differ."""
+        yield from self.make()
+        seen = {}
+        for waves in (False, True):
+            self.obj.rumple.field.gpu_preview = waves
+            for overlays in (False, True):
+                self.show_overlays(overlays)
+                yield from self.shot()
+                seen[waves, overlays] = self.seen
+            self.screenshot(f"overlays_{'over_waves' if waves else 'plain'}")
+        below = np.abs(seen[True, False] - seen[False, False])
+        drawn = np.abs(seen[False, True] - seen[False, False])
+        above = np.abs(seen[True, True] - seen[False, True])
+        self.assertGreater(((drawn > 30.0) & (below > 15.0)).sum(), 50)  # bones before waves
+        self.assertGreater((drawn > 30.0).sum(), 1000)
+        self.assertLess((above - below).max(), 4.0)
+        self.assertLess(np.median(above[drawn > 30.0]), 1.0)
+
 
 class Exact(PreviewCase):
     """The render stage, pixel by pixel, against the attributes that renders read."""
@@ -176,7 +196,7 @@ class Exact(PreviewCase):
             with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
                 gpu.matrix.load_matrix(view)
                 gpu.matrix.load_projection_matrix(projection)
-                preview._draw_object(self.obj, self.held(), shading)
+                preview._draw_object(self.obj, self.held(), shading, gpu_arrays.no_overlays())
             pixels = here.read_color(0, 0, SIDE, SIDE, 4, 0, "FLOAT")
         gpu_arrays.plain_state()
         pixels.dimensions = SIDE * SIDE * 4

@@ -32,5 +32,6 @@ void main() {
         vec3 shift = wrinkle.height * parallax(viewer, n);  // equation (10)
         base = texture(image, image_uv + vec2(dot(u_slope, shift), dot(v_slope, shift))).rgb;  // equation (11)
     }
-    out_color = drawn_color(base, n - wrinkle.gradient, place);  // equation (7)
+    vec4 color = drawn_color(base, n - wrinkle.gradient, place);  // equation (7)
+    out_color = under_overlays(color, ivec2(gl_FragCoord.xy - vec2(preview.left, preview.bottom)));
 }

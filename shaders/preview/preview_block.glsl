@@ -15,7 +15,7 @@ struct Preview {
     float specular_on;
     float has_image;
     float nearer;  // share of the distance (perspective) or object units (orthographic)
-    float unused_0;
-    float unused_1;
-    float unused_2;
+    float left;    // of the viewport in its frame buffer, pixels
+    float bottom;
+    float unused;
 };

@@ -13,6 +13,7 @@ from .objects import modifier, properties
 from .translation import said
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
+NARROW = 22  # letters across: less, and names beside values would be cut off
 WRINKLED = "This object has wrinkles already"
 # Chinese and Japanese letters are twice as wide, and a line may break behind each, but not in front of a full stop.
 _WORDS = re.compile("(?:[\u3040-\u9fff\uff00-\uffef][\u3001\u3002\uff01-\uff0f\uff1a-\uff1f\u300d\u30fc]*)|"
@@ -86,10 +87,17 @@ def settings_column(layout: bpy.types.UILayout, obj: bpy.types.Object) -> bpy.ty
     return column
 
 
-def draw_setting(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str) -> None:
-    """A row for one. A length is a slider, which moves by its width: of a number with a unit, Blender moves a whole
-    millimetre or centimetre a pixel."""
-    layout.prop(group, name, slider=getattr(group.bl_rna.properties[name], "unit", "") == "LENGTH")
+def draw_setting(column: bpy.types.UILayout, group: bpy.types.PropertyGroup, name: str) -> bpy.types.UILayout:
+    """The row of one, for more to stand in; in a narrow editor its name stands above. A length is a slider, which moves
+    by its width: of a number with a unit, Blender moves a whole millimetre or centimetre a pixel."""
+    setting, words = group.bl_rna.properties[name], {}
+    if is_narrow():
+        column.label(text=setting.name)
+        words["text"] = ""
+    row = column.row(align=True)
+    row.use_property_split = not words
+    row.prop(group, name, slider=getattr(setting, "unit", "") == "LENGTH", **words)
+    return row
 
 
 def named_paint(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, group: str) -> None:
@@ -145,6 +153,11 @@ def letters_across() -> int:
     """How many letters fit beside one another in the region that is drawn."""
     region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
     return 60 if region is None else int(region.width / (LETTER_PIXELS * scale))
+
+
+def is_narrow() -> bool:
+    """Whether the region that is drawn has no room for names beside values."""
+    return letters_across() < NARROW
 
 
 def shortened(text: str, most: int) -> str:

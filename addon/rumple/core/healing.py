@@ -7,13 +7,20 @@ from typing import Any
 
 import numpy as np
 
-# What was healed: the kind of its elements, and what to say of it. {}: how many, and which one is the first.
+# What was healed: the kind of its elements, and what to say of one, {1}, and of {1} of them, the first of which is {2}.
+# {0}: the object.
 TURNED, CUT, DOUBLED, REPEATED = "turned", "cut", "doubled", "repeated"
-SENTENCES: dict[str, tuple[str, str]] = {
-    TURNED: ("FACE", "{} faces the other way than those beside it, or inwards: turned for the wrinkles"),
-    CUT: ("EDGE", "{} has more faces than two, or none that faces the same way: wrinkles end there"),
-    DOUBLED: ("FACE", "{} lies on another face: it gets the same wrinkles"),
-    REPEATED: ("FACE", "{} uses a vertex twice: it hangs at one corner less"),
+SENTENCES: dict[str, tuple[str, str, str]] = {
+    TURNED: ("FACE", "{0}: face {1} faces the other way than those beside it, or inwards: turned for the wrinkles",
+             "{0}: each of {1} faces (the first is face {2}) faces the other way than those beside it, or inwards: "
+             "turned for the wrinkles"),
+    CUT: ("EDGE", "{0}: edge {1} has more faces than two, or none that faces the same way: wrinkles end there",
+          "{0}: each of {1} edges (the first is edge {2}) has more faces than two, or none that faces the same way: "
+          "wrinkles end there"),
+    DOUBLED: ("FACE", "{0}: face {1} lies on another face: it gets the same wrinkles",
+              "{0}: each of {1} faces (the first is face {2}) lies on another face: it gets the same wrinkles"),
+    REPEATED: ("FACE", "{0}: face {1} uses a vertex twice: it hangs at one corner less",
+               "{0}: each of {1} faces (the first is face {2}) uses a vertex twice: it hangs at one corner less"),
 }
 
 
@@ -35,9 +42,7 @@ class Origin:
 
     def notes(self, name: str) -> list[str]:
         """A sentence for each of the kinds. name: of the object."""
-        sentences = [(*SENTENCES[kind], self.elements[kind]) for kind in self.kinds()]
-        return [f"{name}: " + sentence.format(_counted(domain.lower(), elements))
-                for domain, sentence, elements in sentences]
+        return [_sentence(name, kind, self.elements[kind]) for kind in self.kinds()]
 
 
 @dataclass(frozen=True)
@@ -107,7 +112,8 @@ def _copies_of(group: list[tuple[int, int]], healed: Any, polygon_start: np.ndar
     return Copies(corner, np.array(copies, np.int32), np.array(kept_ones, np.int32), np.array(turned, bool))
 
 
-def _counted(kind: str, elements: np.ndarray) -> str:
-    """"face 7", or "each of 3 faces (the first is face 7)"."""
-    first = kind + " " + "-".join(str(number) for number in np.atleast_1d(elements[0]).tolist())
-    return first if len(elements) == 1 else f"each of {len(elements)} {kind}s (the first is {first})"
+def _sentence(name: str, kind: str, elements: np.ndarray) -> str:
+    """Elements are numbers, or for edges two."""
+    _domain, of_one, of_several = SENTENCES[kind]
+    first = "-".join(str(number) for number in np.atleast_1d(elements[0]).tolist())
+    return of_one.format(name, first) if len(elements) == 1 else of_several.format(name, len(elements), first)

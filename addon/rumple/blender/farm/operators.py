@@ -67,8 +67,7 @@ class OBJECT_OT_rumple_publish(_OfClip, bpy.types.Operator):
 
 
 class OBJECT_OT_rumple_vat(_OfClip, bpy.types.Operator):
-    """Write the baked clip as vertex animation textures and a mesh for engines, in OpenVAT's layout, into the folder
-    "publish" beside the file"""
+    """Write the baked clip as vertex animation textures (OpenVAT) into the folder "publish" beside the file"""
 
     bl_idname = "object.rumple_vat"
     bl_label = "Export for Engines"

@@ -129,7 +129,7 @@ class RUMPLE_OT_maps_add(bpy.types.Operator):
     """Add normal maps of reference poses, blended by the pose of the bones and shape keys that deform the mesh"""
 
     bl_idname = "rumple.maps_add"
-    bl_label = "Wrinkle Maps"
+    bl_label = "Add Wrinkle Maps"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

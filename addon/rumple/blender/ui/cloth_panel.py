@@ -65,9 +65,7 @@ class DATA_PT_rumple_body(Panel, bpy.types.Panel):
 
 def painted(column: bpy.types.UILayout, obj: bpy.types.Object, name: str) -> None:
     """A setting and the button that paints where it acts."""
-    row = column.row(align=True)
-    draw_setting(row, properties.group_of(obj), name)
-    paint_button(row, obj, name)
+    paint_button(draw_setting(column, properties.group_of(obj), name), obj, name)
 
 
 def paint_only(column: bpy.types.UILayout, obj: bpy.types.Object, name: str, label: str) -> None:

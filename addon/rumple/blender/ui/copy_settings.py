@@ -12,8 +12,7 @@ OWN = frozenset(("up", "rest_shape", "source"))  # what belongs to a mesh, not t
 
 
 class OBJECT_OT_rumple_copy_settings(ui_base.OnWrinkled, bpy.types.Operator):
-    """Give the other selected objects with wrinkles of this system the fabric and the sliders of this one. Paint,
-    bodies, rest shape and the way the fine mesh is made stay theirs"""
+    """Give the other selected objects of this system its fabric and sliders; paint, bodies, rest shape stay theirs"""
 
     bl_idname = "object.rumple_copy_settings"
     bl_label = "Copy Wrinkle Settings to Selected"

@@ -35,7 +35,7 @@ class OBJECT_MT_rumple_add(bpy.types.Menu):
             for system in SYSTEMS.values():
                 self.layout.operator("object.rumple_add", text=system.label,
                                      icon=panels.ICONS[system.method]).method = system.method
-        panels.add_maps_button(self.layout)
+        panels.add_maps_button(self.layout, "Wrinkle Maps", "ARMATURE_DATA")
         examples.draw_menu(self.layout)
 
 

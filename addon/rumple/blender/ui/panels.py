@@ -35,7 +35,8 @@ class DATA_PT_rumple(bpy.types.Panel):
 
     def draw_header(self, context: bpy.types.Context) -> None:
         room = ui_base.letters_across() - 12  # of the buttons
-        self.layout.label(text=ui_base.shortened(title(context.object), room), translate=False)
+        words = "" if ui_base.is_narrow() else ui_base.shortened(title(context.object), room)
+        self.layout.label(text=words, translate=False)
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         nodes_mod = modifier.find(context.object)
@@ -61,8 +62,8 @@ class DATA_PT_rumple(bpy.types.Panel):
         row = layout.row()
         row.operator("object.rumple_apply", text="Apply")
         row.operator("object.rumple_copy_settings", text="", icon="COPYDOWN")
-        row.operator("object.rumple_remove", text="Remove", icon="X")
-        add_maps_button(layout)
+        row.operator("object.rumple_remove", text="" if ui_base.is_narrow() else "Remove", icon="X")
+        add_maps_button(layout, "Wrinkle Maps" if ui_base.is_narrow() else "Add Wrinkle Maps", "ADD")
 
 
 def title(obj: bpy.types.Object) -> str:
@@ -79,7 +80,7 @@ def _draw_first(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         for name in ("drape", "folds", "detail"):
             cloth_panel.painted(column, obj, name)
     if obj.rumple.method == "FIELD":
-        column.prop(settings, "strength")
+        draw_setting(column, settings, "strength")
     if obj.rumple.method == "PATHS":
         paths_panel.draw_size(column, settings)
     elif obj.rumple.method == "FIELD" or (settings.source == "SUBDIVISION" and settings.density == "WAVELENGTH"):
@@ -283,11 +284,11 @@ def _fields_not_felt(runtime: runtimes.Runtime) -> list[str]:
     return [f"{name}: the cloth does not feel a force field of this type" for name in names]
 
 
-def add_maps_button(layout: bpy.types.UILayout) -> None:
+def add_maps_button(layout: bpy.types.UILayout, text: str, icon: str) -> None:
     """They stand beside other wrinkles, whose folds they may be baked from."""
     obj = bpy.context.object
     if maps_modifier.find(obj) is None and (obj.find_armature() is not None or maps_keys.blocks(obj)):
-        layout.operator("rumple.maps_add", icon="ARMATURE_DATA")
+        layout.operator("rumple.maps_add", text=text, icon=icon)
 
 
 CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT_rumple_body,

@@ -24,8 +24,7 @@ class OnPaths(OnWrinkled):
 
 
 class OBJECT_OT_rumple_width_from_height(OnPaths, bpy.types.Operator):
-    """Set the width of the tightest folds from the height of the character: that of the deforming bones of its
-armature at rest, else of the mesh that this one is parented to, else of this mesh"""
+    """Set the width of the tightest folds from the height of the character: its armature, its parent or itself"""
 
     bl_idname = "object.rumple_width_from_height"
     bl_label = "Width from Height"

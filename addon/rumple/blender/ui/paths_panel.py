@@ -11,10 +11,9 @@ from ..ui_base import Panel, draw_setting, named_paint, property_column, setting
 
 def draw_size(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     """How wide and how high folds are: above all panels."""
-    row = column.row(align=True)
-    draw_setting(row, settings, "width")
+    row = draw_setting(column, settings, "width")
     row.operator("object.rumple_width_from_height", text="", icon="OUTLINER_OB_ARMATURE")
-    column.prop(settings, "height")
+    draw_setting(column, settings, "height")
 
 
 class DATA_PT_rumple_folds(Panel, bpy.types.Panel):

@@ -69,8 +69,7 @@ class DATA_PT_rumple_saved_settings(_OfSystem, PresetPanel, bpy.types.Panel):
 
 
 class OBJECT_OT_rumple_save_settings(_OfSystem, AddPresetBase, bpy.types.Operator):
-    """Keep these settings under a name, for other objects and files. Paint, bodies, rest shape and the way the fine
-    mesh is made are not among them"""
+    """Keep these settings under a name, for other objects and files. Paint, bodies and rest shape are not among them"""
 
     bl_idname = "object.rumple_save_settings"
     bl_label = "Save Settings of Wrinkles"

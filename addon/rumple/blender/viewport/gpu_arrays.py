@@ -16,6 +16,7 @@ from . import glsl
 _WIDTH = 1024  # texels in a row of an array; any number does
 _FORMAT = "RGBA32F"
 _MOST_SIZES = 4  # of viewports whose layers are kept
+_COMPOSED = ("layer", "layer_depth", "proxy_depth", "overlays")
 
 
 # ---------------------------------------------------------------- arrays as textures
@@ -138,6 +139,20 @@ def blank() -> gpu.types.GPUTexture:
     return kept("blank", lambda: upload(np.ones((1, 4), np.float32)))
 
 
+def no_overlays() -> gpu.types.GPUTexture:
+    """In place of overlays(), where there are none."""
+    return kept("no overlays", lambda: upload(np.zeros((1, 4), np.float32)))
+
+
+def overlays() -> gpu.types.GPUTexture:
+    """What the bound frame buffer has in its viewport: in a draw handler of a 3D viewport, what Blender has drawn over
+    the scene (shaders/preview/under_overlays.glsl). Blender blends with no factor that puts a colour under another,
+    so they are read: all pixels cross the bus, and the GPU is waited for."""
+    left, bottom, width, height = gpu.state.viewport_get()
+    colors = gpu.state.active_framebuffer_get().read_color(left, bottom, width, height, 4, 0, "FLOAT")
+    return gpu.types.GPUTexture((width, height), format="RGBA8", data=colors)
+
+
 # ---------------------------------------------------------------- shaders that draw
 def drawing_shader(between: gpu.types.GPUStageInterfaceInfo | None, vertex_in: tuple[tuple[str, str], ...],
                    arrays: tuple[str, ...], vertex: tuple[str, ...], fragment: tuple[str, ...],
@@ -193,11 +208,11 @@ def layers(size: tuple[int, int]) -> tuple[Layer, Layer]:
     return found[size]
 
 
-def composite_layer(layer: Layer, proxy: Layer, origin: tuple[int, int]) -> None:
-    """Into the bound frame buffer, whose viewport begins at origin."""
+def composite_layer(layer: Layer, proxy: Layer, over: gpu.types.GPUTexture, origin: tuple[int, int]) -> None:
+    """Into the bound frame buffer, whose viewport begins at origin. over: overlays()."""
     shader, batch = kept("composite layer", _composite_shader), kept("whole", whole)
     shader.bind()
-    for name, texture in zip(("layer", "layer_depth", "proxy_depth"), (*layer.textures, *proxy.textures)):
+    for name, texture in zip(_COMPOSED, (*layer.textures, *proxy.textures, over)):
         shader.uniform_sampler(name, texture)
     shader.uniform_int("origin", origin)
     batch.draw(shader)
@@ -205,7 +220,7 @@ def composite_layer(layer: Layer, proxy: Layer, origin: tuple[int, int]) -> None
 
 def _composite_shader() -> gpu.types.GPUShader:
     info = gpu.types.GPUShaderCreateInfo()
-    for slot, name in enumerate(("layer", "layer_depth", "proxy_depth")):
+    for slot, name in enumerate(_COMPOSED):
         info.sampler(slot, "FLOAT_2D", name)
     info.push_constant("IVEC2", "origin")
     info.vertex_in(0, "VEC2", "corner")
@@ -213,5 +228,5 @@ def _composite_shader() -> gpu.types.GPUShader:
     if hasattr(info, "depth_write"):
         info.depth_write("ANY")
     info.vertex_source(glsl.source("preview/pass_vertex"))
-    info.fragment_source(glsl.source("preview/composite_layer"))
+    info.fragment_source(glsl.source("preview/under_overlays", "preview/composite_layer"))
     return gpu.shader.create_from_info(info)

@@ -54,8 +54,9 @@ class Drawing(Protocol):
     def slots(self) -> list[int]:
         """Material slots with something to draw."""
 
-    def present(self, paint: Callable[[], None], block: gpu.types.GPUUniformBuf) -> None:
-        """Bring to the viewport what paint() draws; block: where the object and the viewer are."""
+    def present(self, paint: Callable[[], None], over: gpu.types.GPUTexture, block: gpu.types.GPUUniformBuf) -> None:
+        """Bring to the viewport what paint() draws, under what is `over` it (gpu_arrays.overlays()); block: where the
+        object and the viewer are."""
 
     def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:
         """Draw what has this slot; shader, arrays, image and block are bound."""
@@ -145,9 +146,8 @@ def _draw() -> None:
         for key in _on_gpu.keys() - shown.keys():
             del _on_gpu[key]
         if _draws_in(space):
-            for key, (obj, runtime) in shown.items():
-                if obj.visible_get(viewport=space):
-                    _draw_guarded(obj, runtime, key, space.shading)
+            _draw_all([(obj, runtime, key) for key, (obj, runtime) in shown.items()
+                       if obj.visible_get(viewport=space)], space)
     except Exception as error:
         print(f"Rumple: the GPU preview failed: {error}")
     finally:
@@ -167,7 +167,17 @@ def _ask_for_meshes() -> None:
                 scheduler.tag_soon({obj.name})
 
 
-def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, shading: bpy.types.View3DShading) -> None:
+def _draw_all(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]], space: bpy.types.SpaceView3D) -> None:
+    """Objects with their session keys, in one viewport."""
+    if not shown:
+        return
+    over = gpu_arrays.overlays() if space.overlay.show_overlays else gpu_arrays.no_overlays()
+    for obj, runtime, key in shown:
+        _draw_guarded(obj, runtime, key, space.shading, over)
+
+
+def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, shading: bpy.types.View3DShading,
+                  over: gpu.types.GPUTexture) -> None:
     on_gpu = _on_gpu.get(key)
     if on_gpu is None or on_gpu.model is not runtime.evaluator.model:
         on_gpu = _on_gpu[key] = _OnGpu(runtime.evaluator.model)
@@ -176,7 +186,7 @@ def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, sh
     blend, depth_test, depth_mask = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
     try:
         if _update(obj, runtime, on_gpu):
-            _draw_object(obj, on_gpu, shading)
+            _draw_object(obj, on_gpu, shading, over)
     except Exception as error:  # what a driver refuses, say: once in the console, and Blender's own picture stays
         on_gpu.refused = True
         scheduler.tag_soon({obj.name})
@@ -210,7 +220,8 @@ def _material_slots(obj: bpy.types.Object, polygons: np.ndarray) -> np.ndarray:
     return slots[polygons] if len(polygons) and polygons.max() < len(slots) else np.zeros(len(polygons), np.int32)
 
 
-def _draw_object(obj: bpy.types.Object, on_gpu: _OnGpu, shading: bpy.types.View3DShading) -> None:
+def _draw_object(obj: bpy.types.Object, on_gpu: _OnGpu, shading: bpy.types.View3DShading,
+                 over: gpu.types.GPUTexture) -> None:
     drawing = on_gpu.drawing
     gpu.state.blend_set("NONE")
     gpu.state.depth_test_set("LESS_EQUAL")
@@ -235,7 +246,7 @@ def _draw_object(obj: bpy.types.Object, on_gpu: _OnGpu, shading: bpy.types.View3
             shader.uniform_block("preview", blocks[slot])
             drawing.draw(shader, slot)
 
-    drawing.present(paint, next(iter(blocks.values())))
+    drawing.present(paint, over, next(iter(blocks.values())))
 
 
 def _block(obj: bpy.types.Object, view: Matrix, projection: Matrix, lights: studio_light.Lights,
@@ -246,10 +257,11 @@ def _block(obj: bpy.types.Object, view: Matrix, projection: Matrix, lights: stud
     is_perspective = projection[3][3] == 0.0
     viewer = (*to_object.translation, 1.0) if is_perspective else (*to_object.col[2][:3], 0.0)
     nearer = _NEARER if is_perspective else _NEARER * max(obj.dimensions)
+    left, bottom, _width, _height = gpu.state.viewport_get()
     numbers = np.concatenate([np.array(rows, np.float32).ravel() for rows in (
         model_view.transposed(), projection.transposed(), to_object.to_3x3().to_4x4(), viewer,  # columns one by one
         (*finish.color, 1.0), lights.direction, lights.diffuse, lights.specular, lights.ambient,
-        (finish.metallic, finish.roughness, lights.has_specular, finish.image is not None, nearer, 0.0, 0.0, 0.0))])
+        (finish.metallic, finish.roughness, lights.has_specular, finish.image is not None, nearer, left, bottom, 0.0))])
     return gpu.types.Buffer("FLOAT", numbers.size, numbers)
 
 

@@ -187,8 +187,8 @@ def _compile() -> gpu.types.GPUShader:
         between.flat("VEC3", name)
     return gpu_arrays.drawing_shader(
         between, (("IVEC3", "triangle"), ("INT", "corner"), ("INT", "fan"), ("VEC2", "uv")),
-        ("positions", "normals", "waves", "phases", "u_slopes", "v_slopes", "profile", "image"),
-        ("preview/field_vertex",), (*glsl.FORMULAS, "preview/field_fragment"))
+        ("positions", "normals", "waves", "phases", "u_slopes", "v_slopes", "profile", "image", "overlays"),
+        ("preview/field_vertex",), (*glsl.FORMULAS, "preview/under_overlays", "preview/field_fragment"))
 
 
 class Drawing:
@@ -257,7 +257,10 @@ class Drawing:
     def slots(self) -> list[int]:
         return list(self._batches)
 
-    def present(self, paint: Callable[[], None], _block: gpu.types.GPUUniformBuf) -> None:
+    def present(self, paint: Callable[[], None], over: gpu.types.GPUTexture, _block: gpu.types.GPUUniformBuf) -> None:
+        shader = self.shader()
+        shader.bind()
+        shader.uniform_sampler("overlays", over)
         paint()
 
     def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:

@@ -131,13 +131,13 @@ class Drawing:
     def slots(self) -> list[int]:
         return list(self._groups)
 
-    def present(self, paint: Callable[[], None], block: gpu.types.GPUUniformBuf) -> None:
+    def present(self, paint: Callable[[], None], over: gpu.types.GPUTexture, block: gpu.types.GPUUniformBuf) -> None:
         """In itself it is hidden by its own depth; against all else it is no farther than what Blender has there."""
         left, bottom, width, height = gpu.state.viewport_get()
         layer, proxy = gpu_arrays.layers((width, height))
         proxy.drawn(lambda: self._draw_proxy(block))
         layer.drawn(paint)
-        gpu_arrays.composite_layer(layer, proxy, (left, bottom))
+        gpu_arrays.composite_layer(layer, proxy, over, (left, bottom))
 
     def _draw_proxy(self, block: gpu.types.GPUUniformBuf) -> None:
         shader = gpu_arrays.kept("proxy", _compile_proxy)
