@@ -24,9 +24,9 @@ BODY_SPACING = 0.012  # metres: files stay small
 SEAT_HALF, SEAT_EDGE = (0.21, 0.19), 0.03  # metres: half width and depth, the radius of its edges
 SEAT_GAP = 0.004  # metres under the trousers
 # Of the cape, from the neck to the hem: height, half width, half depth, degrees to each side of the spine.
-CAPE = np.array([[1.500, 0.088, 0.080, 128.0], [1.475, 0.150, 0.104, 120.0], [1.430, 0.220, 0.125, 106.0],
+CAPE = np.array([[1.503, 0.085, 0.076, 130.0], [1.475, 0.150, 0.104, 120.0], [1.430, 0.220, 0.125, 106.0],
                  [1.360, 0.262, 0.150, 90.0], [1.200, 0.310, 0.200, 86.0], [0.480, 0.540, 0.420, 80.0]])
-CAPE_ACROSS, CAPE_ALONG, CAPE_ROOM = 40, 36, 0.012  # vertices, vertices, metres off the shirt
+CAPE_ACROSS, CAPE_ALONG, CAPE_ROOM = 40, 36, (0.008, 0.010, 0.012)  # vertices, vertices; metres off the shirt, by row
 WIND_SPEED, WIND_TURNS = 6.5, (0.5, 0.35)  # metres a second; radians, up and down and to the sides
 CAPE_PINNED = (1.0, 1.0, 0.6, 0.2)  # of its highest rows
 CAPE_SMOOTH = (1.0, 0.9, 0.5, 0.2)  # of them as well
@@ -291,8 +291,11 @@ def cape_mesh() -> tuple[Array, Array]:
     angles = np.radians(span)[:, None] * np.linspace(-1.0, 1.0, CAPE_ACROSS)[None, :]
     points = np.stack([wide[:, None] * np.sin(angles), 0.02 + deep[:, None] * np.cos(angles),
                        np.repeat(height[:, None], CAPE_ACROSS, 1)], axis=-1).reshape(-1, 3)
+    room = np.repeat(np.append(CAPE_ROOM, np.full(CAPE_ALONG - len(CAPE_ROOM), CAPE_ROOM[-1])), CAPE_ACROSS)
     for _ in range(6):
-        short = np.maximum(CAPE_ROOM - demo_shirt.shirt_distance(points), 0.0)
+        edge = points[:CAPE_ACROSS]
+        edge[1:-1] += 0.5 * (0.5 * (edge[:-2] + edge[2:]) - edge[1:-1])
+        short = np.maximum(room - demo_shirt.shirt_distance(points), 0.0)
         points = points + short[:, None] * demo_body.distance_gradient(points, demo_shirt.shirt_distance)
     quads = [(row * CAPE_ACROSS + i, row * CAPE_ACROSS + i + 1, (row + 1) * CAPE_ACROSS + i + 1,
               (row + 1) * CAPE_ACROSS + i) for row in range(CAPE_ALONG - 1) for i in range(CAPE_ACROSS - 1)]
