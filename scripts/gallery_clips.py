@@ -75,7 +75,7 @@ CLIPS = {
     "sit": Clip("sit", ("Trousers", "Shirt"), (5, 64), distance=4.6, view=(0.9, -1.0, 0.15), looks_at=("Mannequin",),
                 size=(300, 380)),
     "twist": Clip("twist", ("Shirt",), (1, 78), distance=2.9, view=FRONT, size=(300, 330)),
-    "elbow": Clip("elbow", ("Shirt",), (1, 60), (BARE, Column("Wrinkle Mesh, wool", "MESH", "WOOL")), distance=1.5,
+    "elbow": Clip("elbow", ("Shirt",), (1, 60), (BARE, Column("Wrinkle Mesh, wool", "MESH", "WOOL")), distance=1.35,
                   view=(1.0, -0.6, 0.1), bone="elbow.L", size=(320, 320), weave=True),
     "jeans": Clip("jeans", ("Jeans",), (1, 72), (BARE, Column("Wrinkle Mesh, denim", "MESH", "DENIM")), distance=2.7,
                   view=(0.45, -1.0, 0.15), size=(360, 420)),
