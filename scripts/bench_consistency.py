@@ -2,19 +2,27 @@
 """How frame rate and density of the mesh change the folds of scripts/bench's contenders. Pure NumPy.
 
 Heights are those above the bare surface of the same variant, without what is wider than 220 mm, at the simulation's
-vertices, at the moments of one second (bench_variants.py) behind the first.
+vertices, at moments that every rate has: MOMENTS in one second.
 """
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
-from bench_variants import DENSITIES, RATES, moments
 from truth_measures import BANDS, Cloth, bands, heights
 
+RATES = (24, 30, 60)  # frames a second
+DENSITIES = ("half", "double")  # half as many vertices; edges half as long
+MOMENTS = 6
 COMPARED = ("28_to_55", "55_to_110", "110_to_220")
 HEAD = ("", *(f"overlap at {rate}" for rate in RATES),
         *(f"{part} at {density} the density" for density in DENSITIES for part in ("overlap", "bands")))
+
+
+def moments(frames: np.ndarray, rate: float) -> np.ndarray:
+    """Of frames in order at a rate, 1/s, those whose time is a whole number of MOMENTS from 0, of one second."""
+    return np.array([frame for frame in frames.tolist()
+                     if (frame * MOMENTS) % rate == 0 and frame - frames[0] <= rate])
 
 
 class Folds:

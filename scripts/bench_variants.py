@@ -1,23 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same scene at another frame rate, or with another density of the garment's mesh, for scripts/bench.
-
-A clip is compared at moments that every rate has: MOMENTS a second, for one second.
-"""
+"""The same scene at another frame rate, or with another density of the garment's mesh, for scripts/bench."""
 from __future__ import annotations
 
 import bpy
 import numpy as np
+from bench_consistency import DENSITIES, RATES
 
-RATES = (24, 30, 60)  # frames a second; 30 is what the others are compared with
-DENSITIES = ("half", "double")  # half as many vertices; edges half as long
 NAMES = tuple(str(rate) for rate in RATES) + DENSITIES
-MOMENTS = 6
-
-
-def moments(frames: np.ndarray, rate: float) -> np.ndarray:
-    """Of frames in order at a rate, 1/s, those whose time is a whole number of MOMENTS from 0, of one second."""
-    return np.array([frame for frame in frames.tolist()
-                     if (frame * MOMENTS) % rate == 0 and frame - frames[0] <= rate])
 
 
 def play_at(rate: int, frames: np.ndarray) -> np.ndarray:
