@@ -74,11 +74,12 @@ def result(positions: np.ndarray, stored: Stored, ms: float, asked: float, shown
                 shown=shown.positions, starts=shown.starts, corners=shown.corners)
 
 
-def smooth_at_rest(garment: bpy.types.Object) -> Shown:
-    """What modifiers show of the garment while its skeleton is at rest."""
+def smooth_at_rest(garment: bpy.types.Object, frame: int) -> Shown:
+    """What modifiers show of the garment while its skeleton is at rest; a frame, as the skeleton may be moved as a
+    whole."""
     armature = truth_clip.skinned_by(garment).data
     armature.pose_position = "REST"
-    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(frame)
     surface = evaluated(garment)
     armature.pose_position = "POSE"
     return surface
@@ -104,13 +105,15 @@ def subdivision(name: str, stored: Stored, picture: int) -> Stored:
     """The bare garment, smooth."""
     garment, bare_ms = truth_clip.find_garment(name), pace(stored["frames"])
     garment.modifiers.new("Fine", "SUBSURF").levels = LEVELS
-    return played(garment, stored, picture, float("nan"), bare_ms, smooth_at_rest(garment))
+    return played(garment, stored, picture, float("nan"), bare_ms,
+                  smooth_at_rest(garment, int(stored["frames"][0])))
 
 
 def tension(name: str, stored: Stored, picture: int) -> Stored:
     garment, bare_ms = truth_clip.find_garment(name), pace(stored["frames"])
     bench_tension.add(garment, WAVELENGTH)
-    return played(garment, stored, picture, WAVELENGTH, bare_ms, smooth_at_rest(garment))
+    return played(garment, stored, picture, WAVELENGTH, bare_ms,
+                  smooth_at_rest(garment, int(stored["frames"][0])))
 
 
 def cloth_subdivided(name: str, stored: Stored, picture: int) -> Stored:
