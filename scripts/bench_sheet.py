@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table and the picture of scripts/bench for one scene, from bench_run.py: bench.md, sheet.png."""
+"""The tables and the picture of scripts/bench for one scene, from bench_run.py: bench.md, sheet.png."""
 from __future__ import annotations
 
 import argparse
@@ -12,6 +12,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "addon"), os.environ["RUMPLE_NATIVE"]]
+import bench_consistency  # noqa: E402
 import bench_measures  # noqa: E402
 import truth_clip  # noqa: E402
 import truth_measures  # noqa: E402
@@ -56,6 +57,7 @@ class Scene:
     def __init__(self, options: argparse.Namespace) -> None:
         with np.load(options.out / "truth.npz", allow_pickle=False) as stored:
             self.frames, self.base = stored["frames"].tolist(), stored["base"]
+            self.fps = float(stored["fps"])
             self.cloth = truth_measures.build_cloth(stored["rest"], stored["triangles"], stored["patch"])
         self.held = options.held
         self.measured = evenly(np.array(self.frames[:len(self.frames) - self.held]), MEASURED)
@@ -101,14 +103,16 @@ def main() -> None:
     options = arguments()
     open_scene(options.scene)
     scene = Scene(options)
-    lines = [HEAD, ["---"] * len(HEAD)]
-    shown = {}
+    lines, shown = [], {}
     for name in CONTENDERS:
         with np.load(options.out / f"{name}.npz", allow_pickle=False) as stored:
             lines.append(cells(name, scene.row(stored["positions"]), float(stored["ms"]), float(stored["asked"])))
             shown[NAMES[name]] = {options.picture: Shown(stored["shown"], stored["starts"], stored["corners"])}
         say(" | ".join(lines[-1]))
-    (options.out / "bench.md").write_text("".join(f"| {' | '.join(line)} |\n" for line in lines))
+    variants = bench_consistency.table(options.out, NAMES, scene.cloth, np.array(scene.frames), scene.base, scene.fps)
+    (options.out / "bench.md").write_text("\n".join(
+        "".join(f"| {' | '.join(line)} |\n" for line in (head, ["---"] * len(head), *body))
+        for head, body in ((HEAD, lines), (bench_consistency.HEAD, variants)) if body))
     garment = truth_clip.find_garment(options.garment)
     draw(garment, shown, np.array(scene.frames), options.out, stacked=1, width=TILE_WIDTH)
 

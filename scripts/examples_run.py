@@ -22,14 +22,25 @@ import gallery_live  # noqa: E402
 import gallery_scenes  # noqa: E402
 import lesson_scenes  # noqa: E402
 import rumple  # noqa: E402
+from gallery_clips import DATA  # noqa: E402
 from rumple.blender import handlers  # noqa: E402
 from rumple.blender.objects import modifier, output_mesh  # noqa: E402
 
 MOST_BYTES = 2_000_000
+DANCE_END = 110  # frame
 BODY_SPACING = 0.0095  # metres: the file stays small
-LICENCE = """
-Licence: GPL-3.0-or-later, as Rumple itself, whose scripts made everything here from nothing. What you render is yours.
-"""
+LICENCE = """\
+Licence: GPL-3.0-or-later, as Rumple itself, whose scripts made everything here from nothing. What you render is
+yours."""
+MAKEHUMAN = """\
+Licence: body, garments and rig are MakeHuman's, CC0 1.0 (no conditions). """
+CMU = MAKEHUMAN + """The motion is free for any use, but must
+not be sold as it is: "The data used in this project was obtained from mocap.cs.cmu.edu. The database was created with
+funding from NSF EIA-0196217." (clip 05_%s, BVH conversion by B. Hahne)"""
+MIT = MAKEHUMAN + """The motion is of AnimatedDrawings (jumping.bvh),
+MIT licence, Copyright (c) Meta Platforms, Inc. and affiliates: permission is hereby granted, free of charge, to any
+person obtaining a copy, to deal in it without restriction, provided that this notice is included in all copies or
+substantial portions. It is provided "as is", without warranty of any kind."""
 
 
 def dress(names: tuple[str, ...], preset: str = "") -> None:
@@ -95,12 +106,31 @@ def make_expressions() -> None:
         bpy.ops.file.pack_all()
 
 
+def of_data(file: str, *garments: str) -> Callable[[], None]:
+    """A file of ../shared/data, wrinkled."""
+    def make() -> None:
+        bpy.ops.wm.open_mainfile(filepath=str(DATA / f"{file}.blend"))
+        dress(garments)
+    return make
+
+
+def make_dance() -> None:
+    """Its first seconds: the file stays small."""
+    of_data("S3_skirt_sim", "skirt")()
+    scene, skirt = bpy.context.scene, bpy.data.objects["skirt"]
+    for key in list(skirt.data.shape_keys.key_blocks)[DANCE_END + 1:]:  # behind the one of rest, one for each frame
+        skirt.shape_key_remove(key)
+    scene.frame_end = DANCE_END
+
+
 @dataclass(frozen=True)
 class Example:
-    """A file: what makes its scene, and what its text says."""
+    """A file: what makes its scene, what its text says; the file of ../shared/data that it needs."""
 
     make: Callable[[], object]
     says: str
+    licence: str = LICENCE
+    data: str = ""
 
 
 EXAMPLES = {
@@ -130,6 +160,15 @@ Wrinkles in the part Rest Wrinkles of its panel."""),
     "Expressions": Example(make_expressions, """\
 Brows that rise and frown, with Wrinkle Maps: normal maps that appear with the pose. Solid viewports show no materials:
 go to Material Preview. In Pose Mode move one brow alone."""),
+    "Walk": Example(of_data("S1_walk_shirt", "trousers", "shirt"), """\
+A captured walk in T-shirt and trousers, one click each. Nothing is set by hand. Try silk, denim and leather at the top
+of the shirt's panel.""", CMU % "01", "S1_walk_shirt"),
+    "Jump": Example(of_data("S2_squat_trousers", "trousers", "sweater"), """\
+A captured jump in sweater and trousers, one click each. Nothing is set by hand. Look at the knees in the
+crouch.""", MIT, "S2_squat_trousers"),
+    "Dance": Example(make_dance, """\
+A skirt that was simulated on a coarse mesh, and folds on it: it stays where the simulation has it. Try Wavelength, and
+Buckling Limit below it, which keeps the noise of the simulation from folding.""", CMU % "02", "S3_skirt_sim"),
 }
 
 
@@ -149,7 +188,7 @@ def make(name: str, path: Path) -> None:
     example.make()
     handlers.unregister()  # else the fine meshes are made again at once
     leave_fine_meshes_out()
-    bpy.data.texts.new("Read Me").write(f"{example.says}\n{LICENCE}")
+    bpy.data.texts.new("Read Me").write(f"{example.says}\n\n{example.licence}\n")
     bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True, copy=True)
     handlers.register()
     size = path.stat().st_size
@@ -161,7 +200,8 @@ def make(name: str, path: Path) -> None:
 def main() -> None:
     rumple.register()
     out, *names = sys.argv[sys.argv.index("--") + 1:]
-    for name in names or EXAMPLES:
+    possible = [name for name, one in EXAMPLES.items() if not one.data or (DATA / f"{one.data}.blend").is_file()]
+    for name in names or possible:
         make(name, Path(out) / f"{name}.blend")
 
 

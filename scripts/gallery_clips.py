@@ -48,6 +48,7 @@ class Clip:
     size: tuple[int, int] = (360, 440)  # pixels of a column
     folder: Path = DATA
     bone: str = ""  # of the demo's skeleton, in the middle of the picture
+    dyed: bool = False  # each column has the colour and the gloss of its fabric
     weave: bool = False  # seen from so near that the cloth has threads
     rate: int = 12  # frames a second that are rendered, at least: a browser loads every one of them
 
@@ -71,10 +72,10 @@ CLIPS = {
     "jump": Clip("S2_squat_trousers", ("trousers", "sweater"), (15, 95), distance=4.6, view=WALKING, raised=0.12),
     "suit": Clip("male_elegantsuit01", ("male_elegantsuit01",), (2, 66), distance=4.3, view=FRONT, looks_at=("Body",),
                  folder=OUTFITS),
-    "sit": Clip("sit", ("Trousers", "Shirt"), (5, 64), distance=4.2, view=(0.9, -1.0, 0.15), looks_at=("Mannequin",),
-                size=(300, 360)),
+    "sit": Clip("sit", ("Trousers", "Shirt"), (5, 64), distance=4.6, view=(0.9, -1.0, 0.15), looks_at=("Mannequin",),
+                size=(300, 380)),
     "twist": Clip("twist", ("Shirt",), (1, 78), distance=2.9, view=FRONT, size=(300, 330)),
-    "elbow": Clip("elbow", ("Shirt",), (1, 60), (BARE, Column("Wrinkle Mesh, wool", "MESH", "WOOL")), distance=1.15,
+    "elbow": Clip("elbow", ("Shirt",), (1, 60), (BARE, Column("Wrinkle Mesh, wool", "MESH", "WOOL")), distance=1.35,
                   view=(1.0, -0.6, 0.1), bone="elbow.L", size=(320, 320), weave=True),
     "jeans": Clip("jeans", ("Jeans",), (1, 72), (BARE, Column("Wrinkle Mesh, denim", "MESH", "DENIM")), distance=2.7,
                   view=(0.45, -1.0, 0.15), size=(360, 420)),
@@ -92,7 +93,8 @@ CLIPS = {
     "systems": Clip("", ("Shirt",), (1, 72), (
         CLOTH, Column("Wrinkle Field", "FIELD"), Column("Wrinkle Paths", "PATHS")), distance=2.6,
         view=FRONT, size=(320, 400)),
-    "fabrics": Clip("S1_walk_shirt", ("shirt",), (40, 110), FABRICS, distance=2.2, size=(280, 360)),
+    "fabrics": Clip("S1_walk_shirt", ("shirt",), (40, 110), FABRICS, distance=2.2, size=(280, 360),
+                    dyed=True),
 }
 
 

@@ -12,19 +12,26 @@ import bpy
 from demo_shirt import UV_UNITS_PER_METRE
 from mathutils import Vector
 
-SAMPLES = 10
+SAMPLES, LEAST_SAMPLES, NOISE = 40, 8, 0.035  # most of a pixel, where it is noisy; the noise that is left
 # Where the light comes from, watts per square metre, its angle in degrees, colour.
 SUNS = {
     "Key": ((-0.75, -0.45, 0.55), 3.4, 14.0, (1.0, 0.96, 0.90)),
     "Rim": ((0.55, 0.65, 0.45), 2.0, 10.0, (0.86, 0.92, 1.0)),
 }
 SKY, SKY_STRENGTH = (0.36, 0.40, 0.46), 0.6
-FLOOR = (0.34, 0.37, 0.42)
+BACKDROP = (0.30, 0.31, 0.32), (0.055, 0.062, 0.075)  # what the camera sees of the sky, at the bottom and at the top
+FLOOR = (0.34, 0.36, 0.39)
 FLOOR_RADIUS = 2.6  # metres: there the floor has faded into the sky
 SHEEN, SHEEN_TINT, SPECULAR = 0.9, 0.6, 0.15
 THREADS = 340.0  # of the weave in a metre
 BANDS = 20.0 / math.tau  # of Blender's wave texture, of scale 1, in a unit
 WEAVE_HEIGHT = 0.0006  # metres
+# Linear colour, roughness, sheen.
+LOOKS = {
+    "COTTON": ((0.24, 0.44, 0.62), 0.85, 0.9), "JERSEY": ((0.46, 0.07, 0.07), 0.9, 0.9),
+    "SILK": ((0.62, 0.50, 0.30), 0.30, 0.2), "WOOL": ((0.30, 0.28, 0.25), 1.0, 1.0),
+    "DENIM": ((0.045, 0.085, 0.20), 0.9, 0.6), "LEATHER": ((0.11, 0.050, 0.022), 0.35, 0.0),
+    "SKIN": ((0.62, 0.40, 0.31), 0.5, 0.0), "PAPER": ((0.62, 0.63, 0.64), 0.8, 0.0)}
 
 
 def light(scene: bpy.types.Scene) -> None:
@@ -32,7 +39,8 @@ def light(scene: bpy.types.Scene) -> None:
     addon_utils.enable("cycles")
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
-    cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = SAMPLES, False, False
+    cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = SAMPLES, True, False
+    cycles.adaptive_min_samples, cycles.adaptive_threshold = LEAST_SAMPLES, NOISE
     cycles.max_bounces, cycles.diffuse_bounces, cycles.sample_clamp_indirect = 2, 1, 2.0
     scene.view_settings.view_transform, scene.view_settings.look = "Filmic", "Medium High Contrast"
     for lamp in [thing for thing in scene.objects if thing.type == "LIGHT"]:
@@ -48,6 +56,24 @@ def light(scene: bpy.types.Scene) -> None:
     sky = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
     sky.inputs["Color"].default_value = (*SKY, 1.0)
     sky.inputs["Strength"].default_value = SKY_STRENGTH
+    hang_backdrop(world.node_tree, sky)
+
+
+def hang_backdrop(tree: bpy.types.NodeTree, sky: bpy.types.Node) -> None:
+    """Behind what is lit by an even sky the camera sees paper that gets darker upwards."""
+    nodes = {kind: tree.nodes.new(f"ShaderNode{kind}") for kind in (
+        "TexCoord", "SeparateXYZ", "MixRGB", "Background", "LightPath", "MixShader")}
+    for number, colour in enumerate(BACKDROP, 1):
+        nodes["MixRGB"].inputs[number].default_value = (*colour, 1.0)
+    end = next(node for node in tree.nodes if node.type == "OUTPUT_WORLD")
+    for source, sink in ((nodes["TexCoord"].outputs["Window"], nodes["SeparateXYZ"].inputs[0]),
+                         (nodes["SeparateXYZ"].outputs["Y"], nodes["MixRGB"].inputs[0]),
+                         (nodes["MixRGB"].outputs[0], nodes["Background"].inputs["Color"]),
+                         (nodes["LightPath"].outputs["Is Camera Ray"], nodes["MixShader"].inputs[0]),
+                         (sky.outputs[0], nodes["MixShader"].inputs[1]),
+                         (nodes["Background"].outputs[0], nodes["MixShader"].inputs[2]),
+                         (nodes["MixShader"].outputs[0], end.inputs["Surface"])):
+        tree.links.new(source, sink)
 
 
 def add_floor(scene: bpy.types.Scene) -> bpy.types.Object:
@@ -90,6 +116,16 @@ def as_cloth(garment: bpy.types.Object, weave: bool) -> None:
                 shader.inputs[name].default_value = value
             if weave:
                 add_weave(tree, shader)
+
+
+def dye(garment: bpy.types.Object, preset: str) -> None:
+    """The colour and the gloss of a fabric, for all of it."""
+    colour, roughness, sheen = LOOKS[preset]
+    for slot in garment.material_slots:
+        shader = next(node for node in slot.material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+        for name, value in (("Base Color", (*colour, 1.0)), ("Roughness", roughness), ("Sheen", sheen),
+                            ("Specular", 0.5 if roughness < 0.5 else SPECULAR)):
+            shader.inputs[name].default_value = value
 
 
 def add_weave(tree: bpy.types.NodeTree, shader: bpy.types.Node) -> None:

@@ -19,7 +19,7 @@ import gallery_scenes  # noqa: E402
 import rumple  # noqa: E402
 from contact_sheet import LENS  # noqa: E402
 from gallery_clips import CLIPS, Clip, Column  # noqa: E402
-from gallery_light import add_floor, as_cloth, light  # noqa: E402
+from gallery_light import add_floor, as_cloth, dye, light  # noqa: E402
 
 LEAD_IN = 12  # frames that are played before the first one that is shown
 CALM = 12  # frames over which the camera's way is averaged
@@ -124,6 +124,8 @@ def render(clip: Clip, column: Column, ways: dict[int, Vector], frames: range, f
     light(scene)
     for name in clip.garments if clip.file != "face" else ():
         as_cloth(bpy.data.objects[name], clip.weave)
+        if clip.dyed:
+            dye(bpy.data.objects[name], column.preset)
     place_camera(clip, ways)
     if clip.file != "face":
         place_floor(clip, ways)

@@ -24,14 +24,19 @@ BODY_SPACING = 0.012  # metres: files stay small
 SEAT_HALF, SEAT_EDGE = (0.21, 0.19), 0.03  # metres: half width and depth, the radius of its edges
 SEAT_GAP = 0.004  # metres under the trousers
 # Of the cape, from the neck to the hem: height, half width, half depth, degrees to each side of the spine.
-CAPE = np.array([[1.500, 0.088, 0.080, 128.0], [1.475, 0.150, 0.104, 120.0], [1.430, 0.220, 0.125, 106.0],
+CAPE = np.array([[1.503, 0.085, 0.076, 130.0], [1.475, 0.150, 0.104, 120.0], [1.430, 0.220, 0.125, 106.0],
                  [1.360, 0.262, 0.150, 90.0], [1.200, 0.310, 0.200, 86.0], [0.480, 0.540, 0.420, 80.0]])
-CAPE_ACROSS, CAPE_ALONG, CAPE_ROOM = 40, 36, 0.012  # vertices, vertices, metres off the shirt
+CAPE_ACROSS, CAPE_ALONG, CAPE_ROOM = 40, 36, (0.008, 0.010, 0.012)  # vertices, vertices; metres off the shirt, by row
 WIND_SPEED, WIND_TURNS = 6.5, (0.5, 0.35)  # metres a second; radians, up and down and to the sides
 CAPE_PINNED = (1.0, 1.0, 0.6, 0.2)  # of its highest rows
+CAPE_SMOOTH = (1.0, 0.9, 0.5, 0.2)  # of them as well
+CAPE_AS_SHIRT = (1.0, 0.8, 0.5, 0.25, 0.1)  # how far they follow the shirt's collar, not the chest alone
+NECKBAND, NECKBAND_AROUND, CLASP = 0.009, 10, 0.014  # radius, metres; vertices; radius of its two ends
 BELT = (0.972, 1.008)  # heights, metres
 BELT_AROUND, BELT_OFF, BELT_THICK = 56, 0.0035, 0.004  # vertices; metres off the trousers; metres
-BUCKLE = (0.026, 0.024, 0.006)  # half width, half height, thickness, metres
+BUCKLE, BAR = (0.028, 0.025), 0.006  # half width, half height of its frame; half thickness of its bars, metres
+LOOP = (0.010, 0.054, 0.004)  # of a belt loop: width, height, thickness, metres
+LOOPS, KEEPER = (28.0, 80.0, 138.0, 180.0, 222.0, 280.0, 332.0), 345.0  # degrees from the buckle; a loop of leather
 
 
 def figure(motion: Sequence[Pose], frames: tuple[int, int]) -> bpy.types.Object:
@@ -119,7 +124,7 @@ def build_jeans() -> bpy.types.Object:
     motion = scene_motions.shift_weight()
     skeleton = figure(motion, (motion[0].frame, motion[-1].frame))
     trousers = demo_trousers.build_trousers()
-    belt_points, belt_quads, metal = belt()
+    belt_points, belt_quads, belt_slots = belt()
     first = len(trousers.points)
     points, quads = np.vstack([trousers.points, belt_points]), np.vstack([trousers.quads, first + belt_quads])
     made = demo_scene.mesh_object("Jeans", points, quads, ("Trousers cloth", "Shirt trim"))
@@ -128,9 +133,9 @@ def build_jeans() -> bpy.types.Object:
     recolour(cloth, "Denim", (0.055, 0.095, 0.20), 0.9)
     recolour(leather, "Belt", (0.085, 0.040, 0.018), 0.45)
     made.data.materials.append(demo_scene.material("Shirt trim"))
-    recolour(made.data.materials[2], "Buckle", (0.62, 0.58, 0.50), 0.3)
+    recolour(made.data.materials[2], "Buckle", (0.62, 0.55, 0.42), 0.3, 1.0)
     slots = np.zeros(len(quads), np.int32)
-    slots[len(trousers.quads):] = 1 + metal
+    slots[len(trousers.quads):] = belt_slots
     made.data.polygons.foreach_set("material_index", slots)
     demo_rig.skin(made, points, skeleton)
     made.vertex_groups.new(name="Rumple Rigid").add(range(first, len(points)), 1.0, "REPLACE")
@@ -143,33 +148,54 @@ def build_jeans() -> bpy.types.Object:
     return ready("Jeans")
 
 
-def recolour(material: bpy.types.Material, name: str, colour: tuple[float, float, float], roughness: float) -> None:
+def recolour(material: bpy.types.Material, name: str, colour: tuple[float, float, float], roughness: float,
+             metallic: float = 0.0) -> None:
     material.name, material.diffuse_color, material.roughness = name, (*colour, 1.0), roughness
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     shader.inputs["Base Color"].default_value = (*colour, 1.0)
-    shader.inputs["Roughness"].default_value = roughness
+    shader.inputs["Roughness"].default_value, shader.inputs["Metallic"].default_value = roughness, metallic
+
+
+def waist(height: float, off: float, angles: Array) -> Array:
+    """Points (n, 3) around the trousers' waist, off the cloth, metres. Angles in radians from the back."""
+    wide, deep, middle = (demo_body.smooth_interpolation(np.array(height), demo_trousers.HIPS[:, 0],
+                                                         demo_trousers.HIPS[:, k]) for k in (1, 2, 3))
+    return np.stack([(wide + off) * np.sin(angles), middle + (deep + off) * np.cos(angles),
+                     np.full(len(angles), height)], axis=1)
 
 
 def belt() -> tuple[Array, Array, Array]:
-    """A band around the waist, and its buckle: points (n, 3), quads (m, 4), whether they are of metal (m,)."""
-    angles = 2.0 * np.pi * np.arange(BELT_AROUND) / BELT_AROUND
-    rings = []
-    for height, off in ((BELT[0], BELT_OFF), (BELT[0], BELT_OFF + BELT_THICK), (BELT[1], BELT_OFF + BELT_THICK),
-                        (BELT[1], BELT_OFF)):
-        wide, deep, middle = (demo_body.smooth_interpolation(np.array(height), demo_trousers.HIPS[:, 0],
-                                                             demo_trousers.HIPS[:, k]) for k in (1, 2, 3))
-        rings.append(np.stack([(wide + off) * np.sin(angles), middle + (deep + off) * np.cos(angles),
-                               np.full(BELT_AROUND, height)], axis=1))
-    points, around = np.concatenate(rings), np.arange(BELT_AROUND)
+    """A band around the waist, its loops and its buckle: points (n, 3), quads (m, 4), the material of each (m,): 0 is
+    denim, 1 leather, 2 metal."""
+    around = np.arange(BELT_AROUND)
     following = (around + 1) % BELT_AROUND
+    points = np.concatenate([waist(height, off, 2.0 * np.pi * around / BELT_AROUND) for height, off in (
+        (BELT[0], BELT_OFF), (BELT[0], BELT_OFF + BELT_THICK), (BELT[1], BELT_OFF + BELT_THICK), (BELT[1], BELT_OFF))])
     quads = np.concatenate([np.stack([a * BELT_AROUND + around, a * BELT_AROUND + following,
                                       b * BELT_AROUND + following, b * BELT_AROUND + around], axis=1)
                             for a, b in ((0, 1), (1, 2), (2, 3), (3, 0))])[:, ::-1]
-    plate, sides = rounded_block(tuple(2.0 * half for half in BUCKLE[:2]) + (BUCKLE[2],), 0.0025, 4)
-    front = points[:, 1].min()
-    plate = plate[:, [0, 2, 1]] + (0.0, front - 0.5 * BUCKLE[2] + 0.001, 0.5 * sum(BELT))
-    metal = np.concatenate([np.zeros(len(quads), np.int32), np.ones(len(sides), np.int32)])
-    return np.vstack([points, plate]), np.vstack([quads, len(points) + sides[:, ::-1]]), metal
+    parts = [(points, quads, 1)]
+    wide, high, bar = *BUCKLE, 2.0 * BAR
+    for size, across, up in (((2.0 * wide, 2.0 * BAR, bar), 0.0, high), ((2.0 * wide, 2.0 * BAR, bar), 0.0, -high),
+                             ((2.0 * BAR, 2.0 * high, bar), wide, 0.0), ((2.0 * BAR, 2.0 * high, bar), -wide, 0.0),
+                             ((2.0 * wide, BAR, BAR), 0.0, 0.0)):  # the last one is its pin
+        parts.append((*on_belt(size, 0.0, across, up), 2))
+    parts += [(*on_belt(LOOP, degrees), 0) for degrees in LOOPS]
+    parts.append((*on_belt((1.2 * LOOP[0], BELT[1] - BELT[0] + 0.006, LOOP[2]), KEEPER), 1))
+    firsts = np.cumsum([0, *(len(part[0]) for part in parts)])
+    return (np.vstack([part[0] for part in parts]), np.vstack([first + part[1] for first, part in zip(firsts, parts)]),
+            np.concatenate([np.full(len(part[1]), part[2], np.int32) for part in parts]))
+
+
+def on_belt(size: tuple[float, float, float], degrees: float, across: float = 0.0,
+            up: float = 0.0) -> tuple[Array, Array]:
+    """A rounded block (width, height, thickness, metres) on the outside of the belt, degrees from the buckle."""
+    points, quads = rounded_block(size, 0.45 * min(size), 4)
+    angle = np.pi - math.radians(degrees)
+    place = waist(0.5 * sum(BELT), BELT_OFF + BELT_THICK + 0.4 * size[2], np.array([angle]))[0]
+    outward = np.array([math.sin(angle), math.cos(angle), 0.0])
+    side, above = np.array([-outward[1], outward[0], 0.0]), np.array([0.0, 0.0, 1.0])
+    return place + (points + (across, up, 0.0)) @ np.stack([side, above, outward]), quads
 
 
 def build_cape() -> bpy.types.Object:
@@ -177,21 +203,61 @@ def build_cape() -> bpy.types.Object:
     skeleton = dressed(scene_motions.run())
     add_head_wind()
     points, quads = cape_mesh()
-    cape = demo_scene.mesh_object("Cape", points, quads, ("Shirt trim",))
+    band_points, band_quads = neckband(points[:CAPE_ACROSS])
+    cape = demo_scene.mesh_object("Cape", np.vstack([points, band_points]),
+                                  np.vstack([quads, len(points) + band_quads]), ("Shirt trim", "Trousers cloth"))
     recolour(cape.data.materials[0], "Cape", (0.36, 0.035, 0.040), 0.8)
-    cape.vertex_groups.new(name="chest").add(range(len(points)), 1.0, "REPLACE")
+    recolour(cape.data.materials[1], "Neckband", (0.30, 0.17, 0.05), 0.6)
+    cape.data.polygons.foreach_set("material_index", np.repeat([0, 1], [len(quads), len(band_quads)]))
+    rows = np.concatenate([np.arange(len(points)) // CAPE_ACROSS, np.zeros(len(band_points), int)])
+    skin_as(cape, bpy.data.objects["Shirt"], by_row(CAPE_AS_SHIRT, rows))
     cape.modifiers.new("Armature", "ARMATURE").object = skeleton
     cape.parent = skeleton
-    pinned = cape.vertex_groups.new(name="Rumple Follow")
-    for row, weight in enumerate(CAPE_PINNED):
-        pinned.add(range(row * CAPE_ACROSS, (row + 1) * CAPE_ACROSS), weight, "REPLACE")
-    pinned.add(range(len(CAPE_PINNED) * CAPE_ACROSS, len(points)), 0.0, "REPLACE")
+    for name, weights in (("Rumple Follow", CAPE_PINNED), ("Rumple Keep Smooth", CAPE_SMOOTH)):
+        group = cape.vertex_groups.new(name=name)
+        for vertex, weight in enumerate(by_row(weights, rows).tolist()):
+            group.add([vertex], weight, "REPLACE")
     worn_over(cape, "Mannequin", ("Shirt", "Trousers"))
     settings = cape.rumple.mesh
     settings.base_cloth, settings.layers, settings.wavelength, settings.hem_rings = "SWING", "CLOTH", 0.07, 0
     settings.room, settings.locomotion, settings.swing_damping, settings.drag = 1.5, 1.0, 1.0, 1.0
     settings.slack, settings.thickness, settings.mass = 1.05, 0.006, 0.15
     return ready("Cape")
+
+
+def by_row(weights: Sequence[float], rows: Array) -> Array:
+    """Of each vertex by its row (n,); 0 in the lower rows."""
+    return np.append(weights, 0.0)[np.minimum(rows, len(weights))]
+
+
+def skin_as(garment: bpy.types.Object, worn: bpy.types.Object, shares: Array) -> None:
+    """Skin a garment as the nearest vertex of another one is, by a share (n,); for the rest to the chest."""
+    rest = np.array([vertex.co for vertex in worn.data.vertices])
+    groups = {group.index: garment.vertex_groups.new(name=group.name) for group in worn.vertex_groups}
+    for vertex, share in zip(garment.data.vertices, shares.tolist()):
+        nearest = worn.data.vertices[int(((rest - vertex.co) ** 2).sum(axis=1).argmin())]
+        for group in nearest.groups if share > 0.0 else ():
+            groups[group.group].add([vertex.index], share * group.weight, "ADD")
+        garment.vertex_groups["chest"].add([vertex.index], 1.0 - share, "ADD")
+
+
+def neckband(edge: Array) -> tuple[Array, Array]:
+    """A round cord along an edge (n, 3), thicker at its ends: points, quads, normals outward."""
+    along = np.gradient(edge, axis=0)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    side = np.cross(along, (0.0, 0.0, 1.0))
+    side /= np.linalg.norm(side, axis=1)[:, None]
+    radius = np.full(len(edge), NECKBAND)
+    radius[[1, -2]], radius[[0, -1]] = CLASP, 0.004
+    angles = 2.0 * np.pi * np.arange(NECKBAND_AROUND) / NECKBAND_AROUND
+    rings = edge[:, None] + radius[:, None, None] * (np.cos(angles)[None, :, None] * side[:, None]
+                                                     + np.sin(angles)[None, :, None] * np.cross(along, side)[:, None])
+    around = np.arange(NECKBAND_AROUND)
+    following = (around + 1) % NECKBAND_AROUND
+    first = NECKBAND_AROUND * np.arange(len(edge) - 1)[:, None]
+    quads = np.stack([first + around, first + following, first + NECKBAND_AROUND + following,
+                      first + NECKBAND_AROUND + around], axis=-1).reshape(-1, 4)
+    return np.round(rings.reshape(-1, 3), 6), quads
 
 
 def add_head_wind() -> None:
@@ -225,8 +291,11 @@ def cape_mesh() -> tuple[Array, Array]:
     angles = np.radians(span)[:, None] * np.linspace(-1.0, 1.0, CAPE_ACROSS)[None, :]
     points = np.stack([wide[:, None] * np.sin(angles), 0.02 + deep[:, None] * np.cos(angles),
                        np.repeat(height[:, None], CAPE_ACROSS, 1)], axis=-1).reshape(-1, 3)
+    room = np.repeat(np.append(CAPE_ROOM, np.full(CAPE_ALONG - len(CAPE_ROOM), CAPE_ROOM[-1])), CAPE_ACROSS)
     for _ in range(6):
-        short = np.maximum(CAPE_ROOM - demo_shirt.shirt_distance(points), 0.0)
+        edge = points[:CAPE_ACROSS]
+        edge[1:-1] += 0.5 * (0.5 * (edge[:-2] + edge[2:]) - edge[1:-1])
+        short = np.maximum(room - demo_shirt.shirt_distance(points), 0.0)
         points = points + short[:, None] * demo_body.distance_gradient(points, demo_shirt.shirt_distance)
     quads = [(row * CAPE_ACROSS + i, row * CAPE_ACROSS + i + 1, (row + 1) * CAPE_ACROSS + i + 1,
               (row + 1) * CAPE_ACROSS + i) for row in range(CAPE_ALONG - 1) for i in range(CAPE_ACROSS - 1)]

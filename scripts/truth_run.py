@@ -51,15 +51,24 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
 
 
-def open_scene(scene: str) -> str:
-    """Make the demo scene; a .blend is open already. A fingerprint of what the scene is made from."""
-    if scene == "demo":
-        import demo_scene
-        demo_scene.build_demo_scene()
-        sources = sorted(HERE.glob("demo_*.py"))
-    else:
-        sources = [Path(bpy.data.filepath)]
-    return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+def open_scene(scene: str) -> None:
+    """Make the scene of the demo, of a lesson (skirt) or of the gallery by its name; a .blend is open already."""
+    if scene.endswith(".blend"):
+        return
+    import demo_scene
+    import gallery_scenes
+    import lesson_scenes
+    {"demo": demo_scene.build_demo_scene, "skirt": lesson_scenes.build_skirt_scene, **gallery_scenes.SCENES}[scene]()
+
+
+def fingerprint(garment: bpy.types.Object, frames: range) -> str:
+    """Of what is simulated: faces, and where garment and body are in some frames."""
+    found = hashlib.sha256(truth_clip.faces_of(garment.data)[1].tobytes())
+    for frame in (frames[0], frames[len(frames) // 2], frames[-1]):
+        bpy.context.scene.frame_set(frame)
+        for thing in (garment, *truth_clip.find_bodies(garment)):
+            found.update(np.round(1e6 * truth_clip.evaluated_positions(thing)).astype(np.int64).tobytes())
+    return found.hexdigest()[:16]
 
 
 def frame_range(text: str | None) -> range:
@@ -169,8 +178,9 @@ def main() -> None:
     options = arguments()
     path = options.out / "truth.npz"
     fabric = fabric_of(options.fabric)
-    made_from = open_scene(options.scene)
+    open_scene(options.scene)
     frames = frame_range(options.frames)
+    made_from = fingerprint(truth_clip.find_garment(options.garment), frames)
     settings = dict(version=VERSION, made_from=made_from, garment=options.garment, frames=[frames[0], frames[-1]],
                     levels=LEVELS, lead=[int(part) for part in options.lead.split("+")], pin=options.pin,
                     blender=bpy.app.version_string, fabric=fabric.as_dict())

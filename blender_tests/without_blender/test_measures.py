@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The numbers of scripts/truth_measures.py and scripts/bench_measures.py on waves that are known beforehand."""
+"""The numbers of scripts/truth_measures.py and of the bench's measures on waves that are known beforehand."""
 from __future__ import annotations
 
 import sys
@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import bench_consistency as consistency  # noqa: E402
 import bench_measures as bench  # noqa: E402
 import truth_measures as truth  # noqa: E402
 
@@ -120,6 +121,32 @@ class Measures(unittest.TestCase):
         shifted = self.points + (0.0, 0.0, 0.003)
         before, now = (bench.offsets_on(self.cloth, self.points, fine) for fine in (self.points, shifted))
         self.assertAlmostEqual(bench.change(before, now), 0.003)
+
+    def test_the_same_waves_overlap_wholly_and_shifted_ones_by_the_cosine_of_their_shift(self) -> None:
+        length = 0.08  # 8 of them on the sheet
+        usual = self.folds(waves(self.points, length))
+        for turn, expected in ((0.0, 1.0), (1.0 / 6.0, 0.5), (0.25, 0.0), (0.5, -1.0)):
+            shifted = waves(self.points + (turn * length, 0.0, 0.0), length) - (turn * length, 0.0, 0.0)
+            self.assertAlmostEqual(usual.overlap(self.folds(shifted)), expected, delta=0.03)
+        self.assertAlmostEqual(usual.overlap(self.folds(waves(self.points, length, (0.0, 1.0)))), 0.0, delta=0.03)
+
+    def test_twice_as_high_waves_overlap_wholly_and_have_twice_the_band(self) -> None:
+        fine = waves(self.points, 0.08)
+        usual, higher = self.folds(fine), self.folds(2.0 * fine - self.points)
+        self.assertAlmostEqual(usual.overlap(higher), 1.0, places=6)
+        self.assertAlmostEqual(higher.rms["55_to_110"] / usual.rms["55_to_110"], 2.0, places=6)
+
+    def folds(self, fine: np.ndarray) -> consistency.Folds:
+        """Of a clip of two frames that are alike."""
+        return consistency.Folds(self.cloth, np.stack([self.points] * 2), np.stack([fine] * 2))
+
+    def test_moments_are_at_the_same_times_at_every_rate(self) -> None:
+        for first, second in ((40, 75), (10, 40)):  # frames at 30 a second
+            times = [consistency.moments(np.arange(first * rate // 30, second * rate // 30 + 1), rate) / rate
+                     for rate in consistency.RATES]
+            self.assertGreaterEqual(len(times[0]), consistency.MOMENTS)
+            for other in times[1:]:
+                np.testing.assert_allclose(other, times[0])
 
 
 if __name__ == "__main__":

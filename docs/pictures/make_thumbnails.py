@@ -29,12 +29,6 @@ SIZE, SAMPLES = 112, 48
 COLOURS = 96  # of a picture: it stays small
 VIEW, DISTANCE, LENS = Vector((1.0, -0.75, 0.12)).normalized(), 1.15, 85.0
 TARGET = (0.0, 0.0, 0.03)  # metres beside the elbow
-# Linear colour, roughness, sheen.
-LOOKS = {
-    "COTTON": ((0.24, 0.44, 0.62), 0.85, 0.9), "JERSEY": ((0.46, 0.07, 0.07), 0.9, 0.9),
-    "SILK": ((0.62, 0.50, 0.30), 0.30, 0.2), "WOOL": ((0.30, 0.28, 0.25), 1.0, 1.0),
-    "DENIM": ((0.045, 0.085, 0.20), 0.9, 0.6), "LEATHER": ((0.11, 0.050, 0.022), 0.35, 0.0),
-    "SKIN": ((0.62, 0.40, 0.31), 0.5, 0.0), "PAPER": ((0.62, 0.63, 0.64), 0.8, 0.0)}
 
 
 def show(method: str, preset: str) -> None:
@@ -43,12 +37,8 @@ def show(method: str, preset: str) -> None:
     shirt = gallery_scenes.build_elbow()
     assert bpy.ops.object.rumple_add(method=method) == {"FINISHED"}, shirt.rumple.message
     assert bpy.ops.object.rumple_preset(preset=preset) == {"FINISHED"}, shirt.rumple.message
-    colour, roughness, sheen = LOOKS[preset]
     gallery_light.light(bpy.context.scene)
-    for slot in shirt.material_slots:
-        shader = next(node for node in slot.material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-        for name, value in (("Base Color", (*colour, 1.0)), ("Roughness", roughness), ("Sheen", sheen)):
-            shader.inputs[name].default_value = value
+    gallery_light.dye(shirt, preset)
     for frame in range(FIRST, FRAME + 1):
         bpy.context.scene.frame_set(frame)
     assert not shirt.rumple.message, shirt.rumple.message
