@@ -296,7 +296,7 @@ class Listed(unittest.TestCase):
     def test_names_are_those_of_the_settings(self) -> None:
         labels = painted_maps.LABELS
         self.assertEqual((labels["detail"], labels["radius"], labels["wavelength"], labels["room"]),
-                         ("Detail", "Attachment Radius", "Wavelength Scale", "Room"))
+                         ("Detail", "Radius", "Wavelength Scale", "Room"))
 
     def test_every_map_of_every_system_is_known(self) -> None:
         for method in ("MESH", "FIELD", "PATHS"):

@@ -128,7 +128,7 @@ class MeshSettings(AdaptiveRest, ClothSettings, Parts):
     attachment: str = setting("LIMIT", "Attach To", "The surface that folds ride on", choices=ATTACHMENTS,
                               affects="MESH")
     # Constraints (sections 3.1 and 4.1)
-    radius: float = setting(1.0, "Attachment Radius", "How far a point may leave the surface, in lengths of the fine "
+    radius: float = setting(1.0, "Radius", "How far a point may leave the surface, in lengths of the fine "
                             "edges around it. Higher folds; above 0.5 folds may touch themselves",
                             low=0.0, high=10.0, soft=3.0)
     prestretch: float = setting(1.0, "Pre-Stretch", "Rest length of the fine edges over their true length. Below 1 "
