@@ -60,7 +60,7 @@ def row(folder: Path, name: str, cloth: Cloth, frames: np.ndarray, base: np.ndar
     cells = []
     for rate in RATES:
         fine = of_time(folder / f"{name}@{rate}.npz", times, rate)
-        cells.append("is played so" if rate == round(fps) else
+        cells.append("its own" if rate == round(fps) else
                      "-" if fine is None else f"{usual.overlap(Folds(cloth, base[at], fine)):.2f}")
     for density in DENSITIES:
         fine, bare = (of_time(folder / f"{one}@{density}.npz", times, fps) for one in (name, "subdivision"))

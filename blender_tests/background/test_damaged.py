@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The demo's garments, broken in ways in which garments of other makers arrive: one click in each system, played,
-rendered. blender_tests/real has eleven of S1 to S3, each broken in another way."""
+rendered. blender_tests/real has eleven ways, on garments of S1 to S3."""
 from __future__ import annotations
 
 import sys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Eleven garments of real scenes, each broken in another way: clicked, played, rendered. Pictures go to RUMPLE_OUT."""
+"""Garments of real scenes, broken in eleven ways: clicked, played, rendered. Pictures go to RUMPLE_OUT."""
 from __future__ import annotations
 
 import unittest

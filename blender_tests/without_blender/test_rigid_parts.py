@@ -257,10 +257,6 @@ class Motions(unittest.TestCase):
             kernels.rigid_motions(np.array([0, 2], np.int32), points + np.float32(np.nan), points)
 
 
-if __name__ == "__main__":
-    unittest.main()
-
-
 class Connected(unittest.TestCase):
     """The lowest number of all that each is connected with, beside a walk from vertex to vertex."""
 
@@ -296,3 +292,14 @@ class Connected(unittest.TestCase):
             pairs = np.stack([order[:-1], order[1:]], 1)
             self.check(300, pairs[random.permutation(299)])
             self.check(300, np.delete(pairs, 100, axis=0)[:, ::-1])
+
+    def test_of_stars(self) -> None:
+        """The corners of one polygon: in these two orders all pairs ask for one root at once."""
+        for hub in (0, 999):
+            others = np.delete(np.arange(1000), hub)
+            for order in (others, others[::-1]):
+                self.check(1000, np.stack([np.full(999, hub), order], 1))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -194,7 +194,7 @@ def downwards(world_from_object: np.ndarray | None) -> np.ndarray:
 
 
 def hanging(gravity: float, world_from_object: np.ndarray | None) -> tuple[float, ...]:
-    """Object space: along it cloth is pulled taut by its own weight. gravity: over the earth's."""
+    """Object space, length 0 to 1: along it cloth is pulled taut by its own weight. gravity: over the earth's."""
     return tuple(float(part) for part in np.clip(gravity, 0.0, 1.0) * downwards(world_from_object))
 
 

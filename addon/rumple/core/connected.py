@@ -27,6 +27,8 @@ def lowest_connected(label: np.ndarray, first: np.ndarray, other: np.ndarray) ->
 
     Shiloach and Vishkin 1982: trees whose roots are their lowest numbers; of two that a pair joins the higher root goes
     below the lower one (below which, where several pairs ask, does not matter), and all then stand below their roots.
+    In every round the pairs are turned round: else a star whose middle has the highest number takes a round for each of
+    its ends.
     """
     label = label.copy()
     while True:
@@ -34,7 +36,7 @@ def lowest_connected(label: np.ndarray, first: np.ndarray, other: np.ndarray) ->
         apart = first != other
         if not apart.any():
             return label
-        first, other = first[apart], other[apart]
+        first, other = first[apart][::-1], other[apart][::-1]
         label[np.maximum(first, other)] = np.minimum(first, other)
         while (label[label] != label).any():
             label = label[label]

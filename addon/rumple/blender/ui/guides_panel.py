@@ -26,9 +26,9 @@ class DATA_PT_rumple_guides(Panel, bpy.types.Panel):
             _draw_guide(column.box().column(), guide)
         column.operator("object.rumple_guide_add", icon="CURVE_DATA")
         draw_setting(column, obj.rumple_guide, "seam_depth")
-        row = column.row()
-        row.active = obj.rumple_guide.seam_depth > 0.0
-        draw_setting(row, obj.rumple_guide, "seam_spacing")
+        spacing = column.column()
+        spacing.active = obj.rumple_guide.seam_depth > 0.0
+        draw_setting(spacing, obj.rumple_guide, "seam_spacing")
 
 
 def _draw_guide(column: bpy.types.UILayout, guide: bpy.types.Object) -> None:

@@ -134,7 +134,7 @@ def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
 
 # ---------------------------------------------------------------- drawing
 def _draw() -> None:
-    """The draw handler. Never raises, never waits."""
+    """The draw handler. Never raises, never waits for a solve."""
     space = bpy.context.space_data
     if scheduler.rendering() or space is None or space.type != "VIEW_3D":
         return
@@ -171,9 +171,17 @@ def _draw_all(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]], space
     """Objects with their session keys, in one viewport."""
     if not shown:
         return
-    over = gpu_arrays.overlays() if space.overlay.show_overlays else gpu_arrays.no_overlays()
+    over = _overlays(space)
     for obj, runtime, key in shown:
         _draw_guarded(obj, runtime, key, space.shading, over)
+
+
+def _overlays(space: bpy.types.SpaceView3D) -> gpu.types.GPUTexture:
+    """What stays over the previews. Where a driver does not let it be read, they are drawn over it."""
+    if space.overlay.show_overlays:
+        with messages.console_errors("overlays over the GPU preview"):
+            return gpu_arrays.overlays()
+    return gpu_arrays.no_overlays()
 
 
 def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, shading: bpy.types.View3DShading,
