@@ -12,7 +12,7 @@ from unittest import mock
 import bpy
 import numpy as np
 from rumple.blender import compat
-from rumple.blender.objects import coarse_copy, runtimes, stack_notes, subdivision_behind
+from rumple.blender.objects import coarse_copy, evaluator, runtimes, stack_notes, subdivision_behind
 from support import sleeve, small_renders
 
 SETTINGS = {
@@ -183,6 +183,12 @@ class SubdivisionOfTriangles(unittest.TestCase):
             self.of_triangles()
             self.assertRegex(self.obj.rumple.message, "switch off Use Limit Surface in it .*, or choose Subdivision")
             self.assertEqual(len(sleeve.shown(self.obj)), before)
+            runtimes.of(self.obj).evaluator = None  # as in a file that was just opened
+            with mock.patch.object(evaluator, "_builder") as builder:  # it is not built again to be refused again
+                sleeve.at(5)
+                sleeve.at(4)
+            builder.assert_not_called()
+            self.assertRegex(self.obj.rumple.message, "switch off Use Limit Surface")
             self.behind.use_limit_surface = False
             sleeve.at(5)
             sleeve.at(6)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 2  # of cloth, what acted on its vertices
+FORMAT = 3  # 2: without a hang along which cloth has no slack
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
 

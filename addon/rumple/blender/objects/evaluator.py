@@ -54,7 +54,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     begun, runtime.building = runtime.building, None
     if runtime.evaluator is not None and runtime.shape == wanted:
         return
-    if runtime.refused == wanted:
+    if runtime.refused == _refusable(obj, wanted):
         raise engine.UserError(runtime.refusal)
     try:
         if begun is not None and begun.wanted == wanted:
@@ -63,7 +63,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
             fine = _builder(obj, now)()
         runtime.evaluator = _checked(obj, fine)
     except engine.UserError as error:
-        runtime.refused = None if isinstance(error, subdivision_behind.Costly) else wanted
+        runtime.refused = _refusable(obj, wanted)
         messages.set_build_error(runtime, str(error))
         raise
     runtime.shape, runtime.refused, runtime.paint = wanted, None, None
@@ -82,7 +82,7 @@ def begin(obj: bpy.types.Object, runtime: Runtime) -> Building | None:
         return None
     now = sources(obj)
     wanted = _wanted(obj, now)
-    if wanted in (runtime.shape, runtime.refused):
+    if wanted == runtime.shape or _refusable(obj, wanted) == runtime.refused:
         return None
     if runtime.building is None or runtime.building.wanted != wanted:
         runtime.building = Building(obj.name, wanted, _builder(obj, now))
@@ -103,7 +103,7 @@ def cancel(obj: bpy.types.Object, runtime: Runtime) -> str:
             changed = True
     if changed:
         return f"{obj.name}: the former folds stay, and the settings are as they were"
-    runtime.refused = dropped.wanted
+    runtime.refused = _refusable(obj, dropped.wanted)
     said = f"{obj.name}: its folds were not made anew, for Esc was pressed: change a setting to begin again"
     messages.set_build_error(runtime, said)
     return said
@@ -111,6 +111,11 @@ def cancel(obj: bpy.types.Object, runtime: Runtime) -> str:
 
 def _wanted(obj: bpy.types.Object, now: Sources) -> tuple[str, int, int]:
     return now.shape, obj.rumple.most_vertices, obj.rumple.viewport_steps
+
+
+def _refusable(obj: bpy.types.Object, wanted: tuple[str, int, int]) -> tuple[str, int, int, int]:
+    """What decides whether it can be made."""
+    return *wanted, subdivision_behind.quality(obj)
 
 
 def _properties(obj: bpy.types.Object, settings: Any) -> dict[str, Any]:

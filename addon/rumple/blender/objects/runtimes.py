@@ -47,7 +47,7 @@ class Runtime(RuntimeBase):
 
     evaluator: engine.Wrinkles | None = None
     shape: tuple[str, int, int] | None = None  # fingerprint of what `evaluator` was made from, and its limits
-    refused: tuple[str, int, int] | None = None  # the same of what could not be made: not tried again until it changes
+    refused: tuple[str, int, int, int] | None = None  # of what could not be made: not tried again until it changes
     building: Building | None = None  # what takes the evaluator's place when it is ready
     built_with: dict[str, Any] = field(default_factory=dict)  # the properties that `evaluator` was made with
     paint: dict[str, np.ndarray] | None = None  # None: read again

@@ -16,10 +16,16 @@ NOTED, MOST = 300.0, 3000.0  # megabytes
 
 
 def refuse_costly(obj: bpy.types.Object, fine: Any) -> None:
-    """Raises Costly where Blender could end for want of memory. fine: engine.Wrinkles that are to be shown."""
+    """Raises engine.UserError where Blender could end for want of memory. It depends on quality() too. fine:
+    engine.Wrinkles that are to be shown."""
     name, needed = _need(obj, fine)
     if needed > MOST:
-        raise Costly(_sentence(obj, name, needed))
+        raise UserError(_sentence(obj, name, needed))
+
+
+def quality(obj: bpy.types.Object) -> int:
+    """Most Quality of a Subdivision behind the wrinkles; 0: none refines."""
+    return max((m.quality for m in _refining(obj)), default=0)
 
 
 def notes(obj: bpy.types.Object, fine: Any) -> list[str]:
@@ -28,19 +34,20 @@ def notes(obj: bpy.types.Object, fine: Any) -> list[str]:
     return [_sentence(obj, name, needed)] if needed > NOTED else []
 
 
-class Costly(UserError):
-    """It depends on a modifier behind, too: it is tried again after every change."""
-
-
 def _need(obj: bpy.types.Object, fine: Any) -> tuple[str, float]:
-    """The modifier that needs most, and megabytes."""
-    nodes_mod, stack = modifier.find(obj), list(obj.modifiers)
-    behind = [m for m in stack[stack.index(nodes_mod) + 1:] if _refines(m)] if nodes_mod is not None else []
-    if fine is None or not behind:
+    """The modifier that needs most, and megabytes. Triangles that the mesh has without us cost what they cost."""
+    behind = _refining(obj)
+    shades = obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING"
+    if fine is None or shades or not behind:
         return "", 0.0
     triangles = int((np.diff(fine.polygon_start) == 3).sum())
     costliest = max(behind, key=lambda m: m.quality)
     return costliest.name, MEGABYTES * triangles * costliest.quality
+
+
+def _refining(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
+    nodes_mod, stack = modifier.find(obj), list(obj.modifiers)
+    return [m for m in stack[stack.index(nodes_mod) + 1:] if _refines(m)] if nodes_mod is not None else []
 
 
 def _refines(m: bpy.types.Modifier) -> bool:
