@@ -135,6 +135,9 @@ class Drawn(PreviewCase):
         """It once lay over all that Blender had drawn. What Blender blends over a picture depends on the picture by no
         more than the pictures differ."""
         yield from self.make()
+        boxes, read = [], gpu_arrays.overlays
+        self.addCleanup(setattr, gpu_arrays, "overlays", read)
+        gpu_arrays.overlays = lambda box: boxes.append(box) or read(box)
         seen = {}
         for waves in (False, True):
             self.obj.rumple.field.gpu_preview = waves
@@ -150,6 +153,12 @@ class Drawn(PreviewCase):
         self.assertGreater((drawn > 30.0).sum(), 1000)
         self.assertLess((above - below).max(), 4.0)
         self.assertLess(np.median(above[drawn > 30.0]), 1.0)
+        left, bottom, width, height = boxes[-1]
+        rows, columns = below.shape
+        up, right = np.arange(rows)[::-1, None] + 10, np.arange(columns) + 60  # of the viewport: see shot()
+        is_read = (up >= bottom) & (up < bottom + height) & (right >= left) & (right < left + width)
+        self.assertEqual(below[~is_read].max(), 0.0)  # nothing is drawn where overlays are not read
+        self.assertLess(is_read.mean(), 0.8)
 
 
 class Exact(PreviewCase):

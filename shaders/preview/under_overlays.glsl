@@ -5,9 +5,11 @@ float linear_of(float value) {
     return value < 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
 }
 
-// color: scene linear. at: pixel of the viewport. Where there are no overlays their texture is one texel.
+// color: scene linear. at: pixel of the viewport; the overlays begin at overlays_corner.
 vec4 under_overlays(vec4 color, ivec2 at) {
-    vec4 above = texelFetch(overlays, textureSize(overlays, 0).x > 1 ? at : ivec2(0), 0);
+    ivec2 texel = at - overlays_corner;
+    if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, textureSize(overlays, 0)))) return color;
+    vec4 above = texelFetch(overlays, texel, 0);
     if (max(above.a, max(above.r, max(above.g, above.b))) <= 0.0) return color;
     vec3 linear = vec3(linear_of(above.r), linear_of(above.g), linear_of(above.b));
     return vec4(linear + (1.0 - above.a) * clamp(color.rgb, 0.0, 1.0), 1.0);

@@ -6,6 +6,7 @@ background mode, nor outside the main thread.
 """
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Callable
 
 import gpu
@@ -16,7 +17,7 @@ from . import glsl
 _WIDTH = 1024  # texels in a row of an array; any number does
 _FORMAT = "RGBA32F"
 _MOST_SIZES = 4  # of viewports whose layers are kept
-_COMPOSED = ("layer", "layer_depth", "proxy_depth", "overlays")
+_COMPOSED = ("layer", "layer_depth", "proxy_depth")
 
 
 # ---------------------------------------------------------------- arrays as textures
@@ -139,18 +140,35 @@ def blank() -> gpu.types.GPUTexture:
     return kept("blank", lambda: upload(np.ones((1, 4), np.float32)))
 
 
-def no_overlays() -> gpu.types.GPUTexture:
+@dataclass(frozen=True)
+class Overlays:
+    """What stays over what is drawn (shaders/preview/under_overlays.glsl)."""
+
+    texture: gpu.types.GPUTexture
+    corner: tuple[int, int] = (0, 0)  # pixel of the viewport that its first texel is
+
+    def bind(self, shader: gpu.types.GPUShader) -> None:
+        """Hand it to a shader that is bound."""
+        shader.uniform_sampler("overlays", self.texture)
+        shader.uniform_int("overlays_corner", self.corner)
+
+
+def no_overlays() -> Overlays:
     """In place of overlays(), where there are none."""
-    return kept("no overlays", lambda: upload(np.zeros((1, 4), np.float32)))
+    return Overlays(kept("no overlays", lambda: upload(np.zeros((1, 4), np.float32))))
 
 
-def overlays() -> gpu.types.GPUTexture:
-    """What the bound frame buffer has in its viewport: in a draw handler of a 3D viewport, what Blender has drawn over
-    the scene (shaders/preview/under_overlays.glsl). Blender blends with no factor that puts a colour under another,
-    so they are read: all pixels cross the bus, and the GPU is waited for."""
-    left, bottom, width, height = gpu.state.viewport_get()
-    colors = gpu.state.active_framebuffer_get().read_color(left, bottom, width, height, 4, 0, "FLOAT")
-    return gpu.types.GPUTexture((width, height), format="RGBA8", data=colors)
+def overlays(box: tuple[int, int, int, int]) -> Overlays:
+    """What the bound frame buffer has in a box of its viewport: in a draw handler of a 3D viewport, what Blender has
+    drawn over the scene. Blender blends with no factor that puts a colour under another, so they are read: the pixels
+    cross the bus, and the GPU is waited for. box: left, bottom, width, height, in pixels of the viewport."""
+    left, bottom, width, height = box
+    if width <= 0 or height <= 0:
+        return no_overlays()
+    from_left, from_bottom, _width, _height = gpu.state.viewport_get()
+    colors = gpu.state.active_framebuffer_get().read_color(from_left + left, from_bottom + bottom, width, height, 4, 0,
+                                                           "FLOAT")
+    return Overlays(gpu.types.GPUTexture((width, height), format="RGBA8", data=colors), (left, bottom))
 
 
 # ---------------------------------------------------------------- shaders that draw
@@ -208,21 +226,23 @@ def layers(size: tuple[int, int]) -> tuple[Layer, Layer]:
     return found[size]
 
 
-def composite_layer(layer: Layer, proxy: Layer, over: gpu.types.GPUTexture, origin: tuple[int, int]) -> None:
+def composite_layer(layer: Layer, proxy: Layer, over: Overlays, origin: tuple[int, int]) -> None:
     """Into the bound frame buffer, whose viewport begins at origin. over: overlays()."""
     shader, batch = kept("composite layer", _composite_shader), kept("whole", whole)
     shader.bind()
-    for name, texture in zip(_COMPOSED, (*layer.textures, *proxy.textures, over)):
+    for name, texture in zip(_COMPOSED, (*layer.textures, *proxy.textures)):
         shader.uniform_sampler(name, texture)
+    over.bind(shader)
     shader.uniform_int("origin", origin)
     batch.draw(shader)
 
 
 def _composite_shader() -> gpu.types.GPUShader:
     info = gpu.types.GPUShaderCreateInfo()
-    for slot, name in enumerate(_COMPOSED):
+    for slot, name in enumerate((*_COMPOSED, "overlays")):
         info.sampler(slot, "FLOAT_2D", name)
     info.push_constant("IVEC2", "origin")
+    info.push_constant("IVEC2", "overlays_corner")
     info.vertex_in(0, "VEC2", "corner")
     info.fragment_out(0, "VEC4", "out_color")
     if hasattr(info, "depth_write"):

@@ -12,6 +12,7 @@ fine mesh, and Blender has a coarse mesh just under the drawn surface, for depth
 """
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any, Callable, Iterator, Protocol
 
@@ -28,6 +29,7 @@ from .draw_handler import DrawHandler
 # How much nearer than Blender's own triangles ours lie: a share of the distance, or of the object's size. Enough for
 # the differences of depth that its anti-aliasing makes, less than the thickness of a lined coat at arm's length.
 _NEARER = 1e-3
+_FOLDS = 0.05  # how far the drawn surface leaves its coarse mesh at most, over the diagonal of that
 
 
 class Drawing(Protocol):
@@ -54,7 +56,7 @@ class Drawing(Protocol):
     def slots(self) -> list[int]:
         """Material slots with something to draw."""
 
-    def present(self, paint: Callable[[], None], over: gpu.types.GPUTexture, block: gpu.types.GPUUniformBuf) -> None:
+    def present(self, paint: Callable[[], None], over: gpu_arrays.Overlays, block: gpu.types.GPUUniformBuf) -> None:
         """Bring to the viewport what paint() draws, under what is `over` it (gpu_arrays.overlays()); block: where the
         object and the viewer are."""
 
@@ -171,21 +173,41 @@ def _draw_all(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]], space
     """Objects with their session keys, in one viewport."""
     if not shown:
         return
-    over = _overlays(space)
+    over = _overlays(space, shown)
     for obj, runtime, key in shown:
         _draw_guarded(obj, runtime, key, space.shading, over)
 
 
-def _overlays(space: bpy.types.SpaceView3D) -> gpu.types.GPUTexture:
+def _overlays(space: bpy.types.SpaceView3D,
+              shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]]) -> gpu_arrays.Overlays:
     """What stays over the previews. Where a driver does not let it be read, they are drawn over it."""
     if space.overlay.show_overlays:
         with messages.console_errors("overlays over the GPU preview"):
-            return gpu_arrays.overlays()
+            return gpu_arrays.overlays(_box(shown))
     return gpu_arrays.no_overlays()
 
 
+def _box(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]]) -> tuple[int, int, int, int]:
+    """What of the viewport the objects are drawn in: left, bottom, width, height, in its pixels. All of it where some
+    are behind the viewer."""
+    size = np.array(gpu.state.viewport_get()[2:])
+    to_screen = gpu.matrix.get_projection_matrix() @ gpu.matrix.get_model_view_matrix()
+    places = []
+    for obj, runtime, _key in shown:
+        low, high = runtime.inputs.positions.min(axis=0), runtime.inputs.positions.max(axis=0)
+        folds = _FOLDS * float(np.linalg.norm(high - low))
+        corners = np.array(list(itertools.product(*zip(low - folds, high + folds))))
+        places.append(np.c_[corners, np.ones(8)] @ np.array(to_screen @ obj.matrix_world).T)
+    at = np.concatenate(places)
+    if at[:, 3].min() <= 0.0:
+        return 0, 0, *size.tolist()
+    pixels = (0.5 + 0.5 * at[:, :2] / at[:, 3:]) * size
+    low, high = (np.clip(to, 0, size).astype(int) for to in (np.floor(pixels.min(axis=0)), np.ceil(pixels.max(axis=0))))
+    return *low.tolist(), *(high - low).tolist()
+
+
 def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, shading: bpy.types.View3DShading,
-                  over: gpu.types.GPUTexture) -> None:
+                  over: gpu_arrays.Overlays) -> None:
     on_gpu = _on_gpu.get(key)
     if on_gpu is None or on_gpu.model is not runtime.evaluator.model:
         on_gpu = _on_gpu[key] = _OnGpu(runtime.evaluator.model)
@@ -229,7 +251,7 @@ def _material_slots(obj: bpy.types.Object, polygons: np.ndarray) -> np.ndarray:
 
 
 def _draw_object(obj: bpy.types.Object, on_gpu: _OnGpu, shading: bpy.types.View3DShading,
-                 over: gpu.types.GPUTexture) -> None:
+                 over: gpu_arrays.Overlays) -> None:
     drawing = on_gpu.drawing
     gpu.state.blend_set("NONE")
     gpu.state.depth_test_set("LESS_EQUAL")

@@ -188,7 +188,8 @@ def _compile() -> gpu.types.GPUShader:
     return gpu_arrays.drawing_shader(
         between, (("IVEC3", "triangle"), ("INT", "corner"), ("INT", "fan"), ("VEC2", "uv")),
         ("positions", "normals", "waves", "phases", "u_slopes", "v_slopes", "profile", "image", "overlays"),
-        ("preview/field_vertex",), (*glsl.FORMULAS, "preview/under_overlays", "preview/field_fragment"))
+        ("preview/field_vertex",), (*glsl.FORMULAS, "preview/under_overlays", "preview/field_fragment"),
+        constants=(("IVEC2", "overlays_corner"),))
 
 
 class Drawing:
@@ -257,10 +258,10 @@ class Drawing:
     def slots(self) -> list[int]:
         return list(self._batches)
 
-    def present(self, paint: Callable[[], None], over: gpu.types.GPUTexture, _block: gpu.types.GPUUniformBuf) -> None:
+    def present(self, paint: Callable[[], None], over: gpu_arrays.Overlays, _block: gpu.types.GPUUniformBuf) -> None:
         shader = self.shader()
         shader.bind()
-        shader.uniform_sampler("overlays", over)
+        over.bind(shader)
         paint()
 
     def draw(self, shader: gpu.types.GPUShader, slot: int) -> None:

@@ -131,7 +131,7 @@ class Drawing:
     def slots(self) -> list[int]:
         return list(self._groups)
 
-    def present(self, paint: Callable[[], None], over: gpu.types.GPUTexture, block: gpu.types.GPUUniformBuf) -> None:
+    def present(self, paint: Callable[[], None], over: gpu_arrays.Overlays, block: gpu.types.GPUUniformBuf) -> None:
         """In itself it is hidden by its own depth; against all else it is no farther than what Blender has there."""
         left, bottom, width, height = gpu.state.viewport_get()
         layer, proxy = gpu_arrays.layers((width, height))
