@@ -190,7 +190,7 @@ def _overlays(space: bpy.types.SpaceView3D,
 def _box(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]]) -> tuple[int, int, int, int]:
     """What of the viewport the objects are drawn in: left, bottom, width, height, in its pixels. All of it where some
     are behind the viewer."""
-    size = np.array(gpu.state.viewport_get()[2:])
+    _left, _bottom, width, height = gpu.state.viewport_get()
     to_screen = gpu.matrix.get_projection_matrix() @ gpu.matrix.get_model_view_matrix()
     places = []
     for obj, runtime, _key in shown:
@@ -200,10 +200,11 @@ def _box(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]]) -> tuple[i
         places.append(np.c_[corners, np.ones(8)] @ np.array(to_screen @ obj.matrix_world).T)
     at = np.concatenate(places)
     if at[:, 3].min() <= 0.0:
-        return 0, 0, *size.tolist()
-    pixels = (0.5 + 0.5 * at[:, :2] / at[:, 3:]) * size
-    low, high = (np.clip(to, 0, size).astype(int) for to in (np.floor(pixels.min(axis=0)), np.ceil(pixels.max(axis=0))))
-    return *low.tolist(), *(high - low).tolist()
+        return 0, 0, width, height
+    pixels = np.clip((0.5 + 0.5 * at[:, :2] / at[:, 3:]) * (width, height), 0.0, (width, height))
+    left, bottom = (int(low) for low in np.floor(pixels.min(axis=0)))
+    right, top = (int(high) for high in np.ceil(pixels.max(axis=0)))
+    return left, bottom, right - left, top - bottom
 
 
 def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, shading: bpy.types.View3DShading,
