@@ -289,7 +289,7 @@ class Baked(Cloth):
             sleeve.at(frame)
             np.testing.assert_allclose(runtimes.of(outer).inputs.body.positions, places[frame], atol=1e-6)
             # Its quads are cut in two by Blender now, some along the other diagonal.
-            self.assertLess(apart(frame), 1e-4, f"frame {frame}")
+            self.assertLess(apart(frame), 2e-4, f"frame {frame}")
         self.assertEqual(outer.rumple.message, "")
         inner.rumple.mesh.gravity = 8.0
         self.bake(inner)

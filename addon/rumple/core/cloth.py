@@ -18,8 +18,6 @@ AIR = 1.2  # kg/m^3
 MOST = 1e5  # m/s^2, m/s: the library refuses what is farther out still
 FIELD = 20.0 / 24.0  # N/m^2 of a force field of strength 1: against gravity what Blender's Cloth has at 24 frames/s
 FOLLOW = 150.0  # 1/s^2: gravity sags cloth by 2 cm, so that it hangs from the shoulders and not from its animation
-STRAIN_LIMIT = 0.005  # a garment does not grow longer by its own weight
-SHEAR = 20.0  # m^2/s^2: the hem rises where a knee pulls on one side of a leg
 THIRTIETH = 1.0 / 30.0  # s: what substeps divide
 LEAST_BEND = 4.0  # radius of lines that folds may run along, over their wavelength; from four times that on all do
 DOLL, GIANT = 0.4, 3.0  # metres, diagonal of a garment: smaller and larger ones hang as these do, to scale
@@ -163,7 +161,7 @@ class BaseCloth:
         lengths to scale."""
         options = kernels.BaseClothSettings()
         to_scale = self.size_factor / self.unit_scale
-        for name in ("stretch", "compression", "folded", "smoothing"):
+        for name in ("stretch", "shear", "compression", "folded", "smoothing"):
             setattr(options, name, getattr(options, name) * to_scale**2)
         for name in ("unknown", "reach", "depth", "spread"):
             setattr(options, name, getattr(options, name) * to_scale)
@@ -178,7 +176,7 @@ class BaseCloth:
         options.gravity = tuple(float(g) for g in gravity)
         if settings.base_cloth == "OFF":
             options.steps = options.start_steps = 0  # the animated mesh, out of the body
-        options.follow, options.strain_limit, options.shear = FOLLOW, STRAIN_LIMIT, SHEAR * to_scale**2
+        options.follow = FOLLOW
         options.slack, options.hang = settings.slack, hanging(settings.gravity, world_from_object)
         options.friction = settings.friction
         options.room, options.slide_room = settings.room / self.unit_scale, settings.slide_room / self.unit_scale
