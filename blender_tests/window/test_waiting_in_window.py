@@ -37,7 +37,8 @@ class Waiting(PreviewCase):
         self.assertEqual((len(solved), len(written)), (1, 0))
         self.assertEqual(self.obj.rumple.message, "")
         self.area.spaces.active.shading.type = "MATERIAL"
-        yield from self.until(lambda: not runtimes.of(self.obj).inputs.uses_proxy)
+        # Blender 4.3 compiles the shaders of this shading first: half a minute, on a busy machine more.
+        yield from self.until(lambda: not runtimes.of(self.obj).inputs.uses_proxy, 120.0)
         self.assertEqual(len(solved), sleeve.LAST)
         self.assertTrue(sleeve.picture(self.obj).shows_the_same(expected[sleeve.LAST]))
         self.area.spaces.active.shading.type = "SOLID"
