@@ -28,7 +28,7 @@ class Damaged:
     way: Callable[[Any], None]
     frames: range
     method = "MESH"
-    nearer = 0.9  # times as far from the whole garment as bare, at most
+    nearer = 0.95  # times as far from the whole garment as bare, at most
 
     @classmethod
     def opened(cls) -> bpy.types.Object:
