@@ -29,7 +29,7 @@ from .draw_handler import DrawHandler
 # How much nearer than Blender's own triangles ours lie: a share of the distance, or of the object's size. Enough for
 # the differences of depth that its anti-aliasing makes, less than the thickness of a lined coat at arm's length.
 _NEARER = 1e-3
-_FOLDS = 0.05  # how far the drawn surface leaves its coarse mesh at most, over the diagonal of that
+_FOLDS = 0.05  # how far the drawn surface leaves its coarse mesh at most, over the longest side of that
 
 
 class Drawing(Protocol):
@@ -195,7 +195,7 @@ def _box(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]]) -> tuple[i
     places = []
     for obj, runtime, _key in shown:
         low, high = runtime.inputs.positions.min(axis=0), runtime.inputs.positions.max(axis=0)
-        folds = _FOLDS * float(np.linalg.norm(high - low))
+        folds = _FOLDS * float((high - low).max())
         corners = np.array(list(itertools.product(*zip(low - folds, high + folds))))
         places.append(np.c_[corners, np.ones(8)] @ np.array(to_screen @ obj.matrix_world).T)
     at = np.concatenate(places)
