@@ -7,8 +7,8 @@ float linear_of(float value) {
 
 // color: scene linear. at: pixel of the viewport; the overlays begin at overlays_corner.
 vec4 under_overlays(vec4 color, ivec2 at) {
-    ivec2 texel = at - overlays_corner;
-    if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, textureSize(overlays, 0)))) return color;
+    ivec2 texel = at - overlays_corner, size = textureSize(overlays, 0);
+    if (min(texel.x, texel.y) < 0 || texel.x >= size.x || texel.y >= size.y) return color;
     vec4 above = texelFetch(overlays, texel, 0);
     if (max(above.a, max(above.r, max(above.g, above.b))) <= 0.0) return color;
     vec3 linear = vec3(linear_of(above.r), linear_of(above.g), linear_of(above.b));
