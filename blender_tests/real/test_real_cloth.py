@@ -173,6 +173,9 @@ class Worn(EveryFrame):
     def test_it_is_not_deeper_in_the_body_than_the_bare_garment(self) -> None:
         self.for_every_frame(lambda s: s.comparable > 900 and s.deep <= s.deep_bare + MORE_DEEP * s.comparable)
 
+    def test_in_the_whole_clip_no_more_is_deep_in_the_body_than_of_the_bare_garment(self) -> None:
+        self.assertLessEqual(sum(s.deep for s in self.seen), sum(s.deep_bare for s in self.seen))
+
     def test_at_most_a_tenth_more_polygons_cross_each_other_than_of_the_bare_garment(self) -> None:
         # The base cloth moves crossings that skinning made: frame by frame some are a few pairs up, so the sum counts.
         pairs = {}

@@ -28,10 +28,9 @@ struct Settings {
     float folded = 1.0f;             // k2: of what is shorter than that, >= 0
     float smoothing = 1.0f;          // against displacements that differ between neighbours, >= 0
     float slack = 1.0f;              // length of the cloth over that of the modelled garment, > 0
-    Vec3 hang{0.0f};  // object space, length 0..1: along it there is no slack, as garments are cut wider, not
-                      // longer
-    float follow = 400.0f;    // pull back to the animation where nothing is pinned, 1/s^2, > 0
-    float room = 0.03f;       // farthest that a vertex leaves its animated place, object units, >= 0
+    Vec3 hang{0.0f};                 // object space, length 0..1: along it there is no slack
+    float follow = 400.0f;           // pull back to the animation where nothing is pinned, 1/s^2, > 0
+    float room = 0.03f;              // farthest that a vertex leaves its animated place, object units, >= 0
     float slide_room = 0.0f;  // the same along the surface, where that is more than room; object units, >= 0
     float friction = 0.0f;    // coefficient of Coulomb's law, on what is worn under it, >= 0
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2

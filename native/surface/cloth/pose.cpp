@@ -30,7 +30,7 @@ float painted(const std::vector<float>& values, Index display_vertex, float unpa
     return values.empty() ? unpainted : values[display_vertex];
 }
 
-// Slack is cut around a body, not along what hangs on it.
+// The slack of a spring in a direction: none along the hang, for a garment is cut wider, not longer.
 float slack_along(const Settings& settings, const Vec3& direction) {
     const float length = glm::length(direction);
     const float hang = length < kShortestEdge ? 0.0f : glm::dot(settings.hang, direction) / length;

@@ -35,7 +35,8 @@ def notes(obj: bpy.types.Object, fine: Any) -> list[str]:
 
 
 def _need(obj: bpy.types.Object, fine: Any) -> tuple[str, float]:
-    """The modifier that needs most, and megabytes. Triangles that the mesh has without us cost what they cost."""
+    """The modifier that needs most, and megabytes. A mesh that is only shaded keeps its own triangles, which the artist
+    chose: they are not counted."""
     behind = _refining(obj)
     shades = obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING"
     if fine is None or shades or not behind:
