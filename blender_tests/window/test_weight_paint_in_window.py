@@ -144,6 +144,7 @@ class Gradient(Tools):
         before = self.weights()
         yield from self.tool("builtin.gradient")
         yield from self.drawn()
+        yield from self.settle()
         self.assertGreater(np.abs(self.weights() - before).max(), 0.1)
         yield from self.press("Z", ctrl=True)
         yield from self.settle()

@@ -63,10 +63,10 @@ def carry_colours(obj: bpy.types.Object, output: bpy.types.Object, fine: ShownMe
     if had is None or had == wanted:
         return False
     steps = output_mesh.weight_steps(fine, weights)[:, 0]
-    known = runtime.painted_steps
-    output_mesh.write_steps(output.vertex_groups[name], steps,
-                            known[1] if known is not None and known[0] == (compat.session_key(mesh), name, had) else None)
-    runtime.painted_steps = (compat.session_key(mesh), name, wanted), steps
+    of, known = runtime.painted_steps or (None, None)
+    key = compat.session_key(mesh)
+    output_mesh.write_steps(output.vertex_groups[name], steps, known if of == (key, name, had) else None)
+    runtime.painted_steps = (key, name, wanted), steps
     carried["groups"][name] = wanted
     mesh[output_mesh.CARRIED_KEY] = json.dumps(carried)
     mesh.update()
