@@ -59,7 +59,10 @@ struct Model {
         float weight;  // its share of the membrane: its area / rest^2
         bool diagonal;
     };
+    // In the order of their first ends, which come before the second ones.
     std::vector<Spring> springs;
+    std::vector<Index> order;         // of the vertices: along the cloth, breadth first from an end of each part
+    std::vector<Index> spring_start;  // per place in the order, and the end: the first spring from that vertex
     // The same springs in their order, four at a time. The last ones have no weight, and no vertex: the one
     // after all.
     struct SpringFour {
