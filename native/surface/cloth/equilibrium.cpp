@@ -103,6 +103,15 @@ Vec3Lanes ends_apart(const Model::SpringFour& springs, const std::vector<Row>& x
     return columns(out);
 }
 
+// At least that of the shortest edge.
+Lanes length_of(const Vec3Lanes& v) {
+    return most(square_root(dot(v, v)), all_lanes(kShortestEdge));
+}
+Vec3Lanes direction_of(const Vec3Lanes& v) {
+    const Lanes length = length_of(v);
+    return {v.x / length, v.y / length, v.z / length};
+}
+
 void pull_together(const Model::SpringFour& springs, const Vec3Lanes& pull, std::vector<Row>& force) {
     FourRows rows;
     store_rows(pull, rows);
@@ -202,15 +211,18 @@ void forces(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hess
     for (size_t s = 0; s < frame.model.spring_fours.size(); ++s) {
         const Model::SpringFour& springs = frame.model.spring_fours[s];
         const Vec3Lanes displacement = ends_apart(springs, x);
-        const Lanes length = most(square_root(dot(displacement, displacement)), all_lanes(kShortestEdge));
-        const Vec3Lanes n{displacement.x / length, displacement.y / length, displacement.z / length};
+        const Lanes length = length_of(displacement);
+        const Vec3Lanes n = direction_of(displacement);
         const Tension t = tension(settings, springs.diagonal, length, load_lanes(&frame.cut[s * kLanes]));
         const Lanes smooth = springs.diagonal ? Lanes{} : all_lanes(settings.smoothing);
-        const Vec3Lanes bent = displacement - ends_apart(springs, frame.animated);
-        pull_together(springs, springs.weight * (t.force * n + smooth * bent), out);
+        // What turns it away from its animated direction. Of the difference, so that what is at rest has none.
+        const Vec3Lanes animated = ends_apart(springs, frame.animated), aim = direction_of(animated);
+        const Vec3Lanes moved = displacement - animated, turned = moved - dot(aim, moved) * aim;
+        pull_together(springs, springs.weight * (t.force * n + smooth * turned), out);
         if (!hessian) continue;
-        const Lanes across = most(t.force / length, Lanes{});
-        const Lanes along = springs.weight * (t.slope - across), wide = springs.weight * (across + smooth);
+        // As if the spring had its animated direction: it hardly ever turns far from it.
+        const Lanes across = most(t.force / length, Lanes{}) + smooth;
+        const Lanes along = springs.weight * (t.slope - across), wide = springs.weight * across;
         FourRows directions;
         store_rows(n, directions);
         const size_t count = std::min<size_t>(hessian->springs.size() - s * kLanes, kLanes);

@@ -28,11 +28,12 @@ inline void add_outer_product(float scale, const Row& n, Matrix& m) {
 }
 
 struct Hessian {
-    // Of a spring: the block B = across I + along n x n between its ends. It stands on the diagonal of both,
-    // and with a minus between them.
+    // Of a spring: the block B = across I + along n x n between its ends, positive semidefinite. It stands on
+    // the diagonal of both, and with a minus between them.
     struct Spring {
-        Row direction;               // n, unit
-        float along, across = 0.0f;  // >= 0
+        Row direction;        // n, unit
+        float along = 0.0f;   // >= -across
+        float across = 0.0f;  // >= 0
     };
     std::vector<Spring> springs;  // as those of the model
     std::vector<Matrix> own;      // per vertex: what no spring adds to its diagonal; positive semidefinite
