@@ -61,8 +61,8 @@ struct Model {
     };
     // In the order of their first ends, which come before the second ones.
     std::vector<Spring> springs;
-    std::vector<Index> order;         // of the vertices: along the cloth, breadth first from an end of each part
-    std::vector<Index> spring_start;  // per place in the order, and the end: the first spring from that vertex
+    std::vector<Index> order;  // of the vertices: along the cloth, breadth first from an end of each part
+    std::vector<Index> spring_start;  // per place in the order, and the end: the first spring from there
     // The same springs in their order, four at a time. The last ones have no weight, and no vertex: the one
     // after all.
     struct SpringFour {
