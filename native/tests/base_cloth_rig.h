@@ -64,7 +64,8 @@ inline base_cloth::Settings without_contact() {
     return settings;
 }
 
-// Springs that float32 can balance to a share of 1e-5: for laws about what the solver is handed, not about it.
+// Springs that float32 can balance to a share of 1e-5: for laws about what the solver is handed, not about
+// it.
 inline void soften(base_cloth::Settings& s) {
     s.stretch = 50.0f;
     s.shear = 5.0f;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The least energy of docs/base_cloth.md: Newton's method. Vertices and springs are computed four at a time and
-// summed up in their order, so that every sum has the bits of one after the other.
+// The least energy of docs/base_cloth.md: Newton's method. Vertices and springs are computed four at a time
+// and summed up in their order, so that every sum has the bits of one after the other.
 #include "surface/cloth/equilibrium.h"
 
 #include <algorithm>
@@ -215,7 +215,8 @@ void forces(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hess
         const Vec3Lanes n = direction_of(displacement);
         const Tension t = tension(settings, springs.diagonal, length, load_lanes(&frame.cut[s * kLanes]));
         const Lanes smooth = springs.diagonal ? Lanes{} : all_lanes(settings.smoothing);
-        // What turns it away from its animated direction. Of the difference, so that what is at rest has none.
+        // What turns it away from its animated direction. Of the difference, so that what is at rest has
+        // none.
         const Vec3Lanes animated = ends_apart(springs, frame.animated), aim = direction_of(animated);
         const Vec3Lanes moved = displacement - animated, turned = moved - dot(aim, moved) * aim;
         pull_together(springs, springs.weight * (t.force * n + smooth * turned), out);

@@ -64,8 +64,8 @@ class Factors {
         for (size_t k = 0; k < model_.order.size(); ++k)
             out[model_.order[k]].xyz = diagonal_[k] * rows[model_.order[k]];
     }
-    // (D + L)^-1 Hessian (D + L)^-T p, where `back` is (D + L)^-T p: the Hessian is (D + L) + (D + L)^T and, on
-    // its diagonal, what is beyond 2 D.
+    // (D + L)^-1 Hessian (D + L)^-T p, where `back` is (D + L)^-T p: the Hessian is (D + L) + (D + L)^T and,
+    // on its diagonal, what is beyond 2 D.
     void multiply(const std::vector<Row>& p, const std::vector<Row>& back, std::vector<Row>& out) const {
         for (size_t k = 0; k < model_.order.size(); ++k) {
             const Index v = model_.order[k];
