@@ -173,7 +173,7 @@ class BaseCloth:
         return options
 
     def _native_settings(self, settings: ClothSettings, world_from_object: np.ndarray) -> Any:
-        options = self._settings_to_scale(SWINGING if settings.swings else {})
+        options = self._settings_to_scale(SWINGING if settings.base_cloth == "SWING" else {})
         to_scale = self.size_factor / self.unit_scale
         for name in BENT:
             setattr(options, name, getattr(options, name) * stiffness_over_cotton(settings.bending_length))
