@@ -173,7 +173,9 @@ class BaseCloth:
         return options
 
     def _native_settings(self, settings: ClothSettings, world_from_object: np.ndarray) -> Any:
-        options = self._settings_to_scale(SWINGING if settings.base_cloth == "SWING" else {})
+        # Frames on their own, which some systems have, hang.
+        swings = settings.base_cloth == "SWING" and not getattr(settings, "stateless", False)
+        options = self._settings_to_scale(SWINGING if swings else {})
         to_scale = self.size_factor / self.unit_scale
         for name in BENT:
             setattr(options, name, getattr(options, name) * stiffness_over_cotton(settings.bending_length))
