@@ -157,8 +157,11 @@ rumple_status rumple_wrinkle_paths_paint_build(const rumple_wrinkle_paths* model
     return made(paint, "paint", [&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const rumple_wrinkle_paths_painted& from = given(painted, "painted");
-        return new rumple_wrinkle_paths_paint{
-            m.model, {api::painted(from.mask, from.mask_count, m.model->base, "mask")}};
+        const Surface& base = m.model->base;
+        Paint made{api::painted(from.mask, from.mask_count, base, "mask"),
+                   copied(vectors(from.along, from.along_count, "along"))};
+        if (!made.along.empty()) check_along(base, made.along);
+        return new rumple_wrinkle_paths_paint{m.model, std::move(made)};
     });
 }
 

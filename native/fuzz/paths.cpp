@@ -37,7 +37,9 @@ void build_model(World& world, Bytes& bytes) {
 void build_paint(World& world, Bytes& bytes) {
     const auto model = world.paths.pick(bytes);
     const Floats mask(values(model.base ? size_t(model.base->vertices) : 3, 0.0f, 1.0f, bytes), 1, bytes);
-    const rumple_wrinkle_paths_painted painted{mask.pointer, mask.count};
+    const Floats along(values(3 * (model.base ? size_t(model.base->vertices) : 3), -0.57f, 0.57f, bytes), 3,
+                       bytes);
+    const rumple_wrinkle_paths_painted painted{mask.pointer, mask.count, along.pointer, along.count};
     world.paths_paints.add(
         MAKE(rumple_wrinkle_paths_paint, rumple_wrinkle_paths_paint_build, model.handle, &painted),
         model.base, model.model);

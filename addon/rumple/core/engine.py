@@ -251,7 +251,7 @@ class Wrinkles(ShownMesh):
             solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
                       for name, values in paint.items()}
             self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
-            self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved)
+            self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved, self._where_solved)
             self._paint = self._take_paint(solved)
         timeline = (start, frame_rate)  # of another, frames are other ones: each scene has its own
         self.frame_cache.follow(timeline)

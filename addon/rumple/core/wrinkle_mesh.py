@@ -16,6 +16,7 @@ from .cloth import bend_radius, size_factor
 from .cloth_settings import ClothSettings
 from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
+from .fold_guides import ALONG
 from .layers import layer_settings, layer_words, native_settings
 from .on_cloth import OnCloth
 from .settings import MeshSettings
@@ -284,7 +285,7 @@ class WrinkleMesh(Wrinkles):
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         words = layer_words(self.layer_count) if self.layer_count else []
         factors = {name: values for name, values in paint.items()
-                   if name in ("radius", "prestretch", "bending", "inside", *words)}
+                   if name in ("radius", "prestretch", "bending", "inside", ALONG, *words)}
         if self.layer_count:
             return kernels.WrinkleLayersPaint(self.model, factors, words)
         return kernels.WrinkleMeshPaint(self.model, factors)

@@ -62,11 +62,11 @@ class WrinklePathsPaint(Handle):
     POINTER, FREE = c.WrinklePathsPaintPointer, "rumple_wrinkle_paths_paint_free"
 
     def __init__(self, model: WrinklePathsModel, painted: dict[str, np.ndarray] | None = None) -> None:
-        """painted: mask -> (n,) float32 of the base's vertices, 0..1: where folds may start."""
+        """painted: mask -> (n,) float32 of the base's vertices, 0..1: where folds may start; along -> (n, 3), where
+        they are to run, a direction at rest of a length of 0..1."""
         values = c.WrinklePathsPainted()
         for name, array in (painted or {}).items():
-            chosen(name, "paint", {"mask": 0})
-            fill(values, name, checked(array, name, FLOAT), FLOAT)
+            fill(values, name, array, FLOAT, chosen(name, "paint", {"mask": 0, "along": 3}))
         self._filled(self, lib.rumple_wrinkle_paths_paint_build, model, values)
 
 

@@ -71,6 +71,8 @@ RUMPLE_API rumple_wrinkle_paths_settings rumple_wrinkle_paths_settings_default(v
 typedef struct rumple_wrinkle_paths_painted {
     const float* mask;  // (n), 0..1: where folds may start, and how long they get; or none: 1 everywhere
     size_t mask_count;
+    const float* along;  // (n, 3): where folds are to run, as rumple_wrinkle_mesh_painted has it; or none
+    size_t along_count;
 } rumple_wrinkle_paths_painted;
 typedef struct rumple_wrinkle_paths_paint rumple_wrinkle_paths_paint;
 RUMPLE_API rumple_status rumple_wrinkle_paths_paint_build(const rumple_wrinkle_paths* model,

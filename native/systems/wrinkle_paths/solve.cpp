@@ -12,6 +12,7 @@ namespace rumple::wrinkle_paths {
 namespace {
 
 void check(const Model& model, const Paint& paint) {
+    if (!paint.along.empty()) check_along(model.base, paint.along);
     if (paint.mask.empty()) return;
     expect_count("paint.mask", paint.mask.size(), size_t(model.base.display.vertex_count),
                  "values, one per vertex of the base, or none");

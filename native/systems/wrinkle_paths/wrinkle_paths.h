@@ -15,6 +15,7 @@
 #include "surface/strain/adaptive_reference.h"
 #include "surface/strain/bent_lines.h"
 #include "surface/strain/deformation.h"
+#include "surface/strain/guided_strain.h"
 #include "systems/wrinkle_paths/profile.h"
 
 namespace rumple::wrinkle_paths {
@@ -48,6 +49,7 @@ void check(const Settings& settings);
 // Painted factors per vertex of the base as the artist has it, 0..1. Empty means 1 everywhere.
 struct Paint {
     std::vector<float> mask;  // on the compression above 1: where folds may start, and how long they get
+    std::vector<Vec3> along;  // where folds are to run, object space at rest, of length 0..1 (guided_strain.h)
 };
 
 // Built once at rest, then immutable; may be shared between objects.

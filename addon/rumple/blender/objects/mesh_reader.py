@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ...core import engine
-from ...core.fold_guides import GUIDES
+from ...core.fold_guides import DIRECTION, GUIDES, KIND
 from ...core.keep_smooth import SMOOTH
 from ...core.on_cloth import PAINTED
 from ...core.painted_rigid import RIGID, wholly_painted
@@ -175,10 +175,11 @@ def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
     mesh = incoming_mesh.of(obj)
     weights = group_weights(obj, mesh, [names[key] for key in keys]) if keys else None
     painted = {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
-    if not isinstance(settings, FieldSettings) or settings.output == "GEOMETRY":  # its triangles can show no fold
-        guides = guide_curves.read(obj, lambda: rest_positions(obj, settings.rest_shape, obj.rumple.rest_key))
-        if guides is not None:
-            painted[GUIDES] = guides
+    guides = guide_curves.read(obj, lambda: rest_positions(obj, settings.rest_shape, obj.rumple.rest_key))
+    if guides is not None and isinstance(settings, FieldSettings) and settings.output == "SHADING":
+        guides = guides[guides[:, KIND] == DIRECTION]  # the triangles can show no fold of another shape
+    if guides is not None and len(guides):
+        painted[GUIDES] = guides
     if isinstance(settings, MeshSettings):
         return painted
     if "wavelength" in painted:

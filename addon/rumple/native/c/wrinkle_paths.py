@@ -66,7 +66,9 @@ class WrinklePathsPainted(Struct):
     __slots__ = ()
     mask: int | None  # (n), 0..1: where folds may start, and how long they get; or none: 1 everywhere
     mask_count: int
-    _fields_ = (("mask", c_void_p), ("mask_count", c_size_t),)
+    along: int | None  # (n, 3): where folds are to run, as rumple_wrinkle_mesh_painted has it; or none
+    along_count: int
+    _fields_ = (("mask", c_void_p), ("mask_count", c_size_t), ("along", c_void_p), ("along_count", c_size_t),)
 
 
 class WrinklePathsStateView(Struct):
