@@ -39,7 +39,7 @@ class ByHand:
         said: list[str] = []
         if guides is not None:
             along, said = directions(guides, base.positions, base.polygon_start, base.corner_vertex)
-            if along is not None:
+            if along is not None and along.any():
                 solved[ALONG] = where_solved(along)
             guides = guides[guides[:, KIND] != DIRECTION]
         solved.pop(RIGID, None)

@@ -117,6 +117,12 @@ PathContext make_context(const Model& model, const Settings& settings, const Pai
                 paint.mask.empty() ? 1.0f : paint.mask[model.base.display.corner_vertex[corner]];
             mask += painted * hem_weight(model, settings, model.base.welded.corner_vertex[corner]) / 3.0f;
         }
+        if (!paint.width.empty()) {
+            float sum = 0.0f;
+            for (const Index corner : model.base.triangles[t].corner)
+                sum += paint.width[model.base.display.corner_vertex[corner]];
+            context.widths.push_back(std::clamp(sum / 3.0f, kLeastWidth, 1.0f));
+        }
         const float strain = std::max(changes[t].compression, changes[t].stretch) - 1.0f;
         const float x = std::clamp((strain - kHeldChange) / (kFreeChange - kHeldChange), 0.0f, 1.0f);
         context.activity.push_back(x * x * (3.0f - 2.0f * x));
