@@ -69,8 +69,9 @@ size_t bytes(const std::vector<T>& values) {
 size_t bytes_of(const State& state, const PathArrays& flat) {
     size_t points = 0;
     for (const Path& path : state.paths) points += bytes(path.points);
-    return state.bytes() + bytes(state.compression) + bytes(state.width) + bytes(state.shapes) + bytes(state.paths) + points +
-           bytes(flat.id) + bytes(flat.fade) + bytes(flat.start) + bytes(flat.triangle_edge) + bytes(flat.at);
+    return state.bytes() + bytes(state.compression) + bytes(state.width) + bytes(state.shapes) +
+           bytes(state.paths) + points + bytes(flat.id) + bytes(flat.fade) + bytes(flat.start) +
+           bytes(flat.triangle_edge) + bytes(flat.at);
 }
 
 std::vector<Path> paths_of(const rumple_wrinkle_paths_state_view& from) {
@@ -191,13 +192,16 @@ rumple_status rumple_wrinkle_paths_state_get_view(const rumple_wrinkle_paths_sta
     return guarded([&] {
         const State& s = given(state, "state").state;
         const PathArrays& a = state->arrays();
-        given(view, "view") = {
-            view_of(s),           flat<float>(s.shapes), s.shapes.size(), s.compression.data(),
-            s.compression.size(), s.width.data(),        s.width.size(),  a.id.data(),
-            a.id.size(),          a.fade.data(),
-            a.fade.size(),        a.start.data(),        a.start.size(),  a.triangle_edge.data(),
-            a.at.size(),          flat<float>(a.at),     a.at.size(),     s.next_id,
-            bytes_of(s, a)};
+        given(view, "view") = {view_of(s),           flat<float>(s.shapes),
+                               s.shapes.size(),      s.compression.data(),
+                               s.compression.size(), s.width.data(),
+                               s.width.size(),       a.id.data(),
+                               a.id.size(),          a.fade.data(),
+                               a.fade.size(),        a.start.data(),
+                               a.start.size(),       a.triangle_edge.data(),
+                               a.at.size(),          flat<float>(a.at),
+                               a.at.size(),          s.next_id,
+                               bytes_of(s, a)};
     });
 }
 

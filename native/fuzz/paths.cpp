@@ -40,8 +40,8 @@ void build_paint(World& world, Bytes& bytes) {
     const Floats width(values(model.base ? size_t(model.base->vertices) : 3, 0.1f, 1.0f, bytes), 1, bytes);
     const Floats along(values(3 * (model.base ? size_t(model.base->vertices) : 3), -0.57f, 0.57f, bytes), 3,
                        bytes);
-    const rumple_wrinkle_paths_painted painted{mask.pointer,  mask.count,    width.pointer,
-                                               width.count,   along.pointer, along.count};
+    const rumple_wrinkle_paths_painted painted{mask.pointer, mask.count,    width.pointer,
+                                               width.count,  along.pointer, along.count};
     world.paths_paints.add(
         MAKE(rumple_wrinkle_paths_paint, rumple_wrinkle_paths_paint_build, model.handle, &painted),
         model.base, model.model);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface/strain/guided_strain.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/errors.h"
+#include "surface/strain/guided_strain.h"
 #include "tests/meshes.h"
 
 namespace rumple::tests {
@@ -57,8 +56,8 @@ TEST(GuidedStrain, HalfOfItIsTheMean) {
     EXPECT_NEAR(half.yy, 0.82f, 1e-6f);
 }
 
-// A grid of unit squares in the plane, x pressed to 0.8: pairs across a line along x keep their length as long
-// as the pressed ones were, and those along it are asked for no more than they have.
+// A grid of unit squares in the plane, x pressed to 0.8: pairs across a line along x keep their length as
+// long as the pressed ones were, and those along it are asked for no more than they have.
 TEST(GuidedStrain, ScalesRestLengthsByHand) {
     const Surface surface = build(grid(6, 6, 1.0f));
     std::vector<Vec3> asked(surface.welded_of.size(), Vec3(1.0f, 0.0f, 0.0f));
@@ -104,9 +103,11 @@ TEST(GuidedStrain, OfAWildFrameAreNumbers) {
     const auto guide =
         build_guide_lines(surface, std::vector<Vec3>(surface.welded_of.size(), Vec3(0.6f, 0.8f, 0.0f)));
     std::vector<Vec3> posed(surface.positions_rest.size(), Vec3(0.0f));
-    for (size_t v = 0; v < posed.size(); v += 2) posed[v] = Vec3(1e12f * float(v), -1e-9f, 3.0f);
-    for (const GuidedStrain& strain : guided_strain(*guide, posed))
-        EXPECT_TRUE(std::isfinite(strain.rest_scale({1.0f, 2.0f, -1.0f})));
+    for (const float far : {0.0f, 1e-20f, 1e6f, 1e12f, 1e30f}) {
+        for (size_t v = 0; v < posed.size(); v += 2) posed[v] = Vec3(far * float(v), -1e-9f, 3.0f);
+        for (const GuidedStrain& strain : guided_strain(*guide, posed))
+            EXPECT_TRUE(std::isfinite(strain.rest_scale({1.0f, 2.0f, -1.0f}))) << far;
+    }
 }
 
 }  // namespace

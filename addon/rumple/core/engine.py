@@ -40,6 +40,7 @@ class Wrinkles(ShownMesh):
     SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
     HEIGHTS: tuple[str, ...] = ()  # attributes that say how high folds are, scaled with them
     HEIGHT_PAINT = ""  # paint that keeps folds off: where empty, what is solved is made flat
+    previewed = True  # whether a preview that draws wrinkles by itself draws these as they are
     HAS_CURVES = False  # whether curves() has something to say
     in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
     _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them

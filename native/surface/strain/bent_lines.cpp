@@ -94,7 +94,8 @@ std::vector<Vec3> normals_at_rest(const Surface& surface) {
     return normals;
 }
 
-FirstDerivatives first_derivatives(const BentLinesModel& model, std::span<const Vec3> positions, size_t vertex) {
+FirstDerivatives first_derivatives(const BentLinesModel& model, std::span<const Vec3> positions,
+                                   size_t vertex) {
     FirstDerivatives out;
     for (Index i = model.start[vertex]; i < model.start[vertex + 1]; ++i) {
         const auto& [other, weight] = model.around[i];

@@ -35,7 +35,7 @@ Tensor3 inverse_in(const Tensor2& left, const Vec3& u, const Vec3& v) {
 
 Tensor2 turned(const Tensor2& left, const Vec2& along) {
     const float weight = std::min(glm::length(along), 1.0f);
-    if (weight <= 0.0f) return left;
+    if (!(weight > 0.0f) || !has_squares(left)) return left;
     const Principal p = principal(left);
     const Vec2 t = along / glm::length(along);
     const auto mix = [&](float as_is, float across, float with) {
@@ -85,6 +85,7 @@ std::vector<GuidedStrain> guided_strain(const GuideLines& guide, std::span<const
         // F in the plane of u and v: columns (length, 0) and b.
         const Vec2 b(glm::dot(y, u), glm::dot(y, v));
         const Tensor2 left{length * length + b.x * b.x, b.x * b.y, b.y * b.y};
+        if (!has_squares(left)) continue;
         out[w].as_is = out[w].turned = inverse_in(left, u, v);
         const Vec2 asked = guide.along[w];
         const float weight = std::min(glm::length(asked), 1.0f);

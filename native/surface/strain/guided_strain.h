@@ -12,6 +12,11 @@
 
 namespace rumple {
 
+// Whether squares of its numbers are numbers. Of what is larger nothing is known.
+inline bool has_squares(const Tensor2& tensor) {
+    return tensor.xx + tensor.yy < 1e18f;
+}
+
 // F F^T of a deformation in the deformed plane, turned: its stretches stay, the smallest lies across `along`,
 // which has the direction of the folds in that plane and a length of 0 (as it is) to 1.
 Tensor2 turned(const Tensor2& left, const Vec2& along);

@@ -86,13 +86,11 @@ void turn_along(const Vec2& along, Stretch& stretch) {
     const float small = 1.0f / (stretch.compression * stretch.compression),
                 large = stretch.stretch * stretch.stretch;
     const Vec2& e = stretch.direction;
-    const Principal p =
-        principal(turned({small * e.x * e.x + large * e.y * e.y, (small - large) * e.x * e.y,
-                          small * e.y * e.y + large * e.x * e.x},
-                         along));
-    stretch.compression =
-        std::min(1.0f / std::sqrt(std::max(p.small, 1.0f / (kMostCompression * kMostCompression))),
-                 kMostCompression);
+    const Principal p = principal(turned({small * e.x * e.x + large * e.y * e.y, (small - large) * e.x * e.y,
+                                          small * e.y * e.y + large * e.x * e.x},
+                                         along));
+    stretch.compression = std::min(
+        1.0f / std::sqrt(std::max(p.small, 1.0f / (kMostCompression * kMostCompression))), kMostCompression);
     stretch.stretch = std::min(std::sqrt(p.large), kMostCompression);
     stretch.direction = p.small_direction;
 }

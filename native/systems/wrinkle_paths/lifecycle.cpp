@@ -117,9 +117,9 @@ void update_lifecycle(const PathContext& context, const Settings& settings, doub
         const float compression = strongest(context, path.points);
         // A glitch of one frame is over before a fold has risen: until then it needs what it was born of.
         const float needed = path.fade < 1.0f ? settings.threshold : reach_threshold(settings);
-        const bool alive =
-            compression >= needed && length(context, path.points) >= 0.5f * kShortestPath * width &&
-            overlap(context, map, path.points, kCrowdDistance * width) <= kMostOverlap;
+        const bool alive = compression >= needed &&
+                           length(context, path.points) >= 0.5f * kShortestPath * width &&
+                           overlap(context, map, path.points, kCrowdDistance * width) <= kMostOverlap;
         approach(path.fade, alive ? 1.0f : 0.0f, seconds, settings.fade);
         if (!alive && path.fade <= 0.0f) {
             ++report.died;

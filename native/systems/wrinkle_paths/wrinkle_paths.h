@@ -51,9 +51,10 @@ inline constexpr float kLeastWidth = 0.1f;
 
 // Painted factors per vertex of the base as the artist has it, 0..1. Empty means 1 everywhere.
 struct Paint {
-    std::vector<float> mask;  // on the compression above 1: where folds may start, and how long they get
+    std::vector<float> mask;     // on the compression above 1: where folds may start, and how long they get
     std::vector<float> width{};  // on L_min, kLeastWidth..1
-    std::vector<Vec3> along{};   // where folds are to run, object space at rest, of length 0..1 (guided_strain.h)
+    std::vector<Vec3>
+        along{};  // where folds are to run, object space at rest, of length 0..1 (guided_strain.h)
 };
 
 // Built once at rest, then immutable; may be shared between objects.
