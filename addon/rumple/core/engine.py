@@ -40,6 +40,7 @@ class Wrinkles(ShownMesh):
     SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
     HEIGHTS: tuple[str, ...] = ()  # attributes that say how high folds are, scaled with them
     HEIGHT_PAINT = ""  # paint that keeps folds off: where empty, what is solved is made flat
+    previewed = True  # whether a preview that draws wrinkles by itself draws these as they are
     HAS_CURVES = False  # whether curves() has something to say
     in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
     _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
@@ -251,7 +252,7 @@ class Wrinkles(ShownMesh):
             solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
                       for name, values in paint.items()}
             self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
-            self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved)
+            self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved, self._where_solved)
             self._paint = self._take_paint(solved)
         timeline = (start, frame_rate)  # of another, frames are other ones: each scene has its own
         self.frame_cache.follow(timeline)

@@ -23,10 +23,11 @@ def native_settings(settings: MeshSettings) -> Any:
     return options
 
 
-def layer_words(count: int) -> list[str]:
-    """For every layer, coarse first, the setting that says how much of it there is."""
-    words = ["drape"] * max(count - 2, 0) + ["folds", "detail"]
-    return words[-count:]
+def layer_words(count: int, finer: int = 0) -> list[str]:
+    """For every layer, coarse first, the setting that says how much of it there is. finer: how many of them are there
+    for what is painted narrower alone."""
+    words = ["drape"] * max(count - finer - 2, 0) + ["folds", "detail"]
+    return words[finer - count:] + ["detail"] * finer
 
 
 # What layers have their own way, measured on shirts, sweaters and trousers (docs/wrinkle_mesh.md, Layers).
@@ -43,14 +44,15 @@ LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide fo
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
-                   world_from_object: np.ndarray | None = None, bend: float = 0.0) -> list[Any]:
-    """The native settings of every layer, coarse first. finest: how much there is of the last one, 0 to 1.
+                   world_from_object: np.ndarray | None = None, bend: float = 0.0, finer: int = 0) -> list[Any]:
+    """The native settings of every layer, coarse first. finer: as layer_words() has it. finest: how much there is of
+    the last one before these, 0 to 1.
     world_from_object: (3, 3), for where cloth hangs down; None: the identity. bend: bend_radius()."""
     out = []
-    for number, word in enumerate(layer_words(count)):
+    for number, word in enumerate(layer_words(count, finer)):
         options = native_settings(settings)
         # Of the radius and of what the layer is wider alike: much cloth in little room is crumpled.
-        share = getattr(settings, word) * (finest if number == count - 1 else 1.0)
+        share = getattr(settings, word) * (finest if number == count - finer - 1 else 1.0)
         options.radius = settings.radius * share * (WIDEST_RADIUS if number == 0 else 1.0)
         options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
         options.hem_rings = min(settings.hem_rings, number + 1)
