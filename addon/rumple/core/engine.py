@@ -40,16 +40,15 @@ class Wrinkles(ShownMesh):
     SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
     HEIGHTS: tuple[str, ...] = ()  # attributes that say how high folds are, scaled with them
     HEIGHT_PAINT = ""  # paint that keeps folds off: where empty, what is solved is made flat
-    previewed = True  # whether a preview that draws wrinkles by itself draws these as they are
     HAS_CURVES = False  # whether curves() has something to say
+    previewed = True  # whether a preview that draws wrinkles by itself draws these as they are
     in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
     _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: Any, model: Any, warnings: list[str],
                  unit_scale: float) -> None:
         """base, source: healed. surface: native, of the base."""
-        self.name = base.name
-        self.base, self.source = base, source
+        self.name, self.base, self.source = base.name, base, source
         self.surface = surface
         self.solved_surface = surface  # what the base cloth and the system are solved on
         self.model = model

@@ -74,28 +74,6 @@ Disturbance disturb(const Settings& settings, const Vec3& rest) {
     return {{elementary::cos(angle), elementary::sin(angle)}, 1.0f + kMostWavelengthChange * noise_at(1)};
 }
 
-// What an estimate of a wave becomes where waves are to run along a line of the rest frame: it has the largest
-// compression that there is, across that line. Its length over the rest pose stays W.
-void turn_along(const Vec2& along, const glm::mat2& m, const Vec2& q, const Vec2& before, const Vec2& turn,
-                formulas::WaveEstimate& estimate, float& gather) {
-    const glm::mat2 mq = m * (glm::mat2(1.0f) - glm::outerProduct(q, q));
-    const Vec2 line = mq * along;
-    const float length = glm::length(line), det = glm::determinant(mq);
-    if (length <= 0.0f || estimate.r < formulas::kCollapsed) return;
-    const glm::mat2 left = mq * glm::transpose(mq);
-    const Principal p =
-        principal(turned({left[0][0], left[1][0], left[1][1]}, glm::length(along) / length * line));
-    const Vec2 across = glm::transpose(mq) * p.small_direction;  // of the rest frame
-    estimate.k = across / glm::length(across);
-    if (glm::dot(estimate.k, before) < 0.0f) estimate.k = -estimate.k;
-    estimate.r = std::sqrt(std::max(p.small, 0.0f));
-    estimate.fullness = std::sqrt(std::max(1.0f - p.small, 0.0f));
-    gather = 1.0f / std::max(estimate.r, formulas::kCollapsed);
-    const Vec2 k(turn.x * estimate.k.x - turn.y * estimate.k.y, turn.y * estimate.k.x + turn.x * estimate.k.y);
-    estimate.k_deformed =
-        Vec2(mq[1][1] * k.x - mq[0][1] * k.y, mq[0][0] * k.y - mq[1][0] * k.x) / det;  // (M^-1)^T k
-}
-
 // A neighbour in relaxation.
 struct Pull {
     Index vertex;
