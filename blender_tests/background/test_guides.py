@@ -52,6 +52,13 @@ def update() -> None:
     sleeve.at(1)
 
 
+def settle(obj: bpy.types.Object) -> None:
+    """What is painted was read."""
+    obj.data.update_tag()
+    scheduler.sync_all()
+    update()
+
+
 class Guides(unittest.TestCase):
     def test_a_selected_curve_becomes_a_guide_in_every_system(self) -> None:
         for method in ("MESH", "FIELD", "PATHS"):
@@ -63,6 +70,54 @@ class Guides(unittest.TestCase):
                 moved = np.linalg.norm(sleeve.shown(obj) - bare, axis=1)
                 self.assertAlmostEqual(moved.max(), 0.01, delta=0.001)
                 self.assertLess(np.percentile(moved[bare[:, 2] < -0.02], 99), 1e-4)
+
+    def test_a_direction_turns_the_folds_of_motion_in_every_system(self) -> None:
+        """Also waves in shading, which have no shape."""
+        for method, output in (("MESH", "GEOMETRY"), ("FIELD", "GEOMETRY"), ("FIELD", "SHADING"),
+                               ("PATHS", "GEOMETRY")):
+            with self.subTest(f"{method} {output}"):
+                obj = folded(method)
+                obj.rumple.field.output = output
+                obj.rumple.paths.width, obj.rumple.paths.threshold = 0.04, 1.05
+                scheduler.sync_all()
+                name = {"MESH": "rumple_offset", "FIELD": "rumple_direction", "PATHS": "rumple_height"}[method]
+
+                def played() -> np.ndarray:
+                    for frame in range(1, 9):
+                        sleeve.at(frame)
+                    return sleeve.attribute(obj, name).copy()
+
+                bare = played()
+                curve = line((0.1, 0.0, sleeve.RADIUS), (0.5, 0.03, sleeve.RADIUS))
+                bpy.ops.object.rumple_guide_add()
+                curve.rumple_guide.reach, curve.rumple_guide.kind = 0.3, "DIRECTION"
+                self.assertGreater(np.abs(played() - bare).max(), 1e-3)
+                curve.rumple_guide.others = 1.0
+                np.testing.assert_array_equal(played(), bare)
+
+    def test_widths_that_are_painted_make_a_finer_mesh_once(self) -> None:
+        for method, group in (("MESH", "mesh"), ("PATHS", "paths")):
+            with self.subTest(method):
+                obj = sleeve.scene(wrinkles=False)
+                obj.rumple.mesh.layers = "CLOTH"
+                bpy.ops.object.rumple_add(method=method)
+                getattr(obj.rumple, group).base_cloth = "OFF"
+                sleeve.at(1)
+                before = len(sleeve.shown(obj))
+                painted = obj.vertex_groups.new(name="Rumple Wavelength")
+                painted.add(range(len(obj.data.vertices)), 1.0, "REPLACE")
+                settle(obj)
+                self.assertEqual(len(sleeve.shown(obj)), before)
+                painted.add(range(20), 0.8, "REPLACE")
+                settle(obj)
+                finer = len(sleeve.shown(obj))
+                self.assertGreater(finer, 2 * before)
+                painted.add(range(20), 0.3, "REPLACE")
+                settle(obj)
+                self.assertEqual(len(sleeve.shown(obj)), finer)
+                obj.vertex_groups.remove(painted)
+                settle(obj)
+                self.assertEqual(len(sleeve.shown(obj)), before)
 
     def test_edits_of_the_curve_count_and_removing_it_takes_the_folds_back(self) -> None:
         obj = folded()

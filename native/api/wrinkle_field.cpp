@@ -162,6 +162,8 @@ rumple_status rumple_wrinkle_field_paint_build(const rumple_wrinkle_field* model
             api::painted(from.wavelength, from.wavelength_count, base, "wavelength", kMostPainted);
         made.rest_wrinkle = copied(vectors(from.rest_wrinkle, from.rest_wrinkle_count, "rest_wrinkle"));
         if (!made.rest_wrinkle.empty()) check_rest_wrinkle(*model->model, made.rest_wrinkle);
+        made.along = copied(vectors(from.along, from.along_count, "along"));
+        if (!made.along.empty()) check_along(base, made.along);
         return new rumple_wrinkle_field_paint{model->model, std::move(made)};
     });
 }

@@ -40,6 +40,7 @@ std::vector<Paint> paint_of(const Layers& model, const rumple_wrinkle_layers_pai
     const Paint all = mesh_painted(from.all, model.base);
     for (const Part part : {&Paint::radius, &Paint::prestretch, &Paint::bending, &Paint::inside})
         spread(model, all.*part, part, layers);
+    layers[0].guide = all.guide;
     const auto strength = values(from.strength, from.strength_count, "strength");
     if (!strength.empty()) expect_rows("strength", strength.size(), layers.size());
     for (size_t k = 0; k < strength.size(); ++k) {

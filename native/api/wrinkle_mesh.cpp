@@ -69,6 +69,8 @@ Paint mesh_painted(const rumple_wrinkle_mesh_painted& from, const Surface& base)
     paint.prestretch = painted(from.prestretch, from.prestretch_count, base, "prestretch");
     paint.bending = painted(from.bending, from.bending_count, base, "bending");
     paint.inside = painted(from.inside, from.inside_count, base, "inside");
+    const auto along = vectors(from.along, from.along_count, "along");
+    if (!along.empty()) paint.guide = build_guide_lines(base, along);
     return paint;
 }
 

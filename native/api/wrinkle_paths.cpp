@@ -69,8 +69,9 @@ size_t bytes(const std::vector<T>& values) {
 size_t bytes_of(const State& state, const PathArrays& flat) {
     size_t points = 0;
     for (const Path& path : state.paths) points += bytes(path.points);
-    return state.bytes() + bytes(state.compression) + bytes(state.shapes) + bytes(state.paths) + points +
-           bytes(flat.id) + bytes(flat.fade) + bytes(flat.start) + bytes(flat.triangle_edge) + bytes(flat.at);
+    return state.bytes() + bytes(state.compression) + bytes(state.width) + bytes(state.shapes) +
+           bytes(state.paths) + points + bytes(flat.id) + bytes(flat.fade) + bytes(flat.start) +
+           bytes(flat.triangle_edge) + bytes(flat.at);
 }
 
 std::vector<Path> paths_of(const rumple_wrinkle_paths_state_view& from) {
@@ -157,8 +158,12 @@ rumple_status rumple_wrinkle_paths_paint_build(const rumple_wrinkle_paths* model
     return made(paint, "paint", [&] {
         const rumple_wrinkle_paths& m = given(model, "model");
         const rumple_wrinkle_paths_painted& from = given(painted, "painted");
-        return new rumple_wrinkle_paths_paint{
-            m.model, {api::painted(from.mask, from.mask_count, m.model->base, "mask")}};
+        const Surface& base = m.model->base;
+        Paint made{api::painted(from.mask, from.mask_count, base, "mask"),
+                   api::painted(from.width, from.width_count, base, "width"),
+                   copied(vectors(from.along, from.along_count, "along"))};
+        if (!made.along.empty()) check_along(base, made.along);
+        return new rumple_wrinkle_paths_paint{m.model, std::move(made)};
     });
 }
 
@@ -187,12 +192,16 @@ rumple_status rumple_wrinkle_paths_state_get_view(const rumple_wrinkle_paths_sta
     return guarded([&] {
         const State& s = given(state, "state").state;
         const PathArrays& a = state->arrays();
-        given(view, "view") = {
-            view_of(s),           flat<float>(s.shapes), s.shapes.size(), s.compression.data(),
-            s.compression.size(), a.id.data(),           a.id.size(),     a.fade.data(),
-            a.fade.size(),        a.start.data(),        a.start.size(),  a.triangle_edge.data(),
-            a.at.size(),          flat<float>(a.at),     a.at.size(),     s.next_id,
-            bytes_of(s, a)};
+        given(view, "view") = {view_of(s),           flat<float>(s.shapes),
+                               s.shapes.size(),      s.compression.data(),
+                               s.compression.size(), s.width.data(),
+                               s.width.size(),       a.id.data(),
+                               a.id.size(),          a.fade.data(),
+                               a.fade.size(),        a.start.data(),
+                               a.start.size(),       a.triangle_edge.data(),
+                               a.at.size(),          flat<float>(a.at),
+                               a.at.size(),          s.next_id,
+                               bytes_of(s, a)};
     });
 }
 
@@ -206,6 +215,7 @@ rumple_status rumple_wrinkle_paths_state_build(const rumple_wrinkle_paths* model
         static_cast<ReferenceState&>(made) = state_of(from.reference);
         made.shapes = copied(rows<FlatTriangle>(from.shapes, from.shapes_count, "shapes"));
         made.compression = copied(values(from.compression, from.compression_count, "compression"));
+        made.width = copied(values(from.width, from.width_count, "width"));
         made.paths = paths_of(from);
         made.next_id = from.next_id;
         check(*m.model, made);

@@ -35,10 +35,11 @@ void build_paint(World& world, Bytes& bytes) {
     const auto vertices = model.base ? size_t(model.base->vertices) : 3;
     const std::vector<float> mask = values(vertices, 0.0f, 1.0f, bytes),
                              wavelength = values(vertices, 0.5f, 2.0f, bytes),
-                             wrinkle = values(3 * vertices, -0.5f, 0.5f, bytes);
+                             wrinkle = values(3 * vertices, -0.5f, 0.5f, bytes),
+                             along = values(3 * vertices, -0.57f, 0.57f, bytes);
     const auto count = [&] { return bytes.byte() % 2 == 0 ? 0 : bytes.hostile() ? vertices / 2 : vertices; };
-    rumple_wrinkle_field_painted painted{mask.data(), count(),        wavelength.data(),
-                                         count(),     wrinkle.data(), count()};
+    rumple_wrinkle_field_painted painted{mask.data(),    count(), wavelength.data(), count(),
+                                         wrinkle.data(), count(), along.data(),      count()};
     world.field_paints.add(
         MAKE(rumple_wrinkle_field_paint, rumple_wrinkle_field_paint_build, model.handle, &painted),
         model.base, model.model);

@@ -173,6 +173,7 @@ rumple_wrinkle_mesh_painted mesh_painted(const Base& base, std::vector<std::vect
     rumple_wrinkle_mesh_painted painted{};
     const auto vertices = size_t(base.vertices);
     for (int k = 0; k < 4; ++k) keep.push_back(values(vertices, 0.0f, 1.0f, bytes));
+    keep.push_back(values(3 * vertices, -0.57f, 0.57f, bytes));
     const auto count = [&] { return bytes.byte() % 2 == 0 ? 0 : bytes.hostile() ? vertices / 2 : vertices; };
     painted.radius = keep[0].data();
     painted.radius_count = count();
@@ -182,6 +183,8 @@ rumple_wrinkle_mesh_painted mesh_painted(const Base& base, std::vector<std::vect
     painted.bending_count = count();
     painted.inside = keep[3].data();
     painted.inside_count = count();
+    painted.along = keep[4].data();
+    painted.along_count = count();
     return painted;
 }
 

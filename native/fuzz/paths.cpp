@@ -37,7 +37,11 @@ void build_model(World& world, Bytes& bytes) {
 void build_paint(World& world, Bytes& bytes) {
     const auto model = world.paths.pick(bytes);
     const Floats mask(values(model.base ? size_t(model.base->vertices) : 3, 0.0f, 1.0f, bytes), 1, bytes);
-    const rumple_wrinkle_paths_painted painted{mask.pointer, mask.count};
+    const Floats width(values(model.base ? size_t(model.base->vertices) : 3, 0.1f, 1.0f, bytes), 1, bytes);
+    const Floats along(values(3 * (model.base ? size_t(model.base->vertices) : 3), -0.57f, 0.57f, bytes), 3,
+                       bytes);
+    const rumple_wrinkle_paths_painted painted{mask.pointer, mask.count,    width.pointer,
+                                               width.count,  along.pointer, along.count};
     world.paths_paints.add(
         MAKE(rumple_wrinkle_paths_paint, rumple_wrinkle_paths_paint_build, model.handle, &painted),
         model.base, model.model);
@@ -58,6 +62,7 @@ void keep_state(World& world, rumple_wrinkle_paths_state* state, const std::shar
     if (!kept || CALL(rumple_wrinkle_paths_state_get_view, kept->handle, &view) != RUMPLE_OK) return;
     expect_finite("shapes", view.shapes, 3 * view.shapes_count);
     expect_finite("compression", view.compression, view.compression_count);
+    expect_finite("width", view.width, view.width_count);
     expect_finite("fade", view.path_fade, view.path_fade_count);
     expect_finite("point", view.point_at, 2 * view.point_at_count);
     expect_starts("path", view.path_start, view.path_start_count, std::int32_t(view.point_at_count));

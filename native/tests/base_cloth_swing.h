@@ -11,6 +11,7 @@ namespace rumple::tests {
 inline base_cloth::Settings in_empty_space() {
     base_cloth::Settings settings;
     settings.gravity = Vec3(0.0f);
+    soften(settings);
     settings.follow = 2e-6f;
     settings.smoothing = 0.0f;
     settings.room = 1e3f;

@@ -31,6 +31,7 @@ class BaseMesh:
     origin: Origin | None = None  # of a healed mesh, or one without rigid parts: where its elements come from
     rigid: RigidParts | None = None  # that it is without
     painted_rigid: np.ndarray | None = None  # (n,) bool of the artist's vertices: of parts that are rigid by paint
+    narrowest: float = 1.0  # the smallest factor on the width of folds that is painted, as narrowest_of() has it
     crease_edge: np.ndarray | None = None  # (k, 2) int32, vertices of edges that the fine mesh rounds less
     crease_sharpness: np.ndarray | None = None  # (k,) float32: for how many subdivisions; from 10 on for ever
 
@@ -50,7 +51,7 @@ class BaseMesh:
         mesh = BaseMesh(self.name, np.ascontiguousarray(self.positions[origin.vertex]), healed.polygon_start,
                         healed.corner_vertex, healed.triangle_corner,
                         None if self.uv is None else np.ascontiguousarray(self.uv[origin.corner]), origin)
-        mesh.painted_rigid = self.painted_rigid
+        mesh.painted_rigid, mesh.narrowest = self.painted_rigid, self.narrowest
         if self.crease_edge is not None and self.crease_sharpness is not None:
             mesh.crease_edge, mesh.crease_sharpness = creases_of(self.crease_edge, self.crease_sharpness, origin,
                                                                  mesh.sides())

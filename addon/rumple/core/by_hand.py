@@ -4,12 +4,12 @@ imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 
 from .base_mesh import BaseMesh
-from .fold_guides import GUIDES, GuidedFolds
+from .fold_guides import ALONG, DIRECTION, GUIDES, KIND, GuidedFolds, directions
 from .frame_result import FrameResult
 from .keep_smooth import SMOOTH, left_on_shown, move, share_of_folds
 from .painted_rigid import RIGID, PaintedRigid
@@ -23,23 +23,31 @@ class ByHand:
     smooth: np.ndarray | None = None  # (n,) of the base's vertices; None: none, or the system sees itself to it
     guides: np.ndarray | None = None  # as fold_guides.py has them
     rigid: PaintedRigid | None = None
+    said: list[str] = field(default_factory=list)  # of guides that are directions
     _folds: dict[int, tuple[Any, GuidedFolds]] = field(default_factory=dict)  # by native mesh that is shown
 
     @classmethod
-    def taken(cls, paint: dict[str, np.ndarray], base: BaseMesh, height_paint: str,
-              solved: dict[str, np.ndarray]) -> "ByHand":
+    def taken(cls, paint: dict[str, np.ndarray], base: BaseMesh, height_paint: str, solved: dict[str, np.ndarray],
+              where_solved: Callable[[np.ndarray], np.ndarray]) -> "ByHand":
         """From what is painted. solved: the same as the system gets it; what is for us is taken out of it, and its
-        height_paint, as Wrinkles has it, is set."""
+        height_paint, as Wrinkles has it, and the directions of guides are set. where_solved: carries values of the
+        base's vertices to those that are solved on."""
         smooth = base.points(paint[SMOOTH]) if SMOOTH in paint else None
         rigid = PaintedRigid(base.points(paint[RIGID]), base) if RIGID in paint else None
         rigid = rigid if rigid is not None and rigid.count else None
         guides = solved.pop(GUIDES, None)
+        said: list[str] = []
+        if guides is not None:
+            along, said = directions(guides, base.positions, base.polygon_start, base.corner_vertex)
+            if along is not None and along.any():
+                solved[ALONG] = where_solved(along)
+            guides = guides[guides[:, KIND] != DIRECTION]
         solved.pop(RIGID, None)
         if height_paint:
             for left in ([share_of_folds(smooth)] if smooth is not None else []) + ([rigid.left()] if rigid else []):
                 solved[height_paint] = solved.get(height_paint, np.float32(1.0)) * left
             smooth = None  # the system sees itself to it
-        return cls(smooth, guides if guides is not None and len(guides) else None, rigid)
+        return cls(smooth, guides if guides is not None and len(guides) else None, rigid, said)
 
     def __bool__(self) -> bool:
         """Whether results are changed."""
@@ -74,7 +82,8 @@ class ByHand:
 
     def notes(self, name: str) -> list[str]:
         """What is to be said of the guides, for the artist. name: of the object."""
-        return [f"{name}: {note}" for _, folds in list(self._folds.values())[:1] for note in folds.notes]
+        notes = [note for _, folds in list(self._folds.values())[:1] for note in folds.notes]
+        return [f"{name}: {note}" for note in self.said + notes]
 
     def _folds_on(self, shown: Any) -> GuidedFolds:
         known = self._folds.get(id(shown))

@@ -18,6 +18,9 @@ AIR = 1.2  # kg/m^3
 MOST = 1e5  # m/s^2, m/s: the library refuses what is farther out still
 FIELD = 20.0 / 24.0  # N/m^2 of a force field of strength 1: against gravity what Blender's Cloth has at 24 frames/s
 FOLLOW = 150.0  # 1/s^2: gravity sags cloth by 2 cm, so that it hangs from the shoulders and not from its animation
+# m^2/s^2, of cotton: what swings is to turn as it likes and to come to rest, and time steps are short.
+SWINGING = dict(stretch=50.0, shear=5.0, compression=0.3, folded=1.0, smoothing=1.0)
+BENT = ("compression", "folded", "smoothing")  # what of these the bending of a fabric is
 THIRTIETH = 1.0 / 30.0  # s: what substeps divide
 LEAST_BEND = 4.0  # radius of lines that folds may run along, over their wavelength; from four times that on all do
 DOLL, GIANT = 0.4, 3.0  # metres, diagonal of a garment: smaller and larger ones hang as these do, to scale
@@ -156,10 +159,12 @@ class BaseCloth:
             to_scale * _all_into_object(object_from_world, of_mass * effects.push.astype(np.float64)),
             np.minimum(of_mass * effects.resist, MOST) * np.array((1.0, 1.0 / to_scale), np.float32))
 
-    def _settings_to_scale(self) -> Any:
-        """The solver's own settings, metres into object units. A doll's cloth, and a giant's, hang as a person's do:
-        lengths to scale."""
+    def _settings_to_scale(self, others: dict[str, float] | None = None) -> Any:
+        """The solver's own settings, but for others, metres into object units. A doll's cloth, and a giant's, hang as
+        a person's do: lengths to scale."""
         options = kernels.BaseClothSettings()
+        for name, value in (others or {}).items():
+            setattr(options, name, value)
         to_scale = self.size_factor / self.unit_scale
         for name in ("stretch", "shear", "compression", "folded", "smoothing"):
             setattr(options, name, getattr(options, name) * to_scale**2)
@@ -168,9 +173,11 @@ class BaseCloth:
         return options
 
     def _native_settings(self, settings: ClothSettings, world_from_object: np.ndarray) -> Any:
-        options = self._settings_to_scale()
+        # Frames on their own, which some systems have, hang.
+        swings = settings.base_cloth == "SWING" and not getattr(settings, "stateless", False)
+        options = self._settings_to_scale(SWINGING if swings else {})
         to_scale = self.size_factor / self.unit_scale
-        for name in ("compression", "folded", "smoothing"):
+        for name in BENT:
             setattr(options, name, getattr(options, name) * stiffness_over_cotton(settings.bending_length))
         gravity = GRAVITY * settings.gravity * to_scale * downwards(world_from_object)
         options.gravity = tuple(float(g) for g in gravity)

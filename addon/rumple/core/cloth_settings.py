@@ -31,7 +31,7 @@ class ClothSettings:
                              "does not sag", low=0.0, high=10.0)
     room: float = setting(0.03, "Room", "How far the cloth may leave its animated place", low=0.0, high=10.0,
                           unit="LENGTH")
-    slide_room: float = setting(0.09, "Slide", "How far the cloth may slide along the body, where that is more than "
+    slide_room: float = setting(0.15, "Slide", "How far the cloth may slide along the body, where that is more than "
                                 "Room. More: it hangs lower, and goes where it is pulled", low=0.0, high=10.0,
                                 unit="LENGTH")
     friction: float = setting(0.3, "Friction", "How firmly the cloth stays in its place on the body where it is "

@@ -41,14 +41,14 @@ class Wrinkles(ShownMesh):
     HEIGHTS: tuple[str, ...] = ()  # attributes that say how high folds are, scaled with them
     HEIGHT_PAINT = ""  # paint that keeps folds off: where empty, what is solved is made flat
     HAS_CURVES = False  # whether curves() has something to say
+    previewed = True  # whether a preview that draws wrinkles by itself draws these as they are
     in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
     _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
 
     def __init__(self, base: BaseMesh, source: BaseMesh, surface: Any, model: Any, warnings: list[str],
                  unit_scale: float) -> None:
         """base, source: healed. surface: native, of the base."""
-        self.name = base.name
-        self.base, self.source = base, source
+        self.name, self.base, self.source = base.name, base, source
         self.surface = surface
         self.solved_surface = surface  # what the base cloth and the system are solved on
         self.model = model
@@ -251,7 +251,7 @@ class Wrinkles(ShownMesh):
             solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
                       for name, values in paint.items()}
             self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
-            self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved)
+            self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved, self._where_solved)
             self._paint = self._take_paint(solved)
         timeline = (start, frame_rate)  # of another, frames are other ones: each scene has its own
         self.frame_cache.follow(timeline)

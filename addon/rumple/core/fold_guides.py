@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folds along guides: lines on a garment at rest become pleats, tucks or puckers of the mesh that is shown. Never
-imports bpy.
+"""Guides: lines on a garment at rest become pleats, tucks or puckers of the mesh that is shown, or say where the folds
+of motion run. Never imports bpy.
 
 A guide is some rows of a table, a point of its line in each: see COLUMNS. Folds are heights along the normals of the
-shown surface, found once at rest, so they ride on every pose.
+shown surface, found once at rest, so they ride on every pose. Directions go to the solvers (surface/strain/
+guided_strain.h in native/).
 """
 from __future__ import annotations
 
@@ -15,20 +16,25 @@ import numpy as np
 from .keep_smooth import cross, unit
 
 GUIDES = "guides"  # the paint
-# Place; factor of the depth; number of the line; place in KINDS; how many folds; from fold to fold, and from valley to
-# crest, both object units; share of the other folds that stays between them.
+ALONG = "along"  # the paint that directions become: (n, 3) of the base's vertices, of length 0..1, either sign
+# Place; factor of the depth, or of the direction; number of the line; place in KINDS; how many folds; from fold to fold
+# (of a direction, how far it reaches to each side), and from valley to crest, all object units; share of the other
+# folds that stays between them, or as it is.
 COLUMNS = ("x", "y", "z", "factor", "line", "kind", "count", "spacing", "depth", "others")
 KINDS = (
     ("PLEATS", "Pleats", "Round folds along the curve"),
     ("KNIFE", "Knife Pleats", "Folds along the curve that lie to one side"),
     ("TUCKS", "Tucks", "Narrow ridges along the curve, with smooth cloth between them"),
     ("PUCKER", "Pucker", "Short folds across the curve, as along a tight seam"),
+    ("DIRECTION", "Direction", "Adds no fold: the folds that motion makes run along the curve"),
 )
-PLEATS, KNIFE, TUCKS, PUCKER = range(4)
+KIND = COLUMNS.index("kind")
+PLEATS, KNIFE, TUCKS, PUCKER, DIRECTION = range(5)
 LEAN = 0.75  # where the crest of a knife pleat stands between its two valleys
 TUCK = 0.5  # share of the spacing that a tuck takes
 STEPS = 4.0  # points of a line in the spacing of its folds
 FINEST = 0.25  # of the spacing: the longest edges that show a fold
+TOO_FAR = "a guide is too far from the garment at rest: move it onto the surface"
 
 
 def crest(share: np.ndarray) -> np.ndarray:
@@ -49,12 +55,36 @@ def profile(kind: int, across: np.ndarray, along: np.ndarray, count: float, spac
     return crest(share)
 
 
-class GuidedFolds:
-    """The folds of all guides of a garment, on a native mesh that is shown."""
+def directions(table: np.ndarray, positions: np.ndarray, polygon_start: np.ndarray,
+               corner_vertex: np.ndarray) -> tuple[np.ndarray | None, list[str]]:
+    """ALONG of a mesh at rest, of the guides that are directions, None where there is none; and what is to be said.
+    Where lines cross they mix: of two at right angles that ask for as much nothing is left."""
+    table = table[table[:, KIND] == DIRECTION]
+    if not len(table):
+        return None, []
+    surface = _AtRest(positions, polygon_start, corner_vertex)
+    found, lines = np.zeros((len(positions), 3)), np.zeros(len(positions), np.int64)
+    asked = [surface.direction(table[table[:, 4] == line].astype(np.float64)) for line in np.unique(table[:, 4])]
+    for rows, along in asked:
+        found[rows] = along
+        lines[rows] += 1
+    several = np.flatnonzero(lines > 1)
+    if len(several):
+        mixed, number = np.zeros((len(several), 3, 3)), np.full(len(positions), -1)
+        number[several] = np.arange(len(several))
+        for rows, along in asked:
+            along, at = along[number[rows] >= 0], number[rows][number[rows] >= 0]
+            mixed[at] += along[:, :, None] * unit(along)[:, None, :]
+        strength, axes = np.linalg.eigh(mixed)
+        found[several] = np.minimum(strength[:, 2] - strength[:, 1], 1.0)[:, None] * axes[:, :, 2]
+    return found.astype(np.float32), surface.notes
 
-    def __init__(self, table: np.ndarray, shown: Any) -> None:
-        self._rest = np.asarray(shown.positions_rest, np.float64)
-        start, corners = shown.polygon_start, shown.corner_vertex
+
+class _AtRest:
+    """A mesh at rest, around lines that lie on it."""
+
+    def __init__(self, positions: np.ndarray, start: np.ndarray, corners: np.ndarray) -> None:
+        self._rest = np.asarray(positions, np.float64)
         sizes = np.diff(start)
         place = np.arange(len(corners))
         first, last = np.repeat(start[:-1], sizes), np.repeat(start[1:] - 1, sizes)
@@ -65,6 +95,90 @@ class GuidedFolds:
         _, self._place = np.unique(steps.astype(np.int64) @ np.array([1 << 42, 1 << 21, 1]), return_inverse=True)
         self._normals = _normals(self._rest, self._corner, self._place[corners])[self._place]
         self.notes: list[str] = []
+
+    def direction(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of one guide: vertices, and ALONG there: whole within half of its reach, nothing behind it."""
+        reach, others = float(rows[0, 7]), float(rows[0, 9])
+        nothing = np.zeros(0, np.int64), np.zeros((0, 3))
+        if len(rows) < 2 or not 0.0 < reach < math.inf:
+            return nothing
+        line, factor = _resampled(rows[:, :3], rows[:, 3], reach / STEPS)
+        near = self._near(line, reach)
+        if not len(near):
+            self.notes.append(TOO_FAR)
+            return nothing
+        foot, normal, seeds = self._on_surface(line, near)
+        across, _along, beyond, strength, tangent = self._measured(near, foot, normal, factor)
+        distance = np.hypot(across, beyond) / reach
+        chosen = self._connected(near, (distance < 1.0) | np.isin(near, seeds), seeds)
+        weight = (1.0 - others) * np.clip(strength, 0.0, 1.0) * _smoothstep(2.0 - 2.0 * distance)
+        normals = self._normals[near]
+        tangent = unit(tangent - (tangent * normals).sum(axis=1)[:, None] * normals)
+        return near[chosen], (weight[:, None] * tangent)[chosen]
+
+    def _near(self, line: np.ndarray, reach: float) -> np.ndarray:
+        low, high = line.min(axis=0) - reach, line.max(axis=0) + reach
+        return np.flatnonzero(((self._rest >= low) & (self._rest <= high)).all(axis=1))
+
+    def _on_surface(self, line: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The points of a line on the surface, the normals there, and the vertices beside them."""
+        closest = near[_nearest(line, self._rest[near])]
+        normal = self._normals[closest]
+        return line + normal * ((self._rest[closest] - line) * normal).sum(axis=1)[:, None], normal, closest
+
+    def _measured(self, near: np.ndarray, foot: np.ndarray, normal: np.ndarray,
+                  factor: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Of vertices: distances across the line along the surface, signed, along it, and beyond its ends; the factor
+        of the depth; and the direction of the line."""
+        points, side = self._rest[near], np.diff(foot, axis=0)
+        lengths = np.maximum(np.linalg.norm(side, axis=1), 1e-12)
+        best, segment, share = np.full(len(near), np.inf), np.zeros(len(near), np.int64), np.zeros(len(near))
+        closest = _nearest(points, foot)  # steps are short: one of the two beside that point
+        for number in (np.maximum(closest - 1, 0), np.minimum(closest, len(side) - 1)):
+            from_begin = points - foot[number]
+            at = np.clip(np.einsum("ij,ij->i", from_begin, side[number]) / lengths[number] ** 2, 0.0, 1.0)
+            distance = ((from_begin - at[:, None] * side[number]) ** 2).sum(axis=1)
+            closer = distance < best
+            best[closer], segment[closer], share[closer] = distance[closer], number[closer], at[closer]
+        tangent = (side / lengths[:, None])[segment]
+        from_line = points - foot[segment] - (share * lengths[segment])[:, None] * tangent
+        along_tangent = (from_line * tangent).sum(axis=1)
+        ends = ((segment == 0) & (share == 0.0)) | ((segment == len(side) - 1) & (share == 1.0))
+        closed = np.linalg.norm(foot[0] - foot[-1]) < 1e-6 * lengths.sum()
+        beyond = np.where(ends & (not closed), np.abs(along_tangent), 0.0)
+        under = unit((1.0 - share)[:, None] * normal[segment] + share[:, None] * normal[segment + 1])
+        straight = from_line - along_tangent[:, None] * tangent * ends[:, None]
+        sign = np.sign((cross(under, tangent) * straight).sum(axis=1))
+        # Over an arc the chord is shorter, by the angle between the normals at its ends.
+        angle = np.arccos(np.clip((under * self._normals[near]).sum(axis=1), -1.0, 1.0)) / 2.0
+        longer = np.where(angle > 1e-6, angle / np.maximum(np.sin(angle), 1e-9), 1.0)
+        across = sign * np.linalg.norm(straight, axis=1) * longer
+        at_begin = np.concatenate([[0.0], np.cumsum(lengths)])[segment]
+        depth_factor = (1.0 - share) * factor[segment] + share * factor[segment + 1]
+        return across, at_begin + share * lengths[segment], beyond, depth_factor, tangent
+
+    def _connected(self, near: np.ndarray, inside: np.ndarray, seeds: np.ndarray) -> np.ndarray:
+        """Which of those near a line hang together with what lies under it: not the other side of a sleeve."""
+        is_in = np.zeros(len(self._rest), bool)
+        is_in[self._place[near[inside]]] = True  # by place
+        ends = self._place[self._corner[:2]]
+        ends = ends[:, is_in[ends].all(axis=0)]
+        reached = np.zeros(len(self._rest), bool)
+        reached[self._place[seeds]] = True
+        while True:
+            known = reached[ends]
+            hit = known[0] != known[1]
+            if not hit.any():
+                return np.flatnonzero(inside & reached[self._place[near]])
+            reached[ends[:, hit]] = True
+            ends = ends[:, ~(known[0] & known[1])]
+
+
+class GuidedFolds(_AtRest):
+    """The folds of all guides of a garment, on a native mesh that is shown."""
+
+    def __init__(self, table: np.ndarray, shown: Any) -> None:
+        super().__init__(shown.positions_rest, shown.polygon_start, shown.corner_vertex)
         heights, left = np.zeros(len(self._rest)), np.ones(len(self._rest))
         for line in np.unique(table[:, 4]):
             self._add(table[table[:, 4] == line].astype(np.float64), heights, left)
@@ -93,10 +207,10 @@ class GuidedFolds:
         line, factor = _resampled(rows[:, :3], rows[:, 3], spacing / STEPS)
         near = self._near(line, half + spacing)
         if not len(near):
-            self.notes.append("a guide is too far from the garment at rest: move it onto the surface")
+            self.notes.append(TOO_FAR)
             return
         foot, normal, seeds = self._on_surface(line, near)
-        across, along, beyond, depth_factor = self._measured(near, foot, normal, factor)
+        across, along, beyond, depth_factor, _tangent = self._measured(near, foot, normal, factor)
         near_enough = (np.abs(across) < half) & (beyond < spacing)
         near_enough |= np.isin(near, seeds)
         chosen = self._connected(near, near_enough, seeds)
@@ -108,63 +222,6 @@ class GuidedFolds:
         share = fade * _smoothstep(np.clip((half - np.abs(across[chosen])) / (0.5 * spacing), 0.0, 1.0))
         left[rows_of] *= 1.0 - (1.0 - others) * share
         self._note_edges(rows_of, spacing * (TUCK if kind == TUCKS else 1.0))
-
-    def _near(self, line: np.ndarray, reach: float) -> np.ndarray:
-        low, high = line.min(axis=0) - reach, line.max(axis=0) + reach
-        return np.flatnonzero(((self._rest >= low) & (self._rest <= high)).all(axis=1))
-
-    def _on_surface(self, line: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The points of a line on the surface, the normals there, and the vertices beside them."""
-        closest = near[_nearest(line, self._rest[near])]
-        normal = self._normals[closest]
-        return line + normal * ((self._rest[closest] - line) * normal).sum(axis=1)[:, None], normal, closest
-
-    def _measured(self, near: np.ndarray, foot: np.ndarray, normal: np.ndarray,
-                  factor: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Of vertices: distances across the line along the surface, signed, along it, and beyond its ends; and the
-        factor of the depth."""
-        points, side = self._rest[near], np.diff(foot, axis=0)
-        lengths = np.maximum(np.linalg.norm(side, axis=1), 1e-12)
-        best, segment, share = np.full(len(near), np.inf), np.zeros(len(near), np.int64), np.zeros(len(near))
-        closest = _nearest(points, foot)  # steps are short: one of the two beside that point
-        for number in (np.maximum(closest - 1, 0), np.minimum(closest, len(side) - 1)):
-            from_begin = points - foot[number]
-            at = np.clip(np.einsum("ij,ij->i", from_begin, side[number]) / lengths[number] ** 2, 0.0, 1.0)
-            distance = ((from_begin - at[:, None] * side[number]) ** 2).sum(axis=1)
-            closer = distance < best
-            best[closer], segment[closer], share[closer] = distance[closer], number[closer], at[closer]
-        tangent = (side / lengths[:, None])[segment]
-        from_line = points - foot[segment] - (share * lengths[segment])[:, None] * tangent
-        along_tangent = (from_line * tangent).sum(axis=1)
-        ends = ((segment == 0) & (share == 0.0)) | ((segment == len(side) - 1) & (share == 1.0))
-        closed = np.linalg.norm(foot[0] - foot[-1]) < 1e-6 * lengths.sum()
-        beyond = np.where(ends & (not closed), np.abs(along_tangent), 0.0)
-        under = unit((1.0 - share)[:, None] * normal[segment] + share[:, None] * normal[segment + 1])
-        straight = from_line - along_tangent[:, None] * tangent * ends[:, None]
-        sign = np.sign((cross(under, tangent) * straight).sum(axis=1))
-        # Over an arc the chord is shorter, by the angle between the normals at its ends.
-        angle = np.arccos(np.clip((under * self._normals[near]).sum(axis=1), -1.0, 1.0)) / 2.0
-        longer = np.where(angle > 1e-6, angle / np.maximum(np.sin(angle), 1e-9), 1.0)
-        across = sign * np.linalg.norm(straight, axis=1) * longer
-        at_begin = np.concatenate([[0.0], np.cumsum(lengths)])[segment]
-        depth_factor = (1.0 - share) * factor[segment] + share * factor[segment + 1]
-        return across, at_begin + share * lengths[segment], beyond, depth_factor
-
-    def _connected(self, near: np.ndarray, inside: np.ndarray, seeds: np.ndarray) -> np.ndarray:
-        """Which of those near a line hang together with what lies under it: not the other side of a sleeve."""
-        is_in = np.zeros(len(self._rest), bool)
-        is_in[self._place[near[inside]]] = True  # by place
-        ends = self._place[self._corner[:2]]
-        ends = ends[:, is_in[ends].all(axis=0)]
-        reached = np.zeros(len(self._rest), bool)
-        reached[self._place[seeds]] = True
-        while True:
-            known = reached[ends]
-            hit = known[0] != known[1]
-            if not hit.any():
-                return np.flatnonzero(inside & reached[self._place[near]])
-            reached[ends[:, hit]] = True
-            ends = ends[:, ~(known[0] & known[1])]
 
     def _note_edges(self, rows: np.ndarray, width: float) -> None:
         is_row = np.zeros(len(self._rest), bool)

@@ -23,10 +23,11 @@ def native_settings(settings: MeshSettings) -> Any:
     return options
 
 
-def layer_words(count: int) -> list[str]:
-    """For every layer, coarse first, the setting that says how much of it there is."""
-    words = ["drape"] * max(count - 2, 0) + ["folds", "detail"]
-    return words[-count:]
+def layer_words(count: int, finer: int = 0) -> list[str]:
+    """For every layer, coarse first, the setting that says how much of it there is. finer: how many of them are there
+    for what is painted narrower alone."""
+    words = ["drape"] * max(count - finer - 2, 0) + ["folds", "detail"]
+    return words[finer - count:] + ["detail"] * finer
 
 
 # What layers have their own way, measured on shirts, sweaters and trousers (docs/wrinkle_mesh.md, Layers).
@@ -36,21 +37,22 @@ TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
 APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
 SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
-LOOSER = 4.0  # slack of the layers over that of the base cloth, where that is not taut
+LOOSER = 2.0  # slack of the layers over that of the base cloth, where that is not taut
 TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
 LIMPEST = 0.7  # bending length over cotton's, about silk's: limper cloth has no more to spare than that
 LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
-                   world_from_object: np.ndarray | None = None, bend: float = 0.0) -> list[Any]:
-    """The native settings of every layer, coarse first. finest: how much there is of the last one, 0 to 1.
+                   world_from_object: np.ndarray | None = None, bend: float = 0.0, finer: int = 0) -> list[Any]:
+    """The native settings of every layer, coarse first. finer: as layer_words() has it. finest: how much there is of
+    the last one before these, 0 to 1.
     world_from_object: (3, 3), for where cloth hangs down; None: the identity. bend: bend_radius()."""
     out = []
-    for number, word in enumerate(layer_words(count)):
+    for number, word in enumerate(layer_words(count, finer)):
         options = native_settings(settings)
         # Of the radius and of what the layer is wider alike: much cloth in little room is crumpled.
-        share = getattr(settings, word) * (finest if number == count - 1 else 1.0)
+        share = getattr(settings, word) * (finest if number == count - finer - 1 else 1.0)
         options.radius = settings.radius * share * (WIDEST_RADIUS if number == 0 else 1.0)
         options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
         options.hem_rings = min(settings.hem_rings, number + 1)

@@ -13,6 +13,21 @@ LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)  # Rec. 709
 CHANNELS = ("LUMINANCE", "ALPHA", "RED", "GREEN", "BLUE")
 
 
+WIDTH = "wavelength"  # the paint that scales how wide folds are
+NARROWEST = 0.5  # of the width of folds: what is painted lower counts as that, for finer meshes are heavy
+
+
+def fold_width(weights: np.ndarray) -> np.ndarray:
+    """(n,) of the map WIDTH -> (n,) float32 factor on the width of folds, NARROWEST..1."""
+    return np.clip(np.nan_to_num(weights, nan=1.0), NARROWEST, 1.0).astype(np.float32)
+
+
+def narrowest_of(weights: np.ndarray | None) -> float:
+    """By what factor the finest folds are narrower than without the map: 1 or NARROWEST, so that a stroke makes a new
+    mesh once."""
+    return NARROWEST if weights is not None and (fold_width(weights) < 1.0 - CHANGED).any() else 1.0
+
+
 def numbers(weights: np.ndarray, rest: float) -> tuple[float, float]:
     """Mean of a map, and the share of its vertices that are not as without it. rest: what they are then."""
     if not len(weights):

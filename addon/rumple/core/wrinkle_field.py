@@ -11,6 +11,7 @@ from .base_mesh import BaseMesh
 from .cloth import bend_radius
 from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, PROFILE, Wrinkles
+from .fold_guides import ALONG
 from .frame_input import FrameInput
 from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from .settings import FieldSettings
@@ -92,7 +93,7 @@ class WrinkleField(Wrinkles):
         return settings.adapts
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        self._drawn = paint.get(PROFILE)
+        self._drawn, self.previewed = paint.get(PROFILE), ALONG not in paint  # its shaders know no directions
         return kernels.WrinkleFieldPaint(
             {name: np.ascontiguousarray(values, np.float32) for name, values in paint.items() if name != PROFILE})
 
@@ -108,12 +109,12 @@ class WrinkleField(Wrinkles):
     def _may_wait(self, settings: FieldSettings, frame_input: FrameInput) -> bool:
         self.model.weld_pose(frame_input.animated)  # raises now what a solve would raise later
         # Else the preview asks for the state: of the base cloth, of reference triangles, of a start of its own.
-        return (settings.output == "SHADING" and settings.base_cloth == "OFF" and frame_input.body is None
-                and not settings.adapts and not settings.stateless)
+        return (self.previewed and settings.output == "SHADING" and settings.base_cloth == "OFF"
+                and frame_input.body is None and not settings.adapts and not settings.stateless)
 
     def _preview(self, settings: FieldSettings, positions: np.ndarray, pose: Any, state: Any,
                  frame_input: FrameInput) -> FrameResult | PreviewFrame:
-        if settings.output == "SHADING" and frame_input.cloth is None:
+        if self.previewed and settings.output == "SHADING" and frame_input.cloth is None:
             return PreviewFrame()
         return self._show(settings, positions, pose, state, frame_input)
 

@@ -16,8 +16,10 @@ from .cloth import bend_radius, size_factor
 from .cloth_settings import ClothSettings
 from .cloth_surface import checked_surface
 from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
+from .fold_guides import ALONG
 from .layers import layer_settings, layer_words, native_settings
 from .on_cloth import OnCloth
+from .paint_maps import WIDTH, fold_width
 from .settings import MeshSettings
 from .shown_mesh import ViewportMesh
 from .wording import UserError, user_error
@@ -51,8 +53,13 @@ def layers_for(edge: float, wavelength: float) -> tuple[int, float]:
     halving on, and is whole after a half."""
     count = max(halvings(edge, wavelength), 0.0)
     level = math.floor(count)
-    share = min(4.0 * (count - level) - 1.0, 1.0)
+    share = min(share_of_layer(count, level + 1), 1.0)
     return (level + 1, share) if share > 0.0 else (level, 1.0)
+
+
+def share_of_layer(count: Any, layer: int) -> Any:
+    """Of the layer after so many halvings, where `count` are asked for: none below 0, all from 1 on."""
+    return 4.0 * (count - (layer - 1)) - 1.0
 
 
 def wavelength_of(base: BaseMesh, level: int, unit_scale: float) -> float:
@@ -127,8 +134,10 @@ class WrinkleMesh(Wrinkles):
 
     edge_mean: float  # of the fine mesh, metres
     level: int  # its subdivisions
-    finest_share: float  # of the strength of the last layer
+    finest_share: float  # of the strength of the last layer that is not for painted widths
     layer_count = 0  # 0: one mesh, as in the paper
+    finer_layers = 0  # the last of them: for folds that are painted narrower
+    _halvings = 0.0  # of the mean edge, for the wavelength that is set
     coarse: Any = None  # native: stands for a dense base
     transfer: Any = None  # native: what shows the layers on it then
     _finest: np.ndarray | None = None
@@ -184,15 +193,16 @@ class WrinkleMesh(Wrinkles):
         """Layers over the base, or over a coarse mesh in its place where it is dense."""
         coarse = coarse_mesh(base, settings, surface, unit_scale)
         edge = (base.mean_edge() if coarse is None else coarse.mean_edge) * unit_scale
-        level, share = settings.level, 1.0
+        level, share, whole = settings.level, 1.0, settings.level
         if settings.density == "WAVELENGTH":
-            asked, share = layers_for(edge, settings.wavelength)
+            whole, share = layers_for(edge, settings.wavelength)
+            asked, _ = layers_for(edge, settings.wavelength * base.narrowest)
             if coarse is None:
                 level, notes = base.level_within(asked, settings.display_steps, most_vertices)
                 warnings += notes
             else:
                 level = affordable_level(coarse.surface.vertex_count, asked, 0, most_vertices)
-            share = share if level == asked else 1.0
+            share = share if level >= whole else 1.0
         try:
             model = kernels.build_wrinkle_layers(surface if coarse is None else coarse.surface, level,
                                                  settings.display_steps if coarse is None else 0, most_vertices,
@@ -203,6 +213,7 @@ class WrinkleMesh(Wrinkles):
         except ValueError as error:
             raise user_error(base.name, error) from error
         mesh.layer_count, mesh.level, mesh.finest_share = level + 1, level, share
+        mesh.finer_layers, mesh._halvings = max(level - whole, 0), halvings(edge, settings.wavelength)
         mesh.edge_mean = float(model.local_edge(level).mean()) * unit_scale
         mesh._take_viewport_mesh(model if coarse is None else mesh.transfer)
         return mesh
@@ -215,7 +226,8 @@ class WrinkleMesh(Wrinkles):
 
     def _show_on_dense(self, coarse: Any, settings: MeshSettings, most_vertices: int, viewport_steps: int) -> None:
         """What was solved on the coarse mesh moves the dense one, subdivided as far as its folds need."""
-        steps = round(halvings(self.base.mean_edge() * self.unit_scale, settings.wavelength)) + settings.display_steps
+        finest = settings.wavelength * self.base.narrowest
+        steps = round(halvings(self.base.mean_edge() * self.unit_scale, finest)) + settings.display_steps
         steps, notes = self.base.level_within(max(steps, 0), 0, most_vertices)
         self.warnings += notes
         level = max(steps - settings.display_steps, 0)
@@ -282,12 +294,23 @@ class WrinkleMesh(Wrinkles):
         return native_settings(settings)
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        words = layer_words(self.layer_count) if self.layer_count else []
+        words = layer_words(self.layer_count, self.finer_layers) if self.layer_count else []
         factors = {name: values for name, values in paint.items()
-                   if name in ("radius", "prestretch", "bending", "inside", *words)}
+                   if name in ("radius", "prestretch", "bending", "inside", ALONG, *words)}
+        for number in range(self.layer_count - self.finer_layers, self.layer_count):
+            words[number] = f"finer {number}"
+            factors[words[number]] = self._narrower(number, paint)
         if self.layer_count:
             return kernels.WrinkleLayersPaint(self.model, factors, words)
         return kernels.WrinkleMeshPaint(self.model, factors)
+
+    def _narrower(self, layer: int, paint: dict[str, np.ndarray]) -> np.ndarray:
+        """(n,) share of a layer that is there for what is painted narrower, of the vertices that are solved on."""
+        if WIDTH not in paint:
+            return np.zeros(self.solved_surface.vertex_count, np.float32)
+        asked = self._halvings - np.log2(fold_width(paint[WIDTH]))
+        share = np.clip(share_of_layer(asked, layer), 0.0, 1.0).astype(np.float32)
+        return share * paint["detail"] if "detail" in paint else share
 
     def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
         if self.layer_count:
@@ -303,7 +326,7 @@ class WrinkleMesh(Wrinkles):
         by_wavelength = settings.density == "WAVELENGTH"
         wavelength = settings.wavelength if by_wavelength else EDGES_PER_WAVELENGTH * self.edge_mean
         layers = layer_settings(settings, self.layer_count, self.finest_share, frame_input.world_from_object,
-                                bend_radius(settings, wavelength, self.unit_scale))
+                                bend_radius(settings, wavelength, self.unit_scale), self.finer_layers)
         return kernels.solve_wrinkle_layers(self.model, layers, self._paint, pose, state=before,
                                             **self._contact(settings, frame_input))
 

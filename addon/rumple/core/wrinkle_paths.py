@@ -13,6 +13,7 @@ from .cloth_surface import checked_surface
 from .curve_rows import CurvePoints
 from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
 from .on_cloth import cloth_of
+from .paint_maps import WIDTH, fold_width
 from .settings import PathsSettings
 from .wording import user_error
 
@@ -56,7 +57,7 @@ class WrinklePaths(Wrinkles):
               most_vertices: int = MOST_VERTICES) -> "WrinklePaths":
         """Make the fine mesh and bind it. See Wrinkles.build()."""
         base, surface, warnings = checked_surface(base, settings.weld, settings.rigid_parts, unit_scale)
-        longest = settings.width / settings.detail
+        longest = base.narrowest * settings.width / settings.detail
         level = base.level_for(longest, unit_scale)
         if settings.source == "SUBDIVISION":
             level, notes = base.level_within(level, 0, most_vertices)
@@ -103,7 +104,10 @@ class WrinklePaths(Wrinkles):
         return True
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        return kernels.WrinklePathsPaint(self.model, paint)
+        factors = {name: values for name, values in paint.items() if name != WIDTH}
+        if WIDTH in paint:
+            factors["width"] = fold_width(paint[WIDTH])
+        return kernels.WrinklePathsPaint(self.model, factors)
 
     def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
         return kernels.WrinklePathsPose.of(self.model, positions, *frame_input.in_time())

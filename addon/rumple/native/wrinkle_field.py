@@ -89,10 +89,11 @@ class _Paint(Handle):
 class WrinkleFieldPaint:
     """Painted values of the base's vertices. They belong to the model that they are first used with."""
 
-    COLUMNS = dict(mask=0, wavelength=0, rest_wrinkle=3)
+    COLUMNS = dict(mask=0, wavelength=0, rest_wrinkle=3, along=3)
 
     def __init__(self, painted: dict[str, np.ndarray] | None = None) -> None:
-        """painted: any of mask (n,) 0..1, wavelength (n,) factor > 0, rest_wrinkle (n, 3) shorter than 1, float32."""
+        """painted: any of mask (n,) 0..1, wavelength (n,) factor > 0, rest_wrinkle (n, 3) shorter than 1, along (n, 3),
+        where waves are to run, a direction at rest of a length of 0..1; float32."""
         for name in painted or {}:
             chosen(name, "paint", {known: 0 for known in self.COLUMNS})
         self._arrays = {name: checked(values, name, FLOAT, self.COLUMNS[name]).copy()

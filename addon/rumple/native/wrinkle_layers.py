@@ -57,7 +57,7 @@ class WrinkleLayersPaint(Handle):
 
     def __init__(self, model: WrinkleMeshLayers, painted: dict[str, np.ndarray], strength: Sequence[str]) -> None:
         """painted: names -> (n,) float32 of the base's vertices, 0..1: radius, prestretch, bending, inside, and those
-        in strength: for every layer the name of what scales its radius."""
+        in strength: for every layer the name of what scales its radius; and along, as WrinkleMeshPaint has it."""
         if len(strength) != model.count:
             raise ValueError(f"strength: expected {model.count} names, one per layer, got {len(strength)}")
         values = c.WrinkleLayersPainted()

@@ -15,6 +15,7 @@ from .surface import (REFERENCE_ARRAYS, FramePose, ReferenceSettings, ShownFrame
                       fine_plan, stored_array)
 
 PAINTED = ("radius", "prestretch", "bending", "inside")
+ALONG = "along"  # (n, 3): where folds are to run, a direction at rest, its length how much
 
 
 class WrinkleMeshModel(SteppedModel):
@@ -74,10 +75,12 @@ def painted_factors(painted: dict[str, np.ndarray], names: tuple[str, ...] = PAI
     """Painted factors as the library takes them. The arrays must outlive them."""
     values = c.WrinkleMeshPainted()
     for name, array in painted.items():
-        if name not in names:
+        if name not in (*names, ALONG):
             raise ValueError(f"paint: expected one of {', '.join(names)}, got {name}")
         if name in PAINTED:
             fill(values, name, checked(array, name, FLOAT), FLOAT)
+        elif name == ALONG:
+            fill(values, name, array, FLOAT, 3)
     return values
 
 
@@ -88,7 +91,8 @@ class WrinkleMeshPaint(Handle):
     POINTER, FREE = c.WrinkleMeshPaintPointer, "rumple_wrinkle_mesh_paint_free"
 
     def __init__(self, model: WrinkleMeshModel, painted: dict[str, np.ndarray] | None = None) -> None:
-        """painted: any of radius, prestretch, bending, inside -> (n,) float32 of the base's vertices, 0..1."""
+        """painted: any of radius, prestretch, bending, inside -> (n,) float32 of the base's vertices, 0..1; along ->
+        (n, 3), where folds are to run, a direction at rest of a length of 0..1."""
         self._filled(self, lib.rumple_wrinkle_mesh_paint_build, model, painted_factors(painted or {}))
 
 

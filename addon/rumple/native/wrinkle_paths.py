@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from . import c
-from .arrays import FLOAT, INT, checked, fill, lent
+from .arrays import FLOAT, INT, fill, lent
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice, chosen
@@ -62,11 +62,11 @@ class WrinklePathsPaint(Handle):
     POINTER, FREE = c.WrinklePathsPaintPointer, "rumple_wrinkle_paths_paint_free"
 
     def __init__(self, model: WrinklePathsModel, painted: dict[str, np.ndarray] | None = None) -> None:
-        """painted: mask -> (n,) float32 of the base's vertices, 0..1: where folds may start."""
+        """painted: mask -> (n,) float32 of the base's vertices, 0..1: where folds may start; width -> (n,), 0.1..1: on
+        their width; along -> (n, 3): where they are to run, a direction at rest of a length of 0..1."""
         values = c.WrinklePathsPainted()
         for name, array in (painted or {}).items():
-            chosen(name, "paint", {"mask": 0})
-            fill(values, name, checked(array, name, FLOAT), FLOAT)
+            fill(values, name, array, FLOAT, chosen(name, "paint", {"mask": 0, "width": 0, "along": 3}))
         self._filled(self, lib.rumple_wrinkle_paths_paint_build, model, values)
 
 
@@ -84,8 +84,8 @@ class WrinklePathsState(Handle):
     __slots__ = ()
     POINTER, FREE = c.WrinklePathsStatePointer, "rumple_wrinkle_paths_state_free"
     VIEW, LOOK = c.WrinklePathsStateView, "rumple_wrinkle_paths_state_get_view"
-    ARRAYS = {"shapes": (FLOAT, 3), "compression": (FLOAT, 0), "path_id": (INT, 0), "path_fade": (FLOAT, 0),
-              "path_start": (INT, 0), "point_triangle_edge": (INT, 2), "point_at": (FLOAT, 2)}
+    ARRAYS = {"shapes": (FLOAT, 3), "compression": (FLOAT, 0), "width": (FLOAT, 0), "path_id": (INT, 0),
+              "path_fade": (FLOAT, 0), "path_start": (INT, 0), "point_triangle_edge": (INT, 2), "point_at": (FLOAT, 2)}
 
     path_count = Number("paths", "path_id_count")
     nbytes = Number("memory of the state", "bytes")

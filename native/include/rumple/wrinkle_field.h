@@ -104,6 +104,8 @@ typedef struct rumple_wrinkle_field_painted {
     size_t wavelength_count;
     const float* rest_wrinkle;  // (n, 3): p of section 7, along the compression, rest space, shorter than 1
     size_t rest_wrinkle_count;
+    const float* along;  // (n, 3): where waves are to run, as rumple_wrinkle_mesh_painted has it
+    size_t along_count;
 } rumple_wrinkle_field_painted;
 typedef struct rumple_wrinkle_field_paint rumple_wrinkle_field_paint;
 RUMPLE_API rumple_status rumple_wrinkle_field_paint_build(const rumple_wrinkle_field* model,

@@ -100,6 +100,8 @@ typedef struct rumple_wrinkle_mesh_painted {
     size_t bending_count;
     const float* inside;  // inside x value
     size_t inside_count;
+    const float* along;  // (n, 3): where folds are to run, as a direction at rest, either sign; its length,
+    size_t along_count;  // 0..1, says how much; or none
 } rumple_wrinkle_mesh_painted;
 typedef struct rumple_wrinkle_mesh_paint rumple_wrinkle_mesh_paint;
 RUMPLE_API rumple_status rumple_wrinkle_mesh_paint_build(const rumple_wrinkle_mesh* model,

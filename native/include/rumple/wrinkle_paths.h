@@ -71,6 +71,10 @@ RUMPLE_API rumple_wrinkle_paths_settings rumple_wrinkle_paths_settings_default(v
 typedef struct rumple_wrinkle_paths_painted {
     const float* mask;  // (n), 0..1: where folds may start, and how long they get; or none: 1 everywhere
     size_t mask_count;
+    const float* width;  // (n), 0.1..1: factor on the width; or none
+    size_t width_count;
+    const float* along;  // (n, 3): where folds are to run, as rumple_wrinkle_mesh_painted has it; or none
+    size_t along_count;
 } rumple_wrinkle_paths_painted;
 typedef struct rumple_wrinkle_paths_paint rumple_wrinkle_paths_paint;
 RUMPLE_API rumple_status rumple_wrinkle_paths_paint_build(const rumple_wrinkle_paths* model,
@@ -101,6 +105,8 @@ typedef struct rumple_wrinkle_paths_state_view {
     size_t shapes_count;
     const float* compression;  // (t): as the paths see it
     size_t compression_count;
+    const float* width;  // (t): painted factor on the width; or none: 1 everywhere
+    size_t width_count;
     const int32_t* path_id;  // (paths): in order of birth, never used twice
     size_t path_id_count;
     const float* path_fade;  // (paths): 0 at birth, 1 at full height

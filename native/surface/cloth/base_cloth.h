@@ -20,13 +20,13 @@ namespace rumple::base_cloth {
 // Stiffness is per mass of cloth: membrane stiffness (N/m) over mass per area (kg/m^2), in object units^2 /
 // s^2.
 struct Settings {
-    float stretch = 50.0f;           // of what is longer than at rest, > 0
+    float stretch = 2000.0f;         // of what is longer than at rest, > 0
     float strain_limit = 0.02f;      // beyond this strain stretch counts kBeyondLimit times, >= 0
-    float shear = 5.0f;              // of the diagonals of quads that are longer than at rest, >= 0
-    float compression = 0.3f;        // k1: of what is shorter than at rest, >= 0
+    float shear = 500.0f;            // of the diagonals of quads that are longer than at rest, >= 0
+    float compression = 3.0f;        // k1: of what is shorter than at rest, >= 0
     float compression_limit = 0.7f;  // c_l: length over rest length below which k2 counts, 0..1
-    float folded = 1.0f;             // k2: of what is shorter than that, >= 0
-    float smoothing = 1.0f;          // against displacements that differ between neighbours, >= 0
+    float folded = 10.0f;            // k2: of what is shorter than that, >= 0
+    float smoothing = 30.0f;         // against sides that turn away from their animated direction, >= 0
     float slack = 1.0f;              // length of the cloth over that of the modelled garment, > 0
     Vec3 hang{0.0f};                 // object space, length 0..1: along it there is no slack
     float follow = 400.0f;           // pull back to the animation where nothing is pinned, 1/s^2, > 0
@@ -35,7 +35,7 @@ struct Settings {
     float friction = 0.0f;    // coefficient of Coulomb's law, on what is worn under it, >= 0
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2
     ClearanceSettings clearance{};
-    int steps = 4;         // Newton steps from a given state, >= 0
+    int steps = 6;         // Newton steps from a given state, >= 0
     int start_steps = 20;  // from the animation, >= 0
     int gradients = 30;    // most conjugate gradients of a step, >= 0
 };
@@ -59,7 +59,10 @@ struct Model {
         float weight;  // its share of the membrane: its area / rest^2
         bool diagonal;
     };
+    // In the order of their first ends, which come before the second ones.
     std::vector<Spring> springs;
+    std::vector<Index> order;  // of the vertices: along the cloth, breadth first from an end of each part
+    std::vector<Index> spring_start;  // per place in the order, and the end: the first spring from there
     // The same springs in their order, four at a time. The last ones have no weight, and no vertex: the one
     // after all.
     struct SpringFour {

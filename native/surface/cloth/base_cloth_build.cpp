@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "base/tolerances.h"
 #include "surface/cloth/base_cloth.h"
@@ -67,6 +68,48 @@ void place_springs(Model& model) {
     }
 }
 
+// The vertices that a first one is connected with, breadth first.
+std::vector<Index> connected_from(Index first, const std::vector<std::vector<Index>>& neighbours,
+                                  std::vector<bool>& seen) {
+    std::vector<Index> found{first};
+    seen[first] = true;
+    for (size_t k = 0; k < found.size(); ++k) {
+        for (const Index other : neighbours[found[k]]) {
+            if (!seen[other]) found.push_back(other);
+            seen[other] = true;
+        }
+    }
+    return found;
+}
+
+// Sweeps over the springs carry a pull the farther the more the order runs along the cloth.
+void put_springs_in_order(Model& model) {
+    const size_t vertices = model.surface.welded.vertex_count;
+    std::vector<std::vector<Index>> neighbours(vertices);
+    for (const Model::Spring& spring : model.springs) {
+        neighbours[spring.a].push_back(spring.b);
+        neighbours[spring.b].push_back(spring.a);
+    }
+    std::vector<bool> seen(vertices), ordered(vertices);
+    for (Index v = 0; v < static_cast<Index>(vertices); ++v) {
+        if (seen[v]) continue;
+        const Index end = connected_from(v, neighbours, seen).back();
+        const std::vector<Index> part = connected_from(end, neighbours, ordered);
+        model.order.insert(model.order.end(), part.begin(), part.end());
+    }
+    std::vector<Index> place(vertices);
+    for (size_t k = 0; k < vertices; ++k) place[model.order[k]] = static_cast<Index>(k);
+    model.spring_start.assign(vertices + 1, 0);
+    for (Model::Spring& spring : model.springs) {
+        if (place[spring.b] < place[spring.a]) std::swap(spring.a, spring.b);
+        ++model.spring_start[place[spring.a] + 1];
+    }
+    std::partial_sum(model.spring_start.begin(), model.spring_start.end(), model.spring_start.begin());
+    std::ranges::sort(model.springs, {}, [&](const Model::Spring& spring) {
+        return std::pair(place[spring.a], place[spring.b]);
+    });
+}
+
 void put_springs_in_fours(Model& model) {
     model.spring_fours.resize(in_fours(model.springs.size()) / kLanes);
     for (Model::SpringFour& four : model.spring_fours) {
@@ -105,6 +148,7 @@ std::shared_ptr<const Model> build(Surface surface) {
     auto model = std::make_shared<Model>();
     model->surface = std::move(surface);
     place_springs(*model);
+    put_springs_in_order(*model);
     put_springs_in_fours(*model);
     collect_triangles(*model);
     model->limit = vertex_limit_stencils(model->surface);

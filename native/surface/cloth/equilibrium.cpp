@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The least energy of docs/base_cloth.md: Newton's method, each step by preconditioned conjugate gradients
-// (Shewchuk 1994, B3). Vertices and springs are computed four at a time and summed up in their order, so that
-// every sum has the bits of one after the other.
+// The least energy of docs/base_cloth.md: Newton's method. Vertices and springs are computed four at a time
+// and summed up in their order, so that every sum has the bits of one after the other.
 #include "surface/cloth/equilibrium.h"
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 
 #include "base/lanes.h"
 #include "base/tolerances.h"
+#include "surface/cloth/hessian.h"
 
 namespace rumple::base_cloth {
 namespace {
@@ -18,30 +18,12 @@ constexpr float kBeyondLimit = 10.0f;  // stiffness beyond the strain limit
 constexpr float kWall = 15.0f;         // how much the pull back grows towards the edge of the room
 constexpr float kContact = 2e4f;       // stiffness of the inner surface, 1/s^2
 constexpr float kSlip = 1.0f / 6.0f;   // of the room: what has slid farther is held by the whole friction
-constexpr double kResidual = 0.05;     // conjugate gradients stop at this share of the force they began with
 constexpr int kShortenings = 4;        // of a step that went too far
 
 using FourRows = std::array<Row, kLanes>;
 
 std::span<Row, kLanes> four_of(std::vector<Row>& rows, size_t four) {
     return four_from(rows, four * kLanes);
-}
-
-struct Matrix {
-    Row column[3];
-};
-Lanes operator*(const Matrix& m, const Row& v) {
-    return m.column[0].xyz * v.xyz[0] + m.column[1].xyz * v.xyz[1] + m.column[2].xyz * v.xyz[2];
-}
-Matrix scaled_identity(float scale) {
-    return {{Row(Lanes{scale}), Row(Lanes{0.0f, scale}), Row(Lanes{0.0f, 0.0f, scale})}};
-}
-void add(const Matrix& more, Matrix& m) {
-    for (int i = 0; i < 3; ++i) m.column[i].xyz += more.column[i].xyz;
-}
-// scale times n x n.
-void add_outer_product(float scale, const Row& n, Matrix& m) {
-    for (int i = 0; i < 3; ++i) m.column[i].xyz += scale * (n.xyz * n.xyz[i]);
 }
 
 // A frame of the cloth as it is computed. Rows end with one vertex, or more, of no weight.
@@ -121,6 +103,15 @@ Vec3Lanes ends_apart(const Model::SpringFour& springs, const std::vector<Row>& x
     return columns(out);
 }
 
+// At least that of the shortest edge.
+Lanes length_of(const Vec3Lanes& v) {
+    return most(square_root(dot(v, v)), all_lanes(kShortestEdge));
+}
+Vec3Lanes direction_of(const Vec3Lanes& v) {
+    const Lanes length = length_of(v);
+    return {v.x / length, v.y / length, v.z / length};
+}
+
 void pull_together(const Model::SpringFour& springs, const Vec3Lanes& pull, std::vector<Row>& force) {
     FourRows rows;
     store_rows(pull, rows);
@@ -155,34 +146,6 @@ Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes&
             longer > zero ? (within ? k : kBeyondLimit * k)
             : diagonal    ? zero
                           : slope};
-}
-
-// The energy's Hessian, made positive definite: as the springs and vertices have it.
-struct Hessian {
-    struct Springs {
-        Vec3Lanes direction;
-        Lanes along;  // beyond `across`
-        Lanes across;
-    };
-    struct Vertices {
-        Lanes back;      // times identity
-        Lanes off;       // times normal x normal, of the animated vertex: the pull back off the surface
-        Vec3Lanes wall;  // times itself: the pull back grows along the way
-        Lanes contact;   // times normal x normal, of what is worn under it
-        Lanes ahead;     // the same of what is ahead
-    };
-    std::vector<Springs> springs;
-    std::vector<Vertices> vertices;
-    std::vector<Matrix> inverse_diagonal;  // preconditioner: of the 3x3 blocks, per vertex
-};
-
-// A vertex without area, of no polygon or of flat ones, has neither weight nor force: it stays.
-Matrix inverse_or_nothing(const Matrix& block) {
-    const glm::mat3 inverse =
-        glm::inverse(glm::mat3(block.column[0].vec(), block.column[1].vec(), block.column[2].vec()));
-    const Vec3 sum = inverse[0] + inverse[1] + inverse[2];
-    if (!std::isfinite(sum.x + sum.y + sum.z)) return {};
-    return {inverse[0], inverse[1], inverse[2]};
 }
 
 // Force of friction over the way slid: Coulomb's law, smooth where the way is short (f_1 of M. Li et al.,
@@ -221,14 +184,13 @@ void forces_at_vertices(const Frame& frame, std::vector<Row>& x, std::vector<Row
         if (!hessian) continue;
         const Lanes growth = 4.0f * area * follow * kWall * room_used;
         const Vec3Lanes wall = choose(room_used > zero, square_root(growth) / room * counted, {});
-        hessian->vertices[four] = {back + rub, off, wall, contact - rub, ahead};
         FourRows surface_normals, walls, normals, normals_ahead;
         store_rows(normal, surface_normals);
         store_rows(wall, walls);
         store_rows(under.normal, normals);
         store_rows(before.normal, normals_ahead);
         for (int k = 0; k < kLanes; ++k) {
-            Matrix& block = hessian->inverse_diagonal[four * kLanes + k];
+            Matrix& block = hessian->own[four * kLanes + k];
             block = scaled_identity(back[k] + rub[k]);
             add_outer_product(off[k], surface_normals[k], block);
             add_outer_product(1.0f, walls[k], block);
@@ -239,7 +201,7 @@ void forces_at_vertices(const Frame& frame, std::vector<Row>& x, std::vector<Row
     for (size_t v = 0; v < frame.inertia.size(); ++v) {
         const auto& [from, push, resist] = frame.inertia[v];
         out[v].xyz += push.xyz - resist * Row(x[v].xyz - from.xyz);
-        if (hessian) add(resist, hessian->inverse_diagonal[v]);
+        if (hessian) add(resist, hessian->own[v]);
     }
 }
 
@@ -249,86 +211,25 @@ void forces(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hess
     for (size_t s = 0; s < frame.model.spring_fours.size(); ++s) {
         const Model::SpringFour& springs = frame.model.spring_fours[s];
         const Vec3Lanes displacement = ends_apart(springs, x);
-        const Lanes length = most(square_root(dot(displacement, displacement)), all_lanes(kShortestEdge));
-        const Vec3Lanes n{displacement.x / length, displacement.y / length, displacement.z / length};
+        const Lanes length = length_of(displacement);
+        const Vec3Lanes n = direction_of(displacement);
         const Tension t = tension(settings, springs.diagonal, length, load_lanes(&frame.cut[s * kLanes]));
         const Lanes smooth = springs.diagonal ? Lanes{} : all_lanes(settings.smoothing);
-        const Vec3Lanes bent = displacement - ends_apart(springs, frame.animated);
-        pull_together(springs, springs.weight * (t.force * n + smooth * bent), out);
+        // What turns it away from its animated direction. Of the difference, so that what is at rest has
+        // none.
+        const Vec3Lanes animated = ends_apart(springs, frame.animated), aim = direction_of(animated);
+        const Vec3Lanes moved = displacement - animated, turned = moved - dot(aim, moved) * aim;
+        pull_together(springs, springs.weight * (t.force * n + smooth * turned), out);
         if (!hessian) continue;
-        const Lanes across = most(t.force / length, Lanes{});
-        const Lanes along = springs.weight * (t.slope - across), wide = springs.weight * (across + smooth);
-        hessian->springs[s] = {n, along, wide};
+        // As if the spring had its animated direction: it hardly ever turns far from it.
+        const Lanes across = most(t.force / length, Lanes{}) + smooth;
+        const Lanes along = springs.weight * (t.slope - across), wide = springs.weight * across;
         FourRows directions;
         store_rows(n, directions);
-        for (int k = 0; k < kLanes; ++k) {
-            Matrix block = scaled_identity(wide[k]);
-            add_outer_product(along[k], directions[k], block);
-            add(block, hessian->inverse_diagonal[springs.a[k]]);
-            add(block, hessian->inverse_diagonal[springs.b[k]]);
-        }
+        const size_t count = std::min<size_t>(hessian->springs.size() - s * kLanes, kLanes);
+        for (size_t k = 0; k < count; ++k)
+            hessian->springs[s * kLanes + k] = {directions[k], along[int(k)], wide[int(k)]};
     }
-    if (hessian) {
-        for (Matrix& block : hessian->inverse_diagonal) block = inverse_or_nothing(block);
-    }
-}
-
-void multiply(const Frame& frame, const Hessian& hessian, std::vector<Row>& p, std::vector<Row>& out) {
-    for (size_t four = 0; four < frame.vertices.size(); ++four) {
-        const auto& [back, off, wall, contact, ahead] = hessian.vertices[four];
-        const Frame::Vertices& cloth = frame.vertices[four];
-        const Vec3Lanes &n = cloth.under.normal, &m = cloth.ahead.normal;
-        const Vec3Lanes at = columns(four_of(p, four));
-        store_rows(back * at + dot(wall, at) * wall + contact * dot(n, at) * n + ahead * dot(m, at) * m +
-                       off * dot(cloth.normal, at) * cloth.normal,
-                   four_of(out, four));
-    }
-    for (size_t v = 0; v < frame.inertia.size(); ++v) out[v].xyz += frame.inertia[v].resist * p[v];
-    for (size_t s = 0; s < hessian.springs.size(); ++s) {
-        const auto& [n, along, across] = hessian.springs[s];
-        const Vec3Lanes d = ends_apart(frame.model.spring_fours[s], p);
-        pull_together(frame.model.spring_fours[s], -(across * d + along * dot(n, d) * n), out);
-    }
-}
-
-double inner_product(const std::vector<Row>& a, const std::vector<Row>& b) {
-    double sum = 0.0;
-    for (size_t v = 0; v < a.size(); v += kLanes) {
-        FourRows product;
-        for (int k = 0; k < kLanes; ++k) product[k].xyz = a[v + k].xyz * b[v + k].xyz;
-        const Vec3Lanes columns_of_four = columns(product);
-        const Lanes dots = columns_of_four.x + columns_of_four.y + columns_of_four.z;
-        for (int k = 0; k < kLanes; ++k) sum += double(dots[k]);
-    }
-    return sum;
-}
-
-// Solves Hessian step = force, from step 0; returns the number of gradients.
-int conjugate_gradients(const Frame& frame, const Hessian& hessian, const std::vector<Row>& force,
-                        std::vector<Row>& step) {
-    std::vector<Row> residual = force, z = frame.rows(), product = frame.rows();
-    const auto precondition = [&] {
-        for (size_t v = 0; v < z.size(); ++v) z[v].xyz = hessian.inverse_diagonal[v] * residual[v];
-    };
-    precondition();
-    std::vector<Row> p = z;
-    double now = inner_product(residual, z);
-    const double enough = kResidual * kResidual * now;
-    for (int i = 0; i < frame.settings.gradients; ++i) {
-        if (now <= enough || now <= 0.0) return i;
-        multiply(frame, hessian, p, product);
-        const float alpha = static_cast<float>(now / inner_product(p, product));
-        for (size_t v = 0; v < p.size(); ++v) {
-            step[v].xyz += alpha * p[v].xyz;
-            residual[v].xyz -= alpha * product[v].xyz;
-        }
-        precondition();
-        const double next = inner_product(residual, z);
-        const float beta = static_cast<float>(next / now);
-        for (size_t v = 0; v < p.size(); ++v) p[v].xyz = z[v].xyz + beta * p[v].xyz;
-        now = next;
-    }
-    return frame.settings.gradients;
 }
 
 }  // namespace
@@ -338,11 +239,10 @@ float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report) {
     const Frame frame(cloth, at);
     std::vector<Row> force = frame.rows(), step = frame.rows(), tried = frame.rows(), there = frame.rows();
     Hessian hessian;
-    hessian.springs.resize(cloth.model.spring_fours.size());
-    hessian.vertices.resize(frame.vertices.size());
-    hessian.inverse_diagonal.resize(at.size());
+    hessian.springs.resize(cloth.model.springs.size());
+    hessian.own.resize(at.size());
     forces(frame, at, force, &hessian);
-    report.gradients += conjugate_gradients(frame, hessian, force, step);
+    report.gradients += conjugate_gradients(cloth.model, hessian, force, cloth.settings.gradients, step);
     const double slope = inner_product(force, step);
     float fraction = 1.0f;
     for (int i = 0; i < kShortenings; ++i) {

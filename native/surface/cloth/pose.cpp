@@ -13,7 +13,7 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr float kPinned = 4e6f;  // follow of a pinned vertex, 1/s^2: 2.5 um under gravity
+constexpr float kPinned = 1.6e8f;  // follow of a pinned vertex, 1/s^2: springs on a skinned mesh pull hard
 
 TriangleFrame tangent_frame(const Vec3& normal, const Vec3& towards) {
     TriangleFrame frame;

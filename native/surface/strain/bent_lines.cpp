@@ -40,21 +40,6 @@ std::vector<std::vector<Index>> polygon_rings(const PolygonMesh& mesh) {
     return rings;
 }
 
-// Of the vertices at rest, weighted by triangle area; zero where there is none.
-std::vector<Vec3> normals_at_rest(const Surface& surface) {
-    const std::vector<Vec3>& p = surface.positions_rest;
-    std::vector<Vec3> normals(p.size(), Vec3(0.0f));
-    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
-        const auto [a, b, c] = welded_vertices(surface, t);
-        for (const Index v : {a, b, c}) normals[v] += glm::cross(p[b] - p[a], p[c] - p[a]);
-    }
-    for (Vec3& normal : normals) {
-        const float length = glm::length(normal);
-        normal = length > kShortestEdge * kShortestEdge ? normal / length : Vec3(0.0f);
-    }
-    return normals;
-}
-
 // Cholesky's factor of a positive definite matrix, in its lower half; false where it is none.
 bool factorise(std::array<Row5, 5>& m) {
     for (size_t i = 0; i < 5; ++i) {
@@ -94,6 +79,32 @@ struct Derivatives {
 };
 
 }  // namespace
+
+std::vector<Vec3> normals_at_rest(const Surface& surface) {
+    const std::vector<Vec3>& p = surface.positions_rest;
+    std::vector<Vec3> normals(p.size(), Vec3(0.0f));
+    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
+        const auto [a, b, c] = welded_vertices(surface, t);
+        for (const Index v : {a, b, c}) normals[v] += glm::cross(p[b] - p[a], p[c] - p[a]);
+    }
+    for (Vec3& normal : normals) {
+        const float length = glm::length(normal);
+        normal = length > kShortestEdge * kShortestEdge ? normal / length : Vec3(0.0f);
+    }
+    return normals;
+}
+
+FirstDerivatives first_derivatives(const BentLinesModel& model, std::span<const Vec3> positions,
+                                   size_t vertex) {
+    FirstDerivatives out;
+    for (Index i = model.start[vertex]; i < model.start[vertex + 1]; ++i) {
+        const auto& [other, weight] = model.around[i];
+        const Vec3 way = positions[other] - positions[vertex];
+        out.x += weight[0] * way;
+        out.y += weight[1] * way;
+    }
+    return out;
+}
 
 BentLinesModel build_bent_lines(const Surface& surface) {
     BentLinesModel model;

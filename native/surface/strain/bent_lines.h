@@ -51,6 +51,18 @@ struct BentLinesModel {
 // Cost: O(vertices).
 BentLinesModel build_bent_lines(const Surface& surface);
 
+// Of the welded vertices at rest, weighted by triangle area; zero where there is none. The tangent plane of a
+// vertex has any_tangent() of it, then its cross product with that.
+std::vector<Vec3> normals_at_rest(const Surface& surface);
+
+// Where the two axes of its tangent plane at rest went, of a vertex in a pose: F. Zero where nothing is
+// known.
+struct FirstDerivatives {
+    Vec3 x{0.0f}, y{0.0f};
+};
+FirstDerivatives first_derivatives(const BentLinesModel& model, std::span<const Vec3> positions,
+                                   size_t vertex);
+
 // How much cloth a vertex has to spare: e . all e, for a direction e along the surface, and the part of it
 // across lines that bend, which has no place. Values of several vertices may be added and scaled.
 struct SpareCloth {

@@ -30,6 +30,12 @@ inline std::optional<Neighbourhood> regress(const Model& model, std::span<const 
     return out;
 }
 
+// What an estimate of a wave becomes where waves are to run along a line of the rest frame: it has the
+// largest compression that there is, across that line. Its length over the rest pose stays W.
+// m, q, before, turn: as formulas::estimate_wave() takes them. gather: Waves::gather of it.
+void turn_along(const Vec2& along, const glm::mat2& m, const Vec2& q, const Vec2& before, const Vec2& turn,
+                formulas::WaveEstimate& estimate, float& gather);
+
 // Below this many vertices threads are not worth it: a round takes some hundred microseconds alone.
 inline constexpr size_t kVerticesForThreads = 50'000;
 inline constexpr int kMostThreads = 8;

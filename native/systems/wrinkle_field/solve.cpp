@@ -39,6 +39,7 @@ void check_paint(const Model& model, const Paint& paint) {
     fits("mask", paint.mask, 0.0);
     fits("wavelength", paint.wavelength, 1e-3);
     if (!paint.rest_wrinkle.empty()) check_rest_wrinkle(model, paint.rest_wrinkle);
+    if (!paint.along.empty()) check_along(model.base, paint.along);
 }
 
 // Values of welded vertices: the mean of those that were joined.
@@ -279,22 +280,33 @@ Waves estimate_waves(const Model& model, const Settings& settings, const Paint& 
     std::vector<SpareCloth> spare;
     if (settings.bend_radius > 0.0f)
         spare = spare_cloth(model.base, model.bent_lines, pose.positions, settings.bend_radius);
+    const auto asked_along = [&](size_t v) {
+        if (paint.along.empty()) return Vec2(0.0f);
+        const Vec3& asked = paint.along[model.base.representative[v]];
+        return Vec2(glm::dot(model.tangent_rest[v], asked), glm::dot(model.bitangent_rest[v], asked));
+    };
     for_each_vertex(settings, vertices, [&](size_t v) {
         const std::optional<Neighbourhood>& around = pose.around[v];
         if (!around) return;
         const glm::mat2 m = stretches.empty() ? around->m : formulas::restretched(around->m, stretches[v]);
-        const formulas::WaveEstimate estimate =
+        formulas::WaveEstimate estimate =
             formulas::estimate_wave(m, parameters.rest_wrinkle[v], before[v], parameters.turn[v]);
+        float gather = glm::length(estimate.k_deformed);
+        const Vec2 along = asked_along(v);
+        if (along != Vec2(0.0f)) {
+            turn_along(along, m, parameters.rest_wrinkle[v], before[v], parameters.turn[v], estimate, gather);
+        }
         const float w = parameters.wavelength[v];
         waves.compression[v] = estimate.r;
         waves.direction[v] = estimate.k;
-        if (estimate.fullness > 0.0f) waves.gather[v] = glm::length(estimate.k_deformed);
+        if (estimate.fullness > 0.0f) waves.gather[v] = gather;
         const Vec3 across =
             estimate.k_deformed.x * around->tangent + estimate.k_deformed.y * around->bitangent;
         waves.fullness[v] = estimate.fullness * parameters.mask[v];
         if (!spare.empty() && across != Vec3(0.0f)) {
             // What the artist has painted stays.
-            const float painted = std::min(glm::length(parameters.rest_wrinkle[v]), 1.0f);
+            const float painted =
+                std::min(std::max(glm::length(parameters.rest_wrinkle[v]), glm::length(along)), 1.0f);
             waves.fullness[v] *= 1.0f - (1.0f - painted) * spare[v].share_without_place(across);
         }
         waves.height[v] = 0.25f * w * settings.strength * waves.fullness[v];  // equation (2)

@@ -19,6 +19,7 @@
 #include "surface/strain/adaptive_reference.h"
 #include "surface/strain/bent_lines.h"
 #include "surface/strain/deformation.h"
+#include "surface/strain/guided_strain.h"
 
 namespace rumple::wrinkle_field {
 
@@ -70,6 +71,8 @@ struct Paint {
     std::vector<float> mask;         // factor on the amplitude, 0..1
     std::vector<float> wavelength;   // factor on W, > 0
     std::vector<Vec3> rest_wrinkle;  // p of section 7: along the compression, rest space, shorter than 1
+    std::vector<Vec3>
+        along{};  // where waves are to run, object space at rest, of length 0..1 (guided_strain.h)
 };
 
 // The wrinkles in the shading of the base's own triangles, or in the shape of a fine mesh.

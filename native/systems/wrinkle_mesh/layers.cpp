@@ -2,6 +2,7 @@
 #include "systems/wrinkle_mesh/layers.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include "base/errors.h"
@@ -20,16 +21,31 @@ std::vector<Vec3> attached_over(const Model& layer, std::span<const Vec3> below)
     return out;
 }
 
-// Of the vertices of the base, as the artist has them.
-std::vector<SpareCloth> spare_cloth_of(const Layers& layers, std::span<const Vec3> positions, float radius) {
-    const Surface& base = layers.base;
-    std::vector<Vec3> welded(base.welded.vertex_count);
-    weld_positions(base, positions, welded);
-    const std::vector<SpareCloth> spare = spare_cloth(base, layers.bent_lines, welded, radius);
-    std::vector<SpareCloth> out;
-    for (const Index w : base.welded_of) out.push_back(spare[w]);
-    return out;
-}
+// What layers see of how the base is strained, of its vertices as the artist has them; then of every layer.
+struct BaseStrain {
+    std::vector<SpareCloth> spare;     // empty: folds along any line
+    std::vector<GuidedStrain> guided;  // empty: no directions are asked for
+
+    BaseStrain(const Layers& layers, std::span<const Vec3> positions, float radius, const GuideLines* guide) {
+        const Surface& base = layers.base;
+        if (radius <= 0.0f && !guide) return;
+        std::vector<Vec3> welded(base.welded.vertex_count);
+        weld_positions(base, positions, welded);
+        std::vector<SpareCloth> of_welded = spare_cloth(base, layers.bent_lines, welded, radius);
+        if (guide) {
+            const std::vector<GuidedStrain> asked = guided_strain(*guide, welded);
+            for (size_t w = 0; w < asked.size(); ++w) of_welded[w] = spared_along(of_welded[w], asked[w]);
+            for (const Index w : base.welded_of) guided.push_back(asked[w]);
+        }
+        for (const Index w : base.welded_of) spare.push_back(of_welded[w]);
+    }
+
+    // On the vertices of the next layer.
+    void carry_to(const Model& layer, Pose& pose) {
+        if (!spare.empty()) pose.spare = spare = carry(layer, std::span<const SpareCloth>(spare));
+        if (!guided.empty()) pose.guided = guided = carry(layer, std::span<const GuidedStrain>(guided));
+    }
+};
 
 // How far the next layer may go inwards: what the vertices of this one have left.
 std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
@@ -230,7 +246,10 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     LayersState out;
     Chain chain(input);
     Clear own_cloth, body_ahead;
-    std::vector<SpareCloth> spare;
+    if (paint[0].guide)
+        expect_count("paint.along", paint[0].guide->along.size(), size_t(layers.base.welded.vertex_count),
+                     "welded vertices");
+    std::optional<BaseStrain> strain;
     std::vector<Vec3> unwrinkled(input.positions.begin(), input.positions.end());
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
@@ -238,9 +257,8 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
         chain.set_threads(settings[k].threads);
         Pose pose = make_pose(layer, chain.input());
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
-        if (k == 0 && settings[0].bend_radius > 0.0f)
-            spare = spare_cloth_of(layers, input.positions, settings[0].bend_radius);
-        if (!spare.empty()) pose.spare = spare = carry(layer, std::span<const SpareCloth>(spare));
+        if (!strain) strain.emplace(layers, input.positions, settings[0].bend_radius, paint[0].guide.get());
+        strain->carry_to(layer, pose);
         look_at_own(layers.own[k], layer, settings[k], paint[k], own_cloth, pose);
         if (input.bodies)
             look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, body_ahead, pose);

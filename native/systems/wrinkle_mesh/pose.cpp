@@ -157,6 +157,26 @@ void check(const Model& model, const Paint& paint) {
     fits("prestretch", paint.prestretch);
     fits("bending", paint.bending);
     fits("inside", paint.inside);
+    if (paint.guide)
+        expect_count("paint.along", paint.guide->along.size(), size_t(model.base.welded.vertex_count),
+                     "welded vertices");
+}
+
+std::optional<Pose> guided_pose(const Model& model, const Paint& paint, const Pose& pose) {
+    if (!paint.guide || !pose.guided.empty()) return {};
+    const std::vector<GuidedStrain> guided = guided_strain(*paint.guide, pose.base);
+    const std::vector<SpareCloth> spare = spare_cloth(model.base, paint.guide->around, pose.base, 0.0f);
+    std::vector<GuidedStrain> guided_of;
+    std::vector<SpareCloth> spare_of;
+    for (const Index w : model.base.welded_of) {
+        guided_of.push_back(guided[w]);
+        spare_of.push_back(spared_along(spare[w], guided[w]));
+    }
+    Pose out = pose;
+    out.guided = carry(model, std::span<const GuidedStrain>(guided_of));
+    out.spare = carry(model, std::span<const SpareCloth>(spare_of));
+    if (out.unwrinkled.empty()) out.unwrinkled = out.attachment;
+    return out;
 }
 
 void check(const Model& model, const State& state) {

@@ -3,6 +3,7 @@
 // and for the handles of the library.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct Pose {
     std::vector<Vec3> attachment;       // a_i
     std::vector<Vec3> unwrinkled;       // where layers without folds would have them; empty: no layers
     std::vector<SpareCloth> spare;      // of the base, at the attachments; empty: folds along any line
+    std::vector<GuidedStrain> guided;   // of the base, at the attachments; empty: no directions are asked for
     std::vector<Vec3> normal;           // interpolated base normals at the attachments, unit or zero
     std::vector<Vec3> floor;            // unit: off what is worn under each; empty: the normals
     std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
@@ -48,6 +50,9 @@ std::vector<Value> carry(const Model& model, std::span<const Value> base_values)
 
 // Throws InvalidInput when positions do not match the model or are not finite.
 Pose make_pose(const Model& model, const Input& input);
+
+// The pose of a single mesh with the directions that are painted; none where none are.
+std::optional<Pose> guided_pose(const Model& model, const Paint& paint, const Pose& pose);
 
 // What a frame is asked for, with its pose, that make_pose() made of `input`.
 State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
@@ -108,10 +113,10 @@ Adaptive place_pairs(const Model& model);
 ReferenceState adapt_rest(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
                           const State* before);
 
-// By how much the reference triangles scale the rest length of every pair e; empty, which means 1, for an
-// empty reference. From the rest pose: |F e| / |e|, F from rest to reference. Without one (kFirstFrame) the
-// rest pose's lengths mean nothing: the length in this pose times |F e| / |F' e|, F' from rest to this pose.
-// lengths: pair_lengths() of the attachments.
+// By how much the rest length of every pair e is scaled; empty, which means 1, for an empty reference and no
+// directions that are asked for (GuidedStrain::rest_scale()). From the rest pose: |F e| / |e|, F from rest to
+// reference. Without one (kFirstFrame) the rest pose's lengths mean nothing: the length in this pose times
+// |F e| / |F' e|, F' from rest to this pose. lengths: pair_lengths() of the attachments.
 std::vector<float> rest_scales(const Model& model, const Settings& settings, const ReferenceState& reference,
                                const Pose& pose, std::span<const float> lengths);
 inline float scale_of(const std::vector<float>& scales, size_t pair) {

@@ -125,8 +125,11 @@ ReferenceState adapt_rest(const Model& model, const Settings& settings, const In
                  before ? before->reference : ReferenceState{});
 }
 
-std::vector<float> rest_scales(const Model& model, const Settings& settings, const ReferenceState& reference,
-                               const Pose& pose, std::span<const float> lengths) {
+namespace {
+
+std::vector<float> scales_of_reference(const Model& model, const Settings& settings,
+                                       const ReferenceState& reference, const Pose& pose,
+                                       std::span<const float> lengths) {
     if (reference.empty() || !model.adaptive) return {};
     const std::vector<FlatTriangle>& rest = model.adaptive->triangles.rest;
     if (settings.rest.reference != Reference::kFirstFrame)
@@ -144,6 +147,29 @@ std::vector<float> rest_scales(const Model& model, const Settings& settings, con
     };
     to_rest(model.distance, 0);
     to_rest(model.bending, model.distance.size());
+    return scales;
+}
+
+// What lies along the way of a pair, without folds, as the directions that are asked for have it.
+void scale_by_guides(const Model& model, const Pose& pose, std::vector<float>& scales) {
+    if (pose.guided.empty()) return;
+    const std::vector<Vec3>& at = pose.unwrinkled.empty() ? pose.attachment : pose.unwrinkled;
+    if (scales.empty()) scales.assign(model.distance.size() + model.bending.size(), 1.0f);
+    size_t number = 0;
+    for (const Pairs* pairs : {&model.distance, &model.bending}) {
+        for (size_t i = 0; i < pairs->size(); ++i) {
+            const Index a = pairs->a[i], b = pairs->b[i];
+            scales[number++] *= (pose.guided[a] + pose.guided[b]).rest_scale(at[b] - at[a]);
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<float> rest_scales(const Model& model, const Settings& settings, const ReferenceState& reference,
+                               const Pose& pose, std::span<const float> lengths) {
+    std::vector<float> scales = scales_of_reference(model, settings, reference, pose, lengths);
+    scale_by_guides(model, pose, scales);
     return scales;
 }
 

@@ -64,9 +64,11 @@ Measures measure(const Model& model, const Settings& settings, const Paint& pain
 }
 
 Measures measure_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
-                      const Pose& pose, const State& state) {
+                      const Pose& given, const State& state) {
     check(model, paint);
     check(model, state);
+    const std::optional<Pose> guided = guided_pose(model, paint, given);
+    const Pose& pose = guided ? *guided : given;
     const OffsetFrames frames(model, settings, input, pose);
     Measures out;
     std::vector<Vec3> positions(pose.attachment.size());

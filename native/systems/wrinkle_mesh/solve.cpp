@@ -117,9 +117,11 @@ void remember_lengths(const Model& model, std::span<const float> active, const S
 using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, int, std::span<Vec3>);
 
 State solve_with(Relax relax, const Model& model, const Settings& settings, const Paint& paint,
-                 const Input& input, const Pose& pose, const State* before, Report& report) {
+                 const Input& input, const Pose& given, const State* before, Report& report) {
     check(settings);
     check(model, paint);
+    const std::optional<Pose> guided = guided_pose(model, paint, given);
+    const Pose& pose = guided ? *guided : given;
     const OffsetFrames frames(model, settings, input, pose);
     if (!fits(model, before)) before = nullptr;
     const std::vector<float> lengths = pair_lengths(model, pose.attachment);

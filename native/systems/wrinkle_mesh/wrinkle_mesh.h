@@ -15,6 +15,7 @@
 #include "surface/output/shown_mesh.h"
 #include "surface/strain/adaptive_reference.h"
 #include "surface/strain/deformation.h"
+#include "surface/strain/guided_strain.h"
 
 namespace rumple::wrinkle_mesh {
 
@@ -61,12 +62,14 @@ struct Settings {
 // Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
 void check(const Settings& settings);
 
-// Painted factors per solved vertex, each 0..1. Empty means 1 everywhere.
+// Painted factors per solved vertex, each 0..1. Empty means 1 everywhere. And directions.
 struct Paint {
     std::vector<float> radius;      // r x value
     std::vector<float> prestretch;  // 1 + (s - 1) x value
     std::vector<float> bending;     // k x value
     std::vector<float> inside;      // inside x value
+    // Where folds are to run along lines of the base; none: nowhere. Of layers: that of the first one counts.
+    std::shared_ptr<const GuideLines> guide{};
 };
 
 // Distance constraints between pairs of solved vertices, ordered by colour: no

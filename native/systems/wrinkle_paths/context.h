@@ -18,6 +18,9 @@ struct PathContext {
     std::vector<Stretch> stretch;    // per triangle
     std::vector<float> compression;  // lambda~_min after the mask; 1 where nothing is known
     std::vector<float> activity;     // 0: has kept its shape of late, 1: moves
+    std::vector<float> widths{};     // State::width
+
+    float width(Index triangle) const { return widths.empty() ? 1.0f : widths[triangle]; }
 
     // Corners of a triangle in its plane: (0, 0), u1, u2.
     glm::dvec2 corner(Index triangle, Index k) const {

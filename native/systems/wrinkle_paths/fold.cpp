@@ -101,17 +101,16 @@ float folded_share(const Settings& settings, float compression) {
     return ease((compression - least) / std::max(settings.threshold - least, 1e-6f));
 }
 
-// The compression of the triangles that a path runs through, at `way` from its start. It has a step at every
-// edge; its mean over a stretch of the path has none.
+// A value of the triangles that a path runs through, along it. It has a step at every edge; its mean over a
+// stretch of the path has none.
 class AlongPath {
   public:
+    // value_of: of a triangle.
+    template <typename Value>
     AlongPath(const PathContext& context, const Path& path, const Fold& fold,
-              const std::vector<float>& arc_length) {
-        for (size_t i = 0; i + 1 < path.points.size(); ++i) {
-            const float compression =
-                weighted_compression(context, segment_triangle(context.model, path.points, i));
-            add(arc_length[fold.first[i + 1]], std::min(compression, kMostRatio));
-        }
+              const std::vector<float>& arc_length, Value&& value_of) {
+        for (size_t i = 0; i + 1 < path.points.size(); ++i)
+            add(arc_length[fold.first[i + 1]], value_of(segment_triangle(context.model, path.points, i)));
     }
     float mean(float arc_length, float reach) const {
         const float from = std::max(arc_length - reach, 0.0f), to = std::min(arc_length + reach, end_.back());
@@ -138,13 +137,17 @@ class AlongPath {
 void shape(const PathContext& context, const Settings& settings, const Path& path, Fold& fold) {
     std::vector<FoldEnd>& ends = fold.ends;
     const std::vector<float> arc_length = lengths_along(ends);
-    const float widest = kMostRatio * settings.width;  // s = L_max
-    const float taper = std::max(std::min(0.5f * arc_length.back(), kTaper * widest), kShortestEdge);
+    const float most = kMostRatio * settings.width;  // s = L_max, where nothing narrower is painted
+    const float taper = std::max(std::min(0.5f * arc_length.back(), kTaper * most), kShortestEdge);
     const float rise = settings.height * ease(path.fade) * signed_side(settings.direction, path.id);
-    const AlongPath along(context, path, fold, arc_length);
+    const AlongPath compressions(context, path, fold, arc_length, [&](Index t) {
+        return std::min(weighted_compression(context, t), kMostRatio);
+    });
+    const AlongPath widths(context, path, fold, arc_length, [&](Index t) { return context.width(t); });
     for (size_t i = 0; i < ends.size(); ++i) {
         FoldEnd& end = ends[i];
-        const float compression = along.mean(arc_length[i], kBlur * widest);
+        const float compression = compressions.mean(arc_length[i], kBlur * most);
+        const float widest = context.widths.empty() ? most : most * widths.mean(arc_length[i], kBlur * most);
         const float middle = ease(std::min(arc_length[i], arc_length.back() - arc_length[i]) / taper);
         end.width = glm::mix(widest, widest / std::max(compression, 1.0f), middle);
         end.height = rise * folded_share(settings, compression) * end.width *

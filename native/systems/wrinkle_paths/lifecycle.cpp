@@ -101,7 +101,10 @@ void update_lifecycle(const PathContext& context, const Settings& settings, doub
                       std::vector<Path>& paths, SegmentMap& map, Report& report) {
     std::vector<Path> left;
     for (Path& path : paths) {
-        const float size = std::max(length(context, path.points), kShortestPath * settings.width);
+        const size_t middle = (path.points.size() - 1) / 2;
+        const float width =
+            settings.width * context.width(segment_triangle(context.model, path.points, middle));
+        const float size = std::max(length(context, path.points), kShortestPath * width);
         const float most =
             0.5f * size * float(elementary::pow(1.0 + settings.growth_limit, 30.0 * seconds) - 1.0);
         bool crosses = false;
@@ -114,9 +117,9 @@ void update_lifecycle(const PathContext& context, const Settings& settings, doub
         const float compression = strongest(context, path.points);
         // A glitch of one frame is over before a fold has risen: until then it needs what it was born of.
         const float needed = path.fade < 1.0f ? settings.threshold : reach_threshold(settings);
-        const bool alive =
-            compression >= needed && length(context, path.points) >= 0.5f * kShortestPath * settings.width &&
-            overlap(context, map, path.points, kCrowdDistance * settings.width) <= kMostOverlap;
+        const bool alive = compression >= needed &&
+                           length(context, path.points) >= 0.5f * kShortestPath * width &&
+                           overlap(context, map, path.points, kCrowdDistance * width) <= kMostOverlap;
         approach(path.fade, alive ? 1.0f : 0.0f, seconds, settings.fade);
         if (!alive && path.fade <= 0.0f) {
             ++report.died;

@@ -230,6 +230,7 @@ Lifted lift(const PathContext& context, const Settings& settings, const Triangle
 
 void check_shown(const Model& model, const State& state) {
     expect_count("state.compression", state.compression.size(), model.rest.size(), "triangles");
+    if (!state.width.empty()) expect_count("state.width", state.width.size(), model.rest.size(), "triangles");
     const std::string wrong = validate(model, state.paths);
     if (!wrong.empty()) throw InvalidInput("state.paths: " + wrong);
 }
@@ -245,7 +246,7 @@ void show(const Model& model, const Settings& settings, const Pose& pose, const 
           Picture& picture) {
     check(settings);
     check_shown(model, state);
-    const PathContext context{model, pose, {}, state.compression, {}};
+    const PathContext context{model, pose, {}, state.compression, {}, state.width};
     const Lifted lifted = lift(context, settings, build_triangle_lists(context, settings, state.paths));
     show_frame(model.base, model.shown, model.stretch, pose.positions, pose.frames, lifted.positions,
                lifted.offset, picture);
@@ -262,7 +263,8 @@ TriangleLists build_triangle_lists(const Model& model, const Settings& settings,
                                    const State& state) {
     check(settings);
     check_shown(model, state);
-    return build_triangle_lists(PathContext{model, pose, {}, state.compression, {}}, settings, state.paths);
+    const PathContext context{model, pose, {}, state.compression, {}, state.width};
+    return build_triangle_lists(context, settings, state.paths);
 }
 
 Curves curves(const Model& model, const Settings& settings, const Input& input, const State& state) {
@@ -272,7 +274,7 @@ Curves curves(const Model& model, const Settings& settings, const Input& input, 
 Curves curves(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
     check(settings);
     check_shown(model, state);
-    const PathContext context{model, pose, {}, state.compression, {}};
+    const PathContext context{model, pose, {}, state.compression, {}, state.width};
     Curves out;
     for (const Path& path : state.paths) {
         const Fold fold = make_fold(context, settings, path);

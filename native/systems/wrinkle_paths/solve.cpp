@@ -12,14 +12,19 @@ namespace rumple::wrinkle_paths {
 namespace {
 
 void check(const Model& model, const Paint& paint) {
-    if (paint.mask.empty()) return;
-    expect_count("paint.mask", paint.mask.size(), size_t(model.base.display.vertex_count),
-                 "values, one per vertex of the base, or none");
-    for (size_t v = 0; v < paint.mask.size(); ++v) {
-        if (paint.mask[v] >= 0.0f && paint.mask[v] <= 1.0f) continue;
-        throw InvalidInput("paint.mask: vertex " + std::to_string(v) + " is " +
-                           std::to_string(paint.mask[v]) + ", expected 0..1");
-    }
+    if (!paint.along.empty()) check_along(model.base, paint.along);
+    const auto fits = [&](const char* name, const std::vector<float>& values, float low) {
+        if (values.empty()) return;
+        expect_count(name, values.size(), size_t(model.base.display.vertex_count),
+                     "values, one per vertex of the base, or none");
+        for (size_t v = 0; v < values.size(); ++v) {
+            if (values[v] >= low && values[v] <= 1.0f) continue;
+            throw InvalidInput(std::string(name) + ": vertex " + std::to_string(v) + " is " +
+                               std::to_string(values[v]) + ", expected " + short_text(low) + "..1");
+        }
+    };
+    fits("paint.mask", paint.mask, 0.0f);
+    fits("paint.width", paint.width, kLeastWidth);
 }
 
 void check(const Model& model, const Input& input, const State* state) {
@@ -58,6 +63,10 @@ void check(const Model& model, const State& state) {
         if (!(state.compression[t] > 0.0f && state.compression[t] <= kMostCompression))
             refuse("compression", t);
     }
+    if (!state.width.empty()) expect_count("state.width", state.width.size(), model.rest.size(), "triangles");
+    for (size_t t = 0; t < state.width.size(); ++t) {
+        if (!(state.width[t] >= kLeastWidth && state.width[t] <= 1.0f)) refuse("width", t);
+    }
     for (size_t i = 0; i < state.paths.size(); ++i) {
         if (!(state.paths[i].fade >= 0.0f && state.paths[i].fade <= 1.0f)) refuse("path_fade", i);
     }
@@ -85,6 +94,7 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
     const PathContext context =
         make_context(model, settings, paint, pose, next.shapes, next.reference, changes);
     next.compression = context.compression;
+    next.width = context.widths;
 
     SegmentMap map(context);
     const bool goes_on = state && settings.persistent;

@@ -37,12 +37,12 @@ struct Seed {
 // The same places on the cloth in every frame, sampled per area, so that the density of the mesh does not
 // matter.
 std::vector<Seed> seeds(const PathContext& context, const Settings& settings) {
-    const float cell = settings.spacing * settings.width;
     std::vector<Seed> out;
     for (Index t = 0; t < context.model.net.triangles(); ++t) {
         const float compression = weighted_compression(context, t);
         if (compression < settings.threshold) continue;
         auto draw = [&, n = 0u]() mutable { return random(settings.seed, std::uint32_t(t), n++); };
+        const float cell = settings.spacing * settings.width * context.width(t);
         const float expected = kSeedsPerSpacing * context.model.rest[t].area() / (cell * cell);
         const int count = int(std::min(expected + draw(), 1000.0f));
         if (out.size() + size_t(count) > kMostSeeds) {
@@ -133,13 +133,14 @@ float strongest(const PathContext& context, const std::vector<PathPoint>& points
 void spawn(const PathContext& context, const Settings& settings, bool grown, State& state, SegmentMap& map,
            Report& report) {
     for (const Seed& seed : seeds(context, settings)) {
-        const float spacing = settings.spacing * settings.width;
+        const float width = settings.width * context.width(seed.triangle);
+        const float spacing = settings.spacing * width;
         if (map.has_near(seed.triangle, position(context, seed.at), spacing)) continue;
         std::vector<PathPoint> points = trace(context, settings, map, seed);
         if (points.size() < 2) continue;
         smooth(context, points);
-        if (length(context, points) < kShortestPath * settings.width) continue;
-        if (overlap(context, map, points, kCrowdDistance * settings.width) > kMostOverlapAtBirth) continue;
+        if (length(context, points) < kShortestPath * width) continue;
+        if (overlap(context, map, points, kCrowdDistance * width) > kMostOverlapAtBirth) continue;
         map.add(points);
         state.paths.push_back({state.next_id++, grown ? 1.0f : 0.0f, std::move(points)});
         ++report.born;

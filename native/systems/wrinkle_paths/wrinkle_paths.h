@@ -15,6 +15,7 @@
 #include "surface/strain/adaptive_reference.h"
 #include "surface/strain/bent_lines.h"
 #include "surface/strain/deformation.h"
+#include "surface/strain/guided_strain.h"
 #include "systems/wrinkle_paths/profile.h"
 
 namespace rumple::wrinkle_paths {
@@ -45,9 +46,15 @@ struct Settings : ReferenceSettings {
 // Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
 void check(const Settings& settings);
 
+// The narrowest that folds are painted, in L_min.
+inline constexpr float kLeastWidth = 0.1f;
+
 // Painted factors per vertex of the base as the artist has it, 0..1. Empty means 1 everywhere.
 struct Paint {
-    std::vector<float> mask;  // on the compression above 1: where folds may start, and how long they get
+    std::vector<float> mask;     // on the compression above 1: where folds may start, and how long they get
+    std::vector<float> width{};  // on L_min, kLeastWidth..1
+    std::vector<Vec3>
+        along{};  // where folds are to run, object space at rest, of length 0..1 (guided_strain.h)
 };
 
 // Built once at rest, then immutable; may be shared between objects.
@@ -88,6 +95,7 @@ struct Path {
 struct State : ReferenceState {
     std::vector<FlatTriangle> shapes;  // per triangle, smoothed in time
     std::vector<float> compression;    // per triangle, as the paths see it: of `shapes`, masked
+    std::vector<float> width;          // per triangle: painted factor on L_min; empty: 1 everywhere
     std::vector<Path> paths;           // by id
     Index next_id = 0;
 };

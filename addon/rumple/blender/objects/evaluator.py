@@ -38,6 +38,7 @@ def sources(obj: bpy.types.Object) -> Sources:
     scene = units.scene_of(obj)
     settings = properties.settings_of(obj, scene)
     base = mesh_reader.base_mesh(obj, settings.rest_shape, obj.rumple.rest_key)
+    base.narrowest = mesh_reader.narrowest(obj, settings)
     if isinstance(settings, FieldSettings) and settings.output == "SHADING":
         base.uv = mesh_reader.render_uv(incoming_mesh.of(obj))
     own = _own_mesh(obj, settings)

@@ -12,12 +12,12 @@ import bpy
 import numpy as np
 from mathutils.geometry import interpolate_bezier
 
-from ...core.fold_guides import KINDS, PUCKER
+from ...core.fold_guides import DIRECTION, KINDS, PUCKER
 from .. import compat, scheduler
 from . import incoming_mesh, runtimes, units
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
-SPACING, DEPTH = 0.03, 0.006  # metres, of a new guide
+SPACING, DEPTH, REACH = 0.03, 0.006, 0.15  # metres, of a new guide
 SEAM_RINGS = 2  # spacings that puckers of a seam reach over, both sides together
 
 
@@ -44,6 +44,10 @@ class RUMPLE_Guide(bpy.types.PropertyGroup):
                                      description="From fold to fold")
     depth: bpy.props.FloatProperty(name="Fold Depth", default=DEPTH, soft_max=0.03, **_LENGTH,
                                    description="From valley to crest. The radius of each point of the curve scales it")
+    reach: bpy.props.FloatProperty(name="Reach", default=REACH, soft_max=1.0, **_LENGTH,
+                                   description="How far to each side folds turn along the curve: wholly up to the half "
+                                               "of it, less and less behind. The radius of each point of the curve "
+                                               "says how much")
     others: bpy.props.FloatProperty(name="Other Folds", default=0.0, min=0.0, max=1.0, subtype="FACTOR", options=set(),
                                     override=_OVERRIDE, update=_changed,
                                     description="Share of the folds of motion that stays between those of the guide")
@@ -56,6 +60,11 @@ class RUMPLE_Guide(bpy.types.PropertyGroup):
 def of(garment: bpy.types.Object) -> list[bpy.types.Object]:
     """Its guides, in the order of their names."""
     return [child for child in garment.children if child.type == "CURVE" and child.rumple_guide.is_guide]
+
+
+def make_folds(garment: bpy.types.Object) -> bool:
+    """Whether its guides are shapes, which shading of a coarse mesh cannot show."""
+    return garment.rumple_guide.seam_depth > 0.0 or any(guide.rumple_guide.kind != "DIRECTION" for guide in of(garment))
 
 
 def read_again(garment: bpy.types.Object | None) -> None:
@@ -87,7 +96,8 @@ def read(garment: bpy.types.Object, rest_of: Callable[[], np.ndarray]) -> np.nda
         kind = [identifier for identifier, *_ in KINDS].index(about.kind)
         for points in _lines(guide.data):
             points[:, :3] = points[:, :3] @ matrix[:3, :3].T + matrix[:3, 3]
-            rows.append(_rows(points, len(rows), kind, about.count, scale * about.spacing, scale * about.depth,
+            spacing = about.reach if kind == DIRECTION else about.spacing
+            rows.append(_rows(points, len(rows), kind, about.count, scale * spacing, scale * about.depth,
                               about.others))
     about = garment.rumple_guide
     if about.seam_depth > 0.0 and about.seam_spacing > 0.0:

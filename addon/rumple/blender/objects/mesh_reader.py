@@ -9,9 +9,10 @@ import bpy
 import numpy as np
 
 from ...core import engine
-from ...core.fold_guides import GUIDES
+from ...core.fold_guides import DIRECTION, GUIDES, KIND
 from ...core.keep_smooth import SMOOTH
 from ...core.on_cloth import PAINTED
+from ...core.paint_maps import WIDTH, narrowest_of
 from ...core.painted_rigid import RIGID, wholly_painted
 from ...core.settings import FieldSettings, MeshSettings, PathsSettings
 from .. import compat
@@ -31,6 +32,7 @@ MESH_GROUPS: dict[str, str] = {
     "room": "Rumple Room",
     SMOOTH: "Rumple Keep Smooth",
     RIGID: "Rumple Rigid",
+    WIDTH: "Rumple Wavelength",
 }
 MOST_SHARPNESS = 10.0  # of a crease of 1: it stays, as in Blender's Subdivision
 REST_WRINKLE = "rumple_rest_wrinkle"  # painted vectors of the Wrinkle Field, a point attribute of the coarse mesh
@@ -54,14 +56,21 @@ def base_mesh(obj: bpy.types.Object, rest_shape: str, rest_key: str) -> engine.B
     mesh = incoming_mesh.of(obj)
     mesh.calc_loop_triangles()
     base = _flat_mesh(obj.name, mesh, rest_positions(obj, rest_shape, rest_key))
-    rigid = _rigid_paint(obj, mesh)
+    rigid = _map_of_every_system(obj, mesh, RIGID)
     base.painted_rigid = None if rigid is None else wholly_painted(base, rigid)
     return base
 
 
-def _rigid_paint(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> np.ndarray | None:
+def narrowest(obj: bpy.types.Object, settings: Settings) -> float:
+    """BaseMesh.narrowest: of the systems that solve a finer mesh for it."""
+    if isinstance(settings, FieldSettings) or (isinstance(settings, MeshSettings) and not settings.layered):
+        return 1.0
+    return narrowest_of(_map_of_every_system(obj, incoming_mesh.of(obj), WIDTH))
+
+
+def _map_of_every_system(obj: bpy.types.Object, mesh: bpy.types.Mesh, key: str) -> np.ndarray | None:
     """(n,) as paint() has it for every system."""
-    name = MESH_GROUPS[RIGID]
+    name = MESH_GROUPS[key]
     if name in obj.vertex_groups:
         return group_weights(obj, mesh, [name])[:, 0]
     values = _point_attribute(mesh, name, "FLOAT")
@@ -162,9 +171,9 @@ def paint_groups(settings: Settings) -> dict[str, str]:
     """Key of the engine -> vertex group (or, but for the Wrinkle Mesh, float attribute) that paints it."""
     cloth = {key: MESH_GROUPS[key] for key in (*PAINTED, RIGID)}
     if isinstance(settings, FieldSettings):
-        return {"mask": settings.mask, "wavelength": settings.wavelength_scale, **cloth}
+        return {"mask": settings.mask, WIDTH: settings.wavelength_scale, **cloth}
     if isinstance(settings, PathsSettings):
-        return {"mask": settings.mask, **cloth}
+        return {"mask": settings.mask, WIDTH: MESH_GROUPS[WIDTH], **cloth}
     return MESH_GROUPS
 
 
@@ -175,14 +184,15 @@ def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
     mesh = incoming_mesh.of(obj)
     weights = group_weights(obj, mesh, [names[key] for key in keys]) if keys else None
     painted = {key: np.ascontiguousarray(weights[:, column]) for column, key in enumerate(keys)}
-    if not isinstance(settings, FieldSettings) or settings.output == "GEOMETRY":  # its triangles can show no fold
-        guides = guide_curves.read(obj, lambda: rest_positions(obj, settings.rest_shape, obj.rumple.rest_key))
-        if guides is not None:
-            painted[GUIDES] = guides
+    guides = guide_curves.read(obj, lambda: rest_positions(obj, settings.rest_shape, obj.rumple.rest_key))
+    if guides is not None and isinstance(settings, FieldSettings) and settings.output == "SHADING":
+        guides = guides[guides[:, KIND] == DIRECTION]  # the triangles can show no fold of another shape
+    if guides is not None and len(guides):
+        painted[GUIDES] = guides
     if isinstance(settings, MeshSettings):
         return painted
-    if "wavelength" in painted:
-        painted["wavelength"] = np.maximum(painted["wavelength"], np.float32(LEAST_WAVELENGTH))
+    if WIDTH in painted:
+        painted[WIDTH] = np.maximum(painted[WIDTH], np.float32(LEAST_WAVELENGTH))
     for key in names.keys() - painted.keys():
         values = _point_attribute(mesh, names[key], "FLOAT")
         if values is not None:
@@ -249,7 +259,7 @@ def shape_fingerprint(base: engine.BaseMesh) -> str:
     """Hash of everything the fine mesh is made from."""
     digest = hashlib.sha1()
     for array in (base.positions, base.polygon_start, base.corner_vertex, base.triangle_corner, base.uv,
-                  base.crease_edge, base.crease_sharpness, base.painted_rigid):
+                  base.crease_edge, base.crease_sharpness, base.painted_rigid, np.array(base.narrowest)):
         if array is not None:
             digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()

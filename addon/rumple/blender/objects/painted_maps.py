@@ -11,16 +11,17 @@ import numpy as np
 from ...core import paint_maps
 from ...core.engine import UserError
 from ...core.keep_smooth import SMOOTH
+from ...core.paint_maps import WIDTH
 from ...core.painted_rigid import RIGID
 from ...core.settings import FieldSettings, MeshSettings
 from .. import compat, scheduler
 from . import cloth_defaults, mesh_reader, properties, runtimes, units
 
 # In the order in which they are listed.
-KEYS = ("drape", "folds", "detail", "mask", "wavelength", "radius", "prestretch", "bending", "inside", "room", "follow",
+KEYS = ("drape", "folds", "detail", "mask", WIDTH, "radius", "prestretch", "bending", "inside", "room", "follow",
         SMOOTH, RIGID)
 _LABELS = {"follow": "Pinned", SMOOTH: "Keep Smooth", RIGID: "Rigid"}
-_FIELDS = {"wavelength": "wavelength_scale"}  # of the settings, where its name is another
+_FIELDS = {WIDTH: "wavelength_scale"}  # of the settings, where its name is another
 LABELS: dict[str, str] = {
     key: _LABELS.get(key) or next(f.metadata["name"] for system in (MeshSettings, FieldSettings) for f in fields(system)
                                   if f.name == _FIELDS.get(key, key)) for key in KEYS}
@@ -67,6 +68,8 @@ def _acts(key: str, settings: Any) -> bool:
         return settings.base_cloth != "OFF"
     if key in ("drape", "folds", "detail"):
         return settings.layered
+    if key == WIDTH and isinstance(settings, MeshSettings):
+        return settings.layered and settings.density == "WAVELENGTH"
     return key != "inside" or settings.collision != "NONE"
 
 

@@ -32,6 +32,7 @@ class OBJECT_OT_rumple_guide_add(OnWrinkled, bpy.types.Operator):
                 curve.matrix_world = matrix
             about = curve.rumple_guide
             about.spacing, about.depth = guide_curves.SPACING / metres, guide_curves.DEPTH / metres
+            about.reach = guide_curves.REACH / metres
             about.is_guide = True
         guide_curves.read_again(garment)
         self.report({"INFO"}, said(f"{garment.name}: folds run along {', '.join(curve.name for curve in curves)}"))

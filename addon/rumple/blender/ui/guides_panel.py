@@ -19,8 +19,7 @@ class DATA_PT_rumple_guides(Panel, bpy.types.Panel):
         column, obj = settings_column(self.layout, context.object), context.object
         cloth_panel.paint_only(column, obj, SMOOTH, "Keep Smooth")
         cloth_panel.paint_only(column, obj, RIGID, "Rigid")
-        in_use = bool(guide_curves.of(obj)) or obj.rumple_guide.seam_depth > 0.0
-        if in_use and obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING":
+        if guide_curves.make_folds(obj) and obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING":
             column.label(text="Guides need the output Geometry", icon="INFO")
         for guide in guide_curves.of(obj):
             _draw_guide(column.box().column(), guide)
@@ -35,5 +34,6 @@ def _draw_guide(column: bpy.types.UILayout, guide: bpy.types.Object) -> None:
     row = column.row()
     row.label(text=guide.name, icon="CURVE_DATA", translate=False)
     row.operator("object.rumple_guide_remove", text="", icon="X").name = guide.name
-    for name in ("kind", "count", "spacing", "depth", "others"):
+    turns = guide.rumple_guide.kind == "DIRECTION"
+    for name in ("kind", "reach", "others") if turns else ("kind", "count", "spacing", "depth", "others"):
         draw_setting(column, guide.rumple_guide, name)

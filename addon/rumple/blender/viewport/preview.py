@@ -90,7 +90,9 @@ def _clear() -> None:
 def _is_wanted(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether the preview of an object is on and its mode and modifier let it be seen."""
     group = getattr(obj.rumple, {"FIELD": "field", "PATHS": "paths"}.get(obj.rumple.method, ""), None)
+    runtime = runtimes.known(obj)
     return (group is not None and group.gpu_preview and getattr(group, "output", "SHADING") == "SHADING"
+            and (runtime is None or runtime.evaluator is None or runtime.evaluator.previewed)
             and nodes_mod.show_viewport and not modifier.is_baked(nodes_mod) and obj.mode == "OBJECT")
 
 

@@ -40,7 +40,7 @@ class BaseClothSettings(Struct):
     compression: float  # k1: of what is shorter than at rest, >= 0
     compression_limit: float  # c_l: length over rest length below which k2 counts, 0..1
     folded: float  # k2: of what is shorter than c_l, >= 0
-    smoothing: float  # against displacements that differ between neighbours, >= 0
+    smoothing: float  # against sides that turn away from their animated direction, >= 0
     slack: float  # length of the cloth over that of the modelled garment, > 0
     hang: Array  # object space, length 0..1: along it there is no slack
     follow: float  # pull back to the animation where nothing is pinned, 1/s^2, > 0

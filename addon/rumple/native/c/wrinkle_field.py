@@ -104,8 +104,11 @@ class WrinkleFieldPainted(Struct):
     wavelength_count: int
     rest_wrinkle: int | None  # (n, 3): p of section 7, along the compression, rest space, shorter than 1
     rest_wrinkle_count: int
+    along: int | None  # (n, 3): where waves are to run, as rumple_wrinkle_mesh_painted has it
+    along_count: int
     _fields_ = (("mask", c_void_p), ("mask_count", c_size_t), ("wavelength", c_void_p),
-        ("wavelength_count", c_size_t), ("rest_wrinkle", c_void_p), ("rest_wrinkle_count", c_size_t),)
+        ("wavelength_count", c_size_t), ("rest_wrinkle", c_void_p), ("rest_wrinkle_count", c_size_t),
+        ("along", c_void_p), ("along_count", c_size_t),)
 
 
 class WrinkleFieldStateView(Struct):

@@ -100,9 +100,11 @@ class WrinkleMeshPainted(Struct):
     bending_count: int
     inside: int | None  # inside x value
     inside_count: int
+    along: int | None  # (n, 3): where folds are to run, as a direction at rest, either sign; its length,
+    along_count: int  # 0..1, says how much; or none
     _fields_ = (("radius", c_void_p), ("radius_count", c_size_t), ("prestretch", c_void_p),
         ("prestretch_count", c_size_t), ("bending", c_void_p), ("bending_count", c_size_t), ("inside", c_void_p),
-        ("inside_count", c_size_t),)
+        ("inside_count", c_size_t), ("along", c_void_p), ("along_count", c_size_t),)
 
 
 class WrinkleMeshStateView(Struct):

@@ -66,7 +66,12 @@ class WrinklePathsPainted(Struct):
     __slots__ = ()
     mask: int | None  # (n), 0..1: where folds may start, and how long they get; or none: 1 everywhere
     mask_count: int
-    _fields_ = (("mask", c_void_p), ("mask_count", c_size_t),)
+    width: int | None  # (n), 0.1..1: factor on the width; or none
+    width_count: int
+    along: int | None  # (n, 3): where folds are to run, as rumple_wrinkle_mesh_painted has it; or none
+    along_count: int
+    _fields_ = (("mask", c_void_p), ("mask_count", c_size_t), ("width", c_void_p), ("width_count", c_size_t),
+        ("along", c_void_p), ("along_count", c_size_t),)
 
 
 class WrinklePathsStateView(Struct):
@@ -78,6 +83,8 @@ class WrinklePathsStateView(Struct):
     shapes_count: int
     compression: int | None  # (t): as the paths see it
     compression_count: int
+    width: int | None  # (t): painted factor on the width; or none: 1 everywhere
+    width_count: int
     path_id: int | None  # (paths): in order of birth, never used twice
     path_id_count: int
     path_fade: int | None  # (paths): 0 at birth, 1 at full height
@@ -91,10 +98,11 @@ class WrinklePathsStateView(Struct):
     next_id: int
     bytes: int  # memory of the state; not read by rumple_wrinkle_paths_state_build()
     _fields_ = (("reference", ReferenceView), ("shapes", c_void_p), ("shapes_count", c_size_t),
-        ("compression", c_void_p), ("compression_count", c_size_t), ("path_id", c_void_p),
-        ("path_id_count", c_size_t), ("path_fade", c_void_p), ("path_fade_count", c_size_t), ("path_start", c_void_p),
-        ("path_start_count", c_size_t), ("point_triangle_edge", c_void_p), ("point_triangle_edge_count", c_size_t),
-        ("point_at", c_void_p), ("point_at_count", c_size_t), ("next_id", c_int32), ("bytes", c_size_t),)
+        ("compression", c_void_p), ("compression_count", c_size_t), ("width", c_void_p), ("width_count", c_size_t),
+        ("path_id", c_void_p), ("path_id_count", c_size_t), ("path_fade", c_void_p), ("path_fade_count", c_size_t),
+        ("path_start", c_void_p), ("path_start_count", c_size_t), ("point_triangle_edge", c_void_p),
+        ("point_triangle_edge_count", c_size_t), ("point_at", c_void_p), ("point_at_count", c_size_t),
+        ("next_id", c_int32), ("bytes", c_size_t),)
 
 
 class WrinklePathsReport(Struct):
