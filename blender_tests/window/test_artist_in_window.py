@@ -228,8 +228,8 @@ class Paint(Hand):
         yield from self.maximise("PROPERTIES")
 
     def of_output(self) -> np.ndarray:
-        """The weights that the fine mesh has, where it has any."""
-        output = sleeve.output_object(self.obj)
+        """The weights that the fine mesh of viewports has, where it has any."""
+        output = modifier.outputs(modifier.find(self.obj))[-1]
         if "Rumple Drape" not in output.vertex_groups:
             return np.ones(1)
         index = output.vertex_groups["Rumple Drape"].index

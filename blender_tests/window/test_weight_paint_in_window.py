@@ -78,14 +78,14 @@ class Tools(Artist):
         self.assertEqual(bpy.context.tool_settings.weight_paint.brush.name,
                          {"Draw": "Paint"}.get(kind, kind))
 
-    def set_weight(self, weight: float) -> None:
+    @property
+    def shared(self) -> Any:
+        """What brushes have in common; Blender 5 keeps it with the mode."""
         settings = bpy.context.tool_settings
-        shared = getattr(settings, "unified_paint_settings", None) or settings.weight_paint.unified_paint_settings
-        shared.use_unified_weight, shared.weight = True, weight
+        return getattr(settings, "unified_paint_settings", None) or settings.weight_paint.unified_paint_settings
 
-    def weight(self) -> float:
-        settings = bpy.context.tool_settings
-        return (getattr(settings, "unified_paint_settings", None) or settings.weight_paint.unified_paint_settings).weight
+    def set_weight(self, weight: float) -> None:
+        self.shared.use_unified_weight, self.shared.weight = True, weight
 
     def both_ways(self, act: Callable[[], Steps]) -> Steps:
         """Without wrinkles and with them: what act() returns is the same."""
@@ -107,9 +107,18 @@ class Tools(Artist):
         return painted
 
 
+@unittest.skipIf(bpy.app.version[:2] == (4, 3), "Debian's 4.3 has no brushes, and draws no gradient without one")
 class Gradient(Tools):
     def drawn(self) -> Steps:
-        yield from self.stroke([self.at(-0.2), self.at(0.0), self.at(0.2)])
+        """In steps with a pause: the tool waits until a press has become a drag."""
+        yield from self.move(self.at(-0.2))
+        self.event("LEFTMOUSE", "PRESS")
+        for step in range(9):
+            self.here = self.at(0.05 * step - 0.2)
+            self.event("MOUSEMOVE", "NOTHING")
+            yield 0.1
+        self.event("LEFTMOUSE", "RELEASE")
+        yield 0.1
 
     def test_the_tool(self) -> Iterator[float]:
         def act() -> Steps:
@@ -246,7 +255,7 @@ class Brushes(Tools):
                     yield from self.press(*(("X",) if NEW_BRUSHES else ("RIGHTMOUSE",)),
                                           **({"shift": True} if NEW_BRUSHES else {"ctrl": True}))
                 yield from self.settle()
-                return self.weight()
+                return self.shared.weight
 
             self.assertGreater((yield from self.both_ways(act)), 0.0)  # it was 0
 

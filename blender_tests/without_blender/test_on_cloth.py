@@ -238,8 +238,10 @@ class OnCloth(unittest.TestCase):
             (field, {}, 5, dict(body=worn), True), (field, {"mask": half}, 5, dict(body=worn), False),
             (field, {}, 5, dict(body=other), True), (field, {}, 5, dict(world_from_object=turned), True),
             (replace(field, drape=0.5), {}, 5, {}, True), (replace(field, drape=0.6), {}, 5, {}, True),
-            (replace(field, base_cloth="SWING"), {}, 5, {}, True), (replace(field, base_cloth="SWING"), {}, 5,
-                                                                   dict(frame_rate=30.0), True)]
+            (replace(field, base_cloth="SWING"), {}, 5, {}, True),
+            (replace(field, base_cloth="SWING"), {}, 5, dict(frame_rate=30.0), True),
+            (replace(field, base_cloth="SWING", stateless=True), {}, 5, {}, True),
+            (replace(field, base_cloth="SWING", stateless=True), {}, 5, dict(frame_rate=30.0), True)]
         fine = self.build(FIELD)
         for number, (settings, paint, frame, more, anew) in enumerate(asked):
             fine.frame_cache.clear()  # as another paint or setting does

@@ -185,7 +185,7 @@ def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, s
     if not first_pass.is_shown(nodes_mod):
         runtime.result = result
         return False
-    written = _show(shown, runtime, result, mode == "VIEWPORT", inputs.shows_coarse)
+    written = _show(shown, runtime, result, mode == "VIEWPORT")
     if written:
         runtime.written_at = compat.session_key(scene), inputs.frame
     return written
@@ -319,9 +319,10 @@ def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
 
 
 def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameResult | engine.PreviewFrame,
-          in_viewport: bool, shows_coarse: bool) -> bool:
+          in_viewport: bool) -> bool:
     """Write the picture, unless it is there already: a write tags the mesh and costs another evaluation."""
     key = compat.session_key(output_obj.data)
+    shows_coarse = runtime.inputs is not None and runtime.inputs.shows_coarse
     last, showed_coarse = runtime.result, runtime.shows_coarse
     runtime.result, runtime.shows_coarse = result, shows_coarse
     if isinstance(result, engine.PreviewFrame) and result.proxy_offset is None:

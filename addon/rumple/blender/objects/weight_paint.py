@@ -11,7 +11,6 @@ import hashlib
 import json
 
 import bpy
-import numpy as np
 
 from ...core.shown_mesh import ShownMesh
 from .. import compat

@@ -11,22 +11,20 @@ from .. import scheduler, ui_base
 from ..objects import weight_paint
 
 KEYMAP = "Weight Paint"
-# Blender's operator -> ours. A gradient of either type is one operator.
-_TOOLS = {"paint.weight_sample": "SAMPLE", "paint.weight_sample_group": "SAMPLE_GROUP",
-          "paint.weight_gradient": "GRADIENT"}
+_TOOLS = (("SAMPLE", "Sample Weight", ""), ("SAMPLE_GROUP", "Sample Vertex Group", ""),
+          ("LINEAR", "Linear Gradient", ""), ("RADIAL", "Radial Gradient", ""))
 
 _keys: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 
-class OBJECT_OT_rumple_weight_tool(ui_base.OnWrinkled, bpy.types.Operator):
+class OBJECT_OT_rumple_paint_tool(ui_base.OnWrinkled, bpy.types.Operator):
     """Sample, or draw a gradient, in Weight Paint: on the coarse mesh, whose weights they are"""
 
-    bl_idname = "object.rumple_weight_tool"
+    bl_idname = "object.rumple_paint_tool"
     bl_label = "Weight Paint on the Coarse Mesh"
     bl_options = {"INTERNAL"}
 
-    tool: bpy.props.EnumProperty(name="Tool", items=[(name, name.title(), "") for name in _TOOLS.values()])
-    radial: bpy.props.BoolProperty(name="Radial")
+    tool: bpy.props.EnumProperty(name="Tool", items=_TOOLS)
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -55,7 +53,7 @@ class OBJECT_OT_rumple_weight_tool(ui_base.OnWrinkled, bpy.types.Operator):
             return bpy.ops.paint.weight_sample("INVOKE_DEFAULT")
         if self.tool == "SAMPLE_GROUP":
             return bpy.ops.paint.weight_sample_group("INVOKE_DEFAULT")
-        return bpy.ops.paint.weight_gradient("INVOKE_DEFAULT", type="RADIAL" if self.radial else "LINEAR")
+        return bpy.ops.paint.weight_gradient("INVOKE_DEFAULT", type=self.tool)
 
     def modal(self, _context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """In front of the gradient, which gets every event, until it ends."""
@@ -74,6 +72,13 @@ class OBJECT_OT_rumple_weight_tool(ui_base.OnWrinkled, bpy.types.Operator):
         scheduler.tag_soon({self._obj})
 
 
+def _tool_of(item: bpy.types.KeyMapItem) -> str:
+    """What a key of Blender's runs, of ours; empty for others."""
+    if item.idname == "paint.weight_gradient":
+        return item.properties.type
+    return {"paint.weight_sample": "SAMPLE", "paint.weight_sample_group": "SAMPLE_GROUP"}.get(item.idname, "")
+
+
 def _add_keys() -> None:
     """Where Blender's own are, in front of them."""
     configs = bpy.context.window_manager.keyconfigs
@@ -81,15 +86,14 @@ def _add_keys() -> None:
     if own is None or configs.addon is None or _keys:
         return
     ours = configs.addon.keymaps.new(KEYMAP)
-    for item in [item for item in own.keymap_items if item.idname in _TOOLS]:
-        key = ours.keymap_items.new(OBJECT_OT_rumple_weight_tool.bl_idname, item.type, item.value, shift=item.shift,
+    for item in filter(_tool_of, own.keymap_items):
+        key = ours.keymap_items.new(OBJECT_OT_rumple_paint_tool.bl_idname, item.type, item.value, shift=item.shift,
                                     ctrl=item.ctrl, alt=item.alt, oskey=item.oskey)
-        key.properties.tool = _TOOLS[item.idname]
-        key.properties.radial = getattr(item.properties, "type", "LINEAR") == "RADIAL"
+        key.properties.tool = _tool_of(item)
         _keys.append((ours, key))
 
 
-_register, _unregister = bpy.utils.register_classes_factory((OBJECT_OT_rumple_weight_tool,))
+_register, _unregister = bpy.utils.register_classes_factory((OBJECT_OT_rumple_paint_tool,))
 
 
 def register() -> None:
