@@ -15,6 +15,7 @@ from bl_ui.space_toolsystem_common import ToolSelectPanelHelper
 from mathutils import Vector
 from rumple.blender.brush import overlay
 from rumple.blender.objects import modifier, runtimes
+from rumple.blender.ui import held_mouse
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from support import sleeve
 from support.artist import Artist
@@ -114,6 +115,8 @@ class Drag(Hand):
         builds, before = self.watch_builds(), self.obj.rumple.mesh.wavelength
         places = yield from self.along("Wavelength", 24)
         yield from self.drag(places)
+        # On a busy machine the timer that asks for the mouse may come late, and it sees the last key alone.
+        yield from self.until(lambda: held_mouse._down_in != -1)
         yield from self.press("ESC")
         yield PAUSE
         yield from self.let_go()
