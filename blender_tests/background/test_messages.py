@@ -33,6 +33,18 @@ class Stack(unittest.TestCase):
             obj.modifiers.new(kind, kind)
         self.assertEqual(stack_notes.of(obj), [])
 
+    def test_an_armature_without_weights_is_named(self) -> None:
+        """As after a parenting that failed: the garment stands while the body walks away."""
+        obj = sleeve.scene()
+        obj.vertex_groups["upper"].name = "Upper"
+        self.assertEqual(stack_notes.of(obj), [])
+        obj.vertex_groups["lower"].name = "Lower"
+        self.assertEqual(stack_notes.of(obj), [
+            'Sleeve: the modifier "Armature" moves no vertex: no vertex group has the name of one of its bones. Parent '
+            "the mesh to the armature with automatic weights, or paint weights"])
+        obj.modifiers["Armature"].use_bone_envelopes = True
+        self.assertEqual(stack_notes.of(obj), [])
+
     def test_a_mesh_that_nothing_deforms_is_told_why_it_has_no_folds(self) -> None:
         obj = sleeve.scene()
         armature = obj.modifiers["Armature"].object

@@ -362,8 +362,8 @@ TEST(BaseClothSwingLaws, AStateThatDoesNotSwingStartsAnewAndBadInputIsNamed) {
     refused({.damping = kNan}, "damping");
     refused({.locomotion = 1.5f}, "locomotion");
     refused({.drag = -1.0f}, "drag");
-    refused({.wind = {0.0f, kNan, 0.0f}}, "wind");
-    refused({.placement = {.shift = {0.0f, 0.0f, kNan}}}, "placement");
+    refused({.wind = {0.0f, kNan, 0.0f}}, "wind: value 0");
+    refused({.placement = {.shift = {0.0f, 0.0f, kNan}}}, "placement: column 3");
 }
 
 }  // namespace

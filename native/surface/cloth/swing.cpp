@@ -269,9 +269,9 @@ void check(const Swing& swing, size_t vertices) {
     expect_within("damping", swing.damping, 0.0, 1e6);
     expect_within("locomotion", swing.locomotion, 0.0, 1.0);
     expect_within("drag", swing.drag, 0.0, 1e9);
-    const Vec3 finite[] = {swing.wind, swing.placement.shift, swing.placement.matrix[0],
-                           swing.placement.matrix[1], swing.placement.matrix[2]};
-    expect_finite<Vec3>("wind and placement", finite, "vector");
+    expect_finite<Vec3>("wind", {&swing.wind, 1}, "value");
+    const auto& [matrix, shift] = swing.placement;
+    expect_finite<Vec3>("placement", std::array{matrix[0], matrix[1], matrix[2], shift}, "column");
     check_vectors("air", swing.air, vertices);
     check_vectors("push", swing.push, vertices);
     if (!swing.resist.empty()) expect_count("resist", swing.resist.size(), vertices, "vertices");

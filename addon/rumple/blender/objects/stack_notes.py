@@ -17,7 +17,18 @@ def of(obj: bpy.types.Object) -> list[str]:
     nodes_mod = modifier.find(obj)
     if nodes_mod is None or modifier.is_baked(nodes_mod):
         return []
-    return _order(obj, nodes_mod) + subdivision_behind.notes(obj, runtimes.of(obj).evaluator)
+    return (_order(obj, nodes_mod) + _armatures(obj)
+            + subdivision_behind.notes(obj, runtimes.of(obj).evaluator))
+
+
+def _armatures(obj: bpy.types.Object) -> list[str]:
+    """Those that move no vertex, since no weights are there for their bones: as cloth the garment would hang alone."""
+    groups = {group.name for group in obj.vertex_groups}
+    return [f"{obj.name}: the modifier \"{m.name}\" moves no vertex: no vertex group has the name of one of its bones. "
+            "Parent the mesh to the armature with automatic weights, or paint weights"
+            for m in obj.modifiers
+            if m.type == "ARMATURE" and _is_on(m) and m.object is not None and m.object.type == "ARMATURE"
+            and not m.use_bone_envelopes and not any(b.use_deform and b.name in groups for b in m.object.data.bones)]
 
 
 def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
