@@ -144,8 +144,8 @@ class InGerman(InLanguage):
         self.assertIn("Max. Punkte erhöhen", translation.said(
             "Shirt: finer folds are asked for than 250000 vertices allow: raise Most Vertices"))
         self.assertEqual(
-            translation.said("Shirt: pose Smile cannot be baked: the disk of /clips is full: make room, or choose another "
-                             "folder"),
+            translation.said("Shirt: pose Smile cannot be baked: the disk of /clips is full: make room, or choose "
+                             "another folder"),
             "Shirt: Pose Smile kann nicht gebacken werden: die Platte von /clips ist voll: Platz schaffen oder einen "
             "anderen Ordner wählen")
 

@@ -51,8 +51,8 @@ class Artist(WindowCase):
         yield from self.press("LEFTMOUSE", **keys)
 
     def press(self, key: str, **keys: bool) -> Iterator[float]:
-        """A key, or a button of the mouse. What was held with it is let go, too: Blender takes a drag of the mouse to be
-        with the modifiers of the last key, and once the drag of a tool after Ctrl Space did nothing."""
+        """A key, or a button of the mouse. What was held with it is let go, too: Blender takes a drag of the mouse to
+        be with the modifiers of the last key, and once the drag of a tool after Ctrl Space did nothing."""
         for value in ("PRESS", "RELEASE"):
             self.event(key, value, **keys)
             yield 0.03
