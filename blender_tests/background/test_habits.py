@@ -146,7 +146,8 @@ class Menu(unittest.TestCase):
     # Of another button, of a list in the panel, or not for hands
     ELSEWHERE = {"object.rumple_brush_stroke", "object.rumple_save_settings", "object.rumple_use_settings",
                  "object.rumple_select_healed", "rumple.pose_move", "rumple.pose_rename", "rumple.pose_mute",
-                 "rumple.pose_solo", "wm.rumple_rebuild_wait", "wm.rumple_held_mouse"}
+                 "rumple.pose_solo", "wm.rumple_rebuild_wait", "wm.rumple_held_mouse",
+                 "object.rumple_paint_tool"}
 
     def drawn(self, menu: type) -> list[str]:
         """Operators and menus that it shows."""
@@ -204,6 +205,18 @@ class FirstClick(unittest.TestCase):
         obj = sleeve.scene(wrinkles=False)
         bpy.ops.object.rumple_add(method="MESH", **values)
         return obj
+
+    def test_edit_mode_shows_the_mesh_that_is_edited(self) -> None:
+        """Folds of the pose once lay over its vertices, on the mesh at rest."""
+        for method in ("MESH", "FIELD", "PATHS"):
+            obj = sleeve.scene(wrinkles=False)
+            bpy.ops.object.rumple_add(method=method)
+            sleeve.at(10)
+            coarse = len(obj.data.vertices)
+            bpy.ops.object.mode_set(mode="EDIT")
+            bpy.context.view_layer.update()
+            self.assertLessEqual(len(sleeve.evaluated(obj).data.vertices), coarse, method)
+            bpy.ops.object.mode_set(mode="OBJECT")
 
     def test_a_fabric_is_what_its_button_makes(self) -> None:
         by_button = self.add()

@@ -143,6 +143,11 @@ class InGerman(InLanguage):
     def test_the_reason_in_a_message_too(self) -> None:
         self.assertIn("Max. Punkte erhöhen", translation.said(
             "Shirt: finer folds are asked for than 250000 vertices allow: raise Most Vertices"))
+        self.assertEqual(
+            translation.said("Shirt: pose Smile cannot be baked: the disk of /clips is full: make room, or choose "
+                             "another folder"),
+            "Shirt: Pose Smile kann nicht gebacken werden: die Platte von /clips ist voll: Platz schaffen oder einen "
+            "anderen Ordner wählen")
 
     def test_every_template_is_found_by_what_it_makes(self) -> None:
         made = 0

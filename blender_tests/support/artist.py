@@ -17,6 +17,7 @@ from support.window_case import WindowCase
 
 KEYS = {"0": "ZERO", "1": "ONE", "2": "TWO", "3": "THREE", "4": "FOUR", "5": "FIVE", "6": "SIX", "7": "SEVEN",
         "8": "EIGHT", "9": "NINE", ".": "PERIOD", "-": "MINUS", " ": "SPACE"}
+HELD = {"shift": "LEFT_SHIFT", "ctrl": "LEFT_CTRL", "alt": "LEFT_ALT"}
 TAB = 12  # pixels from one try to the next in a column of tabs
 NOTCHES = 4  # of the wheel at once
 PANES = 25  # turns of it, at most
@@ -50,10 +51,13 @@ class Artist(WindowCase):
         yield from self.press("LEFTMOUSE", **keys)
 
     def press(self, key: str, **keys: bool) -> Iterator[float]:
-        """A key, or a button of the mouse."""
+        """A key, or a button of the mouse. What was held with it is let go, too: Blender takes a drag of the mouse to
+        be with the modifiers of the last key, and once the drag of a tool after Ctrl Space did nothing."""
         for value in ("PRESS", "RELEASE"):
             self.event(key, value, **keys)
             yield 0.03
+        for name in filter(keys.get, keys):
+            self.event(HELD[name], "RELEASE")
         yield 0.1
 
     def type(self, text: str) -> Iterator[float]:

@@ -202,3 +202,9 @@ def play(first: int = 1, last: int = LAST) -> None:
 
 def names(collection: Any) -> list[str]:
     return sorted(item.name for item in collection)
+
+
+def is_fine(obj: bpy.types.Object) -> bool:
+    """Whether viewports show more than the coarse mesh."""
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return len(shown.data.vertices) > len(obj.data.vertices)

@@ -15,6 +15,7 @@ from bl_ui.space_toolsystem_common import ToolSelectPanelHelper
 from mathutils import Vector
 from rumple.blender.brush import overlay
 from rumple.blender.objects import modifier, runtimes
+from rumple.blender.ui import held_mouse
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from support import sleeve
 from support.artist import Artist
@@ -114,6 +115,8 @@ class Drag(Hand):
         builds, before = self.watch_builds(), self.obj.rumple.mesh.wavelength
         places = yield from self.along("Wavelength", 24)
         yield from self.drag(places)
+        # On a busy machine the timer that asks for the mouse may come late, and it sees the last key alone.
+        yield from self.until(lambda: held_mouse._down_in != -1)
         yield from self.press("ESC")
         yield PAUSE
         yield from self.let_go()
@@ -228,8 +231,8 @@ class Paint(Hand):
         yield from self.maximise("PROPERTIES")
 
     def of_output(self) -> np.ndarray:
-        """The weights that the fine mesh has, where it has any."""
-        output = sleeve.output_object(self.obj)
+        """The weights that the fine mesh of viewports has, where it has any."""
+        output = modifier.outputs(modifier.find(self.obj))[-1]
         if "Rumple Drape" not in output.vertex_groups:
             return np.ones(1)
         index = output.vertex_groups["Rumple Drape"].index

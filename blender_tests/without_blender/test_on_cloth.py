@@ -219,6 +219,37 @@ class OnCloth(unittest.TestCase):
             for frame in reversed(FRAMES):
                 self.same(self.solve(other, frame, alone), forward[frame - 1])
 
+    def test_what_lies_on_the_cloth_does_not_solve_it_again_and_the_bits_are_those_of_a_fresh_solve(self) -> None:
+        """A brush and a slider ask for one frame again and again: only what it is made of counts."""
+        count = len(self.base.positions)
+        half = np.full(count, 0.5, np.float32)
+        inner = np.ascontiguousarray(self.base.corner_vertex[self.base.triangle_corner])
+        worn = Body(self.clip[5] * np.array((0.97, 0.97, 1.0), np.float32), inner)
+        other = Body(self.clip[5] * np.array((0.96, 0.96, 1.0), np.float32), inner)
+        turned = np.ascontiguousarray(rotated(np.eye(3), 50.0) - rotated(np.zeros((1, 3)), 50.0))
+        field, cloth = on_cloth(FIELD), {"mask": half, "room": half}
+        # What is asked for, one after the other, and whether the cloth has to be solved for it.
+        asked: list[tuple[Any, dict, int, dict[str, Any], bool]] = [
+            (field, {}, 5, {}, True), (field, {"mask": half}, 5, {}, False),
+            (replace(field, strength=0.5), {}, 5, {}, False),
+            (field, cloth, 5, {}, True), (field, {**cloth, "mask": 0.5 * half}, 5, {}, False),
+            (field, {**cloth, "room": 0.5 * half}, 5, {}, True), (field, {"follow": half}, 5, {}, True),
+            (field, {}, 6, {}, True), (replace(field, room=0.01), {}, 5, {}, True),
+            (field, {}, 5, dict(body=worn), True), (field, {"mask": half}, 5, dict(body=worn), False),
+            (field, {}, 5, dict(body=other), True), (field, {}, 5, dict(world_from_object=turned), True),
+            (replace(field, drape=0.5), {}, 5, {}, True), (replace(field, drape=0.6), {}, 5, {}, True),
+            (replace(field, base_cloth="SWING"), {}, 5, {}, True),
+            (replace(field, base_cloth="SWING"), {}, 5, dict(frame_rate=30.0), True),
+            (replace(field, base_cloth="SWING", stateless=True), {}, 5, {}, True),
+            (replace(field, base_cloth="SWING", stateless=True), {}, 5, dict(frame_rate=30.0), True)]
+        fine = self.build(FIELD)
+        for number, (settings, paint, frame, more, anew) in enumerate(asked):
+            fine.frame_cache.clear()  # as another paint or setting does
+            with mock.patch.object(BaseCloth, "solve", autospec=True, side_effect=BaseCloth.solve) as solved:
+                shown = self.solve(fine, frame, settings, paint=paint, **more)
+            self.assertEqual(solved.call_count, int(anew), number)
+            self.same(shown, self.solve(self.build(FIELD), frame, settings, paint=paint, **more))
+
     def test_the_status_and_the_surface_that_others_lie_on_are_those_of_the_cloth(self) -> None:
         for settings in KINDS.values():
             fine = self.build(settings)

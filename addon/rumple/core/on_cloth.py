@@ -3,7 +3,7 @@
 bpy."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Callable
 
 import numpy as np
@@ -13,6 +13,7 @@ from .body import Body
 from .cloth import BaseCloth, ClothFrame
 from .cloth_settings import ClothSettings
 from .drape import Drape
+from .frame_cache import digest_of
 from .keep_smooth import SMOOTH, share_of_folds
 from .surroundings import Surroundings
 
@@ -68,8 +69,22 @@ def cloth_of(state: Any) -> ClothFrame | None:
     return state.cloth if isinstance(state, OnCloth) else None
 
 
+def _digest_of_start(settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
+                     world_from_object: np.ndarray | None, body: Body | None, covers: bool, seconds: float,
+                     surroundings: Surroundings) -> bytes:
+    """What tells one frame of a base cloth that has none before it from another."""
+    own = [getattr(settings, one.name) for one in fields(ClothSettings)]
+    has_time = settings.base_cloth == "SWING"  # of frames on their own as well: a frame says when it is
+    chosen = repr((own, settings if settings.draped else None, settings.swings, covers, sorted(paint), body is None,
+                   seconds if has_time else None))
+    arrays = (world_from_object, *(paint[name] for name in sorted(paint)), *(body.arrays() if body else ()))
+    return digest_of(chosen.encode(), np.ascontiguousarray(positions), *arrays,
+                     surroundings.array() if has_time else None)
+
+
 class Stage:
-    """The base cloth of one garment, whatever lies on it. No state: frames are handed in and out."""
+    """The base cloth of one garment, whatever lies on it. Frames are handed in and out. The last one that began from
+    nothing is kept: a brush and a slider that change what lies on it ask for the same again."""
 
     def __init__(self, surface: Any, diagonal: float, unit_scale: float,
                  suggest: Callable[[str], np.ndarray] | None = None) -> None:
@@ -77,12 +92,25 @@ class Stage:
         self.cloth = BaseCloth(surface, diagonal, unit_scale, suggest)
         self._cover: Any = None
         self._drape: Drape | None = None
+        self._begun: tuple[bytes, ClothFrame] | None = None  # digest of what it was solved from
 
     def solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
               world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None, covers: bool,
               seconds: float = 0.0, surroundings: Surroundings = Surroundings()) -> ClothFrame:
         """One frame. Everything as BaseCloth.solve() has it. covers: the smooth surface of the cloth stays off the body
         as well, for what lies on it knows none. Raises ValueError."""
+        rest = (settings, paint, positions, world_from_object, body)
+        if before is not None:
+            return self._solve(*rest, before, covers, seconds, surroundings)
+        digest = _digest_of_start(*rest, covers, seconds, surroundings)
+        if self._begun is None or self._begun[0] != digest:
+            self._begun = digest, self._solve(*rest, None, covers, seconds, surroundings)
+        return self._begun[1]
+
+    def _solve(self, settings: ClothSettings, paint: dict[str, np.ndarray], positions: np.ndarray,
+               world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None, covers: bool,
+               seconds: float, surroundings: Surroundings) -> ClothFrame:
+        """The same, not looked up."""
         frame = self.cloth.solve(positions, settings, paint, world_from_object, body, before, seconds, surroundings)
         collider = self.cloth.collider(body)
         if settings.draped:

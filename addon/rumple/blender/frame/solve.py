@@ -14,7 +14,7 @@ import numpy as np
 from ...core import engine
 from .. import compat, scheduler
 from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
-                       properties, runtimes, units, viewport_mesh, wind)
+                       properties, runtimes, units, viewport_mesh, weight_paint, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -146,6 +146,9 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         messages.set_frame_error(runtime, "")
         return False
     shown = modifier.viewport_output(nodes_mod) if inputs.in_viewport else output_obj
+    if depsgraph.mode == "VIEWPORT" and not bpy.app.background:
+        fine = runtime.evaluator.in_viewport if inputs.in_viewport else runtime.evaluator
+        weight_paint.carry_colours(obj, shown, fine, runtime)
     if inputs.same_as(runtime.inputs) and runtime.output_key == compat.session_key(shown.data):
         messages.set_frame_error(runtime, clip_fault)  # what was wrong in between is as it was before
         messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
@@ -206,6 +209,7 @@ def show_fine_meshes() -> None:
                 continue
             inputs = None if runtime is None else runtime.inputs
             if output_obj is None or inputs is None or not (inputs.uses_proxy or inputs.in_viewport
+                                                            or inputs.shows_coarse
                                                             or not first_pass.is_shown(nodes_mod)):
                 continue
             try:
@@ -213,11 +217,11 @@ def show_fine_meshes() -> None:
                 assert isinstance(result, engine.FrameResult)
                 output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
                 modifier.move_hidden(output_obj, "x", 0.0)  # a bake under way puts it away again
-                if inputs.uses_proxy:
+                if inputs.uses_proxy or inputs.shows_coarse:
                     output_mesh.write_proxy(output_obj.data, None)
             except Exception as error:  # the file is saved all the same
                 print(f"Rumple: {messages.unexpected(obj, error)}")
-            if inputs.uses_proxy:
+            if inputs.uses_proxy or inputs.shows_coarse:
                 runtime.invalidate_output()
                 scheduler.tag_soon({obj.name})
 
@@ -239,7 +243,8 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
     uses_proxy = for_viewport and preview.uses_proxy(obj, nodes_mod)
     return Inputs(float(scene.frame_current_final), settings, positions, world, runtime.paint,
                   scene.render.fps / scene.render.fps_base, uses_proxy,
-                  for_viewport and viewport_mesh.is_shown(nodes_mod), body,
+                  for_viewport and viewport_mesh.is_shown(nodes_mod),
+                  for_viewport and weight_paint.needs_coarse(obj), body,
                   wind.surroundings(evaluated, depsgraph, settings))
 
 
@@ -317,18 +322,20 @@ def _show(output_obj: bpy.types.Object, runtime: Runtime, result: engine.FrameRe
           in_viewport: bool) -> bool:
     """Write the picture, unless it is there already: a write tags the mesh and costs another evaluation."""
     key = compat.session_key(output_obj.data)
-    last = runtime.result
-    runtime.result = result
+    shows_coarse = runtime.inputs is not None and runtime.inputs.shows_coarse
+    last, showed_coarse = runtime.result, runtime.shows_coarse
+    runtime.result, runtime.shows_coarse = result, shows_coarse
     if isinstance(result, engine.PreviewFrame) and result.proxy_offset is None:
         runtime.output_key = key  # nobody looks at its attributes: they stay as they were written last
         return False
-    if last is not None and runtime.output_key == key and last.shows_the_same(result):
+    if (last is not None and runtime.output_key == key and showed_coarse == shows_coarse
+            and last.shows_the_same(result)):
         return False
     if isinstance(result, engine.PreviewFrame):
         output_mesh.write_proxy(output_obj.data, result.proxy_offset)
     else:
         output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
         if in_viewport:
-            output_mesh.write_proxy(output_obj.data, None)
+            output_mesh.write_proxy(output_obj.data, np.zeros((0, 3), np.float32) if shows_coarse else None)
     runtime.output_key = key
     return True

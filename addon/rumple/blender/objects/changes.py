@@ -52,8 +52,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             if edited or (own is not None and own.data is not None and compat.session_key(own.data) in touched):
                 runtime.stale = True
                 runtime.paint = None
-                # Colours are seen under the brush as soon as it rests: they are those of the fine mesh.
-                scheduler.request(scheduler.DELAY, until_released=obj.mode != "WEIGHT_PAINT")
+                scheduler.request(scheduler.DELAY)  # of a stroke once, at its end: frames follow the brush
             elif runtime.paint and compat.session_key(obj) in touched and not _is_playing():
                 runtime.paint = None  # vertex_group.add() from scripts tags the object only, as animation does
 

@@ -116,6 +116,7 @@ def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
     place = place_behind_deforming(obj)
     modifier = obj.modifiers.new(SYSTEMS[method].label, "NODES")
     modifier.node_group = wrinkle_tree.ensure(method)
+    modifier.show_in_editmode = False  # as Cloth: the folds of a pose would hide the vertices of the mesh at rest
     _WRINKLED.forget()
     last = len(obj.modifiers) - 1
     if place != last:

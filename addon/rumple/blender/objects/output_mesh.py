@@ -260,9 +260,9 @@ def carry_vertex_groups(output: bpy.types.Object, fine: ShownMesh, inherited: In
             output.vertex_groups.new(name=name)
     if not names:
         return
-    weights = _from_base(fine, inherited.weights[:, [wanted.index(name) for name in names]])
-    for column, name in enumerate(names):
-        _write_group(output.vertex_groups[name], weights[:, column])
+    steps = weight_steps(fine, inherited.weights[:, [wanted.index(name) for name in names]])
+    for column, name in enumerate(names):  # they are new, and empty
+        write_steps(output.vertex_groups[name], steps[:, column], np.zeros(len(steps), np.int32))
 
 
 def _from_base(fine: ShownMesh, values: np.ndarray) -> np.ndarray:
@@ -272,15 +272,25 @@ def _from_base(fine: ShownMesh, values: np.ndarray) -> np.ndarray:
     return (1.0 - weight_1 - weight_2) * corner_0 + weight_1 * corner_1 + weight_2 * corner_2
 
 
-def _write_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
-    """One call for all points of one weight, in steps that nobody sees: Blender takes weights in no other way."""
-    inside = np.flatnonzero(weights > 0.0)
-    steps = np.maximum(np.rint(weights[inside] * WEIGHT_STEPS), 1.0)
-    order = np.argsort(steps, kind="stable")
-    members, values = inside[order].tolist(), steps[order]
-    starts = np.flatnonzero(np.diff(values, prepend=-1.0)).tolist()
-    for start, end in zip(starts, [*starts[1:], len(members)]):
-        group.add(members[start:end], float(values[start]) / WEIGHT_STEPS, "REPLACE")
+def weight_steps(fine: ShownMesh, weights: np.ndarray) -> np.ndarray:
+    """(n, groups) weights of the coarse mesh -> (m, groups) of the fine one, in steps that nobody sees: 0 where a
+    point is in no group, else 1 to WEIGHT_STEPS."""
+    spread = _from_base(fine, weights)
+    return np.where(spread > 0.0, np.maximum(np.rint(spread * WEIGHT_STEPS), 1.0), 0.0).astype(np.int32)
+
+
+def write_steps(group: bpy.types.VertexGroup, steps: np.ndarray, had: np.ndarray | None = None) -> None:
+    """(m,) of weight_steps(). had: what the group has now; None: nobody knows. One call for all points of one weight:
+    Blender takes weights in no other way."""
+    members = np.flatnonzero(np.ones(len(steps), bool) if had is None else steps != had)
+    order = members[np.argsort(steps[members], kind="stable")]
+    cuts = np.flatnonzero(np.diff(steps[order])) + 1
+    for piece in np.split(order, cuts) if len(order) else ():
+        step = int(steps[piece[0]])
+        if step:
+            group.add(piece.tolist(), step / WEIGHT_STEPS, "REPLACE")
+        else:
+            group.remove(piece.tolist())
 
 
 # ---------------------------------------------------------------- what changed

@@ -26,13 +26,14 @@ class Inputs:
     frame_rate: float  # frames a second
     uses_proxy: bool = False  # the mesh is a proxy for depth and clicks: the viewport draws the folds (preview.py)
     in_viewport: bool = False  # for the mesh of viewports (viewport_mesh.py)
+    shows_coarse: bool = False  # in place of the folds, for tools of Weight Paint (weight_paint.py)
     body: Body | None = None
     surroundings: Surroundings = Surroundings()  # read where the cloth swings
 
     def same_as(self, other: "Inputs | None") -> bool:
         return (other is not None and self.frame == other.frame and self.settings == other.settings
-                and (self.frame_rate, self.uses_proxy, self.in_viewport) == (
-                    other.frame_rate, other.uses_proxy, other.in_viewport)
+                and (self.frame_rate, self.uses_proxy, self.in_viewport, self.shows_coarse) == (
+                    other.frame_rate, other.uses_proxy, other.in_viewport, other.shows_coarse)
                 and self.surroundings == other.surroundings
                 and (other.body is None if self.body is None else self.body.same_as(other.body))
                 and self.paint.keys() == other.paint.keys()
@@ -51,6 +52,9 @@ class Runtime(RuntimeBase):
     building: Building | None = None  # what takes the evaluator's place when it is ready
     built_with: dict[str, Any] = field(default_factory=dict)  # the properties that `evaluator` was made with
     paint: dict[str, np.ndarray] | None = None  # None: read again
+    painted_steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # of what: weight_paint.py
+    shows_coarse: bool = False  # what the mesh of output_key shows in place of the folds
+    asked_for_coarse: bool = False  # by a redraw, last
     measured: tuple[dict, dict[str, tuple[float, float]]] | None = None  # of what was read: painted_maps.py
     stack: str = ""  # fingerprint of the modifiers in front when the incoming mesh was last made
     tried: int = -1  # vertices that arrived, and did not fit, when it was last made anew for that reason

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import bpy
 
-from ..objects import painted_maps
+from ..objects import painted_maps, weight_paint
 from ..translation import said
 from ..ui_base import Panel, draw_note, settings_column
 
+NO_FOLDS = "This mask or tool of Weight Paint needs the coarse mesh: folds are shown again after it"
 LABEL_SHARE = 0.4  # of a row, as where a property has its name
 
 
@@ -23,6 +24,8 @@ class DATA_PT_rumple_paint(Panel, bpy.types.Panel):
             _draw_map(column, obj, painted, numbers.get(painted.key))
         if painted_maps.is_masked(obj):
             draw_note(self.layout, "A mask of Weight Paint is on: only what is selected changes")
+        if weight_paint.needs_coarse(obj):
+            draw_note(self.layout, NO_FOLDS)
 
 
 def _draw_map(column: bpy.types.UILayout, obj: bpy.types.Object, painted: painted_maps.PaintedMap,

@@ -22,7 +22,7 @@ import numpy as np
 from mathutils import Matrix
 
 from .. import compat, scheduler
-from ..objects import bodies, incoming_mesh, messages, modifier, runtimes, viewport_mesh
+from ..objects import bodies, incoming_mesh, messages, modifier, runtimes, viewport_mesh, weight_paint
 from . import gpu_arrays, preview_field, preview_paths, studio_light
 from .draw_handler import DrawHandler
 
@@ -159,16 +159,28 @@ def _draw() -> None:
 
 
 def _ask_for_meshes() -> None:
-    """Another shading of a viewport updates nothing: let objects be evaluated that should have another mesh now."""
+    """Another shading of a viewport updates nothing, nor does another tool: let objects be evaluated that should have
+    another mesh now."""
     for obj, nodes_mod in modifier.wrinkled_objects():
         runtime = runtimes.known(obj)
-        if runtime is None or runtime.inputs is None or obj.rumple.method not in _DRAWINGS:
+        if runtime is None or runtime.inputs is None:
+            continue
+        _ask_for_coarse(obj, runtime)
+        if obj.rumple.method not in _DRAWINGS:
             continue
         over = uses_proxy(obj, nodes_mod)
         if over != runtime.asked_for_proxy:  # once: what cannot be evaluated now is not asked for again
             runtime.asked_for_proxy = over
             if over != runtime.inputs.uses_proxy:
                 scheduler.tag_soon({obj.name})
+
+
+def _ask_for_coarse(obj: bpy.types.Object, runtime: runtimes.Runtime) -> None:
+    wanted = weight_paint.needs_coarse(obj)
+    if wanted != runtime.asked_for_coarse:  # once, as below
+        runtime.asked_for_coarse = wanted
+        if wanted != runtime.inputs.shows_coarse:
+            scheduler.tag_soon({obj.name})
 
 
 def _draw_all(shown: list[tuple[bpy.types.Object, runtimes.Runtime, int]], space: bpy.types.SpaceView3D) -> None:
