@@ -197,7 +197,7 @@ class OnCloth(unittest.TestCase):
                 # The object is turned, and the garment in it back: the world, and its gravity, stay where they are.
                 other = self.solve(there, frame, on_cloth(settings), rotated(self.clip[frame], 70.0),
                                    world_from_object=turn)
-                np.testing.assert_allclose(other.positions, rotated(one.positions, 70.0), atol=3e-4, err_msg=name)
+                np.testing.assert_allclose(other.positions, rotated(one.positions, 70.0), atol=5e-4, err_msg=name)
 
     def test_however_a_frame_was_reached_it_is_the_same_when_played_through(self) -> None:
         for name, settings in KINDS.items():
