@@ -28,6 +28,15 @@ Block block_of(const Hessian::Spring& spring) {
     return double(spring.across) * Block(1.0) + double(spring.along) * glm::outerProduct(n, n);
 }
 
+// B W B of a spring's block B = a I + b n n^T and a symmetric W: with u = W n and v = a b u + b^2 (n . u) / 2
+// n it is a^2 W + n v^T + v n^T.
+Block between(const Hessian::Spring& spring, const Block& w) {
+    const glm::dvec3 n(spring.direction.vec()), u = w * n;
+    const double a = spring.across, b = spring.along;
+    const glm::dvec3 v = a * b * u + 0.5 * b * b * glm::dot(n, u) * n;
+    return a * a * w + glm::outerProduct(n, v) + glm::outerProduct(v, n);
+}
+
 // A vertex without area, of no polygon or of flat ones, has neither weight nor force: it stays.
 Block inverse_or_nothing(const Block& block) {
     const Block inverse = glm::inverse(block);
@@ -103,13 +112,12 @@ Factors::Factors(const Model& model, const Hessian& hessian) : model_(model), he
         whole[model.springs[s].b] += block;
     }
     std::vector<Block> left = whole;
+    for (std::vector<Matrix>* made : {&diagonal_, &inverse_, &beyond_}) made->reserve(model.order.size());
     for (size_t k = 0; k < model.order.size(); ++k) {
         const Index v = model.order[k];
         const Block inverse = inverse_or_nothing(left[v]);
-        for_springs(k, [&](Index other, const Hessian::Spring& spring) {
-            const Block block = block_of(spring);
-            left[other] -= block * inverse * block;
-        });
+        for_springs(
+            k, [&](Index other, const Hessian::Spring& spring) { left[other] -= between(spring, inverse); });
         diagonal_.push_back(to_matrix(left[v]));
         inverse_.push_back(to_matrix(inverse));
         beyond_.push_back(to_matrix(whole[v] - 2.0 * left[v]));
