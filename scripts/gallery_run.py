@@ -133,6 +133,7 @@ def render(clip: Clip, column: Column, ways: dict[int, Vector], frames: range, f
         gallery_live.show_paint(bpy.data.objects["Shirt"])
     scene.render.resolution_x, scene.render.resolution_y = clip.size
     scene.render.resolution_percentage = 100
+    scene.render.use_persistent_data = True  # the same pictures to the bit, sooner
     scene.frame_start = max(clip.frames[0] - LEAD_IN, scene.frame_start)
     for frame in range(scene.frame_start, frames[-1] + 1):
         if clip.file == "painted" and frame in frames:
