@@ -64,6 +64,19 @@ class Baked(unittest.TestCase):
             bpy.ops.object.rumple_bake()
         self.assertFalse(folder.exists())
 
+    def test_frames_that_blender_does_not_have_are_refused_before_any_is_solved(self) -> None:
+        """From 2147483645 on: the frames in front of it were made a list of 80 GB, then played for ever."""
+        first, last = self.obj.rumple.bake_start, self.obj.rumple.bake_end
+        largest, beyond = 2**31 - 1, playback.MOST_FRAME + 1
+        for start, end, named in ((largest - 2, largest, largest - 2), (-2**31, last, -2**31),
+                                  (first, largest, largest), (first, beyond, beyond)):
+            self.obj.rumple.bake_start, self.obj.rumple.bake_end = start, end
+            with self.assertRaisesRegex(RuntimeError, f"Sleeve: Blender has no frame {named}: change the first or"):
+                bpy.ops.object.rumple_bake()
+        # Nor does Blender go there: a bake would wait at the same frame.
+        bpy.context.scene.frame_set(beyond)
+        self.assertEqual(bpy.context.scene.frame_current, playback.MOST_FRAME)
+
     def test_a_worker_leaves_a_clip_to_a_window_that_bakes_it(self) -> None:
         for end in ("cancel", "finish"):
             running = clip.ClipBake(bpy.context, self.obj)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from typing import Iterator
 
 import bpy
 import numpy as np
+from rumple.blender.bake import clip
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier, runtimes
 from support import sleeve
@@ -192,3 +194,27 @@ class Viewport(WindowCase):
         sleeve.at(20)
         yield 0.2
         self.assertEqual(obj.rumple.message, "")
+
+    def test_a_bake_whose_object_is_deleted_ends_and_leaves_nothing(self) -> Iterator[float]:
+        """ReferenceError escaped its timer: this went on for ever, and the file that was being written stayed."""
+        obj = self.make()
+        own = tempfile.TemporaryDirectory()
+        self.addCleanup(own.cleanup)
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.join(own.name, "window_bake.blend"))
+        obj.rumple.bake_end = 5000
+        folder = clip.new_clip_path(obj).parent
+        yield 0.3
+        frame = bpy.context.scene.frame_current
+        with self.area("VIEW_3D"):
+            self.assertEqual(bpy.ops.object.rumple_bake("INVOKE_DEFAULT"), {"RUNNING_MODAL"})
+        for _ in range(100):
+            yield 0.05
+            if bpy.context.scene.frame_current > frame + 2:
+                break
+        self.assertEqual(len([name for name in os.listdir(folder) if name.endswith(".part")]), 1)
+        bpy.data.objects.remove(obj)
+        yield 0.5
+        self.assertEqual(os.listdir(folder) if folder.is_dir() else [], [])
+        stopped = bpy.context.scene.frame_current
+        yield 0.3
+        self.assertEqual((stopped, bpy.context.scene.frame_current), (frame, frame))

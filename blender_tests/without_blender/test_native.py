@@ -144,8 +144,10 @@ class OnATube(unittest.TestCase):
 class Arrays(OnATube):
     def test_what_is_wrong_with_an_array_is_said(self) -> None:
         good = self.squeezed
+        shifted = np.frombuffer(b"\0" + good.tobytes(), np.float32, good.size, 1).reshape(-1, 3)  # between two floats
         for wrong, words in ((good.astype(np.float64), "float32 .* got float64"), (good[:, :2], r"\(n, 3\), got .*2\)"),
-                             (good[::2], "not contiguous"), (good.ravel(), r"\(n, 3\)"), (None, "NoneType"),
+                             (good[::2], "not contiguous"), (shifted, "not aligned"),
+                             (good.ravel(), r"\(n, 3\)"), (None, "NoneType"),
                              (good.tolist(), "list"), (good[:5], "expected .* got 5"),
                              (good.astype(">f4"), "got >f4")):
             with self.assertRaisesRegex(ValueError, f"positions: .*{words}"):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from rumple.core import frame_cache
 from rumple.core.body import Body
+from rumple.core.engine import UserError
 from rumple.core.frame_result import FrameResult, PreviewFrame
 from rumple.core.settings import FieldSettings
 from rumple.core.wrinkle_field import WrinkleField
@@ -53,6 +54,23 @@ class Waiting(unittest.TestCase):
     def play(self, field: WrinkleField, for_preview: bool, frames: range = FRAMES) -> None:
         for frame in frames:
             self.show(field, frame, for_preview)
+
+    def test_a_wild_frame_is_refused_at_once_and_those_after_it_go_on_from_the_last_good_one(self) -> None:
+        """A frame that waits is solved under another's name: that would be refused in its place. And without a frame
+        before it the next one would begin anew, and never be final."""
+        for wild in (1e14, np.nan):
+            self.setUp()
+            self.clip[5] = self.clip[5].copy()
+            self.clip[5][7, 0] = wild
+            for field, for_preview in ((self.field, True), (self.plain, False)):
+                self.play(field, for_preview, range(1, 5))
+                with self.assertRaisesRegex(UserError, "vertex 7 is .* in this frame"):
+                    self.show(field, 5, for_preview)
+                self.play(field, for_preview, range(6, 11))
+            self.assertEqual(self.plain.frame_cache.frames(), [(float(f), True) for f in FRAMES if f != 5])
+            self.assertEqual(self.field.solves, 1)
+            for frame in (10, 6, 7):
+                self.same(frame)
 
     def test_only_the_first_frame_is_solved_while_the_preview_plays(self) -> None:
         self.play(self.field, True)

@@ -87,6 +87,7 @@ class Wrinkles(ShownMesh):
                                      for_preview, body, surroundings,
                                      in_viewport and self.in_viewport is not None)
         except ValueError as error:
+            self.frame_cache.refuse(frame)
             raise wording.user_error(self.name, error) from error
 
     def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
@@ -119,7 +120,7 @@ class Wrinkles(ShownMesh):
         """The entry of a frame, which is solved and stored where it was not; whether it was; and the pose that it was
         solved in now. chosen: digest of the settings."""
         frame, digest = frame_input.frame, frame_input.digest(chosen, settings.swings)
-        before = None if settings.stateless or frame <= start else self._frame_before(frame)
+        before = None if settings.stateless or frame <= start else self.frame_cache.before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
         cached = self.frame_cache.find(frame, digest, final, before)
         if cached is not None:
@@ -230,10 +231,6 @@ class Wrinkles(ShownMesh):
         elif result.proxy_offset is not None:
             inside = riders.parts.vertex < len(result.proxy_offset)  # not what healing has made
             result.proxy_offset[riders.parts.vertex[inside]] = riders.displacements(animated, over)[inside]
-
-    def _frame_before(self, frame: float) -> CachedFrame | None:
-        """The stored whole frame that a frame goes on from: the one before it, or the one a subframe is in."""
-        return self.frame_cache.get(float(math.ceil(frame) - 1))
 
     def _take_inputs(self, frame: float, settings: Any, paint: dict[str, np.ndarray], start: int,
                      frame_rate: float) -> bytes:

@@ -8,6 +8,7 @@ before it becomes final, then it is solved once more and stays.
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass, field
 from typing import Any, Callable, Hashable, Iterable, Protocol
 
@@ -118,6 +119,7 @@ class FrameCache:
         self._timeline: Hashable = None
         self._timelines: dict[Hashable, dict[float, CachedFrame]] = {None: self._entries}  # the last used last
         self._bytes = self._picture_bytes = 0
+        self._refused: set[tuple[Hashable, float]] = set()  # timeline, frame
         self.on_disk: OnDisk | None = None
 
     def follow(self, timeline: Hashable) -> None:
@@ -141,6 +143,18 @@ class FrameCache:
     def get(self, frame: float) -> CachedFrame | None:
         """The entry of a frame, or None."""
         return self._entries.get(frame)
+
+    def before(self, frame: float) -> CachedFrame | None:
+        """The whole frame that a frame goes on from: the one before it, or the one a subframe is in. Those that were
+        refused are passed over: behind a wild frame, the last good one."""
+        before = math.ceil(frame) - 1.0
+        while (self._timeline, before) in self._refused:
+            before -= 1.0
+        return self._entries.get(before)
+
+    def refuse(self, frame: float) -> None:
+        """A frame that cannot be solved, as where a simulation explodes; until it is put."""
+        self._refused.add((self._timeline, frame))
 
     def find(self, frame: float, inputs: bytes, final: bool, before: CachedFrame | None) -> CachedFrame | None:
         """The entry that may be replayed, from memory or disk: of these inputs, and where the frame would be final
@@ -168,6 +182,7 @@ class FrameCache:
 
     def put(self, frame: float, cached: CachedFrame) -> None:
         """Store a frame. When it replaces another solution, whole frames after it are final no more."""
+        self._refused.discard((self._timeline, frame))
         old = self._entries.get(frame)
         if old is not None:
             self._forget([old])
@@ -195,6 +210,7 @@ class FrameCache:
         self._entries = {}
         self._timelines = {self._timeline: self._entries}
         self._bytes = self._picture_bytes = 0
+        self._refused.clear()
 
     @property
     def bytes(self) -> int:

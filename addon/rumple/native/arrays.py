@@ -23,6 +23,8 @@ def checked(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> np.ndar
     came = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
     if isinstance(array, np.ndarray) and not array.flags.c_contiguous:
         came += ", not contiguous"
+    elif isinstance(array, np.ndarray) and not array.flags.aligned:
+        came += ", not aligned"
     raise ValueError(f"{name}: expected a C-contiguous {dtype} array of shape {wanted}, got {came}")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, Sequence, TypeVar
+from typing import Any, Callable, Sequence, TypeVar
 
 import numpy as np
 
@@ -326,11 +326,20 @@ def stored_array(arrays: dict[str, Any], name: str) -> Any:
     return arrays[name]
 
 
+N = TypeVar("N", int, float)
+
+
+def stored_number(arrays: dict[str, Any], name: str, kind: Callable[[Any], N]) -> N:
+    """Raises ValueError where there is none, or what is no number of that kind."""
+    try:
+        return kind(arrays[name])
+    except (KeyError, TypeError, ValueError, OverflowError):
+        raise ValueError(f"state: expected a number {name}, got {arrays.get(name, 'none')!r}") from None
+
+
 def fill_reference(view: Any, arrays: dict[str, Any]) -> None:
     """The state of the reference triangles, from plain arrays. They must outlive it."""
-    if "time" not in arrays:
-        raise ValueError("state: expected time, got none")
-    view.time = arrays["time"]
+    view.time = stored_number(arrays, "time", float)
     for name, (dtype, columns) in REFERENCE_ARRAYS.items():
         fill(view, name, stored_array(arrays, name), dtype, columns)
 

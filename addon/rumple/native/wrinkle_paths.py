@@ -12,7 +12,7 @@ from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice, chosen
 from .surface import (FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan,
-                      stored_array)
+                      stored_array, stored_number)
 from .wrinkle_mesh import reference_arrays
 
 
@@ -94,7 +94,7 @@ class WrinklePathsState(Handle):
         """From what `arrays` gave."""
         view = c.WrinklePathsStateView()
         fill_reference(view.reference, arrays)
-        view.next_id = int(stored_array(arrays, "next_id"))
+        view.next_id = stored_number(arrays, "next_id", int)
         for name, (dtype, columns) in self.ARRAYS.items():
             fill(view, name, stored_array(arrays, name), dtype, columns)
         self._filled(self, lib.rumple_wrinkle_paths_state_build, model, view)

@@ -14,6 +14,9 @@ from ..frame import clip_status, first_pass
 from ..objects import modifier, runtimes, viewport_mesh
 
 
+MOST_FRAME = 1_048_574  # of Blender, on both sides of 0: what is asked for beyond it is never reached
+
+
 class BakeError(RuntimeError):
     """Why a bake cannot be made or continued: a message for the artist."""
 
@@ -22,6 +25,9 @@ class Playback:
     """Plays an object through a range of frames and hands out what was solved."""
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, start: int, end: int, samples: int) -> None:
+        for frame in (start, end):
+            if abs(frame) > MOST_FRAME:
+                raise BakeError(f"{obj.name}: Blender has no frame {frame}: change the first or the last frame")
         if end < start:
             raise BakeError(f"{obj.name}: the last frame ({end}) is before the first ({start}): change one of them")
         self.scene, self.obj, self.name, self.file = context.scene, obj, obj.name, scheduler.file_number()
