@@ -16,7 +16,7 @@ from mathutils import Matrix, Vector
 from rumple.blender.frame import rebuild
 from rumple.blender.objects import mesh_reader, modifier, output_mesh, weight_paint
 from support import sleeve
-from support.artist import Artist
+from support.artist import HELD, Artist
 
 GROUP = "Rumple Radius"
 NEW_BRUSHES = bpy.app.version >= (4, 3, 0)
@@ -27,7 +27,10 @@ Steps = Generator[float, None, Any]
 
 class Tools(Artist):
     def begin(self, wrinkles: bool) -> Steps:
-        """A sleeve seen from above, its middle at x = 0, in Weight Paint; half of it painted in a pattern."""
+        """A sleeve seen from above, its middle at x = 0, in Weight Paint; half of it painted in a pattern. Whatever
+        key another test held is let go: with it a drag is another tool's."""
+        for key in HELD.values():
+            self.event(key, "RELEASE")
         obj = sleeve.scene(wrinkles=False)
         obj.data.transform(Matrix.Translation((-sleeve.LENGTH / 2, 0.0, 0.0)))
         with sleeve.context():
