@@ -302,7 +302,8 @@ rumple_status rumple_wrinkle_mesh_measure(const rumple_wrinkle_mesh* model,
         const Measures found =
             measure_pose(*m.model, mesh_settings(settings), paint_in(model, paint), input_of(at.arrays),
                          at.pose, given_of_model(state, m, "state").state);
-        const float sizes[] = {found.edge_error_before_max,  found.edge_error_after_max,
+        const float sizes[] = {found.edge_error_before_rms,  found.edge_error_before_max,
+                               found.edge_error_after_rms,   found.edge_error_after_max,
                                found.compressed_area_before, found.compressed_area_after,
                                found.attachment_violation,   found.largest_offset};
         if (!all_finite(sizes) || !all_finite(floats_of(found.offsets))) refuse_unsound();

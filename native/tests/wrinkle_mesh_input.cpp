@@ -51,6 +51,7 @@ TEST(WrinkleMeshInput, EverySettingIsTakenUpToTheEndsOfItsRange) {
 
 TEST(WrinkleMeshInput, ASettingOutOfItsRangeIsNamedWithItsRangeAndValue) {
     const Cloth cloth(grid(2, 2, 0.1f));
+    const State state = cloth.solve(cloth.mesh.positions, Settings{});
     for (const Range& range : kRanges) {
         std::vector<float> bad{range.low - 1.0f, range.high + std::ceil(1e-3f * range.high)};
         if (!range.whole) bad.insert(bad.end(), {kNan, kInfinity, -kInfinity});
@@ -61,6 +62,9 @@ TEST(WrinkleMeshInput, ASettingOutOfItsRangeIsNamedWithItsRangeAndValue) {
             expect_refused([&] { check(settings); },
                            {begins, short_text(range.low), "got " + short_text(value)});
             expect_refused([&] { cloth.solve(cloth.mesh.positions, settings); }, {begins});
+            // Its errors were no numbers once.
+            expect_refused([&] { measure(*cloth.model, settings, {}, {cloth.mesh.positions}, state); },
+                           {begins});
         }
     }
 }

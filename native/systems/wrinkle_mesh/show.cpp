@@ -65,6 +65,7 @@ Measures measure(const Model& model, const Settings& settings, const Paint& pain
 
 Measures measure_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                       const Pose& given, const State& state) {
+    check(settings);
     check(model, paint);
     check(model, state);
     const std::optional<Pose> guided = guided_pose(model, paint, given);
