@@ -2,7 +2,6 @@
 """The lessons of docs/lessons: what they name is there, what they do works, and what it leaves is seen in a render."""
 from __future__ import annotations
 
-import os
 import re
 import tempfile
 import unittest
@@ -16,6 +15,7 @@ from rumple.blender import bake, brush, maps, ui
 from rumple.blender.objects import modifier, runtimes
 from support import sleeve
 from support.lesson_result import ROOT, lessons, named, steps
+from support.one_blender import in_one_blender
 
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs" / "lessons").glob("*.md"))}
 SIZE = 64
@@ -94,12 +94,9 @@ class Names(unittest.TestCase):
             self.assertLess(path.stat().st_size, lessons().MOST_BYTES)
 
 
-# A lesson takes up to a minute: two of them in each Blender, all in one.
-in_one_blender = unittest.skipUnless(bpy.app.version < (4, 0, 0) or "RUMPLE_LONG" in os.environ,
-                                     "in Blender 3.4, or with RUMPLE_LONG")
-
-
 class Steps(unittest.TestCase):
+    """A lesson takes up to a minute: two of them in each Blender, all in one."""
+
     def follow(self, name: str) -> bpy.types.Object:
         """Does the lesson in a saved file, and sees that the last picture is another than without the wrinkles."""
         run = lessons()

@@ -17,6 +17,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from rumple.blender import compat
 from rumple.blender.objects import runtimes
+from support.one_blender import in_one_blender
 from support.real_clip import Clip, digest, sides
 from support.real_garment import DATA, OUT, EveryFrame
 
@@ -213,6 +214,7 @@ class Shirt(Worn, unittest.TestCase):
     file, name, frames = "S1_walk_shirt", "shirt", range(1, 46)
 
 
+@in_one_blender
 class Trousers(Worn, unittest.TestCase):
     file, name, frames = "S2_squat_trousers", "trousers", range(30, 64)
 

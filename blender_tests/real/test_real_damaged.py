@@ -5,9 +5,13 @@ from __future__ import annotations
 import unittest
 
 import bpy
+from mathutils.bvhtree import BVHTree
 from support import damage
 from support.damaged_case import Damaged
+from support.one_blender import in_one_blender
 from support.real_garment import DATA
+
+WHOLE: dict[tuple[str, str], BVHTree] = {}  # by file and name: garments are broken in several ways
 
 
 class RealDamaged(Damaged):
@@ -20,43 +24,58 @@ class RealDamaged(Damaged):
         bpy.ops.wm.open_mainfile(filepath=str(DATA / f"{cls.file}.blend"))
         return bpy.data.objects[cls.name]
 
+    @classmethod
+    def whole_garment(cls) -> BVHTree:
+        if (cls.file, cls.name) not in WHOLE:
+            WHOLE[cls.file, cls.name] = super().whole_garment()
+        return WHOLE[cls.file, cls.name]
+
 
 class TurnedShirt(RealDamaged, unittest.TestCase):
     file, name, way = "S1_walk_shirt", "shirt", damage.turned
 
 
+@in_one_blender
 class TrousersWithFlaps(RealDamaged, unittest.TestCase):
     file, name, way = "S1_walk_shirt", "trousers", damage.flaps
 
 
+@in_one_blender
 class DoubledSweater(RealDamaged, unittest.TestCase):
     file, name, way = "S2_squat_trousers", "sweater", damage.doubled
 
 
+@in_one_blender
 class DegenerateTrousers(RealDamaged, unittest.TestCase):
     file, name, way = "S2_squat_trousers", "trousers", damage.degenerate
 
 
+@in_one_blender
 class ShirtWithHoles(RealDamaged, unittest.TestCase):
     file, name, way = "S1_walk_shirt", "shirt", damage.holes
 
 
+@in_one_blender
 class SkirtWithWires(RealDamaged, unittest.TestCase):
     file, name, way = "S3_skirt_sim", "skirt", damage.wires
 
 
+@in_one_blender
 class TeeInTwoLayers(RealDamaged, unittest.TestCase):
     file, name, way = "S3_skirt_sim", "tee", damage.second_layer
 
 
+@in_one_blender
 class TrousersOfNgons(RealDamaged, unittest.TestCase):
     file, name, way = "S1_walk_shirt", "trousers", damage.ngons
 
 
+@in_one_blender
 class UnmergedShirt(RealDamaged, unittest.TestCase):
     file, name, way = "S1_walk_shirt", "shirt", damage.unmerged
 
 
+@in_one_blender
 class HalfAShirt(RealDamaged, unittest.TestCase):
     file, name, way = "S1_walk_shirt", "shirt", damage.half
 

@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.objects import properties, runtimes
+from support.one_blender import in_one_blender
 from support.real_clip import digest
 from support.real_garment import PlayedOnce
 
@@ -81,13 +82,16 @@ class WalkingShirt(Waving, unittest.TestCase):
     file, name = "S1_walk_shirt", "shirt"
 
 
+@in_one_blender
 class WalkingTrousers(Waving, unittest.TestCase):
     file, name = "S1_walk_shirt", "trousers"
 
 
+@in_one_blender
 class JumpingTrousers(Waving, unittest.TestCase):
     file, name = "S2_squat_trousers", "trousers"
 
 
+@in_one_blender
 class Flag(Waving, unittest.TestCase):
     file, name = "S5_flag", "flag"

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.objects import runtimes
+from support.one_blender import in_one_blender
 from support.real_clip import digest
 from support.real_garment import PlayedOnce
 
@@ -70,12 +71,14 @@ class WavesOfAWalkingShirt(OnCloth, unittest.TestCase):
     settings = {"output": "GEOMETRY"}
 
 
+@in_one_blender
 class WavesOfJumpingTrousers(OnCloth, unittest.TestCase):
     file, name, method = "S2_squat_trousers", "trousers", "FIELD"
     settings = {"output": "GEOMETRY"}
     most_change = 3.5
 
 
+@in_one_blender
 class FoldsOfJumpingTrousers(OnCloth, unittest.TestCase):
     file, name, method = "S2_squat_trousers", "trousers", "PATHS"
     most_change = 3.5

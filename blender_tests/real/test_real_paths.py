@@ -13,6 +13,7 @@ import numpy as np
 from rumple import native
 from rumple.blender import compat
 from rumple.blender.objects import runtimes
+from support.one_blender import in_one_blender
 from support.real_clip import digest
 from support.real_garment import PlayedOnce
 
@@ -56,13 +57,16 @@ class WalkingShirt(Folding, unittest.TestCase):
     file, name = "S1_walk_shirt", "shirt"
 
 
+@in_one_blender
 class WalkingTrousers(Folding, unittest.TestCase):
     file, name = "S1_walk_shirt", "trousers"
 
 
+@in_one_blender
 class JumpingTrousers(Folding, unittest.TestCase):
     file, name = "S2_squat_trousers", "trousers"
 
 
+@in_one_blender
 class SimulatedSkirt(Folding, unittest.TestCase):
     file, name = "S3_skirt_sim", "skirt"

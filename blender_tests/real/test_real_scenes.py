@@ -15,6 +15,7 @@ import bpy
 import numpy as np
 from rumple.blender.objects import modifier
 from rumple.core import wrinkle_mesh
+from support.one_blender import in_one_blender
 from support.real_clip import Clip, Seen, digest
 from support.real_garment import OUT, EveryFrame
 
@@ -122,18 +123,22 @@ class WalkingShirt(PlayedThrough, unittest.TestCase):
     file, name = "S1_walk_shirt", "shirt"
 
 
+@in_one_blender
 class WalkingTrousers(PlayedThrough, unittest.TestCase):
     file, name = "S1_walk_shirt", "trousers"
 
 
+@in_one_blender
 class JumpingTrousers(PlayedThrough, unittest.TestCase):
     file, name = "S2_squat_trousers", "trousers"
 
 
+@in_one_blender
 class JumpingSweater(PlayedThrough, unittest.TestCase):
     file, name = "S2_squat_trousers", "sweater"
 
 
+@in_one_blender
 class SimulatedSkirt(PlayedThrough, unittest.TestCase):
     file, name = "S3_skirt_sim", "skirt"
 
@@ -154,6 +159,7 @@ class SkirtWithLiveCloth(PlayedThrough, unittest.TestCase):
             self.assertAlmostEqual(found.compressed_area_after, seen.compressed_area_after, delta=0.02)
 
 
+@in_one_blender
 class Flag(PlayedThrough, unittest.TestCase):
     file, name = "S5_flag", "flag"
 

@@ -39,7 +39,7 @@ class Damaged:
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.whole = cls.tree(cls.played(cls.clicked(cls.opened()))[-1], runtimes.of(bpy.context.object).evaluator)
+        cls.whole = cls.whole_garment()
         obj = cls.obj = cls.opened()
         damage.damage(obj, cls.way)
         cls.faces = len(obj.data.polygons)
@@ -49,6 +49,11 @@ class Damaged:
         cls.shown = cls.played(obj)
         cls.said = obj.rumple.message
         cls.picture = cls.rendered("wrinkled")
+
+    @classmethod
+    def whole_garment(cls) -> BVHTree:
+        """As it is shown at the last frame."""
+        return cls.tree(cls.played(cls.clicked(cls.opened()))[-1], runtimes.of(bpy.context.object).evaluator)
 
     @classmethod
     def clicked(cls, obj: bpy.types.Object) -> bpy.types.Object:
