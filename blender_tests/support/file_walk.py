@@ -14,8 +14,8 @@ MOST_SCENES = 3
 
 class Walk(garment_walk.Walk):
 
-    OFTEN = (*garment_walk.Walk.OFTEN, *("do_append", "do_link", "do_override", "do_scene", "do_alt_d_edit",
-                                         "do_delete_in_play") * 2)
+    OFTEN: tuple[str, ...] = (*garment_walk.Walk.OFTEN, *("do_append", "do_link", "do_override", "do_scene",
+                                                          "do_alt_d_edit", "do_delete_in_play") * 2)
 
     def room(self) -> bool:
         """Few objects keep the walk quick."""

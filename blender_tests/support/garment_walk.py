@@ -34,7 +34,7 @@ def is_seen(obj: bpy.types.Object) -> bool:
 
 class Walk(RandomWalk):
 
-    OFTEN = ("do_add", "do_free", "do_curves")
+    OFTEN: tuple[str, ...] = ("do_add", "do_free", "do_curves")
 
     def start(self) -> None:
         obj = sleeve.scene()
@@ -64,7 +64,7 @@ class Walk(RandomWalk):
             outputs.add(output_obj.name)
             refused = bodies.refusal(obj)
             assert obj.rumple.message == refused or modifier.is_baked(nodes_mod), f"{trail}: {obj.rumple.message}"
-            assert "expected" not in obj.rumple.message, f"{trail}: {obj.rumple.message}"  # an array's count, for nobody
+            assert "expected" not in obj.rumple.message, f"{trail}: {obj.rumple.message}"  # of an array
             if refused:
                 continue  # the last picture stays
             self.check_body(obj, trail)
@@ -91,7 +91,8 @@ class Walk(RandomWalk):
         """Those that are shown are those that were solved; their meshes are their own."""
         for child in path_curves.of(obj):
             assert child.data.users == 1, f"{trail}: {child.name} shares its mesh"
-            if is_seen(obj) and is_seen(child) and modifier.find(obj).show_viewport and modifier.mesh_cache(child) is None:
+            seen = is_seen(obj) and is_seen(child)
+            if seen and modifier.find(obj).show_viewport and modifier.mesh_cache(child) is None:
                 _, positions, _ = curve_edges.seen(child)
                 expected = curve_edges.solved(obj).positions
                 assert positions.shape == expected.shape, f"{trail}: {len(positions)} points of {len(expected)}"
