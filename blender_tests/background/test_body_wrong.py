@@ -47,6 +47,12 @@ class Wrong(Worn):
         self.body.data.vertices[7].co.y = self.body.data.vertices[9].co.z = 0.0
         self.check_right(self.obj)
 
+    def test_far_away(self) -> None:
+        """Of a garment that is scaled to nothing: "body positions: vertex 32 is 1.09e+08 away"."""
+        self.obj.rumple.body = self.body
+        self.obj.scale = (1e-9,) * 3
+        self.check_said(self.obj, r"vertex \d+ of its bodies is \S+ away from the origin in this frame: look at")
+
     def test_the_garment_itself(self) -> None:
         self.assertFalse(bodies.can_be_body(sleeve.output_object(self.obj)))
         self.obj.rumple.body = self.obj

@@ -169,3 +169,20 @@ class Tree(unittest.TestCase):
         sleeve.make_active(other)
         bpy.ops.object.rumple_add(method="MESH")
         self.assertEqual(modifier.find(obj).node_group, modifier.find(other).node_group)
+
+
+class AddedInTheMiddle(unittest.TestCase):
+
+    def test_the_frame_it_was_added_on_does_not_pop(self) -> None:
+        for cloth in ("OFF", "HANG", "SWING"):
+            obj = sleeve.scene(wrinkles=False)
+            obj.rumple.mesh.base_cloth = cloth
+            obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
+            sleeve.at(10)
+            bpy.ops.object.rumple_add(method="MESH")
+            offsets = []
+            for frame in range(10, 15):
+                sleeve.at(frame)
+                offsets.append(sleeve.attribute(obj, "rumple_offset"))
+            steps = [np.linalg.norm(b - a, axis=1).max() for a, b in zip(offsets, offsets[1:])]
+            self.assertLess(steps[0], 2.0 * max(steps[1:]), cloth)

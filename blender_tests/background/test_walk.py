@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import unittest
-from support import garment_walk, random_walk
+from support import file_walk, garment_walk, random_walk
 
 
 class RandomWalk(unittest.TestCase):
@@ -13,4 +13,10 @@ class RandomWalk(unittest.TestCase):
         for seed in random_walk.seeds(1):
             with tempfile.TemporaryDirectory() as folder:
                 for _ in garment_walk.Walk(seed, folder).steps(100):
+                    pass
+
+    def test_between_scenes_and_files(self) -> None:
+        for seed in random_walk.seeds(1):
+            with tempfile.TemporaryDirectory() as folder:
+                for _ in file_walk.Walk(seed, folder).steps(60):
                     pass

@@ -27,9 +27,14 @@ SETTINGS = dict(
            ("gpu_preview", True)))
 
 
+def is_seen(obj: bpy.types.Object) -> bool:
+    """Whether the view layer has it: it, not one of its name from another file."""
+    return any(other == obj for other in bpy.context.view_layer.objects)
+
+
 class Walk(RandomWalk):
 
-    OFTEN = ("do_add", "do_free", "do_curves")
+    OFTEN: tuple[str, ...] = ("do_add", "do_free", "do_curves")
 
     def start(self) -> None:
         obj = sleeve.scene()
@@ -59,12 +64,13 @@ class Walk(RandomWalk):
             outputs.add(output_obj.name)
             refused = bodies.refusal(obj)
             assert obj.rumple.message == refused or modifier.is_baked(nodes_mod), f"{trail}: {obj.rumple.message}"
+            assert "expected" not in obj.rumple.message, f"{trail}: {obj.rumple.message}"  # of an array
             if refused:
                 continue  # the last picture stays
             self.check_body(obj, trail)
             last = obj.modifiers[len(obj.modifiers) - 1] == nodes_mod  # a Subdivision behind it moves the points
             drawn = isinstance(sleeve.picture(obj), engine.PreviewFrame)  # by the viewport: no fine mesh to compare
-            if last and obj.name in bpy.context.view_layer.objects and not modifier.is_baked(nodes_mod) and not drawn:
+            if last and is_seen(obj) and not modifier.is_baked(nodes_mod) and not drawn:
                 off = np.abs(sleeve.shown(obj) - sleeve.picture(obj).positions).max()
                 assert off < 1e-5, f"{trail}: shows something else, {off}"
             self.check_curves(obj, trail)
@@ -74,18 +80,18 @@ class Walk(RandomWalk):
 
     def check_body(self, obj: bpy.types.Object, trail: str) -> None:
         """What it was solved for is what is shown of its body."""
-        if obj.name in bpy.context.view_layer.objects and not modifier.is_baked(modifier.find(obj)):
+        if is_seen(obj) and not modifier.is_baked(modifier.find(obj)):
             found, seen = runtimes.of(obj).inputs.body, bodies.of(obj)
             assert (found is None) == (not seen), f"{trail}: {found} is not of {seen}"
             for body in seen:
-                if modifier.find(body) is None and body.name in bpy.context.view_layer.objects:
+                if modifier.find(body) is None and is_seen(body):
                     np.testing.assert_allclose(found.positions, sleeve.shown(body), atol=1e-5, err_msg=trail)
 
     def check_curves(self, obj: bpy.types.Object, trail: str) -> None:
         """Those that are shown are those that were solved; their meshes are their own."""
         for child in path_curves.of(obj):
             assert child.data.users == 1, f"{trail}: {child.name} shares its mesh"
-            seen = obj.name in bpy.context.view_layer.objects and child.name in bpy.context.view_layer.objects
+            seen = is_seen(obj) and is_seen(child)
             if seen and modifier.find(obj).show_viewport and modifier.mesh_cache(child) is None:
                 _, positions, _ = curve_edges.seen(child)
                 expected = curve_edges.solved(obj).positions

@@ -23,7 +23,7 @@ class RandomWalk:
     """steps() yields after each step, so that a window can redraw in between."""
 
     REOPEN = 0.02  # chance of saving and opening the file before a step
-    OFTEN = ()  # names of steps that come up more often
+    OFTEN: tuple[str, ...] = ()  # names of steps that come up more often
 
     def __init__(self, seed: int, folder: str) -> None:
         self.random = random.Random(seed)

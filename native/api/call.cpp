@@ -6,6 +6,7 @@
 #include <new>
 
 #include "api/sizes.h"
+#include "base/expect.h"
 
 namespace rumple::api {
 namespace {
@@ -43,6 +44,14 @@ void expect_rows(const char* name, size_t count, size_t expected) {
 
 void expect_rows_or_none(const char* name, size_t count, size_t expected) {
     if (count > 0) expect_rows(name, count, expected);
+}
+
+void expect_places(std::span<const Index> triangles, std::span<const Vec2> barycentric, size_t count) {
+    for (size_t i = 0; i < triangles.size(); ++i) {
+        expect_within("triangle " + std::to_string(i), triangles[i], 0, double(count) - 1.0);
+        for (const float weight : {barycentric[i].x, barycentric[i].y})
+            expect_within("barycentric: place " + std::to_string(i), weight, -1.0, 2.0);
+    }
 }
 
 }  // namespace rumple::api

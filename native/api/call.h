@@ -74,6 +74,9 @@ std::vector<T> copied(std::span<const T> from) {
 void expect_rows(const char* name, size_t count, size_t expected);
 // ... or none.
 void expect_rows_or_none(const char* name, size_t count, size_t expected);
+// Places on a mesh of so many triangles: weights of corners 1 and 2, a step beside the triangle allowed. Far
+// beyond it, what is interpolated is no number.
+void expect_places(std::span<const Index> triangles, std::span<const Vec2> barycentric, size_t count);
 
 // An array of the caller that is written: exactly `expected` rows.
 template <typename Row, typename Scalar>

@@ -177,10 +177,7 @@ rumple_status rumple_wrinkle_field_evaluate(const rumple_wrinkle_field* model, c
         const auto gradient = output<Vec3>(gradients, place_count, place_count, "gradients");
         expect_finite("phase", phases, "vertex");
         expect_finite("barycentric", weights, "place");
-        for (size_t i = 0; i < place_count; ++i) {
-            expect_within("triangle " + std::to_string(i), which[i], 0,
-                          double(m.model->base.triangles.size()) - 1.0);
-        }
+        expect_places(which, weights, m.model->base.triangles.size());
         for (size_t i = 0; i < place_count; ++i) {
             const Height at = evaluate(*m.model, over, shape, phases, {which[i], weights[i].x, weights[i].y});
             height[i] = at.height;

@@ -162,10 +162,7 @@ rumple_status rumple_drawing_evaluate(const rumple_drawing* drawing,
         const auto weights = rows<Vec2>(barycentric, place_count, "barycentric");
         const auto to = output<std::array<float, 7>>(out, place_count, place_count, "out");
         expect_finite("barycentric", weights, "place");
-        for (size_t i = 0; i < which.size(); ++i) {
-            expect_within("triangle " + std::to_string(i), which[i], 0,
-                          double(d.model->net.triangles()) - 1.0);
-        }
+        expect_places(which, weights, size_t(d.model->net.triangles()));
         for (size_t i = 0; i < which.size(); ++i) {
             const Drawn at = drawn_at(*d.model, options, d.drawing, {which[i], weights[i].x, weights[i].y});
             to[i] = {at.position.x, at.position.y, at.position.z, at.height,

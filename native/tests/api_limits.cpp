@@ -166,6 +166,20 @@ TEST(ApiLimits, NothingIsWrittenByACallThatIsRefused) {
     EXPECT_EQ(heights[0], 7.0f);
 }
 
+// A place beyond all triangles was taken, and its gradient was not finite.
+TEST(ApiLimits, APlaceIsOnItsTriangle) {
+    const Field field;
+    rumple_wrinkle_field_profile profile;
+    ASSERT_EQ(rumple_wrinkle_field_profile_build(RUMPLE_PROFILE_SINE, nullptr, 0, &profile), RUMPLE_OK);
+    const int32_t triangles[] = {0, 1};
+    const float places[] = {0.2f, 0.2f, std::numeric_limits<float>::max(), 0.2f};
+    float heights[2] = {}, gradients[6] = {};
+    expect_refused(
+        rumple_wrinkle_field_evaluate(field.model.get(), field.waves.get(), &profile, field.phase.data(), 4,
+                                      triangles, places, 2, heights, gradients),
+        "barycentric: place 1: expected -1 to 2, got 3.40282e+38");
+}
+
 // A negative number of display steps made the estimate small, and the memory large.
 TEST(ApiLimits, NoPlanGoesRoundTheBudget) {
     const Sheet sheet;

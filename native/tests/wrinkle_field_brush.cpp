@@ -131,6 +131,13 @@ TEST(WrinkleFieldBrushLaws, FoldsRunAlongTheStrokeAsItIsSeenInAnyPose) {
     }
 }
 
+TEST(WrinkleFieldBrush, WhatIsPaintedTooLongIsNotDrawn) {
+    Easel easel(irregular_square());
+    easel.painted.assign(easel.painted.size(), Vec3(1e30f, 0.0f, 0.0f));
+    const Canvas canvas = lay_out(easel.model(), easel.field.mesh.positions);
+    EXPECT_TRUE(draw(easel.model(), canvas, easel.painted, false).ends.empty());
+}
+
 TEST(WrinkleFieldBrushLaws, TheWaveStandsAcrossTheStroke) {
     Easel easel(irregular_square());
     const Vec3 direction = glm::normalize(Vec3(2, 1, 0));

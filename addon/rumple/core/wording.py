@@ -18,6 +18,9 @@ _SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
      r"\1 is nowhere at rest (its place is no number): delete it, or give it a place"),
     (r"body positions: (vertex \d+) is not finite",
      r"\1 of its bodies is nowhere in this frame: repair that one, or choose another body"),
+    (r"body positions: (vertex \d+) is (\S+) away from the origin.*",
+     r"\1 of its bodies is \2 away from the origin in this frame: look at what moves that one, and at the scale of "
+     r"the garment"),
     (r"polygon_start: the mesh has no faces", "its mesh has no faces: add some, or choose another object"),
     (r"positions_rest: all vertices stand at one place", "all of its vertices stand at one place: give it a shape"),
     (r"longest: edges of at most ([\d.e+-]+) need more than (\d+) vertices.*",

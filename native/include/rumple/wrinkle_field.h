@@ -280,7 +280,7 @@ RUMPLE_API rumple_status rumple_wrinkle_field_misfit(const rumple_wrinkle_field*
                                                      size_t phase_count, float* misfit);
 
 // Equations (5) and (8) at p places of the base. phase: (w). triangles: (p). barycentric: (p, 2), weights of
-// corners 1 and 2. heights: (p), gradients: (p, 3), object units and space, written.
+// corners 1 and 2, -1 to 2. heights: (p), gradients: (p, 3), object units and space, written.
 RUMPLE_API rumple_status rumple_wrinkle_field_evaluate(const rumple_wrinkle_field* model,
                                                        const rumple_waves* waves,
                                                        const rumple_wrinkle_field_profile* profile,

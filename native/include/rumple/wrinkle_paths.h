@@ -260,7 +260,7 @@ RUMPLE_API rumple_status rumple_wrinkle_paths_list(const rumple_wrinkle_paths* m
                                                    const rumple_wrinkle_paths_state* state,
                                                    rumple_drawing** drawing);
 // Position, height and normal that the shaders make of places: (p, 7), written. For tests. triangles: (p).
-// barycentric: (p, 2), weights of corners 1 and 2.
+// barycentric: (p, 2), weights of corners 1 and 2, -1 to 2.
 RUMPLE_API rumple_status rumple_drawing_evaluate(const rumple_drawing* drawing,
                                                  const rumple_wrinkle_paths_settings* settings,
                                                  const int32_t* triangles, const float* barycentric,

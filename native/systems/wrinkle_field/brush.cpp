@@ -315,10 +315,11 @@ Lines draw(const Model& model, const Canvas& canvas, std::span<const Vec3> paint
         // Folds run at right angles to p in the rest pose, and lie in the cloth as it deforms.
         const Vec3 fold = -p.y * canvas.tangent[v] + p.x * canvas.bitangent[v];
         const float fold_length = glm::length(fold);
-        if (!(strength >= kUnpainted) || !(fold_length > 0.0f) || !is_finite(fold)) continue;
+        if (!(strength >= kUnpainted) || !(fold_length > 0.0f)) continue;
         const Vec3 along = fold / fold_length;
         const float edge = mean_edge(model, canvas.positions, v);
         const Vec3 half = 0.5f * strength * edge * (across ? glm::cross(canvas.normals[v], along) : along);
+        if (!is_finite(half)) continue;  // painted so long that its square, or the line, is no number
         lines.ends.push_back(canvas.positions[v] - half);
         lines.ends.push_back(canvas.positions[v] + half);
         lines.strength.push_back(strength);

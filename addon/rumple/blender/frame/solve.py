@@ -162,6 +162,8 @@ def _play_clip(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output
     fault = clip_status.cannot_play(obj, output_obj, frame)
     if fault and runtime.evaluator is None:
         evaluator.ensure(obj, runtime)
+    if fault and runtime.evaluator.coarse_count != len(incoming_mesh.of(obj).vertices):
+        fault = ""  # edited since the bake, as its note says: what was made for it is of another mesh
     can_solve = bool(fault) and _fits(nodes_mod, runtime)  # a clip that comes back counts on it as it is
     if modifier.play_clip(nodes_mod, not can_solve):
         runtime.stale = True
