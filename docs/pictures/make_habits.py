@@ -3,7 +3,8 @@
 
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
         xvfb-run -a -s "-screen 0 1600x1000x24 -fbdir $d" blender --factory-startup --enable-event-simulate \
-        --window-geometry 0 0 1600 1000 ../shared/data/S1_walk_shirt.blend --python docs/pictures/make_habits.py -- shirt OUT
+        --window-geometry 0 0 1600 1000 ../shared/data/S1_walk_shirt.blend \
+        --python docs/pictures/make_habits.py -- shirt OUT
     ... S2_squat_trousers.blend ... -- sweater OUT
     docs/pictures/pair_habits.py BEFORE OUT     # the trial's pictures beside these: habits.jpg
 """

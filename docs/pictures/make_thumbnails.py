@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pictures of the fabrics and of the systems, addon/rumple/thumbnails/*.png: the bent sleeve of the gallery with every
-preset and with waves; of Wrinkle Maps the forehead of a lesson (docs/pictures/lessons/face.jpg).
+"""The pictures of the fabrics and of the systems, addon/rumple/thumbnails/*.png: the bent sleeve of the gallery with
+every preset and with waves; of Wrinkle Maps the forehead of a lesson (docs/pictures/lessons/face.jpg).
 
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
         --python docs/pictures/make_thumbnails.py

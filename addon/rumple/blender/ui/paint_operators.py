@@ -91,7 +91,8 @@ class OBJECT_OT_rumple_paint(_OnMap, bpy.types.Operator):
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         if not painted.exists:
-            _set_brush_weight(context, 1.0 if self.group in paint_words.HOW else 0.0)  # most new groups are full already
+            # Most new groups are full already.
+            _set_brush_weight(context, 1.0 if self.group in paint_words.HOW else 0.0)
             self.report({"INFO"}, paint_words.how(painted))
         return {"FINISHED"}
 

@@ -24,8 +24,8 @@ CTRL = "Hold Ctrl to paint the opposite"
 
 def how(painted: PaintedMap) -> str:
     """Which weight does what, in Blender's language."""
-    words = said(HOW.get(painted.key) or f"Paint with weight 0 where {said(painted.label)} fades, with 1 where it comes "
-                 "back")
+    words = said(HOW.get(painted.key) or
+                 f"Paint with weight 0 where {said(painted.label)} fades, with 1 where it comes back")
     return f"{words}. {said(CTRL)}" if ctrl_inverts() else words
 
 
