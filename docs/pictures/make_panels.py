@@ -3,8 +3,8 @@
 
     scripts/demo                                   # makes out/demo/wrinkled.blend
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
-        xvfb-run -a -s "-screen 0 620x2600x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
-        --window-geometry 0 0 620 2600 --python docs/pictures/make_panels.py
+        xvfb-run -a -s "-screen 0 620x3000x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
+        --window-geometry 0 0 620 3000 --python docs/pictures/make_panels.py
 """
 from __future__ import annotations
 
@@ -65,8 +65,8 @@ def steps() -> Iterator[float]:
     yield 1.5
     if VERSION == "3.4":
         picture = picture_of(area)
-        high, wide, _ = picture.shape
-        save_jpeg(picture[int(0.3 * high):int(0.7 * high), int(0.1 * wide):int(0.9 * wide)], HERE / "viewport.jpg")
+        middle, half = len(picture) // 2, int(0.9 * picture.shape[1])
+        save_jpeg(picture[middle - half:middle + half], HERE / "viewport.jpg")
     area.type = "PROPERTIES"
     yield 0.5
     area.spaces.active.context = "MODIFIER"
