@@ -244,11 +244,12 @@ class Brushes(Tools):
         places = [self.at(0.02 * step + 0.1) for step in range(6)]
         yield from self.stroke(places)
         yield from self.settle()
-        taken = self.weights() == 0.0
-        self.assertGreater((taken & (self.ring() > sleeve.ALONG // 2)).sum(), 4)
+        before = self.weights()
+        taken = (before < 0.7) & (self.ring() > sleeve.ALONG // 2)  # it was 1 there
+        self.assertGreater(taken.sum(), 4)
         yield from self.stroke(places, ctrl=True)
         yield from self.settle()
-        self.assertGreater((self.weights()[taken] == 1.0).sum(), 4)
+        self.assertGreater((self.weights() > before + 0.1)[taken].sum(), 4)
 
     def ring(self) -> np.ndarray:
         """Of each vertex."""
