@@ -39,20 +39,6 @@ struct Stack {
     Pose3 squeezed(float factor) const {
         return moved([=](const Vec3& p) { return p * Vec3(factor, 1.0f, 1.0f); });
     }
-
-    // The solved vertices of every layer, from the offsets of the state: over the layer before without gap
-    // and bodies.
-    std::vector<Pose3> positions(const Pose3& pose, const std::vector<wrinkle_mesh::Settings>& settings,
-                                 const wrinkle_mesh::LayersState& state) const {
-        std::vector<Pose3> out;
-        for (size_t k = 0; k < count(); ++k) {
-            wrinkle_mesh::Picture picture;
-            wrinkle_mesh::show(*layers->layers[k], settings[k], {k ? out.back() : pose}, state.layers[k],
-                               picture);
-            out.push_back(picture.positions);
-        }
-        return out;
-    }
 };
 
 inline std::vector<wrinkle_mesh::Settings> alike(size_t layers, const wrinkle_mesh::Settings& settings = {}) {

@@ -78,7 +78,7 @@ TEST(WrinkleMeshLayers, FoldsRunAlongTheHang) {
     EXPECT_LT(along[1], 0.35 * along[0]);
     // At rest along the hang there is no more cloth than there is room for; compressed along it, there is.
     const Vec3 at_rest(1.0f), squeezed(1.0f, 0.9f, 1.0f);
-    EXPECT_LT(slopes(stack, at_rest, hanging)[1], 0.2 * slopes(stack, at_rest, wide(0.03f))[1]);
+    EXPECT_LT(slopes(stack, at_rest, hanging)[1], 0.25 * slopes(stack, at_rest, wide(0.03f))[1]);
     EXPECT_GT(slopes(stack, squeezed, hanging)[1], 4.0 * slopes(stack, at_rest, hanging)[1]);
     hanging.hang = Vec3(0.0f, 0.0f, -1.0f);  // it lies: nothing is pulled
     EXPECT_EQ(slopes(stack, slack, hanging), free);

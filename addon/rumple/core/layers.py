@@ -38,9 +38,22 @@ APART = 0.45  # share of the distance to its own cloth that a vertex may go towa
 SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
 LOOSER = 2.0  # slack of the layers over that of the base cloth, where that is not taut
+FINEST_LOOSER = 1.6  # times that of the finest layer: the wider folds have spent what the others have to spare
+FINEST_HEM = 2  # rings of the finest layer: a hem is sewn double, narrow folds end there
 TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
 LIMPEST = 0.7  # bending length over cotton's, about silk's: limper cloth has no more to spare than that
 LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
+
+
+def spare_cloth(settings: MeshSettings, number: int, above: int, finest: float) -> float:
+    """How much wider a layer is cut than what it lies on, over the slack of the base cloth. above: how many of the
+    layers that are set lie on it, 0 or less on the finest, of which there is the share `finest`."""
+    if number == 0:
+        return LOOSER
+    last = 1.0 if above <= 0 else 1.0 - finest if above == 1 else 0.0
+    more = 1.0 + last * (FINEST_LOOSER - 1.0)
+    # Stiff cloth spends what it has to spare on its widest folds.
+    return LOOSER * more / max(length_over_cotton(settings.bending_length), LIMPEST)
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
@@ -51,8 +64,9 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
     out = []
     for number, word in enumerate(layer_words(count, finer)):
         options = native_settings(settings)
+        above = count - finer - 1 - number
         # Of the radius and of what the layer is wider alike: much cloth in little room is crumpled.
-        share = getattr(settings, word) * (finest if number == count - finer - 1 else 1.0)
+        share = getattr(settings, word) * (finest if above == 0 else 1.0)
         options.radius = settings.radius * share * (WIDEST_RADIUS if number == 0 else 1.0)
         options.inside = min(LAYER_INSIDE * settings.inside, 1.0)
         options.hem_rings = min(settings.hem_rings, number + 1)
@@ -61,10 +75,10 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
         options.apart, options.slide = APART, SLIDE
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
-            # Stiff cloth spends what it has to spare on its widest folds.
-            stiffer = max(length_over_cotton(settings.bending_length), LIMPEST) if number > 0 else 1.0
-            looser = LOOSER / stiffer
-            options.prestretch = settings.prestretch * (1.0 + share * looser * (settings.slack - 1.0))
+            if number > 0 and above <= 0:
+                options.hem_rings = max(options.hem_rings, FINEST_HEM)
+            spare = share * spare_cloth(settings, number, above, finest)
+            options.prestretch = settings.prestretch * (1.0 + spare * (settings.slack - 1.0))
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
             options.hang, options.bend_radius = hanging(settings.gravity, world_from_object), bend
         out.append(options)

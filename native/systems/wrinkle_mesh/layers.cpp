@@ -13,11 +13,28 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
+std::vector<Vec3> differences(std::span<const Vec3> to, std::span<const Vec3> from) {
+    std::vector<Vec3> out(to.begin(), to.end());
+    for (size_t v = 0; v < out.size(); ++v) out[v] -= from[v];
+    return out;
+}
+
+void add(std::span<Vec3> positions, std::span<const Vec3> ways) {
+    for (size_t v = 0; v < positions.size(); ++v) positions[v] += ways[v];
+}
+
 // Where a layer has its vertices, without folds of its own, over positions of the base or of the layer below.
 std::vector<Vec3> attached_over(const Model& layer, std::span<const Vec3> below) {
     std::vector<Vec3> welded(layer.base.welded.vertex_count), out(layer.attached.size());
     weld_positions(layer.base, below, welded);
     attach(layer.base, layer.attachments, welded, {}, out, 0, out.size());
+    return out;
+}
+
+// The vertices of the finest layer over positions of the base, without folds.
+std::vector<Vec3> unwrinkled_over(const Layers& layers, std::span<const Vec3> base) {
+    std::vector<Vec3> out(base.begin(), base.end());
+    for (const auto& layer : layers.layers) out = attached_over(*layer, out);
     return out;
 }
 
@@ -57,6 +74,16 @@ std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
     return gap;
 }
 
+// A surface lies between its vertices: where those stay out of what is below and in front, it does.
+void keep_outside(const Pose& pose, std::span<const float> gap, std::span<Vec3> missed) {
+    for (size_t v = 0; v < missed.size(); ++v) {
+        if (!pose.own.empty() && pose.own[v].towards != Vec3(0.0f)) missed[v] = Vec3(0.0f);
+        if (gap.empty()) continue;
+        const float too_deep = -gap[v] - glm::dot(missed[v], pose.normal[v]);
+        if (too_deep > 0.0f) missed[v] += too_deep * pose.normal[v];
+    }
+}
+
 // Of the base's vertices -> of those that its layer solves: the welded ones that a polygon has.
 std::vector<Index> hints_of_solved(const Surface& base, std::span<const Index> hint) {
     std::vector<bool> used(base.welded.vertex_count, false);
@@ -77,10 +104,12 @@ class Chain {
     const Input& input() const { return input_; }
     void set_threads(int threads) { input_.threads = threads; }
 
-    // Goes on from a layer's solved positions.
-    void ride_on(const Surface& base, const Pose& pose, std::vector<Vec3> solved) {
+    // Goes on from a layer's solved positions; missed: of them, by the smooth surface.
+    void ride_on(const Surface& base, const Pose& pose, std::vector<Vec3> solved, std::vector<Vec3> missed) {
         gap_ = gap_left(pose, solved);
+        keep_outside(pose, gap_, missed);
         positions_ = std::move(solved);
+        add(positions_, missed);
         if (input_.bodies) {
             body_hint_ = pose.body;
         } else if (bodies_) {
@@ -91,8 +120,6 @@ class Chain {
         input_.gap = gap_;
         input_.bodies = bodies_;
     }
-
-    std::vector<Vec3> take_positions() { return std::move(positions_); }
 
   private:
     Input input_;
@@ -178,6 +205,12 @@ bool fits(const Layers& layers, const LayersState* state) {
 
 }  // namespace
 
+std::vector<Vec3> missed_by_limit(const SparseRows& limit, std::span<const Vec3> ways) {
+    std::vector<Vec3> smooth(ways.size());
+    apply(limit, to_rows(ways), smooth);
+    return differences(ways, smooth);
+}
+
 Surface solved_surface(const Model& layer) {
     const PolygonMesh& mesh = layer.solved;
     std::vector<Index> triangle_corner;
@@ -211,7 +244,10 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
         const AttachmentKind kind = level > 0 ? AttachmentKind::kLimit : AttachmentKind::kLinear;
         out->layers.push_back(build(std::move(on), source, kind, 0));
     }
-    for (const auto& layer : out->layers) out->own.emplace_back(layer->positions_rest, layer->triangles);
+    for (const auto& layer : out->layers) {
+        out->own.emplace_back(layer->positions_rest, layer->triangles);
+        out->limit.push_back(vertex_limit_stencils(solved_surface(*layer)));
+    }
     const Model& finest = *out->layers.back();
     out->shown = show_fine(out->base, out->base, fine, display_steps, finest.positions_rest);
     out->shown_in_viewport =
@@ -264,33 +300,36 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
             look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, body_ahead, pose);
         out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,
                                         state ? &state->layers[k] : nullptr, reports[k]));
-        chain.ride_on(layer.base, pose,
-                      solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]));
+        out.solved = solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]);
+        chain.ride_on(layer.base, pose, out.solved,
+                      missed_by_limit(layers.limit[k], differences(out.solved, unwrinkled)));
     }
-    out.solved = chain.take_positions();
     return out;
 }
 
 std::vector<Vec3> offsets(const Layers& layers, std::span<const Vec3> animated, const LayersState& state) {
     expect_count("state", state.solved.size(), layers.layers.back()->attached.size(), "positions");
     check_frame(layers.base, animated, "animated");
-    std::vector<Vec3> bare(animated.begin(), animated.end());
-    for (const auto& layer : layers.layers) bare = attached_over(*layer, bare);
-    std::vector<Vec3> offset(state.solved);
-    for (size_t v = 0; v < offset.size(); ++v) offset[v] -= bare[v];
-    return offset;
+    return differences(state.solved, unwrinkled_over(layers, animated));
 }
 
 void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
           const LayersState& state, Picture& picture, bool in_viewport) {
     check_frame(layers.base, positions);
-    const std::vector<Vec3> offset = offsets(layers, animated, state);
+    const ShownMesh& shown = shown_mesh(layers, in_viewport);
+    std::vector<Vec3> offset = offsets(layers, animated, state), through = state.solved;
+    const bool subdivided = Index(shown.from_solved.index.size()) > shown.mesh.vertex_count;
+    if (subdivided) {
+        const std::vector<Vec3> missed =
+            missed_by_limit(layers.limit.back(), differences(through, unwrinkled_over(layers, positions)));
+        add(through, missed);
+        add(offset, missed);
+    }
     std::vector<Vec3> base(layers.base.welded.vertex_count);
     weld_positions(layers.base, positions, base);
     std::vector<TriangleFrame> frames(layers.base.triangles.size());
     triangle_frames(layers.base, base, frames);
-    const ShownMesh& shown = shown_mesh(layers, in_viewport);
-    show_frame(layers.base, shown, layers.stretch, base, frames, state.solved, offset, picture);
+    show_frame(layers.base, shown, layers.stretch, base, frames, through, offset, picture);
     embed_frame(layers.base, shown, animated, picture);
 }
 

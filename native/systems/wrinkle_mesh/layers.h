@@ -18,8 +18,9 @@ struct Layers {
     Surface base;
     std::vector<std::shared_ptr<const Model>> layers;  // coarse first; a layer's base is the one before it
     std::vector<OwnSurface> own;                       // the solved triangles of each layer
-    ShownMesh shown;                                   // of the finest, embedded in the base
-    std::optional<ShownMesh> shown_in_viewport;        // where that is subdivided fewer times
+    std::vector<SparseRows> limit;               // of each: its vertices on the smooth surface through them
+    ShownMesh shown;                             // of the finest, embedded in the base
+    std::optional<ShownMesh> shown_in_viewport;  // where that is subdivided fewer times
     StretchModel stretch;
     BentLinesModel bent_lines;
 };
@@ -32,6 +33,12 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
 
 // The solved mesh of a layer at rest, as the base of what lies on it.
 Surface solved_surface(const Model& layer);
+
+// What the limit surface misses of ways that the vertices go from an unwrinkled surface. Subdivision is a
+// smoothing: of folds five edges wide its limit has three quarters of the height. So what rides on solved
+// vertices, or shows them, starts from vertices that went on by that: one step towards the surface that goes
+// through them (Halstead, Kass and DeRose 1993).
+std::vector<Vec3> missed_by_limit(const SparseRows& limit, std::span<const Vec3> ways);
 
 // Painted values of the base's vertices -> solved vertices of every layer.
 std::vector<std::vector<float>> carry_paint(const Layers& layers, std::span<const float> base_values);

@@ -53,8 +53,10 @@ std::shared_ptr<const Transfer> build_transfer(Surface base, const CoarseMesh& c
 
 void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& layers,
           std::span<const Vec3> animated, const LayersState& state, Picture& picture, bool in_viewport) {
-    const std::vector<Vec3> displacements =
+    std::vector<Vec3> displacements =
         offsets(layers, coarse_positions(coarse, transfer.base, animated), state);
+    const std::vector<Vec3> missed = missed_by_limit(layers.limit.back(), displacements);
+    for (size_t v = 0; v < missed.size(); ++v) displacements[v] += missed[v];
     std::vector<Vec3> base(transfer.base.welded.vertex_count);
     weld_positions(transfer.base, animated, base);
     const size_t moved = transfer.attachments.places.size();
