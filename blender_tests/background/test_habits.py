@@ -152,6 +152,7 @@ class Menu(unittest.TestCase):
     def drawn(self, menu: type) -> list[str]:
         """Operators and menus that it shows."""
         layout = mock.Mock()
+        layout.row.return_value = layout.column.return_value = layout  # an entry beside its picture
         menu.draw(mock.Mock(layout=layout), bpy.context)
         calls = (*layout.operator.call_args_list, *layout.operator_menu_enum.call_args_list,
                  *layout.menu.call_args_list)

@@ -56,6 +56,11 @@ class Hand(Artist):
         x, y = yield from self.beside(label)
         return [(x + round(pixels * step / 6), y) for step in range(7)]
 
+    def see_part(self, words: str) -> Iterator[float]:
+        """Within a longer text."""
+        yield from self.until(lambda: self.places(words, "PROPERTIES", alone=False), 5.0)
+        self.assertNotEqual(self.places(words, "PROPERTIES", alone=False), [])
+
     def let_go(self) -> Iterator[float]:
         self.event("LEFTMOUSE", "RELEASE")
         yield 0.1
@@ -84,6 +89,7 @@ class Drag(Hand):
         places = yield from self.along("Wavelength", 24)
         yield from self.drag(places)
         held = self.obj.rumple.mesh.wavelength
+        self.screenshot("wavelength_while_dragged")
         self.assertNotAlmostEqual(held, before, 4)
         self.assertLess(abs(held - before), 0.02 * before * 24)  # 24 pixels
         self.assertEqual(builds, [])
@@ -151,6 +157,37 @@ class FirstClick(Hand):
         self.assertEqual(self.obj.rumple.message, "")
         yield from self.maximise("PROPERTIES")
 
+    def test_a_field_and_paths_fit_into_one_screen(self) -> Iterator[float]:
+        """What is not changed first is closed."""
+        for system, first in (("Wrinkle Field", ("Output", "Strength", "Wavelength", "Remove from Materials", "Waves")),
+                              ("Wrinkle Paths", ("Width", "Height", "Folds", "Cotton"))):
+            yield from self.begin(wrinkles=False)
+            yield from self.modifier_tab()
+            yield from self.add(system)
+            for words in (*first, "Cloth", "Bake", "Status"):
+                yield from self.see(words, "PROPERTIES")
+            self.assertEqual(self.places("Seed", "PROPERTIES"), [])
+            self.screenshot(f"first_panel_{self.obj.rumple.method.lower()}")
+            yield from self.maximise("PROPERTIES")
+
+    def test_the_menu_has_a_picture_of_each_system(self) -> Iterator[float]:
+        yield from self.begin(wrinkles=False)
+        yield from self.modifier_tab()
+        box = yield from self.see("Add Modifier", "PROPERTIES")
+        if bpy.app.version >= (4, 0, 0):
+            yield from self.click(box.middle)
+        yield from self.choose("Wrinkles")
+        found = {}
+        for words in ("Wrinkle Mesh", "Wrinkle Field", "Wrinkle Paths", "Wrinkle Maps"):
+            found[words] = yield from self.see(words)
+        self.screenshot("menu_of_systems")
+        for words, box in found.items():
+            left = self.pixels()[::-1][box.low - 8:box.high + 8, box.left - 80:box.left - 30]
+            self.assertGreater(np.ptp(left.reshape(-1, 3).astype(int), axis=0).max(), 60, words)
+        yield from self.press("ESC")
+        yield from self.press("ESC")
+        yield from self.maximise("PROPERTIES")
+
     def test_a_field_is_seen_in_solid(self) -> Iterator[float]:
         yield from self.begin(wrinkles=False)
         space = self.editor("VIEW_3D").spaces.active
@@ -213,6 +250,8 @@ class Paint(Hand):
         yield from self.modifier_tab()
         yield from self.brush("Drape")
         self.assertEqual(self.obj.mode, "WEIGHT_PAINT")
+        yield from self.see_part("Paint with weight 0 where Drape fades")
+        self.screenshot("paint_how")
         yield from self.maximise("PROPERTIES")
         yield 0.3
         before = self.painted()
@@ -256,6 +295,7 @@ class Baked(Hand):
     def test_the_header_says_so_and_frees_it(self) -> Iterator[float]:
         yield from self.bake()
         yield from self.see("Baked 1\u201312", "PROPERTIES")
+        self.screenshot("baked_header")
         before = self.obj.rumple.mesh.folds
         places = yield from self.along("Folds", -40)
         yield from self.drag(places, 0.1)
@@ -270,6 +310,7 @@ class Baked(Hand):
         self.assertEqual(self.places("changed since", "PROPERTIES", alone=False), [])
         self.obj.rumple.mesh.bending = 0.1
         yield from self.see_part("changed since")
+        self.screenshot("changed_since_bake")
         yield from self.maximise("PROPERTIES")
 
     def test_outside_its_range_folds_are_live(self) -> Iterator[float]:
@@ -277,6 +318,7 @@ class Baked(Hand):
         yield from self.maximise("PROPERTIES")
         yield from self.go_to_frame(18)
         self.assertIn("is outside the bake", self.obj.rumple.message)
+        self.screenshot("outside_the_bake")
         np.testing.assert_allclose(sleeve.shown(self.obj), sleeve.picture(self.obj).positions, atol=1e-6)
         yield from self.go_to_frame(6)
         self.assertEqual(self.obj.rumple.message, "")
@@ -292,8 +334,4 @@ class Baked(Hand):
         self.assertEqual(len(copy.data.shape_keys.key_blocks), 7)
         self.assertEqual((self.obj.hide_get(), self.obj.hide_render, copy.hide_get()), (True, True, False))
         yield from self.maximise("PROPERTIES")
-
-    def see_part(self, words: str) -> Iterator[float]:
-        """Within a longer text."""
-        yield from self.until(lambda: self.places(words, "PROPERTIES", alone=False), 5.0)
-        self.assertNotEqual(self.places(words, "PROPERTIES", alone=False), [])
+        self.screenshot("shape_keys_alone")

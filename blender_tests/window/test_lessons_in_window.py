@@ -170,9 +170,9 @@ class Lessons(Artist):
         yield from self.paint_sleeve(obj, "Drape")
         yield from self.button("Remove")
         yield from self.add("Wrinkle Field")
-        yield from self.scroll_to("Waves")
         yield from self.pick("Output", "Geometry")
         yield from self.enter("Wavelength", "3 cm")
+        yield from self.button("Waves")
         yield from self.enter("Irregularity", "0.4")
         for button in ("Rest Wrinkles", "Scatter", "Clear", "Paint Rest Wrinkles"):
             yield from self.button(button)
@@ -263,6 +263,7 @@ class Lessons(Artist):
     def bake_maps(self, obj: bpy.types.Object) -> Iterator[float]:
         """What the lesson does in the panels, from the Wrinkle Field on."""
         yield from self.enter("Wavelength", "1.2 cm")
+        yield from self.button("Waves")
         yield from self.enter("Irregularity", "0.3")
         region = self.region("PROPERTIES")
         for from_right in (97, 69):  # screen and camera
@@ -270,7 +271,6 @@ class Lessons(Artist):
             yield from self.click((region.x + region.width - from_right, box.middle[1]))
         wrinkles = modifier.find(obj)
         self.assertEqual((wrinkles.show_viewport, wrinkles.show_render), (False, False))
-        yield from self.scroll_to("Waves")
         yield from self.button("Remove from Materials")
         yield from self.button("Bake Maps")
         yield from self.pick("Wrinkles", "Wrinkle Field", above="All Poses")

@@ -15,6 +15,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 from rumple.blender.frame import rebuild
 from rumple.blender.objects import mesh_reader, modifier, output_mesh, weight_paint
+from rumple.blender.ui import paint_words
 from support import sleeve
 from support.artist import HELD, Artist
 
@@ -231,6 +232,28 @@ class Brushes(Tools):
     def test_every_brush(self) -> Iterator[float]:
         for kind in ("Draw", "Blur", "Average", "Smear"):
             yield from self.both_ways(self.changed(self.stroked(kind)))
+
+    def test_ctrl_paints_what_was_taken_away_again(self) -> Iterator[float]:
+        """As the panel says, where Blender has such keys: not in 3.4."""
+        if not paint_words.ctrl_inverts():
+            self.assertLess(bpy.app.version, (4, 3, 0))
+            return
+        yield from self.begin(wrinkles=True)
+        yield from self.brush_tool("Draw")
+        self.set_weight(0.0)
+        places = [self.at(0.02 * step + 0.1) for step in range(6)]
+        yield from self.stroke(places)
+        yield from self.settle()
+        before = self.weights()
+        taken = (before < 0.7) & (self.ring() > sleeve.ALONG // 2)  # it was 1 there
+        self.assertGreater(taken.sum(), 4)
+        yield from self.stroke(places, ctrl=True)
+        yield from self.settle()
+        self.assertGreater((self.weights() > before + 0.1)[taken].sum(), 4)
+
+    def ring(self) -> np.ndarray:
+        """Of each vertex."""
+        return np.arange(sleeve.ALONG * sleeve.AROUND) // sleeve.AROUND
 
     def test_symmetry(self) -> Iterator[float]:
         def act() -> Steps:

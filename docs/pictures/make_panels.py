@@ -3,8 +3,8 @@
 
     scripts/demo                                   # makes out/demo/wrinkled.blend
     d=$(mktemp -d); RUMPLE_NATIVE=build/release/python RUMPLE_FRAMEBUFFER=$d/Xvfb_screen0 \
-        xvfb-run -a -s "-screen 0 1000x2200x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
-        --window-geometry 0 0 1000 2200 --python docs/pictures/make_panels.py
+        xvfb-run -a -s "-screen 0 620x3000x24 -fbdir $d" blender --factory-startup out/demo/wrinkled.blend \
+        --window-geometry 0 0 620 3000 --python docs/pictures/make_panels.py
 """
 from __future__ import annotations
 
@@ -21,6 +21,9 @@ from windowed import picture_of, play, save_jpeg, window_case  # noqa: E402
 from rumple.blender.ui import panels  # noqa: E402
 
 FRAME = 52
+EDGE = 42  # pixels from the left, where parts of the panel have nothing but their ground
+RISE = range(10, 40)  # how much lighter, of 765, the name of a part is than the part above it
+GROUND = 29  # of the pixels below a column
 VERSION = "{}.{}".format(*bpy.app.version)
 
 
@@ -37,6 +40,21 @@ def without_ground(pixels: np.ndarray) -> np.ndarray:
     return pixels[:used[-1] + 12]
 
 
+def in_two(pixels: np.ndarray) -> np.ndarray:
+    """Two columns beside one another, cut above a part of the panel: one column is taller than a page."""
+    rises = np.diff(pixels[:, EDGE].astype(int).sum(axis=1))
+    tops = np.flatnonzero((rises >= RISE.start) & (rises < RISE.stop)) + 1
+    cut = tops[np.abs(tops - len(pixels) // 2).argmin()]
+    columns = pixels[:cut], pixels[cut:]
+    height = max(map(len, columns))
+    return np.hstack([np.pad(column, ((0, height - len(column)), (0, 0), (0, 0)), constant_values=GROUND)
+                      for column in columns])
+
+
+def photograph(area: bpy.types.Area, name: str) -> None:
+    (HERE / f"panel_{name}.png").write_bytes(window_case.png(in_two(without_ground(picture_of(area)))))
+
+
 def steps() -> Iterator[float]:
     """One step a redraw."""
     area = max(bpy.context.window_manager.windows[0].screen.areas, key=lambda a: a.width * a.height)
@@ -47,18 +65,19 @@ def steps() -> Iterator[float]:
     yield 1.5
     if VERSION == "3.4":
         picture = picture_of(area)
-        save_jpeg(picture[len(picture) // 4:-len(picture) // 4], HERE / "viewport.jpg")
+        middle, half = len(picture) // 2, int(0.9 * picture.shape[1])
+        save_jpeg(picture[middle - half:middle + half], HERE / "viewport.jpg")
     area.type = "PROPERTIES"
     yield 0.5
     area.spaces.active.context = "MODIFIER"
     yield 2.0
-    (HERE / f"panel_{VERSION}.png").write_bytes(window_case.png(without_ground(picture_of(area))))
+    photograph(area, VERSION)
     for method in ("FIELD", "PATHS") if VERSION == "3.4" else ():
         another(method)
         for _ in range(3):  # other sub-panels take their places one redraw later
             area.tag_redraw()
             yield 0.7
-        (HERE / f"panel_{method.lower()}.png").write_bytes(window_case.png(without_ground(picture_of(area))))
+        photograph(area, method.lower())
 
 
 def another(method: str) -> None:
@@ -66,6 +85,7 @@ def another(method: str) -> None:
     window, garment = bpy.context.window_manager.windows[0], bpy.data.objects["Shirt"]
     with bpy.context.temp_override(window=window, object=garment, active_object=garment):
         bpy.ops.object.rumple_remove()
+        garment.rumple.field.property_unset("output")  # the demo's studio draws no materials
         bpy.ops.object.rumple_add(method=method)
     for modifier in garment.modifiers:
         modifier.show_expanded = False

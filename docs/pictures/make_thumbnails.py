@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pictures of the fabrics, addon/rumple/thumbnails/*.png: the bent sleeve of the gallery with every preset.
+"""The pictures of the fabrics and of the systems, addon/rumple/thumbnails/*.png: the bent sleeve of the gallery with
+every preset and with waves; of Wrinkle Maps the forehead of a lesson (docs/pictures/lessons/face.jpg).
 
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
         --python docs/pictures/make_thumbnails.py
@@ -31,17 +32,31 @@ VIEW, DISTANCE, LENS = Vector((1.0, -0.75, 0.12)).normalized(), 1.15, 85.0
 TARGET = (0.0, 0.0, 0.03)  # metres beside the elbow
 
 
-def show(method: str, preset: str) -> None:
+FOREHEAD = (800, 110, 1130, 440)  # of the lesson's picture
+WAVES = 0.03  # metres from one to the next
+
+
+def show(method: str, preset: str = "") -> None:
     """The sleeve in that fabric, in its pose."""
     bpy.ops.wm.read_homefile(use_empty=True)
     shirt = gallery_scenes.build_elbow()
+    shirt.rumple.field.output, shirt.rumple.field.wavelength = "GEOMETRY", WAVES
     assert bpy.ops.object.rumple_add(method=method) == {"FINISHED"}, shirt.rumple.message
-    assert bpy.ops.object.rumple_preset(preset=preset) == {"FINISHED"}, shirt.rumple.message
+    if preset:
+        assert bpy.ops.object.rumple_preset(preset=preset) == {"FINISHED"}, shirt.rumple.message
     gallery_light.light(bpy.context.scene)
-    gallery_light.dye(shirt, preset)
+    plain_ground(bpy.context.scene.world.node_tree)
+    gallery_light.dye(shirt, preset or "COTTON")
     for frame in range(FIRST, FRAME + 1):
         bpy.context.scene.frame_set(frame)
     assert not shirt.rumple.message, shirt.rumple.message
+
+
+def plain_ground(tree: bpy.types.NodeTree) -> None:
+    """The sky alone, without the gallery's paper: small pictures beside one another have one ground."""
+    sky = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    end = next(node for node in tree.nodes if node.type == "OUTPUT_WORLD")
+    tree.links.new(sky.outputs[0], end.inputs["Surface"])
 
 
 def render(path: Path) -> None:
@@ -57,16 +72,21 @@ def render(path: Path) -> None:
     bpy.ops.render.render(write_still=True)
 
 
+def save_small(picture: Image.Image, path: Path) -> None:
+    small = picture.convert("RGB").resize((SIZE, SIZE), Image.LANCZOS)
+    small.quantize(COLOURS).save(path, optimize=True)
+
+
 def main() -> None:
     rumple.register()
     thumbnails.FOLDER.mkdir(exist_ok=True)
+    save_small(Image.open(HERE / "lessons" / "face.jpg").crop(FOREHEAD), thumbnails.path("MAPS"))
     with tempfile.TemporaryDirectory() as folder:
         for method, system in SYSTEMS.items():
-            for preset in system.presets:
+            for preset in system.presets or ("",):
                 show(method, preset)
                 render(Path(folder) / "large.png")
-                small = Image.open(Path(folder) / "large.png").convert("RGB").resize((SIZE, SIZE), Image.LANCZOS)
-                small.quantize(COLOURS).save(thumbnails.path(method, preset), optimize=True)
+                save_small(Image.open(Path(folder) / "large.png"), thumbnails.path(method, preset))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ import bpy
 
 from ...core.systems import SYSTEMS
 from .. import compat, ui_base
-from . import examples, panels
+from . import examples, panels, thumbnails
 
 # Groups of operators, by what they are called in bpy.ops. A property's name behind one makes it a submenu.
 _ENTRIES = (
@@ -31,11 +31,15 @@ class OBJECT_MT_rumple_add(bpy.types.Menu):
     bl_label = "Wrinkles"
 
     def draw(self, context: bpy.types.Context) -> None:
-        if not ui_base.refusal(context.object, wrinkled=False):
-            for system in SYSTEMS.values():
-                self.layout.operator("object.rumple_add", text=system.label,
-                                     icon=panels.ICONS[system.method]).method = system.method
-        panels.add_maps_button(self.layout, "Wrinkle Maps", "ARMATURE_DATA")
+        obj = context.object
+        systems = [] if ui_base.refusal(obj, wrinkled=False) else list(SYSTEMS.values())
+        maps = panels.may_get_maps(obj)
+        entries = thumbnails.beside_pictures(self.layout, [system.method for system in systems] + ["MAPS"] * maps)
+        for system in systems:
+            entries.operator("object.rumple_add", text=system.label,
+                             icon=panels.ICONS[system.method]).method = system.method
+        if maps:
+            entries.operator("rumple.maps_add", text="Wrinkle Maps", icon="ARMATURE_DATA")
         examples.draw_menu(self.layout)
 
 

@@ -90,13 +90,10 @@ class OBJECT_OT_rumple_paint(_OnMap, bpy.types.Operator):
         painted_maps.touch(obj)
         if obj.mode != "WEIGHT_PAINT" and not bpy.app.background:
             bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-        if not painted.exists and self.group in paint_words.HOW:
-            _set_brush_weight(context, 1.0)
-            self.report({"INFO"}, said(paint_words.HOW[self.group]))
-        elif not painted.exists:
-            _set_brush_weight(context, 0.0)  # the new group is full already
-            self.report({"INFO"}, said(f"Paint with weight 0 where {said(painted.label)} fades, with 1 where it comes "
-                                       "back"))
+        if not painted.exists:
+            # Most new groups are full already.
+            _set_brush_weight(context, 1.0 if self.group in paint_words.HOW else 0.0)
+            self.report({"INFO"}, paint_words.how(painted))
         return {"FINISHED"}
 
 

@@ -7,6 +7,7 @@ import bpy
 from ..objects import painted_maps, weight_paint
 from ..translation import said
 from ..ui_base import Panel, draw_note, settings_column
+from . import paint_words
 
 NO_FOLDS = "This mask or tool of Weight Paint needs the coarse mesh: folds are shown again after it"
 LABEL_SHARE = 0.4  # of a row, as where a property has its name
@@ -48,6 +49,13 @@ def _draw_map(column: bpy.types.UILayout, obj: bpy.types.Object, painted: painte
         row.active = False
         row.alignment = "RIGHT"
         row.label(text=said(words(numbers)), translate=False)
+
+
+def draw_in_hand(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """While a map is painted: which weight does what."""
+    for painted in painted_maps.of(obj) if obj.mode == "WEIGHT_PAINT" else ():
+        if is_in_hand(obj, painted):
+            draw_note(layout, paint_words.how(painted), "BRUSH_DATA")
 
 
 def is_in_hand(obj: bpy.types.Object, painted: painted_maps.PaintedMap) -> bool:

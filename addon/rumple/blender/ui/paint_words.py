@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the brush says of maps that are painted from 0 on: without paint they do nothing."""
+"""What the brush says: of maps that are painted from 0 on, which do nothing without paint, and of all others."""
 from __future__ import annotations
+
+import bpy
 
 from ...core.keep_smooth import SMOOTH
 from ...core.painted_rigid import RIGID
+from ..objects.painted_maps import PaintedMap
+from ..translation import said
 
 TIPS = {
     SMOOTH: "Paint where no folds may be, from all of them (0) to none (1), in Weight Paint mode. Again: leave the "
@@ -15,3 +19,18 @@ HOW = {
     SMOOTH: "Paint with weight 1 where the cloth stays smooth, with 0 where it folds again",
     RIGID: "Paint with weight 1 what keeps its shape, with 0 what is cloth",
 }
+CTRL = "Hold Ctrl to paint the opposite"
+
+
+def how(painted: PaintedMap) -> str:
+    """Which weight does what, in Blender's language."""
+    words = said(HOW.get(painted.key) or
+                 f"Paint with weight 0 where {said(painted.label)} fades, with 1 where it comes back")
+    return f"{words}. {said(CTRL)}" if ctrl_inverts() else words
+
+
+def ctrl_inverts() -> bool:
+    """Whether a stroke of Weight Paint with Ctrl held paints 1 instead of 0, by the keys of this Blender and artist."""
+    keymap = bpy.context.window_manager.keyconfigs.user.keymaps.get("Weight Paint")
+    return any(item.idname == "paint.weight_paint" and item.active and item.ctrl and item.properties.mode == "INVERT"
+               for item in (keymap.keymap_items if keymap is not None else ()))

@@ -54,6 +54,7 @@ class DATA_PT_rumple(bpy.types.Panel):
         if system.presets:
             thumbnails.draw(layout, obj, ICONS[system.method])
         _draw_first(settings_column(layout, obj), obj)
+        paint_panel.draw_in_hand(layout, obj)
         runtime = runtimes.known(obj)
         for note in runtime.notes if runtime is not None else ():
             if note.endswith(RAISE_MOST):
@@ -63,7 +64,9 @@ class DATA_PT_rumple(bpy.types.Panel):
         row.operator("object.rumple_apply", text="Apply")
         row.operator("object.rumple_copy_settings", text="", icon="COPYDOWN")
         row.operator("object.rumple_remove", text="" if ui_base.is_narrow() else "Remove", icon="X")
-        add_maps_button(layout, "Wrinkle Maps" if ui_base.is_narrow() else "Add Wrinkle Maps", "ADD")
+        if may_get_maps(obj):
+            layout.operator("rumple.maps_add", text="Wrinkle Maps" if ui_base.is_narrow() else "Add Wrinkle Maps",
+                            icon="ADD")
 
 
 def title(obj: bpy.types.Object) -> str:
@@ -80,11 +83,16 @@ def _draw_first(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         for name in ("drape", "folds", "detail"):
             cloth_panel.painted(column, obj, name)
     if obj.rumple.method == "FIELD":
-        draw_setting(column, settings, "strength")
+        for name in ("output", "strength"):
+            draw_setting(column, settings, name)
     if obj.rumple.method == "PATHS":
         paths_panel.draw_size(column, settings)
     elif obj.rumple.method == "FIELD" or (settings.source == "SUBDIVISION" and settings.density == "WAVELENGTH"):
         draw_setting(column, settings, "wavelength")
+    if obj.rumple.method == "FIELD" and settings.output == "SHADING":
+        column.prop(settings, "gpu_preview")
+        shaded = field_shader.is_shaded(obj)
+        column.operator(f"object.rumple_{'unshade' if shaded else 'shade'}", icon="X" if shaded else "MATERIAL")
 
 
 class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
@@ -117,22 +125,18 @@ class DATA_PT_rumple_fine_mesh(Panel, bpy.types.Panel):
 
 class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
     bl_label = "Waves"
+    bl_options = {"DEFAULT_CLOSED"}
     bl_translation_context = OWN_CONTEXT  # of the sea, in Blender's own French
     method = "FIELD"
 
     def draw(self, context: bpy.types.Context) -> None:
         column, obj = settings_column(self.layout, context.object), context.object
         settings = obj.rumple.field
-        column.prop(settings, "output")
-        if settings.output == "SHADING":
-            shaded = field_shader.is_shaded(obj)
-            column.operator(f"object.rumple_{'unshade' if shaded else 'shade'}", icon="X" if shaded else "MATERIAL")
-            column.prop(settings, "gpu_preview")
-        else:
+        if settings.output == "GEOMETRY":
             for name in ("source", "detail", "attachment", "keep_length"):
                 column.prop(settings, name)
             column.prop(obj.rumple, "most_vertices")
-        column.separator()
+            column.separator()
         for name in ("dissolve", "irregularity", "seed", "profile"):
             column.prop(settings, name)
         curve = field_profile.node(obj) if settings.profile == "CURVE" else None
@@ -284,11 +288,9 @@ def _fields_not_felt(runtime: runtimes.Runtime) -> list[str]:
     return [f"{name}: the cloth does not feel a force field of this type" for name in names]
 
 
-def add_maps_button(layout: bpy.types.UILayout, text: str, icon: str) -> None:
+def may_get_maps(obj: bpy.types.Object) -> bool:
     """They stand beside other wrinkles, whose folds they may be baked from."""
-    obj = bpy.context.object
-    if maps_modifier.find(obj) is None and (obj.find_armature() is not None or maps_keys.blocks(obj)):
-        layout.operator("rumple.maps_add", text=text, icon=icon)
+    return maps_modifier.find(obj) is None and (obj.find_armature() is not None or bool(maps_keys.blocks(obj)))
 
 
 CLASSES = (DATA_PT_rumple, cloth_panel.DATA_PT_rumple_cloth, cloth_panel.DATA_PT_rumple_body,

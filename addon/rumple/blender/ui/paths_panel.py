@@ -18,6 +18,7 @@ def draw_size(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> 
 
 class DATA_PT_rumple_folds(Panel, bpy.types.Panel):
     bl_label = "Folds"
+    bl_options = {"DEFAULT_CLOSED"}
     method = "PATHS"
 
     def draw(self, context: bpy.types.Context) -> None:

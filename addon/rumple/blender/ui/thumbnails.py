@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the fabrics, as Blender's own preview icons: in the menu of fabrics, and large in the panel.
+"""Pictures of the fabrics and of the systems, as Blender's own preview icons: in their menus, and large in the panel.
 
 docs/pictures/make_thumbnails.py renders them into thumbnails/. Where one is missing or cannot be read, the menu has its
 words.
@@ -18,18 +18,19 @@ from ..translation import said
 
 FOLDER = Path(__file__).resolve().parents[2] / "thumbnails"
 CHOICE = "rumple_fabric"  # of the window manager: files do not have it
-SCALE, SCALE_IN_POPUP = 2.5, 5.0
+SCALE, SCALE_IN_POPUP, SCALE_IN_MENU = 2.5, 5.0, 3.0
+OF_SYSTEMS = {"MESH": "COTTON", "PATHS": "COTTON"}  # preset whose picture stands for one that has presets
 
 _pictures: Any = None  # bpy.utils.previews.ImagePreviewCollection
 _items: dict[str, tuple] = {}  # Blender keeps no copy
 
 
-def path(method: str, preset: str) -> Path:
-    """Of the picture of a preset."""
-    return FOLDER / f"{method}_{preset}.png"
+def path(method: str, preset: str = "") -> Path:
+    """Of the picture of a preset, or of a system that has none."""
+    return FOLDER / (f"{method}_{preset}.png" if preset else f"{method}.png")
 
 
-def icon(method: str, preset: str) -> int:
+def icon(method: str, preset: str = "") -> int:
     """The number of its icon; 0 without a picture."""
     global _pictures
     file = path(method, preset)
@@ -88,6 +89,19 @@ def draw(layout: bpy.types.UILayout, obj: bpy.types.Object, icon_of_system: str)
                                scale_popup=SCALE_IN_POPUP)
         row = row.column()
     row.operator_menu_enum("object.rumple_preset", "preset", icon=icon_of_system, text=said(system.presets[key].label))
+
+
+def beside_pictures(layout: bpy.types.UILayout, methods: list[str]) -> bpy.types.UILayout:
+    """In a menu: pictures of systems below one another, and the column beside them for their entries, each as high."""
+    icons = [icon(method, OF_SYSTEMS.get(method, "")) for method in methods]
+    if not all(icons):
+        return layout
+    row = layout.row()  # one for all: menus put rows of their own askew
+    pictures, entries = row.column(), row.column()
+    for number in icons:
+        pictures.template_icon(icon_value=number, scale=SCALE_IN_MENU)
+    entries.scale_y = SCALE_IN_MENU
+    return entries
 
 
 def register() -> None:
