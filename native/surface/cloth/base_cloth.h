@@ -71,6 +71,20 @@ struct Model {
         LaneMask diagonal{};
     };
     std::vector<SpringFour> spring_fours;
+    // Sweeps over the vertices in `order`, but for what does not count: each vertex comes behind its earlier
+    // neighbours, and those of one depth, which wait for none of one another, stand side by side: so a
+    // processor computes several at a time.
+    struct Sweep {
+        // Springs of a vertex. Where they are fewer: the spring and the vertex after all.
+        struct Four {
+            std::array<Index, kLanes> other, spring;
+        };
+        std::vector<Index> vertex;
+        std::vector<Index> earlier_start, later_start;  // per place, and the end: the first four
+        std::vector<Four> earlier,
+            later;  // to vertices that are earlier in `order`, as they stand there; later
+    };
+    Sweep sweep;
     std::vector<float> area;      // per vertex, object units^2
     std::vector<Index> frame_to;  // per vertex: the neighbour that its tangent points to, or kNone
     SparseRows limit;             // limit position <- vertices

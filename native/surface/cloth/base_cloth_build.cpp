@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <tuple>
 
 #include "base/tolerances.h"
 #include "surface/cloth/base_cloth.h"
@@ -128,6 +129,49 @@ void put_springs_in_fours(Model& model) {
     }
 }
 
+// Per vertex: how many others in a row have to be swept before it.
+std::vector<Index> depths_in_order(const Model& model) {
+    std::vector<Index> depth(model.order.size(), 0);
+    for (const Model::Spring& spring : model.springs)  // in the order of their first ends
+        depth[spring.b] = std::max(depth[spring.b], depth[spring.a] + 1);
+    return depth;
+}
+
+using SpringsOfVertex = std::vector<std::pair<Index, Index>>;  // the other end, the spring
+
+void add_fours(const Model& model, const SpringsOfVertex& springs, std::vector<Model::Sweep::Four>& fours) {
+    for (size_t k = 0; k < in_fours(springs.size()); ++k) {
+        if (k % kLanes == 0) {
+            Model::Sweep::Four& four = fours.emplace_back();
+            four.other.fill(model.surface.welded.vertex_count);
+            four.spring.fill(static_cast<Index>(model.springs.size()));
+        }
+        if (k >= springs.size()) break;
+        std::tie(fours.back().other[k % kLanes], fours.back().spring[k % kLanes]) = springs[k];
+    }
+}
+
+void plan_sweeps(Model& model) {
+    std::vector<SpringsOfVertex> earlier(model.order.size()), later(model.order.size());
+    for (Index s = 0; s < static_cast<Index>(model.springs.size()); ++s) {
+        const Model::Spring& spring = model.springs[s];
+        later[spring.a].push_back({spring.b, s});
+        earlier[spring.b].push_back({spring.a, s});
+    }
+    const std::vector<Index> depth = depths_in_order(model);
+    Model::Sweep& sweep = model.sweep;
+    sweep.vertex = model.order;
+    std::ranges::stable_sort(sweep.vertex, {}, [&](Index v) { return depth[v]; });
+    for (const Index v : sweep.vertex) {
+        sweep.earlier_start.push_back(static_cast<Index>(sweep.earlier.size()));
+        sweep.later_start.push_back(static_cast<Index>(sweep.later.size()));
+        add_fours(model, earlier[v], sweep.earlier);
+        add_fours(model, later[v], sweep.later);
+    }
+    sweep.earlier_start.push_back(static_cast<Index>(sweep.earlier.size()));
+    sweep.later_start.push_back(static_cast<Index>(sweep.later.size()));
+}
+
 void collect_triangles(Model& model) {
     const Surface& surface = model.surface;
     model.near = near_triangles(surface);
@@ -150,6 +194,7 @@ std::shared_ptr<const Model> build(Surface surface) {
     place_springs(*model);
     put_springs_in_order(*model);
     put_springs_in_fours(*model);
+    plan_sweeps(*model);
     collect_triangles(*model);
     model->limit = vertex_limit_stencils(model->surface);
     model->clearance = build_clearance(model->surface);

@@ -7,7 +7,9 @@
 // Journal on Scientific and Statistical Computing 2, 1981).
 #include "surface/cloth/hessian.h"
 
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace rumple::base_cloth {
 namespace {
@@ -44,66 +46,92 @@ Block inverse_or_nothing(const Block& block) {
     return std::isfinite(sum.x + sum.y + sum.z) ? inverse : Block(0.0);
 }
 
+// Four springs of a vertex.
+struct SpringLanes {
+    std::array<Index, kLanes> other;
+    Vec3Lanes direction;
+    Lanes along{}, across{};
+
+    // What they add at one end where the other ends have `rows`: one after the other, as sums are rounded.
+    void add_to(const std::vector<Row>& rows, Row& sum) const {
+        const Vec3Lanes v =
+            columns(std::array{rows[other[0]], rows[other[1]], rows[other[2]], rows[other[3]]});
+        std::array<Row, kLanes> product;
+        store_rows(across * v + along * dot(direction, v) * direction, product);
+        for (const Row& one : product) sum.xyz += one.xyz;
+    }
+};
+
+SpringLanes lanes_of(const Model::Sweep::Four& four, const Hessian& hessian) {
+    SpringLanes out;
+    out.other = four.other;
+    std::array<Row, kLanes> direction;
+    for (int k = 0; k < kLanes; ++k) {
+        const size_t s = size_t(four.spring[k]);
+        if (s >= hessian.springs.size()) continue;
+        direction[k] = hessian.springs[s].direction;
+        out.along[k] = hessian.springs[s].along;
+        out.across[k] = hessian.springs[s].across;
+    }
+    out.direction = columns(direction);
+    return out;
+}
+std::vector<SpringLanes> lanes_of(const std::vector<Model::Sweep::Four>& fours, const Hessian& hessian) {
+    std::vector<SpringLanes> out;
+    out.reserve(fours.size());
+    for (const Model::Sweep::Four& four : fours) out.push_back(lanes_of(four, hessian));
+    return out;
+}
+
 class Factors {
   public:
     Factors(const Model& model, const Hessian& hessian);
 
-    // (D + L)^-1 rows
-    void forward(std::vector<Row>& rows) const {
-        for (size_t k = 0; k < model_.order.size(); ++k) {
-            Row& here = rows[model_.order[k]];
-            here.xyz = inverse_[k] * here;
-            for_springs(k, [&](Index other, const Hessian::Spring& spring) {
-                rows[other].xyz += times(spring, here);
-            });
+    // (D + L)^-1 of what rows(vertex) says; it is asked once.
+    template <typename Rows>
+    void forward(const Rows& rows, std::vector<Row>& out) const {
+        for (size_t k = 0; k < sweep_.vertex.size(); ++k) {
+            const Index v = sweep_.vertex[k];
+            Row here = rows(v);
+            for (Index f = sweep_.earlier_start[k]; f < sweep_.earlier_start[k + 1]; ++f)
+                earlier_[f].add_to(out, here);
+            out[v].xyz = inverse_[v] * here;
         }
     }
     // (D + L)^-T rows
-    void backward(std::vector<Row>& rows) const {
-        for (size_t k = model_.order.size(); k-- > 0;) {
-            Row& here = rows[model_.order[k]];
-            for_springs(k, [&](Index other, const Hessian::Spring& spring) {
-                here.xyz += times(spring, rows[other]);
-            });
-            here.xyz = inverse_[k] * here;
+    void backward(const std::vector<Row>& rows, std::vector<Row>& out) const {
+        for (size_t k = sweep_.vertex.size(); k-- > 0;) {
+            const Index v = sweep_.vertex[k];
+            Row here = rows[v];
+            for (Index f = sweep_.later_start[k]; f < sweep_.later_start[k + 1]; ++f)
+                later_[f].add_to(out, here);
+            out[v].xyz = inverse_[v] * here;
         }
     }
-    // D rows
-    void weigh(const std::vector<Row>& rows, std::vector<Row>& out) const {
-        for (size_t k = 0; k < model_.order.size(); ++k)
-            out[model_.order[k]].xyz = diagonal_[k] * rows[model_.order[k]];
-    }
+    // D row, of a vertex
+    Row weighed(size_t v, const Row& row) const { return Row(diagonal_[v] * row); }
     // (D + L)^-1 Hessian (D + L)^-T p, where `back` is (D + L)^-T p: the Hessian is (D + L) + (D + L)^T and,
-    // on its diagonal, what is beyond 2 D.
+    // on its diagonal, what is beyond 2 D. Here less `back`.
     void multiply(const std::vector<Row>& p, const std::vector<Row>& back, std::vector<Row>& out) const {
-        for (size_t k = 0; k < model_.order.size(); ++k) {
-            const Index v = model_.order[k];
-            out[v].xyz = p[v].xyz + beyond_[k] * back[v];
-        }
-        forward(out);
-        for (size_t v = 0; v < out.size(); ++v) out[v].xyz += back[v].xyz;
+        forward([&](Index v) { return Row(p[v].xyz + beyond_[v] * back[v]); }, out);
     }
 
   private:
-    // The springs from a place of the order to later ones.
-    template <typename Act>
-    void for_springs(size_t k, Act&& act) const {
-        for (Index s = model_.spring_start[k]; s < model_.spring_start[k + 1]; ++s)
-            act(model_.springs[s].b, hessian_.springs[s]);
-    }
-    static Lanes times(const Hessian::Spring& spring, const Row& v) {
-        return spring.across * v.xyz + spring.along * dot(spring.direction, v) * spring.direction.xyz;
-    }
-
-    const Model& model_;
-    const Hessian& hessian_;
-    std::vector<Matrix> diagonal_, inverse_, beyond_;  // D, D^-1, the Hessian's diagonal less 2 D, in order
+    const Model::Sweep& sweep_;
+    std::vector<SpringLanes> earlier_, later_;
+    std::vector<Matrix> diagonal_, inverse_, beyond_;  // D, D^-1, the Hessian's diagonal less 2 D, per vertex
 };
 
 // D is positive definite: what is left of a spring at its later end, B - B D^-1 B, is none where it was all
 // that held the earlier one (D = B), and more where something else did. In double precision, as it is a
 // difference.
-Factors::Factors(const Model& model, const Hessian& hessian) : model_(model), hessian_(hessian) {
+Factors::Factors(const Model& model, const Hessian& hessian)
+    : sweep_(model.sweep),
+      earlier_(lanes_of(sweep_.earlier, hessian)),
+      later_(lanes_of(sweep_.later, hessian)),
+      diagonal_(hessian.own.size()),
+      inverse_(hessian.own.size()),
+      beyond_(hessian.own.size()) {
     std::vector<Block> whole(hessian.own.size());
     for (size_t v = 0; v < whole.size(); ++v) whole[v] = to_block(hessian.own[v]);
     for (size_t s = 0; s < model.springs.size(); ++s) {
@@ -112,25 +140,28 @@ Factors::Factors(const Model& model, const Hessian& hessian) : model_(model), he
         whole[model.springs[s].b] += block;
     }
     std::vector<Block> left = whole;
-    for (std::vector<Matrix>* made : {&diagonal_, &inverse_, &beyond_}) made->reserve(model.order.size());
     for (size_t k = 0; k < model.order.size(); ++k) {
         const Index v = model.order[k];
         const Block inverse = inverse_or_nothing(left[v]);
-        for_springs(
-            k, [&](Index other, const Hessian::Spring& spring) { left[other] -= between(spring, inverse); });
-        diagonal_.push_back(to_matrix(left[v]));
-        inverse_.push_back(to_matrix(inverse));
-        beyond_.push_back(to_matrix(whole[v] - 2.0 * left[v]));
+        for (Index s = model.spring_start[k]; s < model.spring_start[k + 1]; ++s)
+            left[model.springs[s].b] -= between(hessian.springs[s], inverse);
+        diagonal_[v] = to_matrix(left[v]);
+        inverse_[v] = to_matrix(inverse);
+        beyond_[v] = to_matrix(whole[v] - 2.0 * left[v]);
     }
 }
 
-}  // namespace
-
-double inner_product(const std::vector<Row>& a, const std::vector<Row>& b) {
+// The sum over the vertices of the inner products of the two rows that rows(vertex) makes: made and
+// multiplied in one pass.
+template <typename Rows>
+double inner_product_of(size_t count, const Rows& rows) {
     double sum = 0.0;
-    for (size_t v = 0; v < a.size(); v += kLanes) {
+    for (size_t v = 0; v < count; v += kLanes) {
         std::array<Row, kLanes> product;
-        for (int k = 0; k < kLanes; ++k) product[k].xyz = a[v + k].xyz * b[v + k].xyz;
+        for (int k = 0; k < kLanes; ++k) {
+            const auto [a, b] = rows(v + size_t(k));
+            product[k].xyz = a.xyz * b.xyz;
+        }
         const Vec3Lanes columns_of_four = columns(product);
         const Lanes dots = columns_of_four.x + columns_of_four.y + columns_of_four.z;
         for (int k = 0; k < kLanes; ++k) sum += double(dots[k]);
@@ -138,29 +169,41 @@ double inner_product(const std::vector<Row>& a, const std::vector<Row>& b) {
     return sum;
 }
 
+}  // namespace
+
+double inner_product(const std::vector<Row>& a, const std::vector<Row>& b) {
+    return inner_product_of(a.size(), [&](size_t v) { return std::pair(a[v], b[v]); });
+}
+
 int conjugate_gradients(const Model& model, const Hessian& hessian, const std::vector<Row>& force,
                         int most_gradients, std::vector<Row>& step) {
     const Factors factors(model, hessian);
-    std::vector<Row> residual = force, weighed(force.size()), product(force.size());
-    factors.forward(residual);
-    factors.weigh(residual, weighed);
-    std::vector<Row> p = weighed, back(force.size());
-    double now = inner_product(residual, weighed);
+    const size_t count = force.size();
+    std::vector<Row> residual(count), weighed(count), back(count), product(count);
+    factors.forward([&](Index v) { return force[v]; }, residual);
+    double now = inner_product_of(count, [&](size_t v) {
+        weighed[v] = factors.weighed(v, residual[v]);
+        return std::pair(residual[v], weighed[v]);
+    });
+    std::vector<Row> p = weighed;
     const double enough = kResidual * kResidual * now;
     for (int i = 0; i < most_gradients; ++i) {
         if (now <= enough || now <= 0.0) return i;
-        back = p;
-        factors.backward(back);
+        factors.backward(p, back);
         factors.multiply(p, back, product);
-        const float alpha = static_cast<float>(now / inner_product(p, product));
-        for (size_t v = 0; v < p.size(); ++v) {
+        const double curvature = inner_product_of(count, [&](size_t v) {
+            product[v].xyz += back[v].xyz;
+            return std::pair(p[v], product[v]);
+        });
+        const float alpha = static_cast<float>(now / curvature);
+        const double next = inner_product_of(count, [&](size_t v) {
             step[v].xyz += alpha * back[v].xyz;
             residual[v].xyz -= alpha * product[v].xyz;
-        }
-        factors.weigh(residual, weighed);
-        const double next = inner_product(residual, weighed);
+            weighed[v] = factors.weighed(v, residual[v]);
+            return std::pair(residual[v], weighed[v]);
+        });
         const float beta = static_cast<float>(next / now);
-        for (size_t v = 0; v < p.size(); ++v) p[v].xyz = weighed[v].xyz + beta * p[v].xyz;
+        for (size_t v = 0; v < count; ++v) p[v].xyz = weighed[v].xyz + beta * p[v].xyz;
         now = next;
     }
     return most_gradients;
