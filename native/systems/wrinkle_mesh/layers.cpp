@@ -13,6 +13,10 @@
 namespace rumple::wrinkle_mesh {
 namespace {
 
+// Of an edge: a fold of five of them, whose cloth is a tenth longer than its base, misses less. What misses
+// more is a kink in a joint that skinning has crushed.
+constexpr float kMostMissed = 1.0f / 7.0f;
+
 std::vector<Vec3> differences(std::span<const Vec3> to, std::span<const Vec3> from) {
     std::vector<Vec3> out(to.begin(), to.end());
     for (size_t v = 0; v < out.size(); ++v) out[v] -= from[v];
@@ -205,10 +209,16 @@ bool fits(const Layers& layers, const LayersState* state) {
 
 }  // namespace
 
-std::vector<Vec3> missed_by_limit(const SparseRows& limit, std::span<const Vec3> ways) {
+std::vector<Vec3> missed_by_limit(const Layers& layers, size_t layer, std::span<const Vec3> ways) {
     std::vector<Vec3> smooth(ways.size());
-    apply(limit, to_rows(ways), smooth);
-    return differences(ways, smooth);
+    apply(layers.limit[layer], to_rows(ways), smooth);
+    std::vector<Vec3> missed = differences(ways, smooth);
+    for (size_t v = 0; v < missed.size(); ++v) {
+        const float most = kMostMissed * layers.layers[layer]->local_edge[v];
+        const float length = glm::length(missed[v]);
+        if (length > most) missed[v] *= most / length;
+    }
+    return missed;
 }
 
 Surface solved_surface(const Model& layer) {
@@ -302,7 +312,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
                                         state ? &state->layers[k] : nullptr, reports[k]));
         out.solved = solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]);
         chain.ride_on(layer.base, pose, out.solved,
-                      missed_by_limit(layers.limit[k], differences(out.solved, unwrinkled)));
+                      missed_by_limit(layers, k, differences(out.solved, unwrinkled)));
     }
     return out;
 }
@@ -320,8 +330,8 @@ void show(const Layers& layers, std::span<const Vec3> animated, std::span<const 
     std::vector<Vec3> offset = offsets(layers, animated, state), through = state.solved;
     const bool subdivided = Index(shown.from_solved.index.size()) > shown.mesh.vertex_count;
     if (subdivided) {
-        const std::vector<Vec3> missed =
-            missed_by_limit(layers.limit.back(), differences(through, unwrinkled_over(layers, positions)));
+        const std::vector<Vec3> missed = missed_by_limit(
+            layers, layers.layers.size() - 1, differences(through, unwrinkled_over(layers, positions)));
         add(through, missed);
         add(offset, missed);
     }

@@ -55,7 +55,7 @@ void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& laye
           std::span<const Vec3> animated, const LayersState& state, Picture& picture, bool in_viewport) {
     std::vector<Vec3> displacements =
         offsets(layers, coarse_positions(coarse, transfer.base, animated), state);
-    const std::vector<Vec3> missed = missed_by_limit(layers.limit.back(), displacements);
+    const std::vector<Vec3> missed = missed_by_limit(layers, layers.layers.size() - 1, displacements);
     for (size_t v = 0; v < missed.size(); ++v) displacements[v] += missed[v];
     std::vector<Vec3> base(transfer.base.welded.vertex_count);
     weld_positions(transfer.base, animated, base);
