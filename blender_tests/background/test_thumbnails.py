@@ -15,6 +15,7 @@ from support import sleeve
 
 MOST_BYTES = 10_000
 PRESETS = [(method, key) for method, system in SYSTEMS.items() for key in system.presets]
+WITHOUT_PRESETS = [method for method, system in SYSTEMS.items() if not system.presets] + ["MAPS"]
 
 
 class Thumbnails(unittest.TestCase):
@@ -25,11 +26,12 @@ class Thumbnails(unittest.TestCase):
 
     tearDown = setUp
 
-    def test_every_preset_has_a_small_one_and_no_other_file_is_there(self) -> None:
+    def test_every_preset_and_system_has_a_small_one_and_no_other_file_is_there(self) -> None:
         self.assertGreater(len(PRESETS), 10)
-        self.assertEqual({thumbnails.path(*preset) for preset in PRESETS}, set(thumbnails.FOLDER.iterdir()))
-        for preset in PRESETS:
-            self.assertLess(thumbnails.path(*preset).stat().st_size, MOST_BYTES, preset)
+        files = {thumbnails.path(*preset) for preset in PRESETS} | {thumbnails.path(name) for name in WITHOUT_PRESETS}
+        self.assertEqual(files, set(thumbnails.FOLDER.iterdir()))
+        for file in files:
+            self.assertLess(file.stat().st_size, MOST_BYTES, file.name)
 
     def test_each_is_a_picture_of_its_own(self) -> None:
         """Icons themselves are there in a window alone: window/test_thumbnails_in_window.py."""
