@@ -9,7 +9,7 @@ import numpy as np
 from rumple.core.cloth import BaseCloth, stiffness_over_cotton
 from rumple.core.cloth_settings import ClothSettings
 from rumple.core.fabrics import COTTON, FABRICS, GRAVITY
-from rumple.core.layers import layer_settings
+from rumple.core.layers import FINEST_HEM, FINEST_LOOSER, layer_settings
 from rumple.core.presets import MESH_PRESETS, PATHS_PRESETS
 from rumple.core.settings import MeshSettings
 from rumple.core.wrinkle_mesh import WrinkleMesh, halvings, layers_for, wavelength_of
@@ -105,6 +105,23 @@ class Wavelengths(unittest.TestCase):
         self.assertEqual(stiff[0].prestretch, cotton[0].prestretch)
         for a, b in zip(cotton[1:], stiff[1:]):
             self.assertAlmostEqual(b.prestretch - 1.0, 0.5 * (a.prestretch - 1.0), 6)
+
+    def test_the_finest_layer_has_length_to_spare_beyond_the_wider_ones(self) -> None:
+        _, folds, detail = (layer.prestretch - 1.0 for layer in layer_settings(replace(CLOTH, slack=1.05), 3))
+        self.assertAlmostEqual(detail, FINEST_LOOSER * folds, 6)
+
+    def test_a_layer_is_the_finest_as_long_as_the_next_is_not_there(self) -> None:
+        settings = replace(CLOTH, slack=1.05)
+        two, begun = layer_settings(settings, 2), layer_settings(settings, 3, finest=0.0)
+        for a, b in zip(two, begun):
+            self.assertAlmostEqual(a.prestretch, b.prestretch, 6)
+        self.assertEqual(begun[2].prestretch, settings.prestretch)
+
+    def test_the_narrowest_folds_of_cloth_end_before_its_hems(self) -> None:
+        rings = lambda settings: [layer.hem_rings for layer in layer_settings(settings, 3)]
+        self.assertEqual(rings(CLOTH), [0, 0, FINEST_HEM])
+        self.assertEqual(rings(replace(CLOTH, hem_rings=5)), [1, 2, 3])
+        self.assertEqual(rings(replace(CLOTH, base_cloth="OFF")), [0, 0, 0])
 
 
 if __name__ == "__main__":

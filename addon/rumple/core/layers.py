@@ -38,16 +38,17 @@ APART = 0.45  # share of the distance to its own cloth that a vertex may go towa
 SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
 LOOSER = 2.0  # slack of the layers over that of the base cloth, where that is not taut
-FINEST_LOOSER = 1.5  # times that of the finest layer: the wider folds have spent what the others have to spare
-FINEST_HEM = 2  # rings of the finest layer: a hem is sewn double, narrow folds end there
+FINEST_LOOSER = 1.5  # times that for the finest layer: wider folds come first, and leave it no length to spare
+FINEST_HEM = 2  # rings over which the finest layer fades at open borders: a hem is sewn double, narrow folds end there
 TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
 LIMPEST = 0.7  # bending length over cotton's, about silk's: limper cloth has no more to spare than that
 LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
 
 
-def spare_cloth(settings: MeshSettings, number: int, above: int, finest: float) -> float:
-    """How much wider a layer is cut than what it lies on, over the slack of the base cloth. above: how many of the
-    layers that are set lie on it, 0 or less on the finest, of which there is the share `finest`."""
+def slack_factor(settings: MeshSettings, number: int, above: int, finest: float) -> float:
+    """Excess length of a layer over that of the base cloth, which is its slack less 1. above: how many layers lie on
+    this one, 0 for the finest, below 0 for what is painted narrower. finest: how much there is of the finest, 0 to 1:
+    as long as it is not there, the one below it counts as the finest."""
     if number == 0:
         return LOOSER
     last = 1.0 if above <= 0 else 1.0 - finest if above == 1 else 0.0
@@ -77,8 +78,8 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
         if settings.base_cloth != "OFF":
             if number > 0 and above <= 0:
                 options.hem_rings = max(options.hem_rings, FINEST_HEM)
-            spare = share * spare_cloth(settings, number, above, finest)
-            options.prestretch = settings.prestretch * (1.0 + spare * (settings.slack - 1.0))
+            excess = share * slack_factor(settings, number, above, finest) * (settings.slack - 1.0)
+            options.prestretch = settings.prestretch * (1.0 + excess)
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
             options.hang, options.bend_radius = hanging(settings.gravity, world_from_object), bend
         out.append(options)

@@ -75,14 +75,15 @@ struct Model {
     // neighbours, and those of one depth, which wait for none of one another, stand side by side: so a
     // processor computes several at a time.
     struct Sweep {
-        // Springs of a vertex. Where they are fewer: the spring and the vertex after all.
+        // Springs of a vertex. Where there are fewer than four, the others are one past the last spring and
+        // the last vertex.
         struct Four {
             std::array<Index, kLanes> other, spring;
         };
         std::vector<Index> vertex;
         std::vector<Index> earlier_start, later_start;  // per place, and the end: the first four
-        std::vector<Four> earlier,
-            later;  // to vertices that are earlier in `order`, as they stand there; later
+        std::vector<Four> earlier;  // to vertices that are earlier in `order`, as they stand there
+        std::vector<Four> later;    // to later ones
     };
     Sweep sweep;
     std::vector<float> area;      // per vertex, object units^2

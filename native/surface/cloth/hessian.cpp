@@ -76,6 +76,7 @@ SpringLanes lanes_of(const Model::Sweep::Four& four, const Hessian& hessian) {
     out.direction = columns(direction);
     return out;
 }
+
 std::vector<SpringLanes> lanes_of(const std::vector<Model::Sweep::Four>& fours, const Hessian& hessian) {
     std::vector<SpringLanes> out;
     out.reserve(fours.size());
