@@ -15,6 +15,7 @@ from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier
 from rumple.blender.ui import examples
 from support import sleeve
+from support.one_blender import in_one_blender, long_one
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 PLAYED = 6  # frames
@@ -96,6 +97,7 @@ class Examples(unittest.TestCase):
             moved = np.linalg.norm(compat.positions(mesh) - smooth, axis=1)
             self.assertGreater(np.percentile(moved, 99), LEAST_FOLD, obj.name)
 
+    @in_one_blender
     def test_cape(self) -> None:
         self.plays_and_folds("Cape", "Trousers", "Shirt", "Cape")
 
@@ -122,20 +124,25 @@ class Examples(unittest.TestCase):
         faces = [list(polygon.vertices) for polygon in mesh.polygons if polygon.material_index == BUCKLE]
         return compat.positions(mesh)[np.array(faces)]
 
+    @long_one
     def test_sitting_down(self) -> None:
         self.plays_and_folds("Sitting_Down", "Trousers", "Shirt")
 
+    @long_one
     def test_sweater(self) -> None:
         self.plays_and_folds("Sweater", "Shirt")
 
+    @long_one
     def test_twist(self) -> None:
         self.plays_and_folds("Twist", "Trousers", "Shirt")
 
+    @in_one_blender
     def test_painted_shirt(self) -> None:
         self.plays_and_folds("Painted_Shirt", "Shirt")
         painted = compat.read_attribute(bpy.data.objects["Shirt"].data.attributes["rumple_rest_wrinkle"])
         self.assertGreater((np.linalg.norm(painted, axis=1) > 0.3).sum(), 10)
 
+    @in_one_blender
     def test_expressions_bring_their_maps_along(self) -> None:
         self.open_made("Expressions")
         maps = [image for image in bpy.data.images if image.packed_file is not None and image.size[0] > 1]

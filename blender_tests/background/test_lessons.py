@@ -95,7 +95,7 @@ class Names(unittest.TestCase):
 
 
 class Steps(unittest.TestCase):
-    """A lesson takes up to a minute: two of them in each Blender, all in one."""
+    """A lesson takes up to a minute: one of them in each Blender, all in one."""
 
     def follow(self, name: str) -> bpy.types.Object:
         """Does the lesson in a saved file, and sees that the last picture is another than without the wrinkles."""
@@ -119,6 +119,7 @@ class Steps(unittest.TestCase):
         run.bare(obj, True, off)
         return obj
 
+    @in_one_blender
     def test_first_wrinkles(self) -> None:
         shirt = self.follow("first_wrinkles")
         self.assertEqual((shirt.rumple.mesh.preset, shirt.rumple.body.name), ("COTTON", "Mannequin"))

@@ -114,7 +114,8 @@ class Quad:
         scene.view_settings.view_transform = "Raw"
         scene.cycles.samples, scene.cycles.use_denoising = 1, False
         scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
-        scene.eevee.taa_render_samples, render.filter_size = 1, 0.0
+        render.filter_size = 0.0
+        small_renders.plain_eevee(scene, 1)
         former = render.image_settings.file_format
         render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
         with tempfile.TemporaryDirectory() as folder:

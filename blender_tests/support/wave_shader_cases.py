@@ -78,7 +78,7 @@ class Waves:
             scene.cycles.samples, scene.cycles.use_denoising = 1, False
             scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
         if engine == "EEVEE":
-            scene.eevee.taa_render_samples = 1
+            small_renders.plain_eevee(scene, 1)
 
     def lean(self, angle: float) -> None:
         """Look at the middle of the squeezed sheet, turned about the x axis."""

@@ -25,6 +25,7 @@ from rumple.blender.objects import modifier, runtimes
 from rumple.blender.ui import examples
 from support import lesson_result, sleeve
 from support.artist import Artist
+from support.one_blender import in_one_blender, long_one
 
 LESSONS = ("first_wrinkles", "skirt", "painting", "face", "bake")
 # A window turns the preview on, a script has no viewport. Poses follow the bones that are selected in Pose Mode.
@@ -40,18 +41,18 @@ def child(*command: str | Path) -> subprocess.Popen[str]:
                             stderr=subprocess.STDOUT)
 
 
-LONG = unittest.skipUnless("RUMPLE_LONG" in os.environ, "with RUMPLE_LONG: minutes each")
+ALL = "RUMPLE_LONG" in os.environ
 
 
-@unittest.skipUnless(bpy.app.version < (4, 0, 0) or "RUMPLE_LONG" in os.environ, "in Blender 3.4, or with RUMPLE_LONG")
+@in_one_blender
 class Lessons(Artist):
     @classmethod
     def setUpClass(cls) -> None:
-        """The examples, and what the scripts leave, which are run while the first lessons are followed here."""
+        """The examples, and what the scripts of the lessons that are followed leave: they run while the first is."""
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.scripted = Path(folder.name)
-        made = child("scripts/examples", cls.scripted, SHIRT, SKIRT, FACE)
+        made = child("scripts/examples", cls.scripted, *((SHIRT, SKIRT, FACE) if ALL else (SHIRT,)))
         printed, _ = made.communicate()
         if made.returncode != 0:
             raise AssertionError(printed)
@@ -59,7 +60,7 @@ class Lessons(Artist):
         cls.addClassCleanup(cls.log.close)
         cls.by_script = subprocess.Popen(
             ["blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python", lesson_result.__file__, "--",
-             cls.scripted, cls.scripted, *LESSONS], stdout=cls.log, stderr=subprocess.STDOUT)
+             cls.scripted, cls.scripted, *(LESSONS if ALL else LESSONS[:1])], stdout=cls.log, stderr=subprocess.STDOUT)
         cls.addClassCleanup(cls.by_script.wait)
         cls.addClassCleanup(cls.by_script.kill)
 
@@ -139,7 +140,7 @@ class Lessons(Artist):
         self.screenshot("lesson_first_wrinkles")
         yield from self.check("first_wrinkles", bpy.context.object)
 
-    @LONG
+    @long_one
     def test_skirt(self) -> Iterator[float]:
         yield from self.begin(SKIRT, (0.0, -0.27, 0.6))
         yield from self.play_to(4)
@@ -161,7 +162,7 @@ class Lessons(Artist):
         self.screenshot("lesson_skirt")
         yield from self.check("skirt", bpy.context.object)
 
-    @LONG
+    @long_one
     def test_painting(self) -> Iterator[float]:
         yield from self.begin(SHIRT, CHEST)
         obj = bpy.context.object
@@ -225,7 +226,7 @@ class Lessons(Artist):
         return np.array([group.weight for vertex in obj.data.vertices for group in vertex.groups
                          if group.group == index])
 
-    @LONG
+    @long_one
     def test_face(self) -> Iterator[float]:
         yield from self.begin(FACE, (0.0, -0.1, 1.66))
         obj = bpy.context.object
@@ -310,7 +311,7 @@ class Lessons(Artist):
         yield from self.press("RET")
         self.assertIn(name, obj.rumple_maps.poses)
 
-    @LONG
+    @long_one
     def test_bake(self) -> Iterator[float]:
         view = bpy.context.preferences.view
         former, view.filebrowser_display_type = view.filebrowser_display_type, "SCREEN"
