@@ -23,9 +23,8 @@ bool fits(const Model& model, const State* state) {
     return state && state->offset.size() == model.area.size() && matches(model, *state);
 }
 
-// Whether the pose is the one that the state was solved for, but for rounding: then it stays to the bit.
-bool holds(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
-    if (state.moved > kStillCloth * settings.room) return false;
+// Whether the pose is the one that the state was solved for, but for rounding.
+bool is_same(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
     for (size_t s = 0; s < model.springs.size(); ++s) {
         if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
     }
@@ -82,10 +81,14 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     for (size_t v = 0; before && v < vertices; ++v) x[v] += pose.frame[v].to_object(before->offset[v]);
     std::vector<Plane> planes(vertices);
     look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const bool held = before && holds(model, settings, pose, *before);
+    const bool same = before && is_same(model, settings, pose, *before);
+    const float at_rest = kStillCloth * settings.room;
+    const bool held = same && before->moved <= at_rest;  // it stays to the bit
     const int most_steps = held ? 0 : before ? settings.steps : settings.start_steps;
     const int contact_every = before ? kContactEvery : 1;
-    const float settled = before ? kSettledCloth * static_cast<float>(mean_length(model)) : 0.0f;
+    const float settled = same     ? at_rest
+                          : before ? kSettledCloth * static_cast<float>(mean_length(model))
+                                   : 0.0f;
     for (bool last = most_steps == 0; !last;) {
         last = ++out.report.steps == most_steps;
         const Cloth cloth{model, settings, pose, planes, nullptr, last ? kEnd : kOvershoot};
