@@ -59,7 +59,7 @@ typedef struct rumple_base_cloth_settings {
     float reach;              // bodies farther away do not count, object units, > 0
     float depth;              // what is deeper inside a body stays there, object units, > 0
     float spread;             // length over which what is known of bodies fades, object units, > 0
-    int32_t steps;            // Newton steps from a given state, >= 0
+    int32_t steps;            // most Newton steps from a given state, >= 0
     int32_t start_steps;      // Newton steps from the animation, >= 0
     int32_t gradients;        // most conjugate gradients of a step, >= 0
 } rumple_base_cloth_settings;

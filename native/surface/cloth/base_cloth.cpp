@@ -12,14 +12,19 @@ namespace rumple::base_cloth {
 namespace {
 
 constexpr int kContactEvery = 2;  // warm Newton steps between two looks for the nearest inner surface
+// A limb that straightens pulls springs taut, one after another. Steps that stopped at the first of them
+// would be a tenth of what they could be, so a step may overshoot: springs that are taut behind it are in the
+// Hessian of the next one, which goes back where it must (a non-monotone line search: Grippo, Lampariello and
+// Lucidi, SIAM Journal on Numerical Analysis 23, 1986).
+constexpr double kOvershoot = 50.0;
+constexpr double kEnd = 0.1;  // ... but the last step of a frame
 
 bool fits(const Model& model, const State* state) {
     return state && state->offset.size() == model.area.size() && matches(model, *state);
 }
 
-// Whether the pose is the one that the state was solved for, but for rounding: then it stays to the bit.
-bool holds(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
-    if (state.moved > kStillCloth * settings.room) return false;
+// Whether the pose is the one that the state was solved for, but for rounding.
+bool is_same(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
     for (size_t s = 0; s < model.springs.size(); ++s) {
         if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
     }
@@ -76,15 +81,21 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     for (size_t v = 0; before && v < vertices; ++v) x[v] += pose.frame[v].to_object(before->offset[v]);
     std::vector<Plane> planes(vertices);
     look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const bool held = before && holds(model, settings, pose, *before);
-    if (!held) {
-        out.report.steps = before ? settings.steps : settings.start_steps;
-        for (int i = 0; i < out.report.steps; ++i) {
-            out.report.moved = newton_step({model, settings, pose, planes}, x, out.report);
-            const int every = before ? kContactEvery : 1;
-            if (i % every == every - 1 || i + 1 == out.report.steps)
-                look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-        }
+    const bool same = before && is_same(model, settings, pose, *before);
+    const float at_rest = kStillCloth * settings.room;
+    const bool held = same && before->moved <= at_rest;  // it stays to the bit
+    const int most_steps = held ? 0 : before ? settings.steps : settings.start_steps;
+    const int contact_every = before ? kContactEvery : 1;
+    const float settled = same     ? at_rest
+                          : before ? kSettledCloth * static_cast<float>(mean_length(model))
+                                   : 0.0f;
+    for (bool last = most_steps == 0; !last;) {
+        last = ++out.report.steps == most_steps;
+        const Cloth cloth{model, settings, pose, planes, nullptr, last ? kEnd : kOvershoot};
+        out.report.moved = newton_step(cloth, x, out.report);
+        last = last || out.report.moved < settled;
+        if (last || out.report.steps % contact_every == 0)
+            look_for_contacts(model, pose, x, out.state.contact_hint, planes);
     }
     for (size_t v = 0; v < vertices; ++v) {
         out.state.offset.push_back(held ? before->offset[v]

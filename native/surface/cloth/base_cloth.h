@@ -35,7 +35,7 @@ struct Settings {
     float friction = 0.0f;    // coefficient of Coulomb's law, on what is worn under it, >= 0
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2
     ClearanceSettings clearance{};
-    int steps = 6;         // Newton steps from a given state, >= 0
+    int steps = 12;        // from a given state, most Newton steps, >= 0
     int start_steps = 20;  // from the animation, >= 0
     int gradients = 30;    // most conjugate gradients of a step, >= 0
 };
@@ -137,7 +137,7 @@ struct State {
 struct Report {
     int steps = 0;       // 0: the pose was held
     int gradients = 0;   // of all steps
-    float moved = 0.0f;  // farthest way of a vertex in the last step, object units
+    float moved = 0.0f;  // farthest way of a vertex in the last step, had it not been shortened, object units
     float offset_mean = 0.0f;
     float offset_max = 0.0f;
     float taut = 0.0f;        // share of the springs that are longer than at rest

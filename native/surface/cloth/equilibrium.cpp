@@ -249,13 +249,13 @@ float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report) {
         for (size_t v = 0; v < at.size(); ++v) tried[v].xyz = at[v].xyz + fraction * step[v].xyz;
         forces(frame, tried, there, nullptr);
         const double slope_there = inner_product(there, step);
-        if (slope_there >= -0.1 * slope) break;
+        if (slope_there >= -cloth.overshoot * slope) break;
         fraction *= static_cast<float>(std::max(slope / (slope - slope_there), 0.1));
     }
     float farthest = 0.0f;
     for (size_t v = 0; v < x.size(); ++v) {
         x[v] = Row(at[v].xyz + fraction * step[v].xyz).vec();
-        farthest = std::max(farthest, fraction * glm::length(step[v].vec()));
+        farthest = std::max(farthest, glm::length(step[v].vec()));
     }
     return farthest;
 }

@@ -22,10 +22,12 @@ struct Cloth {
     const Pose& pose;
     std::span<const Plane> planes;
     const Inertia* inertia = nullptr;  // none: the equilibrium
+    // A Newton step is shortened where the energy behind it rises so many times as steeply as it fell before.
+    double overshoot = 0.1;
 };
 
-// One Newton step, shortened where it went too far: springs that are slack here and taut there are not in its
-// Hessian. Returns the farthest way of a vertex.
+// One Newton step. Springs that are slack before it and taut behind it are not in its Hessian, so it may go
+// too far. Returns the farthest way of a vertex, had it not been shortened.
 float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report);
 
 // solve() in a pose that is made (base_cloth.cpp). body_hint: that make_pose() found. before: of this model,

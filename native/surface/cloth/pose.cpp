@@ -210,6 +210,12 @@ bool matches(const Model& model, const State& state) {
            state.ahead_height.size() == model.area.size();
 }
 
+double mean_length(const Model& model) {
+    double sum = 0.0;
+    for (const Model::Spring& spring : model.springs) sum += double(spring.rest);
+    return sum / double(std::max<size_t>(model.springs.size(), 1));
+}
+
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                std::span<const Vec3> positions, const PosedCollider* bodies, std::vector<Index>& body_hint) {
     const Surface& surface = model.surface;

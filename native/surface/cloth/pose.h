@@ -58,6 +58,9 @@ struct Pose {
 // differently: each looks at that itself.
 bool matches(const Model& model, const State& state);
 
+// Of the springs at rest, object units.
+double mean_length(const Model& model);
+
 // body_hint: as of clearance(). Throws InvalidInput.
 Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                std::span<const Vec3> positions, const PosedCollider* bodies, std::vector<Index>& body_hint);

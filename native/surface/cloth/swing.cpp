@@ -66,12 +66,6 @@ Motion carried(const Model& model, const Swing& swing, const Pose& pose, Motion 
     return motion;
 }
 
-double mean_length(const Model& model) {
-    double sum = 0.0;
-    for (const Model::Spring& spring : model.springs) sum += double(spring.rest);
-    return sum / double(std::max<size_t>(model.springs.size(), 1));
-}
-
 Vec3 at_or_none(const std::vector<Vec3>& of, size_t v) {
     return of.empty() ? Vec3(0.0f) : of[v];
 }

@@ -53,7 +53,7 @@ class BaseClothSettings(Struct):
     reach: float  # bodies farther away do not count, object units, > 0
     depth: float  # what is deeper inside a body stays there, object units, > 0
     spread: float  # length over which what is known of bodies fades, object units, > 0
-    steps: int  # Newton steps from a given state, >= 0
+    steps: int  # most Newton steps from a given state, >= 0
     start_steps: int  # Newton steps from the animation, >= 0
     gradients: int  # most conjugate gradients of a step, >= 0
     _fields_ = (("stretch", c_float), ("strain_limit", c_float), ("shear", c_float), ("compression", c_float),
