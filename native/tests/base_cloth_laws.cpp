@@ -156,17 +156,17 @@ TEST(BaseClothLaws, TheEnergyNeverGrowsInAHeldPose) {
 }
 
 // In each frame spring after spring becomes taut that was slack in the one before. Steps that stopped where
-// the first did left the cloth up to 20 mm behind.
+// the first did left the cloth up to 20 mm behind: the pose, set again and again, took it there.
 TEST(BaseClothLaws, ALimbThatStraightensIsAtRestInEveryFrame) {
     const Garment sleeve(tube(30, 50, 0.1f, 0.9f));
-    Settings settings, to_the_end;
-    settings.slide_room = to_the_end.slide_room = 0.15f;
-    to_the_end.steps = 100;
+    Settings settings;
+    settings.slide_room = 0.15f;
     Result result = sleeve.solve(settings, sleeve.crumpled(1.0f, 1.5f, 0.0f));
     for (int frame = 1; frame <= 6; ++frame) {
         const Points pose = sleeve.crumpled(1.0f, 1.5f - 0.2f * float(frame), 0.0f);
-        const Result at_rest = sleeve.solve(to_the_end, pose, &result.state);
         result = sleeve.solve(settings, pose, &result.state);
+        Result at_rest = result;
+        ASSERT_NE(sleeve.settle(settings, pose, at_rest, {}, nullptr, 50), -1);
         EXPECT_LT(farthest(result.positions, at_rest.positions), 1e-3f) << "frame " << frame;
     }
 }

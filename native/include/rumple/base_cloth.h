@@ -144,7 +144,7 @@ typedef struct rumple_base_cloth_kept {
     size_t animated_count;
     const float* animated_before;  // (w, 3)
     size_t animated_before_count;
-    float moved;    // farthest way of a vertex in the last step, object units, >= 0
+    float moved;    // farthest way of a vertex in the last step, uncut, object units, >= 0
     float seconds;  // between the two poses, >= 0
     float fastest;  // speed in the frame, object units / s, >= 0
     float gravity[3];
@@ -166,7 +166,7 @@ RUMPLE_API rumple_status rumple_base_cloth_state_activated(const rumple_base_clo
 typedef struct rumple_base_cloth_report {
     int32_t steps;      // 0: the pose was held
     int32_t gradients;  // conjugate gradients of all steps
-    float moved;        // farthest way of a vertex in the last step, object units
+    float moved;        // farthest way of a vertex in the last step, uncut, object units
     float offset_mean;  // from the animation, object units
     float offset_max;
     float taut;        // share of the springs that are longer than at rest

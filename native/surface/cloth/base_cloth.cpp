@@ -17,7 +17,6 @@ constexpr int kContactEvery = 2;  // warm Newton steps between two looks for the
 // Hessian of the next one, which goes back where it must (a non-monotone line search: Grippo, Lampariello and
 // Lucidi, SIAM Journal on Numerical Analysis 23, 1986).
 constexpr double kOvershoot = 50.0;
-constexpr double kEnd = 0.1;  // ... but the last step of a frame
 
 bool fits(const Model& model, const State* state) {
     return state && state->offset.size() == model.area.size() && matches(model, *state);
@@ -91,7 +90,8 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
                                    : 0.0f;
     for (bool last = most_steps == 0; !last;) {
         last = ++out.report.steps == most_steps;
-        const Cloth cloth{model, settings, pose, planes, nullptr, last ? kEnd : kOvershoot};
+        Cloth cloth{model, settings, pose, planes};
+        if (!last) cloth.overshoot = kOvershoot;
         out.report.moved = newton_step(cloth, x, out.report);
         last = last || out.report.moved < settled;
         if (last || out.report.steps % contact_every == 0)

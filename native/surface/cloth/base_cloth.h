@@ -122,7 +122,7 @@ struct State {
     std::vector<float> length;        // of every spring in the pose that was solved
     std::vector<float> clearance;     // likewise
     std::vector<float> ahead_height;  // likewise
-    float moved = 0.0f;               // farthest way of a vertex in the last step, object units
+    float moved = 0.0f;               // as in the report, object units
     std::vector<Index> body_hint;     // speed only
     std::vector<Index> contact_hint;
     Motion motion;  // of Swing only

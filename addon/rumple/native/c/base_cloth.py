@@ -147,7 +147,7 @@ class BaseClothKept(Struct):
     animated_count: int
     animated_before: int | None  # (w, 3)
     animated_before_count: int
-    moved: float  # farthest way of a vertex in the last step, object units, >= 0
+    moved: float  # farthest way of a vertex in the last step, uncut, object units, >= 0
     seconds: float  # between the two poses, >= 0
     fastest: float  # speed in the frame, object units / s, >= 0
     gravity: Array
@@ -173,7 +173,7 @@ class BaseClothReport(Struct):
     __slots__ = ()
     steps: int  # 0: the pose was held
     gradients: int  # conjugate gradients of all steps
-    moved: float  # farthest way of a vertex in the last step, object units
+    moved: float  # farthest way of a vertex in the last step, uncut, object units
     offset_mean: float  # from the animation, object units
     offset_max: float
     taut: float  # share of the springs that are longer than at rest
