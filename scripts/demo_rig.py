@@ -301,9 +301,12 @@ def animate(skeleton: bpy.types.Object, performance: Sequence[Pose] = PERFORMANC
         hips.keyframe_insert("location", frame=pose.frame)
 
 
-def skin(target: bpy.types.Object, points: Array, skeleton: bpy.types.Object) -> None:
-    """Vertex groups from skin_weights and an Armature modifier."""
-    for name, column in skin_weights(points).items():
+def skin(target: bpy.types.Object, points: Array, skeleton: bpy.types.Object, hangs: bool = False) -> None:
+    """Vertex groups from skin_weights and an Armature modifier. hangs: legs that hang free of the feet."""
+    weights = skin_weights(points)
+    for side in SIDES if hangs else ():
+        weights[f"shin.{side}"] += weights.pop(f"foot.{side}")
+    for name, column in weights.items():
         members = np.flatnonzero(column > 0.0)
         if len(members) == 0:
             continue

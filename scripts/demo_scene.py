@@ -103,7 +103,7 @@ def build_trousers_object(skeleton: bpy.types.Object) -> bpy.types.Object:
     trousers = demo_trousers.build_trousers()
     made = mesh_object("Trousers", trousers.points, trousers.quads, ("Trousers cloth",))
     add_uv_map(made, trousers.uvs)
-    demo_rig.skin(made, trousers.points, skeleton)
+    demo_rig.skin(made, trousers.points, skeleton, hangs=True)
     return made
 
 

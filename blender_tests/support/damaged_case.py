@@ -128,7 +128,8 @@ class Damaged:
             return np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
 
         rest = lengths(self.fine.positions_rest)
-        allowed = np.maximum(np.maximum(lengths(shown - result.offset), rest), 0.5 * rest.mean())
+        # What is left of a torn garment hangs by threads: sides shorter than others, that are stretched to their length.
+        allowed = np.maximum(np.maximum(lengths(shown - result.offset), rest), rest.mean())
         self.assertLess(float((lengths(shown) / allowed).max()), LONGEST)
 
     def test_it_lies_where_the_whole_garment_does(self) -> None:

@@ -279,11 +279,13 @@ TEST(BaseClothSwingLaws, FrameRatesGiveTheSameMotion) {
             return Vec3(p.x * std::cos(a) - p.z * std::sin(a), p.y, p.x * std::sin(a) + p.z * std::cos(a));
         });
     };
+    base_cloth::Settings settings;
+    soften(settings);
     // At every sixth of a second from 1 to 3 s.
     const auto played = [&](int rate) {
         Swing swing;
         swing.seconds = 1.0f / float(rate);
-        Swinging cloth(garment, {}, swing, pose_at(0.0));
+        Swinging cloth(garment, settings, swing, pose_at(0.0));
         std::vector<Points> out;
         for (int frame = 1; frame <= 3 * rate; ++frame) {
             cloth.play(pose_at(double(frame) / rate));
@@ -294,7 +296,7 @@ TEST(BaseClothSwingLaws, FrameRatesGiveTheSameMotion) {
     const std::vector<Points> at_24 = played(24), at_30 = played(30), at_60 = played(60);
     double apart_24 = 0.0, apart_30 = 0.0, swung = 0.0;
     for (size_t i = 0; i < at_60.size(); ++i) {
-        const Points hanging = garment.solve({}, pose_at(1.0 + double(i) / 6.0)).positions;
+        const Points hanging = garment.solve(settings, pose_at(1.0 + double(i) / 6.0)).positions;
         for (size_t v = 0; v < hanging.size(); ++v) {
             apart_24 += double(glm::distance(at_24[i][v], at_60[i][v]));
             apart_30 += double(glm::distance(at_30[i][v], at_60[i][v]));

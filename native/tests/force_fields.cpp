@@ -254,7 +254,9 @@ TEST(ForceFieldsOnCloth, APushIsAnAccelerationAndAResistanceTakesVelocity) {
 TEST(ForceFieldsOnCloth, AHeldFieldIsHeldToTheBitAndAChangeOfItIsFelt) {
     const Garment garment(grid(6, 6, 0.05f));
     const Points& pose = garment.mesh.positions;
-    Swinging cloth(garment, base_cloth::Settings{}, windy(), pose);
+    base_cloth::Settings settings;
+    soften(settings);
+    Swinging cloth(garment, settings, windy(), pose);
     const Points calm = cloth.play(pose).positions;
     const std::vector<Vec3> push = turbulent(pose, 8.0f), other = turbulent(pose, 9.0f);
     cloth.swing.push = push;

@@ -37,6 +37,10 @@ TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
 APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
 SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
+# Most length that the wider layers gather, over that of the compressed mesh: of the second finest, and of those below it.
+# A fold of twice the width is twice as high for the same gather, so what is pressed together more bulges in wide folds;
+# cloth on a body has narrow ones there.
+WIDE_GATHER = (1.075, 1.05)
 LOOSER = 2.0  # slack of the layers over that of the base cloth, where that is not taut
 FINEST_LOOSER = 1.5  # times that for the finest layer: wider folds come first, and leave it no length to spare
 FINEST_HEM = 2  # rings over which the finest layer fades at open borders: a hem is sewn double, narrow folds end there
@@ -55,6 +59,12 @@ def slack_factor(settings: MeshSettings, number: int, above: int, finest: float)
     more = 1.0 + last * (FINEST_LOOSER - 1.0)
     # Stiff cloth spends what it has to spare on its widest folds.
     return LOOSER * more / max(length_over_cotton(settings.bending_length), LIMPEST)
+
+
+def gather_limit(settings: MeshSettings, above: int, finest: float) -> float:
+    """Most length that a layer gathers, over that of the compressed mesh. above, finest: as slack_factor() has them."""
+    limits = [min(settings.compression_limit, most) for most in (settings.compression_limit, *WIDE_GATHER)]
+    return float(np.interp(above - 1.0 + finest, range(len(limits)), limits))
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
@@ -76,6 +86,7 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
         options.apart, options.slide = APART, SLIDE
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
+            options.compression_limit = gather_limit(settings, above, finest)
             if number > 0 and above <= 0:
                 options.hem_rings = max(options.hem_rings, FINEST_HEM)
             excess = share * slack_factor(settings, number, above, finest) * (settings.slack - 1.0)

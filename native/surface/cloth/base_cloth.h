@@ -23,9 +23,9 @@ struct Settings {
     float stretch = 2000.0f;         // of what is longer than at rest, > 0
     float strain_limit = 0.02f;      // beyond this strain stretch counts kBeyondLimit times, >= 0
     float shear = 500.0f;            // of the diagonals of quads that are longer than at rest, >= 0
-    float compression = 3.0f;        // k1: of what is shorter than at rest, >= 0
+    float compression = 15.0f;       // k1: of what is shorter than at rest, >= 0
     float compression_limit = 0.7f;  // c_l: length over rest length below which k2 counts, 0..1
-    float folded = 10.0f;            // k2: of what is shorter than that, >= 0
+    float folded = 30.0f;            // k2: of what is shorter than that, >= 0
     float smoothing = 60.0f;         // against sides that turn away from their animated direction, >= 0
     float slack = 1.0f;              // length of the cloth over that of the modelled garment, > 0
     Vec3 hang{0.0f};                 // object space, length 0..1: along it there is no slack
