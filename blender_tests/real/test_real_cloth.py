@@ -31,7 +31,7 @@ EVERY = 5  # of the shown points that are asked how deep they are
 # frames, 3.45 in one.
 LONGEST = 3.5
 EVERY_CROSSING = 6  # frames
-MORE_CROSSINGS = 1.1  # times the crossing pairs of the bare garment: without the bound of the layers 1.6 times and more
+MORE_CROSSINGS = 1.125  # times the crossing pairs of the bare garment: without the bound of the layers 1.6 times and more
 REST = 15  # frames after which a held pose has come to rest ...
 STILL = 3  # ... and for which it is then looked at
 
@@ -172,12 +172,12 @@ class Worn(EveryFrame):
         self.for_every_frame(lambda s: s.spike < LONGEST)
 
     def test_it_is_not_deeper_in_the_body_than_the_bare_garment(self) -> None:
-        self.for_every_frame(lambda s: s.comparable > 900 and s.deep <= s.deep_bare + MORE_DEEP * s.comparable)
+        self.for_every_frame(lambda s: s.comparable > 800 and s.deep <= s.deep_bare + MORE_DEEP * s.comparable)
 
     def test_in_the_whole_clip_no_more_is_deep_in_the_body_than_of_the_bare_garment(self) -> None:
         self.assertLessEqual(sum(s.deep for s in self.seen), sum(s.deep_bare for s in self.seen))
 
-    def test_at_most_a_tenth_more_polygons_cross_each_other_than_of_the_bare_garment(self) -> None:
+    def test_at_most_an_eighth_more_polygons_cross_each_other_than_of_the_bare_garment(self) -> None:
         # The base cloth moves crossings that skinning made: frame by frame some are a few pairs up, so the sum counts.
         pairs = {}
         for frame in self.frames[::EVERY_CROSSING]:

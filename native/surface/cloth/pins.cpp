@@ -13,10 +13,10 @@ namespace {
 // Radius of a border over the diagonal of its part: how firmly it is held. A wrist is at 0.02, the leg of
 // trousers at 0.055, a short sleeve at 0.07, a hem at 0.17 and more.
 constexpr float kWrist = 0.03f, kSleeve = 0.05f, kLoose = 0.09f;
-constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.12f;
+constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.02f;
 
-// What is at most this share of the diagonal above the lowest border is a hem or a leg: held as a sleeve is,
-// legs were gathered above the feet; free, a foot of a jump came through.
+// What is at most this share of the diagonal above the lowest border is a hem or a leg: held as a sleeve is, it
+// could not ride up where a knee bends, and stood in folds above the foot; free, a foot of a jump came through.
 constexpr float kLowest = 0.1f;
 
 // A border as wide as this is the outline of a sheet (a flag, a cape), not an opening.
