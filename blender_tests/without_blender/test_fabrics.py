@@ -56,7 +56,7 @@ class Fabrics(unittest.TestCase):
             solved = cloth.solve(squeezed, settings, paint, None, None, None).positions
             heights.append(float(np.ptp(solved[:, 2])))
         self.assertEqual(heights, sorted(heights))
-        self.assertLess(heights[1], 1.001 * heights[0])
+        self.assertLess(heights[1], 1.002 * heights[0])
         self.assertGreater(heights[-1], 1.04 * heights[0])
 
 
@@ -115,7 +115,18 @@ class Wavelengths(unittest.TestCase):
         two, begun = layer_settings(settings, 2), layer_settings(settings, 3, finest=0.0)
         for a, b in zip(two, begun):
             self.assertAlmostEqual(a.prestretch, b.prestretch, 6)
+            self.assertEqual(a.compression_limit, b.compression_limit)
         self.assertEqual(begun[2].prestretch, settings.prestretch)
+
+    def test_wider_layers_gather_less_and_none_more_than_is_set(self) -> None:
+        limits = lambda **values: [layer.compression_limit for layer in layer_settings(replace(CLOTH, **values), 4)]
+        drape, wide, folds, detail = limits()
+        self.assertTrue(1.0 < drape == wide < folds < detail)
+        self.assertAlmostEqual(detail, CLOTH.compression_limit, 6)
+        for limit in limits(compression_limit=1.02):
+            self.assertAlmostEqual(limit, 1.02, 6)
+        for limit in limits(base_cloth="OFF"):
+            self.assertEqual(limit, detail)
 
     def test_the_narrowest_folds_of_cloth_end_before_its_hems(self) -> None:
         rings = lambda settings: [layer.hem_rings for layer in layer_settings(settings, 3)]

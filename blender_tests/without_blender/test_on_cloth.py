@@ -11,6 +11,7 @@ import numpy as np
 from rumple import native
 from rumple.core.body import Body
 from rumple.core.cloth import BaseCloth, bend_radius
+from rumple.core.cloth_settings import ClothSettings
 from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, PathsSettings
 from rumple.core.systems import SYSTEMS
@@ -287,6 +288,21 @@ def heights(picture: FrameResult) -> np.ndarray:
 def fine_at_rest(case: OnCloth, settings: Any) -> np.ndarray:
     """What is shown of the rest pose without a base cloth."""
     return case.solve(case.build(settings), 1, settings, case.base.positions).positions
+
+
+class Legs(unittest.TestCase):
+    def test_a_leg_that_is_drawn_up_rides_up(self) -> None:
+        """Nothing is painted. The hold of borders grows with the cube of what is suggested, up to that of a waistband:
+        legs held an eighth as firmly did not move."""
+        for radius in (0.05, 0.06, 0.07):
+            base = tube(24, 30, radius, length=1.0)
+            height = base.positions[:, 2]
+            drawn = base.positions.copy()
+            drawn[:, 2] += 0.04 * np.clip(2.5 * (height - 0.6), 0.0, 1.0)
+            cloth = BaseCloth(base.surface(True), base.diagonal(), 1.0)
+            way = cloth.solve(drawn, ClothSettings(base_cloth="HANG"), {}, None, None, None).positions - drawn
+            self.assertGreater(way[height == 0.0, 2].min(), 0.028, radius)
+            self.assertLess(np.abs(way[height > 0.99]).max(), 1e-3, radius)
 
 
 if __name__ == "__main__":
