@@ -13,7 +13,7 @@ namespace {
 // Radius of a border over the diagonal of its part: how firmly it is held. A wrist is at 0.02, the leg of
 // trousers at 0.055, a short sleeve at 0.07, a hem at 0.17 and more.
 constexpr float kWrist = 0.03f, kSleeve = 0.05f, kLoose = 0.09f;
-constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.02f;
+constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.01f;
 
 // What is at most this share of the diagonal above the lowest border is a hem or a leg: held as a sleeve is, it
 // could not ride up where a knee bends, and stood in folds above the foot; free, a foot of a jump came through.
