@@ -128,7 +128,7 @@ class Damaged:
             return np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
 
         rest = lengths(self.fine.positions_rest)
-        # What is left of a torn garment hangs by threads: sides shorter than others, that are stretched to their length.
+        # What is left of a torn garment hangs by threads: short sides, that are stretched to the length of others.
         allowed = np.maximum(np.maximum(lengths(shown - result.offset), rest), rest.mean())
         self.assertLess(float((lengths(shown) / allowed).max()), LONGEST)
 
