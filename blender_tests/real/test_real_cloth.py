@@ -31,7 +31,7 @@ EVERY = 5  # of the shown points that are asked how deep they are
 # frames, 3.45 in one.
 LONGEST = 3.5
 EVERY_CROSSING = 6  # frames
-MORE_CROSSINGS = 1.125  # times the crossing pairs of the bare garment: without the bound of the layers 1.6 times and more
+MORE_CROSSINGS = 1.125  # times the crossing pairs of the bare garment: without the bound of the layers 1.6 times
 REST = 15  # frames after which a held pose has come to rest ...
 STILL = 3  # ... and for which it is then looked at
 

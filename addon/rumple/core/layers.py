@@ -37,8 +37,8 @@ TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
 APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
 SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
-# Most length that the wider layers gather, over that of the compressed mesh: of the second finest, and of those below it.
-# A fold of twice the width is twice as high for the same gather, so what is pressed together more bulges in wide folds;
+# Most length that the wider layers gather, over that of the compressed mesh: the second finest, and those below it. A
+# fold of twice the width is twice as high for the same gather, so what is pressed together more bulges in wide folds;
 # cloth on a body has narrow ones there.
 WIDE_GATHER = (1.075, 1.05)
 LOOSER = 2.0  # slack of the layers over that of the base cloth, where that is not taut
