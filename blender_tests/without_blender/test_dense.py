@@ -62,7 +62,7 @@ class Dense(unittest.TestCase):
                 picture = mesh.solve_frame(float(frame), pushed, settings, {}, start=1)
             heights.append(float(np.sqrt((picture.offset ** 2).sum(axis=1).mean())))
         # Slanted sides of triangles turn where cloth unfolds, and are held to their direction; quads have none.
-        self.assertLess(max(abs(height - heights[0]) for height in heights), 0.35 * heights[0], heights)
+        self.assertLess(max(abs(height - heights[0]) for height in heights), 0.5 * heights[0], heights)
         self.assertGreater(min(heights), 0.002)
 
     def test_rest_without_gravity_stays_where_it_was_modelled(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from rumple.core.cloth import BaseCloth, stiffness_over_cotton
 from rumple.core.cloth_settings import ClothSettings
 from rumple.core.fabrics import COTTON, FABRICS, GRAVITY
-from rumple.core.layers import FINEST_HEM, FINEST_LOOSER, layer_settings
+from rumple.core.layers import FINEST_HEM, layer_settings
 from rumple.core.presets import MESH_PRESETS, PATHS_PRESETS
 from rumple.core.settings import MeshSettings
 from rumple.core.wrinkle_mesh import WrinkleMesh, halvings, layers_for, wavelength_of
@@ -106,10 +106,6 @@ class Wavelengths(unittest.TestCase):
         for a, b in zip(cotton[1:], stiff[1:]):
             self.assertAlmostEqual(b.prestretch - 1.0, 0.5 * (a.prestretch - 1.0), 6)
 
-    def test_the_finest_layer_has_length_to_spare_beyond_the_wider_ones(self) -> None:
-        _, folds, detail = (layer.prestretch - 1.0 for layer in layer_settings(replace(CLOTH, slack=1.05), 3))
-        self.assertAlmostEqual(detail, FINEST_LOOSER * folds, 6)
-
     def test_a_layer_is_the_finest_as_long_as_the_next_is_not_there(self) -> None:
         settings = replace(CLOTH, slack=1.05)
         two, begun = layer_settings(settings, 2), layer_settings(settings, 3, finest=0.0)
@@ -121,7 +117,7 @@ class Wavelengths(unittest.TestCase):
     def test_wider_layers_gather_less_and_none_more_than_is_set(self) -> None:
         limits = lambda **values: [layer.compression_limit for layer in layer_settings(replace(CLOTH, **values), 4)]
         drape, wide, folds, detail = limits()
-        self.assertTrue(1.0 < drape == wide < folds < detail)
+        self.assertTrue(1.0 < drape == wide == folds < detail)
         self.assertAlmostEqual(detail, CLOTH.compression_limit, 6)
         for limit in limits(compression_limit=1.02):
             self.assertAlmostEqual(limit, 1.02, 6)

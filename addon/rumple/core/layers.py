@@ -37,34 +37,28 @@ TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
 APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
 SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
-# Most length that the wider layers gather, over that of the compressed mesh: the second finest, and those below it. A
-# fold of twice the width is twice as high for the same gather, so what is pressed together more bulges in wide folds;
-# cloth on a body has narrow ones there.
-WIDE_GATHER = (1.075, 1.05)
+# Most length that all but the finest layer gather, over that of the compressed mesh. A fold of twice the width is twice
+# as high for the same gather, so what is pressed together more would bulge; cloth on a body has narrow folds there.
+WIDE_GATHER = 1.05
 LOOSER = 2.0  # slack of the layers over that of the base cloth, where that is not taut
-FINEST_LOOSER = 1.5  # times that for the finest layer: wider folds come first, and leave it no length to spare
 FINEST_HEM = 2  # rings over which the finest layer fades at open borders: a hem is sewn double, narrow folds end there
 TAUT_RANGE = 0.03  # strain over which a base that is slack becomes taut: along the pull cloth has nothing to spare
 LIMPEST = 0.7  # bending length over cotton's, about silk's: limper cloth has no more to spare than that
 LAYER_BENDING = 0.7  # over that of one layer: the wider layers make the wide folds
 
 
-def slack_factor(settings: MeshSettings, number: int, above: int, finest: float) -> float:
-    """Excess length of a layer over that of the base cloth, which is its slack less 1. above: how many layers lie on
-    this one, 0 for the finest, below 0 for what is painted narrower. finest: how much there is of the finest, 0 to 1:
-    as long as it is not there, the one below it counts as the finest."""
-    if number == 0:
-        return LOOSER
-    last = 1.0 if above <= 0 else 1.0 - finest if above == 1 else 0.0
-    more = 1.0 + last * (FINEST_LOOSER - 1.0)
-    # Stiff cloth spends what it has to spare on its widest folds.
-    return LOOSER * more / max(length_over_cotton(settings.bending_length), LIMPEST)
+def slack_factor(settings: MeshSettings, number: int) -> float:
+    """Excess length of a layer over that of the base cloth, which is its slack less 1. Stiff cloth spends what it has
+    to spare on its widest folds."""
+    return LOOSER if number == 0 else LOOSER / max(length_over_cotton(settings.bending_length), LIMPEST)
 
 
 def gather_limit(settings: MeshSettings, above: int, finest: float) -> float:
-    """Most length that a layer gathers, over that of the compressed mesh. above, finest: as slack_factor() has them."""
-    limits = [min(settings.compression_limit, most) for most in (settings.compression_limit, *WIDE_GATHER)]
-    return float(np.interp(above - 1.0 + finest, range(len(limits)), limits))
+    """Most length that a layer gathers, over that of the compressed mesh. above: how many layers lie on this one, 0 for
+    the finest, below 0 for what is painted narrower. finest: how much there is of the finest, 0 to 1: as long as it is
+    not there, the one below it counts as the finest."""
+    most = settings.compression_limit
+    return float(np.interp(above - 1.0 + finest, (0.0, 1.0), (most, min(WIDE_GATHER, most))))
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
@@ -89,7 +83,7 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
             options.compression_limit = gather_limit(settings, above, finest)
             if number > 0 and above <= 0:
                 options.hem_rings = max(options.hem_rings, FINEST_HEM)
-            excess = share * slack_factor(settings, number, above, finest) * (settings.slack - 1.0)
+            excess = share * slack_factor(settings, number) * (settings.slack - 1.0)
             options.prestretch = settings.prestretch * (1.0 + excess)
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
             options.hang, options.bend_radius = hanging(settings.gravity, world_from_object), bend
