@@ -119,6 +119,8 @@ class Wavelengths(unittest.TestCase):
         drape, wide, folds, detail = limits()
         self.assertTrue(1.0 < drape == wide == folds < detail)
         self.assertAlmostEqual(detail, CLOTH.compression_limit, 6)
+        for layer in layer_settings(replace(CLOTH, slack=1.1), 4)[:-1]:  # a skirt
+            self.assertEqual(layer.compression_limit, layer.prestretch)
         for limit in limits(compression_limit=1.02):
             self.assertAlmostEqual(limit, 1.02, 6)
         for limit in limits(base_cloth="OFF"):

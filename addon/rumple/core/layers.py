@@ -37,8 +37,9 @@ TANGENTIAL_PULL, NORMAL_PULL = 0.2, 0.02
 APART = 0.45  # share of the distance to its own cloth that a vertex may go towards it
 SLIDE = 0.45  # share of the heights of its triangles that a vertex may go along the surface
 START_ITERATIONS = 3  # times those of one layer
-# Most length that all but the finest layer gather, over that of the compressed mesh. A fold of twice the width is twice
-# as high for the same gather, so what is pressed together more would bulge; cloth on a body has narrow folds there.
+# Most length that all but the finest layer gather, over that of the compressed mesh, where they are not cut wider. A
+# fold of twice the width is twice as high for the same gather, so what is pressed together more would bulge; cloth on a
+# body has narrow folds there.
 WIDE_GATHER = 1.05
 LOOSER = 2.0  # slack of the layers over that of the base cloth, where that is not taut
 FINEST_HEM = 2  # rings over which the finest layer fades at open borders: a hem is sewn double, narrow folds end there
@@ -53,12 +54,12 @@ def slack_factor(settings: MeshSettings, number: int) -> float:
     return LOOSER if number == 0 else LOOSER / max(length_over_cotton(settings.bending_length), LIMPEST)
 
 
-def gather_limit(settings: MeshSettings, above: int, finest: float) -> float:
-    """Most length that a layer gathers, over that of the compressed mesh. above: how many layers lie on this one, 0 for
-    the finest, below 0 for what is painted narrower. finest: how much there is of the finest, 0 to 1: as long as it is
-    not there, the one below it counts as the finest."""
-    most = settings.compression_limit
-    return float(np.interp(above - 1.0 + finest, (0.0, 1.0), (most, min(WIDE_GATHER, most))))
+def gather_limit(most: float, prestretch: float, above: int, finest: float) -> float:
+    """Most length that a layer gathers, over that of the compressed mesh. most: that is set. prestretch: of the layer.
+    above: how many layers lie on this one, 0 for the finest, below 0 for what is painted narrower. finest: how much
+    there is of the finest, 0 to 1: as long as it is not there, the one below it counts as the finest."""
+    wide = min(max(WIDE_GATHER, prestretch), most)
+    return float(np.interp(above - 1.0 + finest, (0.0, 1.0), (most, wide)))
 
 
 def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
@@ -80,11 +81,11 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
         options.apart, options.slide = APART, SLIDE
         options.start_iterations = START_ITERATIONS * settings.start_iterations
         if settings.base_cloth != "OFF":
-            options.compression_limit = gather_limit(settings, above, finest)
             if number > 0 and above <= 0:
                 options.hem_rings = max(options.hem_rings, FINEST_HEM)
             excess = share * slack_factor(settings, number) * (settings.slack - 1.0)
             options.prestretch = settings.prestretch * (1.0 + excess)
+            options.compression_limit = gather_limit(settings.compression_limit, options.prestretch, above, finest)
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
             options.hang, options.bend_radius = hanging(settings.gravity, world_from_object), bend
         out.append(options)
