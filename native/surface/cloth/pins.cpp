@@ -16,8 +16,8 @@ constexpr float kWrist = 0.03f, kSleeve = 0.05f, kLoose = 0.09f;
 constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.01f;
 
 // What is at most this share of the diagonal above the lowest border is a hem or a leg: held as a sleeve is,
-// it could not ride up where a knee bends, and stood in folds above the foot; free, a foot of a jump came
-// through.
+// it could not ride up where a knee bends, and stood in folds above the foot. Free, a foot of a jump came
+// through while the springs were soft.
 constexpr float kLowest = 0.1f;
 
 // A border as wide as this is the outline of a sheet (a flag, a cape), not an opening.
