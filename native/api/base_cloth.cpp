@@ -40,6 +40,8 @@ static void pair_fields(rumple_base_cloth_settings& c, base_cloth::Settings& nat
     pair(c.compression_limit, native.compression_limit);
     pair(c.folded, native.folded);
     pair(c.smoothing, native.smoothing);
+    pair(c.tube_radius, native.tube_radius);
+    pair(c.flat_share, native.flat_share);
     pair(c.slack, native.slack);
     pair(c.hang, native.hang);
     pair(c.follow, native.follow);

@@ -102,6 +102,17 @@ TEST(BaseClothExact, BelowTheCompressionLimitItIsPushedByK2) {
     }
 }
 
+// A triangle has no curvature.
+TEST(BaseClothExact, FlatClothIsPushedByItsShare) {
+    Settings s = two_stiffnesses();
+    s.flat_share = 0.25f;
+    const double q = s.follow * kSide * kSide / 6.0, limit = s.compression_limit * kSide;
+    EXPECT_NEAR(side_at_rest(s, 0.9f), balance(0.0, 0.25 * s.compression, kSide, q, 0.9 * kSide), 2e-5);
+    const double k1 = 0.25 * s.compression, k2 = 0.25 * s.folded;
+    EXPECT_NEAR(side_at_rest(s, 0.5f), balance(k1 * (limit - kSide), k2, limit, q, 0.5 * kSide), 2e-5);
+    EXPECT_NEAR(side_at_rest(s, 1.2f), balance(0.0, s.stretch, kSide, q, 1.2 * kSide), 2e-5);
+}
+
 // A garment is cut wider around the body, not longer on it: sides at 0 and 60 degrees to the hang.
 TEST(BaseClothExact, AlongTheHangThereIsNoSlack) {
     Settings s = two_stiffnesses();

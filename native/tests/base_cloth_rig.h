@@ -74,7 +74,8 @@ inline void soften(base_cloth::Settings& s) {
 }
 
 // Of one spring over its weight: figure 6 of the paper, and the strain limit.
-inline double spring_energy(const base_cloth::Settings& s, bool diagonal, double length, double rest) {
+inline double spring_energy(const base_cloth::Settings& s, bool diagonal, double firm, double length,
+                            double rest) {
     const auto half_square = [](double x) { return 0.5 * x * x; };
     if (length > rest) {
         const double k = diagonal ? s.shear : s.stretch;
@@ -83,8 +84,16 @@ inline double spring_energy(const base_cloth::Settings& s, bool diagonal, double
     }
     if (diagonal) return 0.0;
     const double folded = std::min(length - double(s.compression_limit) * rest, 0.0);
-    return s.compression * half_square(length - rest) +
-           (double(s.folded) - double(s.compression)) * half_square(folded);
+    return firm * (s.compression * half_square(length - rest) +
+                   (double(s.folded) - double(s.compression)) * half_square(folded));
+}
+
+// Share of compression, folded and smoothing that a spring has.
+inline double firmness(const base_cloth::Model& model, const base_cloth::Settings& s,
+                       const base_cloth::Model::Spring& spring) {
+    const double curvature = 0.5 * (double(model.curvature[spring.a]) + double(model.curvature[spring.b]));
+    const double tight = std::min(double(s.tube_radius) * curvature, 1.0);
+    return std::max(tight * tight * tight * tight, double(s.flat_share));
 }
 
 // The energy of cloth that touches nothing, with nothing painted: springs, smoothing, follow, gravity. x,
@@ -109,8 +118,9 @@ inline double energy(const base_cloth::Model& model, const base_cloth::Settings&
         const glm::dvec3 turned = way - glm::dot(along, way) * along;
         const double hang = glm::dot(glm::dvec3(s.hang), along);
         const double slack = 1.0 + (double(s.slack) - 1.0) * (1.0 - hang * hang);
-        double e = spring_energy(s, spring.diagonal, glm::length(way), slack * double(spring.rest));
-        if (!spring.diagonal) e += 0.5 * s.smoothing * glm::dot(turned, turned);
+        const double firm = firmness(model, s, spring);
+        double e = spring_energy(s, spring.diagonal, firm, glm::length(way), slack * double(spring.rest));
+        if (!spring.diagonal) e += 0.5 * firm * s.smoothing * glm::dot(turned, turned);
         sum += spring.weight * e;
     }
     return sum;

@@ -18,6 +18,7 @@ AIR = 1.2  # kg/m^3
 MOST = 1e5  # m/s^2, m/s: the library refuses what is farther out still
 FIELD = 20.0 / 24.0  # N/m^2 of a force field of strength 1: against gravity what Blender's Cloth has at 24 frames/s
 FOLLOW = 150.0  # 1/s^2: gravity sags cloth by 2 cm, so that it hangs from the shoulders and not from its animation
+HANGING = dict(flat_share=0.05)  # panels turn as they are pulled: long folds from the shoulder to the waist
 # m^2/s^2, of cotton: what swings is to turn as it likes and to come to rest, and time steps are short.
 SWINGING = dict(stretch=50.0, shear=5.0, compression=0.3, folded=1.0, smoothing=1.0)
 BENT = ("compression", "folded", "smoothing")  # what of these the bending of a fabric is
@@ -168,14 +169,14 @@ class BaseCloth:
         to_scale = self.size_factor / self.unit_scale
         for name in ("stretch", "shear", "compression", "folded", "smoothing"):
             setattr(options, name, getattr(options, name) * to_scale**2)
-        for name in ("unknown", "reach", "depth", "spread"):
+        for name in ("tube_radius", "unknown", "reach", "depth", "spread"):
             setattr(options, name, getattr(options, name) * to_scale)
         return options
 
     def _native_settings(self, settings: ClothSettings, world_from_object: np.ndarray) -> Any:
         # Frames on their own, which some systems have, hang.
         swings = settings.base_cloth == "SWING" and not getattr(settings, "stateless", False)
-        options = self._settings_to_scale(SWINGING if swings else {})
+        options = self._settings_to_scale(SWINGING if swings else HANGING)
         to_scale = self.size_factor / self.unit_scale
         for name in BENT:
             setattr(options, name, getattr(options, name) * stiffness_over_cotton(settings.bending_length))

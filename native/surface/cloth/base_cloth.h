@@ -27,10 +27,13 @@ struct Settings {
     float compression_limit = 0.7f;  // c_l: length over rest length below which k2 counts, 0..1
     float folded = 30.0f;            // k2: of what is shorter than that, >= 0
     float smoothing = 60.0f;         // against sides that turn away from their animated direction, >= 0
-    float slack = 1.0f;              // length of the cloth over that of the modelled garment, > 0
-    Vec3 hang{0.0f};                 // object space, length 0..1: along it there is no slack
-    float follow = 400.0f;           // pull back to the animation where nothing is pinned, 1/s^2, > 0
-    float room = 0.03f;              // farthest that a vertex leaves its animated place, object units, >= 0
+    float tube_radius = 0.07f;  // object units, > 0: a tube as wide has all of these three, one of radius R
+                                // the share (tube_radius / R)^4
+    float flat_share = 1.0f;    // the least share, of flat cloth, 0..1; 1: all cloth has all of them
+    float slack = 1.0f;         // length of the cloth over that of the modelled garment, > 0
+    Vec3 hang{0.0f};            // object space, length 0..1: along it there is no slack
+    float follow = 400.0f;      // pull back to the animation where nothing is pinned, 1/s^2, > 0
+    float room = 0.03f;         // farthest that a vertex leaves its animated place, object units, >= 0
     float slide_room = 0.0f;  // the same along the surface, where that is more than room; object units, >= 0
     float friction = 0.0f;    // coefficient of Coulomb's law, on what is worn under it, >= 0
     Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2
@@ -86,9 +89,10 @@ struct Model {
         std::vector<Four> later;    // to later ones
     };
     Sweep sweep;
-    std::vector<float> area;      // per vertex, object units^2
-    std::vector<Index> frame_to;  // per vertex: the neighbour that its tangent points to, or kNone
-    SparseRows limit;             // limit position <- vertices
+    std::vector<float> area;       // per vertex, object units^2
+    std::vector<float> curvature;  // per vertex, at rest, 1 / object units: curvature.h
+    std::vector<Index> frame_to;   // per vertex: the neighbour that its tangent points to, or kNone
+    SparseRows limit;              // limit position <- vertices
     NearTriangles near;
     std::vector<Index> triangle_of;  // per vertex: one of its triangles, or kNone (loose)
     ClearanceModel clearance;

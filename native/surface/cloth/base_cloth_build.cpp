@@ -6,6 +6,7 @@
 
 #include "base/tolerances.h"
 #include "surface/cloth/base_cloth.h"
+#include "surface/cloth/curvature.h"
 #include "surface/refine/refinement.h"
 
 namespace rumple::base_cloth {
@@ -196,6 +197,7 @@ std::shared_ptr<const Model> build(Surface surface) {
     put_springs_in_fours(*model);
     plan_sweeps(*model);
     collect_triangles(*model);
+    model->curvature = curvature_at_rest(model->surface);
     model->limit = vertex_limit_stencils(model->surface);
     model->clearance = build_clearance(model->surface);
     model->overlaps = find_overlaps(model->surface);

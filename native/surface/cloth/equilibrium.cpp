@@ -46,7 +46,7 @@ struct Frame {
     const Settings& settings;
     std::vector<Row> animated;
     std::vector<Vertices> vertices;
-    std::span<const float> cut;  // as of Pose
+    std::span<const float> cut, firmness;  // as of Pose
     struct Inertia {
         Row from, push;
         Matrix resist;
@@ -69,7 +69,8 @@ Frame::Frame(const Cloth& cloth, std::vector<Row>& x)
       settings(cloth.settings),
       animated(rows_with_a_spare(cloth.pose.animated)),
       vertices(animated.size() / kLanes),
-      cut(cloth.pose.cut) {
+      cut(cloth.pose.cut),
+      firmness(cloth.pose.firmness) {
     const Pose& pose = cloth.pose;
     for (size_t v = 0; v < pose.animated.size(); ++v) {
         Vertices& four = vertices[v / kLanes];
@@ -127,7 +128,8 @@ struct Tension {
     Lanes force;
     Lanes slope;
 };
-Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes& length, const Lanes& rest) {
+Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes& firmness,
+                const Lanes& length, const Lanes& rest) {
     const Lanes zero{};
     const Lanes longer = length - rest;
     const Lanes k = diagonal ? all_lanes(settings.shear) : all_lanes(settings.stretch);
@@ -137,9 +139,10 @@ Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes&
     const Lanes very_taut = taut + (kBeyondLimit - 1.0f) * k * beyond;
     const Lanes folded = length - settings.compression_limit * rest;
     const LaneMask weak = folded >= zero;
-    const Lanes pushed = settings.compression * longer;
-    const Lanes folding = pushed + (settings.folded - settings.compression) * folded;
-    const Lanes slope = weak ? all_lanes(settings.compression) : all_lanes(settings.folded);
+    const Lanes k1 = settings.compression * firmness, k2 = settings.folded * firmness;
+    const Lanes pushed = k1 * longer;
+    const Lanes folding = pushed + (k2 - k1) * folded;
+    const Lanes slope = weak ? k1 : k2;
     return {longer > zero ? (within ? taut : very_taut)
             : diagonal    ? zero
                           : (weak ? pushed : folding),
@@ -213,8 +216,10 @@ void forces(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hess
         const Vec3Lanes displacement = ends_apart(springs, x);
         const Lanes length = length_of(displacement);
         const Vec3Lanes n = direction_of(displacement);
-        const Tension t = tension(settings, springs.diagonal, length, load_lanes(&frame.cut[s * kLanes]));
-        const Lanes smooth = springs.diagonal ? Lanes{} : all_lanes(settings.smoothing);
+        const Lanes firmness = load_lanes(&frame.firmness[s * kLanes]);
+        const Tension t =
+            tension(settings, springs.diagonal, firmness, length, load_lanes(&frame.cut[s * kLanes]));
+        const Lanes smooth = springs.diagonal ? Lanes{} : settings.smoothing * firmness;
         // What turns it away from its animated direction. Of the difference, so that what is at rest has
         // none.
         const Vec3Lanes animated = ends_apart(springs, frame.animated), aim = direction_of(animated);

@@ -41,6 +41,8 @@ class BaseClothSettings(Struct):
     compression_limit: float  # c_l: length over rest length below which k2 counts, 0..1
     folded: float  # k2: of what is shorter than c_l, >= 0
     smoothing: float  # against sides that turn away from their animated direction, >= 0
+    tube_radius: float  # a tube of radius R has (tube_radius / R)^4 of these three, object units, > 0
+    flat_share: float  # the least share, of flat cloth, 0..1
     slack: float  # length of the cloth over that of the modelled garment, > 0
     hang: Array  # object space, length 0..1: along it there is no slack
     follow: float  # pull back to the animation where nothing is pinned, 1/s^2, > 0
@@ -57,11 +59,11 @@ class BaseClothSettings(Struct):
     start_steps: int  # Newton steps from the animation, >= 0
     gradients: int  # most conjugate gradients of a step, >= 0
     _fields_ = (("stretch", c_float), ("strain_limit", c_float), ("shear", c_float), ("compression", c_float),
-        ("compression_limit", c_float), ("folded", c_float), ("smoothing", c_float), ("slack", c_float),
-        ("hang", c_float * 3), ("follow", c_float), ("room", c_float), ("slide_room", c_float), ("friction", c_float),
-        ("gravity", c_float * 3), ("thickness", c_float), ("unknown", c_float), ("reach", c_float),
-        ("depth", c_float), ("spread", c_float), ("steps", c_int32), ("start_steps", c_int32),
-        ("gradients", c_int32),)
+        ("compression_limit", c_float), ("folded", c_float), ("smoothing", c_float), ("tube_radius", c_float),
+        ("flat_share", c_float), ("slack", c_float), ("hang", c_float * 3), ("follow", c_float), ("room", c_float),
+        ("slide_room", c_float), ("friction", c_float), ("gravity", c_float * 3), ("thickness", c_float),
+        ("unknown", c_float), ("reach", c_float), ("depth", c_float), ("spread", c_float), ("steps", c_int32),
+        ("start_steps", c_int32), ("gradients", c_int32),)
 
 
 class BaseClothSwing(Struct):
