@@ -247,6 +247,8 @@ def _composite_shader() -> gpu.types.GPUShader:
     info.fragment_out(0, "VEC4", "out_color")
     if hasattr(info, "depth_write"):
         info.depth_write("ANY")
+    else:  # 4.3 cannot be told, and declares that the shader leaves depth as it is: NVIDIA's driver goes by that
+        info.define("depth_unchanged", "depth_any")
     info.vertex_source(glsl.source("preview/pass_vertex"))
     info.fragment_source(glsl.source("preview/under_overlays", "preview/composite_layer"))
     return gpu.shader.create_from_info(info)
