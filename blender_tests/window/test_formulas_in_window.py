@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Callable
 
+import gpu
 import numpy as np
 import rumple_native as native
 from rumple.blender.viewport import glsl, gpu_arrays, preview_field
@@ -203,6 +204,24 @@ class Formulas(WindowCase):
         n = self.units()
         edge = np.cross(n, self.units())
         self.same(10, packed(self.numbers(3, size=3.0), n), packed(n, n), packed(edge, n))
+
+
+class Overlays(WindowCase):
+
+    def test_what_is_read_is_what_is_there(self) -> None:
+        """Boxes that grow and shrink share the memory that they are read into: nothing of the one before is left."""
+        gpu_arrays.forget()
+        picture = gpu.types.GPUOffScreen(300, 200, format="RGBA8")
+        for step, box in enumerate(((0, 0, 300, 200), (7, 5, 20, 10), (3, 4, 200, 190))):
+            color = np.roll((0.2, 0.4, 0.6, 0.8), step)
+            with picture.bind():
+                gpu.state.active_framebuffer_get().clear(color=tuple(color), depth=1.0)
+                found = gpu_arrays.overlays(box)
+            self.assertEqual((found.corner, found.texture.width, found.texture.height), (box[:2], *box[2:]))
+            texels = found.texture.read()
+            texels.dimensions = 4 * box[2] * box[3]
+            np.testing.assert_array_equal(np.array(texels).reshape(-1, 4), [np.rint(255.0 * color)] * (box[2] * box[3]))
+        picture.free()
 
 
 def crumpled(count: int, seed: int) -> tuple:
