@@ -4,7 +4,8 @@
     RUMPLE_NATIVE=build/release/python xvfb-run -a blender --factory-startup --python scripts/benchmark_preview.py
 
 Sheets of as many vertices, drawn over as many pixels, as two rows of the paper: the shirt of table 1 and model B of
-table 2 (1.83 ms crush, 1.75 ms relax, 5.01 ms render on a GeForce 6800 GT).
+table 2 (1.83 ms crush, 1.75 ms relax, 5.01 ms render on a GeForce 6800 GT). Then what it costs the main thread to read
+what lies over the previews, from pictures of some sizes on a GPU that has nothing else to do.
 """
 from __future__ import annotations
 
@@ -28,6 +29,7 @@ from rumple.blender.viewport import gpu_arrays, preview, preview_field  # noqa: 
 ROWS = (("shirt", 35, 13, 330_000), ("B", 139, 43, 55_000))  # name, vertices along and across, pixels
 SIDE = 1024
 REPEATS, TRIES = 10, 5
+OVERLAYS = ((400, 300), (793, 593), (1920, 1080), (3840, 2160))  # pixels
 
 
 def sheet(along: int, across: int) -> tuple:
@@ -121,6 +123,16 @@ def measure(along: int, across: int, pixels: int) -> dict[str, float]:
     return found
 
 
+def read_overlays(width: int, height: int) -> float:
+    """Of a picture that is all overlays, as viewports keep it: read, and handed back as a texture."""
+    picture = gpu.types.GPUOffScreen(width, height, format="RGBA8")
+    with picture.bind():
+        gpu.state.active_framebuffer_get().clear(color=(0.5, 0.5, 0.5, 0.5), depth=1.0)
+        found = milliseconds(lambda: gpu_arrays.overlays((0, 0, width, height)))
+    picture.free()
+    return found
+
+
 def main() -> None:
     try:
         print(f"GPU preview, ms, on {gpu.platform.renderer_get()}, Blender {bpy.app.version_string}")
@@ -129,6 +141,8 @@ def main() -> None:
         print("".join([f"{'pixels':22}", *(f"{pixels:24,}" for *_, pixels in ROWS)]))
         for stage in columns[0]:
             print("".join([f"{stage:22}", *(f"{column[stage]:24.3f}" for column in columns)]))
+        for width, height in OVERLAYS:
+            print(f"{f'overlays, {width} x {height}':22}{read_overlays(width, height):24.3f}")
     except Exception:
         traceback.print_exc()
     sys.stdout.flush()

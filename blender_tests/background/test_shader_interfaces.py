@@ -52,11 +52,11 @@ class Recorder:
                 for said in stages.all(how)]
 
 
-def recorded() -> list[Recorder]:
+def recorded(recorder: type[Recorder] = Recorder) -> list[Recorder]:
     """Every shader of the previews."""
     made: list[Recorder] = []
     fake = mock.MagicMock()
-    fake.types.GPUShaderCreateInfo = fake.types.GPUStageInterfaceInfo = Recorder
+    fake.types.GPUShaderCreateInfo = fake.types.GPUStageInterfaceInfo = recorder
     fake.shader.create_from_info = made.append
     with mock.patch.object(gpu_arrays, "gpu", fake), mock.patch.object(preview_field, "gpu", fake), \
             mock.patch.object(preview_paths, "gpu", fake):
@@ -140,6 +140,18 @@ class Interfaces(unittest.TestCase):
         """Metal has no gl_FragDepth where that was not said; Blender 3.4 knows no word for it."""
         for shader in self.shaders:
             self.assertEqual("gl_FragDepth" in shader.text("fragment"), bool(shader.all("depth_write")))
+
+    def test_depth_is_written_where_blender_has_no_word_for_it(self) -> None:
+        """Blender 4.3 declares every gl_FragDepth as layout(depth_unchanged). Software GL writes it all the same; on an
+        NVIDIA card what stood before the folds did not hide them."""
+        class Older(Recorder):
+            def __getattr__(self, word: str) -> Any:
+                if word == "depth_write":
+                    raise AttributeError(word)
+                return super().__getattr__(word)
+
+        writing = [shader for shader in recorded(Older) if "gl_FragDepth" in shader.text("fragment")]
+        self.assertEqual([shader.all("define") for shader in writing], [[("depth_unchanged", "depth_any")]])
 
     def test_nothing_is_declared_in_the_text(self) -> None:
         for shader in self.shaders:

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Callable
 
+import gpu
 import numpy as np
 import rumple_native as native
 from rumple.blender.viewport import glsl, gpu_arrays, preview_field
@@ -111,7 +112,8 @@ class Formulas(WindowCase):
         v, w = self.numbers(2), self.numbers(2)
         moments = (v[:, :, None] * v[:, None, :] + w[:, :, None] * w[:, None, :]).reshape(-1, 4)
         collinear = (v[:, :, None] * v[:, None, :]).reshape(-1, 4)
-        spread = np.abs(v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]) > 0.1  # away from where the formula gives up
+        # Where the determinant is no small difference of large products: cards fuse one of them.
+        spread = np.linalg.det(moments.reshape(-1, 2, 2)) > 0.02 * (moments[:, 0] + moments[:, 3])**2
         found = self.same(3, packed(moments[spread], v[spread]), packed(collinear, v), packed(np.zeros((1, 4)), v))
         np.testing.assert_array_equal(found[spread.sum() + RANDOM:], 0.0)
 
@@ -195,10 +197,31 @@ class Formulas(WindowCase):
     def test_uv_slopes_and_parallax(self) -> None:
         b, c = self.numbers(3, size=0.1), self.numbers(3, size=0.1)
         u, v = self.numbers(2), self.numbers(2)
-        self.same(9, packed(b, c, u, v), packed(b, -2.0 * b, u, v), packed(np.zeros((1, 3)), c, u, v))
+        # Corners on a line, also where rounding leaves them an area, and a corner on another.
+        found = self.same(9, packed(b, c, u, v), packed(b, -2.0 * b, u, v), packed(b, np.float32(3.3) * b, u, v),
+                          packed(np.zeros((1, 3)), c, u, v))
+        np.testing.assert_array_equal(found[RANDOM:], 0.0)
         n = self.units()
         edge = np.cross(n, self.units())
         self.same(10, packed(self.numbers(3, size=3.0), n), packed(n, n), packed(edge, n))
+
+
+class Overlays(WindowCase):
+
+    def test_what_is_read_is_what_is_there(self) -> None:
+        """Boxes that grow and shrink share the memory that they are read into: nothing of the one before is left."""
+        gpu_arrays.forget()
+        picture = gpu.types.GPUOffScreen(300, 200, format="RGBA8")
+        for step, box in enumerate(((0, 0, 300, 200), (7, 5, 20, 10), (3, 4, 200, 190))):
+            color = np.roll((0.2, 0.4, 0.6, 0.8), step)
+            with picture.bind():
+                gpu.state.active_framebuffer_get().clear(color=tuple(color), depth=1.0)
+                found = gpu_arrays.overlays(box)
+            self.assertEqual((found.corner, found.texture.width, found.texture.height), (box[:2], *box[2:]))
+            texels = found.texture.read()
+            texels.dimensions = 4 * box[2] * box[3]
+            np.testing.assert_array_equal(np.array(texels).reshape(-1, 4), [np.rint(255.0 * color)] * (box[2] * box[3]))
+        picture.free()
 
 
 def crumpled(count: int, seed: int) -> tuple:

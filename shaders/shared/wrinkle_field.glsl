@@ -208,6 +208,10 @@ FORMULA ProfilePlace profile_place(float phase) {
 
 // ---- Rendering (section 6.2)
 
+// Unit: none (sine of an angle). Corners on a line leave no more than this of an area: rounding, another one where
+// products are fused, as graphics cards do. Its direction is any, and would count as much as a neighbour's.
+const float kNoTriangle = 1e-6f;
+
 // What a deformed triangle ABC says of the gradients of uv, times its area: corners take the mean of their fan.
 struct UvSlopes {
     vec3 u;      // du/dx' of equation (11) times `area`, 1 per object unit
@@ -220,6 +224,7 @@ FORMULA UvSlopes uv_slopes(vec3 b, vec3 c, vec2 uv_b, vec2 uv_c) {
     UvSlopes result;
     vec3 normal = cross(b, c);
     result.area = length(normal);
+    if (result.area <= kNoTriangle * length(b) * length(c)) result.area = 0.0f;
     vec3 n = result.area > 0.0f ? normal / result.area : vec3(0.0f);
     result.u = uv_b.x * cross(c, n) + uv_c.x * cross(n, b);
     result.v = uv_b.y * cross(c, n) + uv_c.y * cross(n, b);

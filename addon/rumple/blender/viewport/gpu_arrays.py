@@ -17,6 +17,7 @@ from . import glsl
 _WIDTH = 1024  # texels in a row of an array; any number does
 _FORMAT = "RGBA32F"
 _MOST_SIZES = 4  # of viewports whose layers are kept
+_ROOM = 1 << 20  # floats by which the buffer for overlays grows, 512 x 512 pixels
 _COMPOSED = ("layer", "layer_depth", "proxy_depth")
 
 
@@ -158,6 +159,15 @@ def no_overlays() -> Overlays:
     return Overlays(kept("no overlays", lambda: upload(np.zeros((1, 4), np.float32))))
 
 
+def _room(count: int) -> gpu.types.Buffer:
+    """A buffer for that many floats or more, the same each time: memory that is new costs more than what is read into
+    it."""
+    room = _kept.get("room")
+    if room is None or len(room) < count:
+        room = _kept["room"] = gpu.types.Buffer("FLOAT", -(-count // _ROOM) * _ROOM)
+    return room
+
+
 def overlays(box: tuple[int, int, int, int]) -> Overlays:
     """What the bound frame buffer has in a box of its viewport: in a draw handler of a 3D viewport, what Blender has
     drawn over the scene. Blender blends with no factor that puts a colour under another, so they are read: the pixels
@@ -167,7 +177,7 @@ def overlays(box: tuple[int, int, int, int]) -> Overlays:
         return no_overlays()
     from_left, from_bottom, _width, _height = gpu.state.viewport_get()
     colors = gpu.state.active_framebuffer_get().read_color(from_left + left, from_bottom + bottom, width, height, 4, 0,
-                                                           "FLOAT")
+                                                           "FLOAT", data=_room(4 * width * height))
     return Overlays(gpu.types.GPUTexture((width, height), format="RGBA8", data=colors), (left, bottom))
 
 
@@ -247,6 +257,8 @@ def _composite_shader() -> gpu.types.GPUShader:
     info.fragment_out(0, "VEC4", "out_color")
     if hasattr(info, "depth_write"):
         info.depth_write("ANY")
+    else:  # 4.3 cannot be told, and declares that the shader leaves depth as it is: NVIDIA's driver goes by that
+        info.define("depth_unchanged", "depth_any")
     info.vertex_source(glsl.source("preview/pass_vertex"))
     info.fragment_source(glsl.source("preview/under_overlays", "preview/composite_layer"))
     return gpu.shader.create_from_info(info)
