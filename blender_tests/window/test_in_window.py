@@ -152,6 +152,7 @@ class Viewport(WindowCase):
             yield 0.4
             obj = bpy.data.objects["Sleeve"]
         sleeve.at(12)
+        yield from self.until(lambda: sleeve.picture(obj) is not None)
         np.testing.assert_allclose(sleeve.shown(obj), sleeve.picture(obj).positions, atol=1e-6)
 
     def test_weight_paint_with_the_modifier_on(self) -> Iterator[float]:

@@ -18,7 +18,7 @@ class RandomWalk(WindowCase):
         max(areas, key=lambda a: a.width * a.height).type = "VIEW_3D"
         drawn = 0
         for seed in (14, 15):
-            for _ in garment_walk.Walk(seed, os.environ["RUMPLE_OUT"]).steps(75):
+            for _ in garment_walk.Walk(seed, os.environ["RUMPLE_OUT"]).steps(45):
                 yield 0.05
                 drawn += len(preview._on_gpu)
                 self.assertFalse([held for held in preview._on_gpu.values() if held.refused])

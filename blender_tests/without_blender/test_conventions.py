@@ -49,6 +49,16 @@ class Conventions(unittest.TestCase):
                     named += 1
         self.assertGreaterEqual(named, 8)
 
+    def test_what_one_blender_alone_tests_is_in_a_file_that_it_runs(self) -> None:
+        """With three Blenders the first runs two thirds of the files: scripts/test, run_suite.py."""
+        thirds = re.search(r'background,"\$\{versions\[0\]\}"\) echo (\S+)', (ROOT / "scripts" / "test").read_text())
+        files = sorted((ROOT / "blender_tests" / "background").glob("test_*.py"))
+        left = [path.name for number, path in enumerate(files) if str(1 + number % 3) not in thirds.group(1)]
+        alone = [name for name in left
+                 if "in_one_blender" in (ROOT / "blender_tests" / "background" / name).read_text(encoding="utf-8")]
+        self.assertGreater(len(left), 10)
+        self.assertEqual(alone, [], "name them so that they stand elsewhere in the list")
+
     def test_every_source_says_its_licence_first(self) -> None:
         for file in sources("native", "addon", "blender_tests", "shaders", "scripts"):
             head = file.read_text().splitlines()[:2]
