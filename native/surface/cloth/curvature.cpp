@@ -10,8 +10,8 @@
 namespace rumple {
 namespace {
 
-constexpr float kReach = 0.1f;  // of the diagonal: over this length normals and curvature are smoothed
-constexpr int kMostPasses = 64;
+constexpr float kReach = 0.1f;      // of the diagonal: over this length normals and curvature are smoothed
+constexpr double kMostSteps = 8.0;  // edges that this may be: what is denser is smoothed over less
 
 float length_of(const Surface& surface, const Edge& edge) {
     return glm::distance(surface.positions_rest[edge.a], surface.positions_rest[edge.b]);
@@ -34,7 +34,8 @@ int passes_for(const Surface& surface) {
     for (const Edge& edge : surface.edges) sum += double(length_of(surface, edge));
     if (!(sum > 0.0)) return 0;
     const double steps = double(kReach * diagonal_of(surface)) * double(surface.edges.size()) / sum;
-    return static_cast<int>(std::clamp(steps * steps + 0.5, 1.0, double(kMostPasses)));
+    const double few = steps < kMostSteps ? steps : kMostSteps;  // no number, of lengths beyond floats: these
+    return std::max(static_cast<int>(few * few + 0.5), 1);
 }
 
 template <typename Value>
