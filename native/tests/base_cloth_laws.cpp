@@ -50,25 +50,6 @@ TEST(BaseClothLaws, GravityMovesIt) {  // else the laws of rest say nothing
     }
 }
 
-// The share (tube_radius / R)^4: a tube that is narrow enough is as firm as if all cloth were. A wider one,
-// held at one end, turns by its weight.
-TEST(BaseClothLaws, ANarrowTubeIsFirmAndAWideOneTurns) {
-    for (const bool wide : {false, true}) {
-        const Garment garment(tube(16, 10, wide ? 0.2f : 0.05f, 0.5f));
-        Paint paint;
-        for (const Vec3& p : garment.mesh.positions) paint.follow.push_back(p.x == 0.0f ? 1.0f : 0.0f);
-        Settings settings = without_contact();
-        const Points firm = garment.solve(settings, garment.mesh.positions, nullptr, paint).positions;
-        settings.flat_share = 0.0f;
-        const Points turned = garment.solve(settings, garment.mesh.positions, nullptr, paint).positions;
-        if (wide) {
-            EXPECT_GT(farthest(turned, firm), 2e-3f);
-        } else {
-            EXPECT_TRUE(equal_bits(turned, firm));
-        }
-    }
-}
-
 Vec3 turned(const Vec3& p) {
     const Vec3 axis = glm::normalize(Vec3(1, 2, 3));
     const float angle = 1.1f;
@@ -196,7 +177,7 @@ TEST(BaseClothLaws, AtRestNoVertexIsBetterOffElsewhere) {
         for (const Points& pose : free_poses(garment)) {
             Settings settings = without_contact();
             settings.slide_room = 1.5f * settings.room;
-            settings.flat_share = 0.3f;
+            settings.flat_share = 0.1f;  // along the tubes; around them 0.24
             settings.slack = 1.03f;
             settings.hang = {0.0f, 0.6f, -0.8f};
             settings.start_steps = 100;

@@ -89,10 +89,8 @@ inline double spring_energy(const base_cloth::Settings& s, bool diagonal, double
 }
 
 // Share of compression, folded and smoothing that a spring has.
-inline double firmness(const base_cloth::Model& model, const base_cloth::Settings& s,
-                       const base_cloth::Model::Spring& spring) {
-    const double curvature = 0.5 * (double(model.curvature[spring.a]) + double(model.curvature[spring.b]));
-    const double tight = std::min(double(s.tube_radius) * curvature, 1.0);
+inline double firmness(const base_cloth::Settings& s, const base_cloth::Model::Spring& spring) {
+    const double tight = std::min(double(s.tube_radius) * double(spring.curvature), 1.0);
     return std::max(tight * tight * tight * tight, double(s.flat_share));
 }
 
@@ -118,7 +116,7 @@ inline double energy(const base_cloth::Model& model, const base_cloth::Settings&
         const glm::dvec3 turned = way - glm::dot(along, way) * along;
         const double hang = glm::dot(glm::dvec3(s.hang), along);
         const double slack = 1.0 + (double(s.slack) - 1.0) * (1.0 - hang * hang);
-        const double firm = firmness(model, s, spring);
+        const double firm = firmness(s, spring);
         double e = spring_energy(s, spring.diagonal, firm, glm::length(way), slack * double(spring.rest));
         if (!spring.diagonal) e += 0.5 * firm * s.smoothing * glm::dot(turned, turned);
         sum += spring.weight * e;

@@ -61,6 +61,7 @@ struct Model {
         float rest;
         float weight;  // its share of the membrane: its area / rest^2
         bool diagonal;
+        float curvature;  // along it, of the smoothed surface at rest: 1 / R around a tube, 1 / object units
     };
     // In the order of their first ends, which come before the second ones.
     std::vector<Spring> springs;
@@ -89,10 +90,9 @@ struct Model {
         std::vector<Four> later;    // to later ones
     };
     Sweep sweep;
-    std::vector<float> area;       // per vertex, object units^2
-    std::vector<float> curvature;  // per vertex, at rest, 1 / object units: curvature.h
-    std::vector<Index> frame_to;   // per vertex: the neighbour that its tangent points to, or kNone
-    SparseRows limit;              // limit position <- vertices
+    std::vector<float> area;      // per vertex, object units^2
+    std::vector<Index> frame_to;  // per vertex: the neighbour that its tangent points to, or kNone
+    SparseRows limit;             // limit position <- vertices
     NearTriangles near;
     std::vector<Index> triangle_of;  // per vertex: one of its triangles, or kNone (loose)
     ClearanceModel clearance;

@@ -6,7 +6,7 @@
 
 #include "base/tolerances.h"
 #include "surface/cloth/base_cloth.h"
-#include "surface/cloth/curvature.h"
+#include "surface/cloth/smooth_normals.h"
 #include "surface/refine/refinement.h"
 
 namespace rumple::base_cloth {
@@ -59,12 +59,14 @@ Springs collect_springs(const Surface& surface) {
 
 void place_springs(Model& model) {
     const std::vector<Vec3>& rest = model.surface.positions_rest;
+    const std::vector<Vec3> normals = smooth_normals_at_rest(model.surface);
     model.frame_to.assign(rest.size(), kNone);
     for (const auto& [pair, spring] : collect_springs(model.surface)) {
         const auto [a, b] = pair;
         const float length = glm::distance(rest[a], rest[b]);
         if (length < kShortestEdge) continue;
-        model.springs.push_back({a, b, length, spring.area / (length * length), spring.diagonal});
+        model.springs.push_back({a, b, length, spring.area / (length * length), spring.diagonal,
+                                 glm::distance(normals[a], normals[b]) / length});
         if (model.frame_to[a] == kNone) model.frame_to[a] = b;
         if (model.frame_to[b] == kNone) model.frame_to[b] = a;
     }
@@ -119,7 +121,7 @@ void put_springs_in_fours(Model& model) {
         four.b = four.a;
     }
     for (size_t s = 0; s < model.springs.size(); ++s) {
-        const auto& [a, b, rest, weight, diagonal] = model.springs[s];
+        const auto& [a, b, rest, weight, diagonal, curvature] = model.springs[s];
         Model::SpringFour& four = model.spring_fours[s / kLanes];
         const int k = static_cast<int>(s % kLanes);
         four.a[k] = a;
@@ -197,7 +199,6 @@ std::shared_ptr<const Model> build(Surface surface) {
     put_springs_in_fours(*model);
     plan_sweeps(*model);
     collect_triangles(*model);
-    model->curvature = curvature_at_rest(model->surface);
     model->limit = vertex_limit_stencils(model->surface);
     model->clearance = build_clearance(model->surface);
     model->overlaps = find_overlaps(model->surface);

@@ -37,9 +37,9 @@ float slack_along(const Settings& settings, const Vec3& direction) {
     return 1.0f + (settings.slack - 1.0f) * (1.0f - hang * hang);
 }
 
-// A tube holds its section by bending, whose energy falls with the fourth power of its radius; a panel turns
-// as it is pulled.
-float share_of_radius(const Settings& settings, float curvature) {
+// A tube holds its section by bending, whose energy falls with the fourth power of its radius; along the
+// tube, and where cloth is flat, it turns as it is pulled.
+float share_of_curvature(const Settings& settings, float curvature) {
     const float tight = std::min(settings.tube_radius * curvature, 1.0f);
     return std::max(tight * tight * tight * tight, settings.flat_share);
 }
@@ -262,8 +262,7 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
         const Vec3 along = pose.animated[spring.b] - pose.animated[spring.a];
         pose.length.push_back(glm::length(along));
         pose.cut.push_back(slack_along(settings, along) * spring.rest);
-        const float curvature = 0.5f * (model.curvature[spring.a] + model.curvature[spring.b]);
-        pose.firmness.push_back(share_of_radius(settings, curvature));
+        pose.firmness.push_back(share_of_curvature(settings, spring.curvature));
     }
     pose.cut.resize(in_fours(pose.cut.size()));
     pose.firmness.resize(pose.cut.size());

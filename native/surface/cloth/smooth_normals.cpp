@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface/cloth/curvature.h"
+#include "surface/cloth/smooth_normals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace rumple {
 namespace {
 
-constexpr float kReach = 0.1f;      // of the diagonal: over this length normals and curvature are smoothed
+constexpr float kReach = 0.1f;      // of the diagonal: over this length normals are smoothed
 constexpr double kMostSteps = 8.0;  // edges that this may be: what is denser is smoothed over less
 
 float length_of(const Surface& surface, const Edge& edge) {
@@ -38,14 +38,13 @@ int passes_for(const Surface& surface) {
     return std::max(static_cast<int>(few * few + 0.5), 1);
 }
 
-template <typename Value>
-void smooth(const Surface& surface, int passes, std::vector<Value>& values) {
+void smooth(const Surface& surface, int passes, std::vector<Vec3>& values) {
     std::vector<float> count(values.size(), 1.0f);
     for (const Edge& edge : surface.edges) {
         count[edge.a] += 1.0f;
         count[edge.b] += 1.0f;
     }
-    std::vector<Value> sum;
+    std::vector<Vec3> sum;
     for (int pass = 0; pass < passes; ++pass) {
         sum = values;
         for (const Edge& edge : surface.edges) {
@@ -58,33 +57,15 @@ void smooth(const Surface& surface, int passes, std::vector<Value>& values) {
 
 }  // namespace
 
-std::vector<float> curvature_at_rest(const Surface& surface) {
-    const size_t vertices = surface.welded.vertex_count;
-    const int passes = passes_for(surface);
-    std::vector<Vec3> normal(vertices);
-    vertex_normals(surface, surface.positions_rest, normal);
-    smooth(surface, passes, normal);
-    for (Vec3& n : normal) {
+std::vector<Vec3> smooth_normals_at_rest(const Surface& surface) {
+    std::vector<Vec3> normals(surface.welded.vertex_count);
+    vertex_normals(surface, surface.positions_rest, normals);
+    smooth(surface, passes_for(surface), normals);
+    for (Vec3& n : normals) {
         const float length = glm::length(n);
         n = length > kShortestNormal ? n / length : Vec3(0.0f);
     }
-    // Of a tube, edges around it have the whole curvature and those along it none: of the squares twice the
-    // mean.
-    std::vector<float> squares(vertices, 0.0f), weight(vertices, 0.0f);
-    for (const Edge& edge : surface.edges) {
-        const float length = length_of(surface, edge);
-        if (length < kShortestEdge) continue;
-        const Vec3 turned = normal[edge.b] - normal[edge.a];
-        for (const Index v : {edge.a, edge.b}) {
-            squares[v] += glm::dot(turned, turned) / length;
-            weight[v] += length;
-        }
-    }
-    for (size_t v = 0; v < vertices; ++v)
-        squares[v] = weight[v] > 0.0f ? 2.0f * squares[v] / weight[v] : 0.0f;
-    smooth(surface, passes, squares);
-    for (float& square : squares) square = std::sqrt(square);
-    return squares;
+    return normals;
 }
 
 }  // namespace rumple
