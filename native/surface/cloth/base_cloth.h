@@ -27,9 +27,9 @@ struct Settings {
     float compression_limit = 0.7f;  // c_l: length over rest length below which k2 counts, 0..1
     float folded = 30.0f;            // k2: of what is shorter than that, >= 0
     float smoothing = 60.0f;         // against sides that turn away from their animated direction, >= 0
-    float tube_radius = 0.07f;  // object units, > 0: a tube as wide has all of these three, one of radius R
-                                // the share (tube_radius / R)^4
-    float flat_share = 1.0f;    // the least share, of flat cloth, 0..1; 1: all cloth has all of them
+    float tube_radius = 0.07f;  // object units, > 0: around a tube of radius R these three count by the share
+                                // (tube_radius / R)^4, at most 1
+    float flat_share = 1.0f;    // the least share, along tubes and of flat cloth, 0..1
     float slack = 1.0f;         // length of the cloth over that of the modelled garment, > 0
     Vec3 hang{0.0f};            // object space, length 0..1: along it there is no slack
     float follow = 400.0f;      // pull back to the animation where nothing is pinned, 1/s^2, > 0
