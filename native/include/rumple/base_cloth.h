@@ -47,7 +47,7 @@ typedef struct rumple_base_cloth_settings {
     float compression_limit;  // c_l: length over rest length below which k2 counts, 0..1
     float folded;             // k2: of what is shorter than c_l, >= 0
     float smoothing;          // against sides that turn away from their animated direction, >= 0
-    float tube_radius;        // around a tube of radius R (tube_radius / R)^4 of these three count, object units, > 0
+    float tube_radius;        // around a tube of radius R these three count by (tube_radius / R)^4; > 0
     float flat_share;         // the least share, along tubes and of flat cloth, 0..1
     float slack;              // length of the cloth over that of the modelled garment, > 0
     float hang[3];            // object space, length 0..1: along it there is no slack

@@ -41,7 +41,7 @@ class BaseClothSettings(Struct):
     compression_limit: float  # c_l: length over rest length below which k2 counts, 0..1
     folded: float  # k2: of what is shorter than c_l, >= 0
     smoothing: float  # against sides that turn away from their animated direction, >= 0
-    tube_radius: float  # around a tube of radius R (tube_radius / R)^4 of these three count, object units, > 0
+    tube_radius: float  # around a tube of radius R these three count by (tube_radius / R)^4; > 0
     flat_share: float  # the least share, along tubes and of flat cloth, 0..1
     slack: float  # length of the cloth over that of the modelled garment, > 0
     hang: Array  # object space, length 0..1: along it there is no slack
