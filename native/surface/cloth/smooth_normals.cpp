@@ -27,8 +27,7 @@ float diagonal_of(const Surface& surface) {
     return glm::distance(low, high);
 }
 
-// Each pass means over a vertex and its neighbours, and reaches farther by about the length of an edge, as a
-// random walk does.
+// A pass takes the mean over a vertex and its neighbours; n of them reach over the root of n edges.
 int passes_for(const Surface& surface) {
     double sum = 0.0;
     for (const Edge& edge : surface.edges) sum += double(length_of(surface, edge));
