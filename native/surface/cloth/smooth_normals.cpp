@@ -34,7 +34,7 @@ int passes_for(const Surface& surface) {
     if (!(sum > 0.0)) return 0;
     const double steps = double(kReach * diagonal_of(surface)) * double(surface.edges.size()) / sum;
     const double few = steps < kMostSteps ? steps : kMostSteps;  // no number, of lengths beyond floats: these
-    return std::max(static_cast<int>(few * few + 0.5), 1);
+    return std::max(static_cast<int>(std::lround(few * few)), 1);
 }
 
 void smooth(const Surface& surface, int passes, std::vector<Vec3>& values) {
