@@ -10,7 +10,7 @@ from unittest import mock
 import numpy as np
 from rumple import native
 from rumple.core.body import Body
-from rumple.core.cloth import BaseCloth, bend_radius
+from rumple.core.cloth import HANGING, BaseCloth, bend_radius
 from rumple.core.cloth_settings import ClothSettings
 from rumple.core.engine import FrameResult, Wrinkles
 from rumple.core.settings import FieldSettings, PathsSettings
@@ -303,6 +303,33 @@ class Legs(unittest.TestCase):
             way = cloth.solve(drawn, ClothSettings(base_cloth="HANG"), {}, None, None, None).positions - drawn
             self.assertGreater(way[height == 0.0, 2].min(), 0.028, radius)
             self.assertLess(np.abs(way[height > 0.99]).max(), 1e-3, radius)
+
+
+class WideTube(unittest.TestCase):
+    """A tube that lies, held at one end: along it, and around the wider one, cloth turns by its weight."""
+
+    LYING = np.array(((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (-1.0, 0.0, 0.0)))
+
+    def hung(self, unit_scale: float = 1.0, base_cloth: str = "HANG") -> np.ndarray:
+        """(n, 3) metres."""
+        mesh = tube(16, 10, 0.1 / unit_scale, 0.5 / unit_scale)
+        settings = ClothSettings(base_cloth=base_cloth, room=0.2, slide_room=0.2)
+        follow = (mesh.positions[:, 2] == mesh.positions[:, 2].min()).astype(np.float32)
+        cloth = BaseCloth(mesh.surface(True), 1.0 / unit_scale, unit_scale)
+        return cloth.solve(mesh.positions, settings, {"follow": follow}, self.LYING, None, None).positions * unit_scale
+
+    def test_hanging_it_turns_more_than_cloth_that_is_firm_everywhere(self) -> None:
+        turned = self.hung()
+        with mock.patch.dict(HANGING, flat_share=1.0):
+            self.assertGreater(np.linalg.norm(turned - self.hung(), axis=1).max(), 2e-3)
+
+    def test_in_centimetres_it_is_as_in_metres(self) -> None:
+        np.testing.assert_allclose(self.hung(0.01), self.hung(), atol=2e-4)
+
+    def test_what_swings_is_firm_everywhere(self) -> None:
+        swinging = self.hung(base_cloth="SWING")
+        with mock.patch.dict(HANGING, flat_share=1.0):
+            np.testing.assert_array_equal(self.hung(base_cloth="SWING"), swinging)
 
 
 if __name__ == "__main__":

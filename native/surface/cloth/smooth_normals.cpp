@@ -6,6 +6,7 @@
 
 #include "base/tolerances.h"
 #include "surface/output/attachments.h"
+#include "surface/query/bounds.h"
 
 namespace rumple {
 namespace {
@@ -17,22 +18,13 @@ float length_of(const Surface& surface, const Edge& edge) {
     return glm::distance(surface.positions_rest[edge.a], surface.positions_rest[edge.b]);
 }
 
-float diagonal_of(const Surface& surface) {
-    if (surface.positions_rest.empty()) return 0.0f;
-    Vec3 low = surface.positions_rest.front(), high = low;
-    for (const Vec3& p : surface.positions_rest) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
-    return glm::distance(low, high);
-}
-
 // A pass takes the mean over a vertex and its neighbours; n of them reach over the root of n edges.
 int passes_for(const Surface& surface) {
     double sum = 0.0;
     for (const Edge& edge : surface.edges) sum += double(length_of(surface, edge));
     if (!(sum > 0.0)) return 0;
-    const double steps = double(kReach * diagonal_of(surface)) * double(surface.edges.size()) / sum;
+    const double steps =
+        double(kReach) * bounding_diagonal(surface.positions_rest) * double(surface.edges.size()) / sum;
     const double few = steps < kMostSteps ? steps : kMostSteps;  // no number, of lengths beyond floats: these
     return std::max(static_cast<int>(std::lround(few * few)), 1);
 }

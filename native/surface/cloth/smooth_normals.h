@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a garment is curved at rest: around a leg, a sleeve, the trunk. Internal to surface.
+// Normals of a garment at rest without its small folds: they say how it is curved around a leg, a sleeve, the
+// trunk. Internal to surface.
 #pragma once
 
 #include <vector>

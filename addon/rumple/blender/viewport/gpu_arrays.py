@@ -17,7 +17,7 @@ from . import glsl
 _WIDTH = 1024  # texels in a row of an array; any number does
 _FORMAT = "RGBA32F"
 _MOST_SIZES = 4  # of viewports whose layers are kept
-_ROOM = 1 << 20  # floats by which the buffer for overlays grows, 512 x 512 pixels
+_BUFFER_STEP = 1 << 20  # floats by which the buffer for overlays grows, 512 x 512 pixels
 _COMPOSED = ("layer", "layer_depth", "proxy_depth")
 
 
@@ -159,13 +159,13 @@ def no_overlays() -> Overlays:
     return Overlays(kept("no overlays", lambda: upload(np.zeros((1, 4), np.float32))))
 
 
-def _room(count: int) -> gpu.types.Buffer:
+def _read_buffer(count: int) -> gpu.types.Buffer:
     """A buffer for that many floats or more, the same each time: memory that is new costs more than what is read into
     it."""
-    room = _kept.get("room")
-    if room is None or len(room) < count:
-        room = _kept["room"] = gpu.types.Buffer("FLOAT", -(-count // _ROOM) * _ROOM)
-    return room
+    buffer = _kept.get("read buffer")
+    if buffer is None or len(buffer) < count:
+        buffer = _kept["read buffer"] = gpu.types.Buffer("FLOAT", -(-count // _BUFFER_STEP) * _BUFFER_STEP)
+    return buffer
 
 
 def overlays(box: tuple[int, int, int, int]) -> Overlays:
@@ -177,7 +177,7 @@ def overlays(box: tuple[int, int, int, int]) -> Overlays:
         return no_overlays()
     from_left, from_bottom, _width, _height = gpu.state.viewport_get()
     colors = gpu.state.active_framebuffer_get().read_color(from_left + left, from_bottom + bottom, width, height, 4, 0,
-                                                           "FLOAT", data=_room(4 * width * height))
+                                                           "FLOAT", data=_read_buffer(4 * width * height))
     return Overlays(gpu.types.GPUTexture((width, height), format="RGBA8", data=colors), (left, bottom))
 
 
