@@ -27,9 +27,9 @@ class FirstClick(Cloth):
         for name in ("base_cloth", "layers"):
             self.obj.rumple.mesh.property_unset(name)
 
-    def click(self) -> tuple[str, str]:
+    def click(self, method: str = "MESH") -> tuple[str, str]:
         sleeve.make_active(self.obj)
-        bpy.ops.object.rumple_add(method="MESH")
+        bpy.ops.object.rumple_add(method=method)
         sleeve.at(3)
         self.assertEqual(self.obj.rumple.message, "")
         self.assertTrue(np.isfinite(sleeve.shown(self.obj)).all())
@@ -88,6 +88,14 @@ class FirstClick(Cloth):
         self.obj.shape_key_add(name="Later")
         self.obj.data.shape_keys.use_relative = False
         self.gets_layers()
+
+    def test_a_field_stays_smooth_where_cloth_is_hardly_compressed(self) -> None:
+        for simulated, threshold in ((False, 0.02), (True, 0.01)):
+            self.setUp()
+            if simulated:
+                self.obj.modifiers.new("Cloth", "CLOTH")
+            self.click("FIELD")
+            self.assertAlmostEqual(self.obj.rumple.field.buckling_threshold, threshold)
 
     @unittest.skipIf(bpy.app.version < (3, 6, 0), "there are no simulation nodes")
     def test_simulation_nodes_in_a_group_get_layers(self) -> None:

@@ -129,6 +129,9 @@ class Formulas(WindowCase):
         for moved in (m, np.tile(np.eye(2).ravel(), (RANDOM, 1))):
             clear = self.has_direction(moved, q)
             self.same(4, packed(moved[clear], q[clear], self.units(2)[clear], turn[clear]), seen=crushed)
+            with_threshold = np.zeros((clear.sum(), 4), np.float32)
+            with_threshold[:, :2], with_threshold[:, 3] = q[clear], 0.1
+            self.same(4, packed(moved[clear], with_threshold, self.units(2)[clear], turn[clear]), seen=crushed)
 
     def test_crush_where_no_direction_is_compressed_most(self) -> None:
         isotropic = packed([(s, 0.0, 0.0, s) for s in (0.06, 0.25, 0.5, 1.0, 2.0)], np.zeros((1, 2)), [(0.6, 0.8)],
@@ -240,7 +243,7 @@ def crumpled(count: int, seed: int) -> tuple:
 
 
 class Stages(WindowCase):
-    """The whole pipeline, on a sheet with everything on: paint, irregularity, a collapsed corner, a loose vertex."""
+    """The whole pipeline, on a sheet with everything on: paint, irregularity, a threshold, a collapsed corner, a loose vertex."""
 
     # Radians. A phase that would move by less than 1e-4 stays, and rounding decides when: once a round.
     ROUND = 2e-4
@@ -253,6 +256,7 @@ class Stages(WindowCase):
         self.settings = native.WrinkleFieldSettings()
         self.settings.wavelength, self.settings.strength = 0.12, 1.3
         self.settings.irregularity, self.settings.seed, self.settings.rate = 0.5, 7, 0.6
+        self.settings.buckling_threshold = 0.03
         random = np.random.default_rng(4)
         q = 0.4 * random.standard_normal(rest.shape).astype(np.float32)
         self.paint = native.WrinkleFieldPaint(dict(

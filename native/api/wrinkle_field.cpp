@@ -25,6 +25,7 @@ template <typename Pair>
 static void pair_fields(rumple_wrinkle_field_settings& c, Settings& native, const Pair& pair) {
     pair(c.wavelength, native.wavelength);
     pair(c.strength, native.strength);
+    pair(c.buckling_threshold, native.buckling_threshold);
     pair(c.keep_length, native.keep_length);
     pair(c.rate, native.rate);
     pair(c.rounds, native.rounds);

@@ -170,7 +170,7 @@ rumple_wrinkle_field_settings field_settings(Bytes& bytes) {
     rumple_wrinkle_field_settings s = CALL(rumple_wrinkle_field_settings_default);
     s.wavelength = 0.3f;
     bytes.vary(s.wavelength, s.strength, s.keep_length, s.rate, s.rounds, s.start_rounds, s.irregularity,
-               s.bend_radius, s.seed, s.aligned_start, s.threads, s.dissolve);
+               s.bend_radius, s.seed, s.aligned_start, s.threads, s.dissolve, s.buckling_threshold);
     if (bytes.byte() % 4 == 3) vary(s.rest, bytes);
     return s;
 }

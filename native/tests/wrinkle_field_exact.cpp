@@ -20,7 +20,7 @@ TEST(WrinkleFieldExact, CrushOfAShear) {
     const float s = 0.75f;  // sqrt(1 + s^2/4) = 1.0680
     const glm::mat2 m(1.0f, 0.0f, s, 1.0f);
     const formulas::WaveEstimate estimate =
-        formulas::estimate_wave(m, Vec2(0.0f), Vec2(0.0f), Vec2(1.0f, 0.0f));
+        formulas::estimate_wave(m, Vec2(0.0f), Vec2(0.0f), Vec2(1.0f, 0.0f), 0.0f);
     const float expected = 1.0f + s * s / 2.0f - s * std::sqrt(1.0f + s * s / 4.0f);
     EXPECT_NEAR(estimate.r * estimate.r, expected, 1e-6f);
     EXPECT_NEAR(estimate.fullness, std::sqrt(1.0f - expected), 1e-6f);
@@ -34,26 +34,45 @@ TEST(WrinkleFieldExact, CrushOfAShear) {
 TEST(WrinkleFieldExact, TheDirectionKeepsItsSign) {
     const glm::mat2 m(0.5f, 0.0f, 0.0f, 1.0f);
     const Vec2 none(0.0f), still(1.0f, 0.0f);
-    EXPECT_GT(formulas::estimate_wave(m, none, {0.1f, 0.9f}, still).k.x, 0.99f);
-    EXPECT_LT(formulas::estimate_wave(m, none, {-0.1f, 0.9f}, still).k.x, -0.99f);
+    EXPECT_GT(formulas::estimate_wave(m, none, {0.1f, 0.9f}, still, 0.0f).k.x, 0.99f);
+    EXPECT_LT(formulas::estimate_wave(m, none, {-0.1f, 0.9f}, still, 0.0f).k.x, -0.99f);
     // No direction is compressed more than another: that of before stays.
-    EXPECT_EQ(formulas::estimate_wave(glm::mat2(0.5f), none, {0.6f, 0.8f}, still).k, Vec2(0.6f, 0.8f));
+    EXPECT_EQ(formulas::estimate_wave(glm::mat2(0.5f), none, {0.6f, 0.8f}, still, 0.0f).k, Vec2(0.6f, 0.8f));
 }
 
 TEST(WrinkleFieldExact, APaintedWrinkleShortensItsDirection) {
     // Section 7: M (E - q (x) q) with |q|^2 = 0.64 leaves 0.36 of a way along q.
     const Vec2 q(0.0f, 0.8f);
-    const formulas::WaveEstimate estimate = formulas::estimate_wave(glm::mat2(1.0f), q, q, {1.0f, 0.0f});
+    const formulas::WaveEstimate estimate =
+        formulas::estimate_wave(glm::mat2(1.0f), q, q, {1.0f, 0.0f}, 0.0f);
     EXPECT_NEAR(estimate.r, 0.36f, 1e-6f);
     EXPECT_NEAR(estimate.k.y, 1.0f, 1e-6f);
     EXPECT_NEAR(estimate.k_deformed.y, 1.0f / 0.36f, 1e-4f);
+}
+
+TEST(WrinkleFieldExact, BelowTheBucklingThresholdNothingWavesButWhatIsPainted) {
+    const auto fullness = [](float r, float q, float threshold) {
+        const glm::mat2 m(r, 0.0f, 0.0f, 1.0f);
+        return formulas::estimate_wave(m, {q, 0.0f}, {1.0f, 0.0f}, {1.0f, 0.0f}, threshold).fullness;
+    };
+    EXPECT_GT(fullness(0.91f, 0.0f, 0.0f), 0.4f);
+    EXPECT_EQ(fullness(0.91f, 0.0f, 0.1f), 0.0f);
+    // Above it the cloth waves as if it were a tenth shorter: r = 0.72 / 0.9 = 0.8.
+    EXPECT_NEAR(fullness(0.72f, 0.0f, 0.1f), 0.6f, 1e-6f);
+    // |q|^2 = 0.36 leaves 0.64: all of it waves, and of the compression what is above the threshold.
+    EXPECT_NEAR(fullness(1.0f, 0.6f, 0.1f), std::sqrt(1.0f - 0.64f * 0.64f), 1e-6f);
+    EXPECT_NEAR(fullness(0.95f, 0.6f, 0.1f), std::sqrt(1.0f - 0.64f * 0.64f), 1e-6f);
+    EXPECT_NEAR(fullness(0.81f, 0.6f, 0.1f), std::sqrt(1.0f - 0.576f * 0.576f), 1e-6f);
+    // Stretched cloth has less of what was painted, with a threshold or without.
+    EXPECT_NEAR(fullness(1.25f, 0.6f, 0.1f), 0.6f, 1e-6f);
+    EXPECT_NEAR(fullness(1.25f, 0.6f, 0.0f), 0.6f, 1e-6f);
 }
 
 TEST(WrinkleFieldExact, ACollapsedOrSingularMapHasNoWave) {
     for (const glm::mat2& m : {glm::mat2(0.0f), glm::mat2(1.0f, 0.0f, 0.0f, 0.0f), glm::mat2(1e-30f),
                                glm::mat2(1.0f, 1.0f, 1.0f, 1.0f)}) {
         const formulas::WaveEstimate estimate =
-            formulas::estimate_wave(m, Vec2(0.0f), Vec2(0.0f), Vec2(1.0f, 0.0f));
+            formulas::estimate_wave(m, Vec2(0.0f), Vec2(0.0f), Vec2(1.0f, 0.0f), 0.0f);
         EXPECT_EQ(estimate.fullness, 0.0f);
         EXPECT_EQ(estimate.k_deformed, Vec2(0.0f));
         EXPECT_NEAR(glm::length(estimate.k), 1.0f, 1e-6f);

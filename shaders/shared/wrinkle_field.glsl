@@ -56,7 +56,7 @@ FORMULA vec2 regression_gradient(mat2 moments, vec2 v) {
 // What the deformation of a neighbourhood asks of the wave there.
 struct WaveEstimate {
     float r;          // strength of the strongest compression: length over rest length, 1 = as at rest
-    float fullness;   // sqrt(max(1 - r^2, 0)): amplitude over W/4
+    float fullness;   // amplitude over W/4: fullness_of()
     vec2 k;           // its direction, unit, in the rest frame; sign as `before`
     vec2 k_deformed;  // k' = (L^-1)^T k of section 5.1, in the deformed frame
 };
@@ -74,10 +74,19 @@ FORMULA mat2 restretched(mat2 m, vec3 stretch) {
            mat2(vec2(stretch.x, stretch.y), vec2(stretch.y, stretch.z));
 }
 
+// Amplitude over W/4, equation (2), of cloth that is compressed to r, r2 its square. Not in the paper: what
+// loses less than `threshold` of its length stays smooth, but for the painted q, which alone makes 1 - q^2 of
+// it.
+FORMULA float fullness_of(float r2, vec2 q, float threshold) {
+    float smooth_part = 1.0f - threshold;
+    float painted = 1.0f - dot(q, q);
+    return sqrt(max(1.0f - min(r2 / (smooth_part * smooth_part), max(r2, painted * painted)), 0.0f));
+}
+
 // m: M of equation (1). q: painted rest-pose wrinkle in the rest frame, shorter than 1
 // (section 7). before: k of the frame before, or zero. turn: (cos, sin) of the angle by
-// which irregularity turns the wave away from k.
-FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn) {
+// which irregularity turns the wave away from k. threshold: as of fullness_of().
+FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn, float threshold) {
     mat2 mq = m * (mat2(1.0f) - outer_product(q, q));  // M (E - q (x) q)
     mat2 c = transpose(mq) * mq;
     float mean = 0.5f * (c[0][0] + c[1][1]);
@@ -99,7 +108,7 @@ FORMULA WaveEstimate estimate_wave(mat2 m, vec2 q, vec2 before, vec2 turn) {
     result.fullness = 0.0f;
     result.k_deformed = vec2(0.0f, 0.0f);
     if (result.r < kCollapsed) return result;
-    result.fullness = sqrt(max(1.0f - r2, 0.0f));
+    result.fullness = fullness_of(r2, q, threshold);
     vec2 turned = vec2(turn.x * k.x - turn.y * k.y, turn.y * k.x + turn.x * k.y);
     // (M^-1)^T by the cofactors of M.
     result.k_deformed =

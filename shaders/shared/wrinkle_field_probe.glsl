@@ -20,7 +20,7 @@ FORMULA mat4 probe_formula(int formula, mat4 x) {
         vec2 v = regression_gradient(probe_mat(x[0]), probe_2(x[1]));
         y[0] = vec4(v.x, v.y, 0.0f, 0.0f);
     } else if (formula == 4) {
-        WaveEstimate c = estimate_wave(probe_mat(x[0]), probe_2(x[1]), probe_2(x[2]), probe_2(x[3]));
+        WaveEstimate c = estimate_wave(probe_mat(x[0]), probe_2(x[1]), probe_2(x[2]), probe_2(x[3]), x[1].w);
         y[0] = vec4(c.r, c.fullness, 0.0f, 0.0f);
         y[1] = vec4(c.k.x, c.k.y, 0.0f, 0.0f);
         y[2] = vec4(c.k_deformed.x, c.k_deformed.y, 0.0f, 0.0f);

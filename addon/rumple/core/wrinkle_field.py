@@ -33,6 +33,12 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
     return float(f"{2.0 * edge:.2g}") if edge > 0.0 else FieldSettings.wavelength
 
 
+# A height grows with the root of what is lost: cloth that stands still, a hundredth shorter here and there, would show
+# waves of 3 mm.
+CLOTH_DEFAULTS = dict(buckling_threshold=0.02)
+SIMULATED_DEFAULTS = dict(buckling_threshold=0.01)
+
+
 def native_profile(kind: str, drawn: np.ndarray | None) -> Any:
     """The native table of f and df/dphi. drawn: PROFILE_INTERVALS + 1 heights in -1..1 for kind CURVE."""
     return kernels.WrinkleFieldProfile(kind, drawn if kind == "CURVE" else None)
@@ -135,7 +141,7 @@ class WrinkleField(Wrinkles):
 
     def _native_settings(self, settings: FieldSettings) -> Any:
         options = kernels.WrinkleFieldSettings()
-        for name in ("strength", "rate", "rounds", "start_rounds", "irregularity", "seed", "keep_length", "dissolve"):
+        for name in ("strength", "buckling_threshold", "rate", "rounds", "start_rounds", "irregularity", "seed", "keep_length", "dissolve"):
             setattr(options, name, getattr(settings, name))
         options.aligned_start = settings.start == "ALIGNED"
         options.wavelength = settings.wavelength / self.unit_scale

@@ -61,18 +61,19 @@ RUMPLE_API rumple_status rumple_wrinkle_field_get_view(const rumple_wrinkle_fiel
 // ---- settings
 
 typedef struct rumple_wrinkle_field_settings {
-    float wavelength;      // W in rest space, object units, > 0
-    float strength;        // factor on the amplitude of equation (2), >= 0
-    bool keep_length;      // geometry: waves no longer than the cloth at rest
-    float rate;            // epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
-    int32_t rounds;        // of relaxation, from a given state, >= 0
-    int32_t start_rounds;  // from the canonical start, >= 0
-    float irregularity;    // 0: tidy cloth, 1: skin
-    float bend_radius;     // object units, >= 0: no waves along lines that bend on less; 0: any line
-    uint32_t seed;         // of the first phases and of the irregularity
-    bool aligned_start;    // make the random first phases agree; false: random, as printed
-    int32_t threads;       // 0: chosen by size; never changes the result
-    bool dissolve;         // waves that disagree with their neighbours are lower
+    float wavelength;          // W in rest space, object units, > 0
+    float strength;            // factor on the amplitude of equation (2), >= 0
+    float buckling_threshold;  // share of its length that cloth may lose without waves, 0..0.99
+    bool keep_length;          // geometry: waves no longer than the cloth at rest
+    float rate;                // epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
+    int32_t rounds;            // of relaxation, from a given state, >= 0
+    int32_t start_rounds;      // from the canonical start, >= 0
+    float irregularity;        // 0: tidy cloth, 1: skin
+    float bend_radius;         // object units, >= 0: no waves along lines that bend on less; 0: any line
+    uint32_t seed;             // of the first phases and of the irregularity
+    bool aligned_start;        // make the random first phases agree; false: random, as printed
+    int32_t threads;           // 0: chosen by size; never changes the result
+    bool dissolve;             // waves that disagree with their neighbours are lower
     rumple_reference_settings rest;  // what compression is measured against
 } rumple_wrinkle_field_settings;
 RUMPLE_API rumple_wrinkle_field_settings rumple_wrinkle_field_settings_default(void);

@@ -56,17 +56,13 @@ Vec2 undirected(const Director& z) {
     return std::sqrt(length) * Vec2(root.x, std::copysign(root.y, z.imag()));
 }
 
-Vec2 in_frame(const Model& model, size_t v, const Vec3& rest) {
-    return {glm::dot(model.tangent_rest[v], rest), glm::dot(model.bitangent_rest[v], rest)};
-}
-
 Vec3 in_rest_space(const Model& model, size_t v, const Vec2& q) {
     return q.x * model.tangent_rest[v] + q.y * model.bitangent_rest[v];
 }
 
 // In the vertex's frame, as long as it is in space: neighbouring tangent planes are turned, not projected.
 Vec2 carried(const Model& model, size_t v, const Vec3& rest) {
-    const Vec2 flat = in_frame(model, v, rest);
+    const Vec2 flat = in_rest_frame(model, v, rest);
     const float length = glm::length(flat);
     return length > formulas::kNoTangent * glm::length(rest) ? flat * (glm::length(rest) / length)
                                                              : Vec2(0.0f);
@@ -293,7 +289,7 @@ std::vector<Vec3> scatter(const Model& model, const Scatter& settings) {
     std::vector<Vec3> field(rest.size(), Vec3(0.0f));
     for (size_t v = 0; v < rest.size(); ++v) {
         // Where the noise stands upright on the surface there is no direction: the wrinkles fade out there.
-        const Vec2 q = in_frame(
+        const Vec2 q = in_rest_frame(
             model, v, noise3(rest[v] / (kScatterCoherence * settings.size), hashed(settings.seed, 2)));
         const float amount = glm::length(q);
         if (cover[v] <= bar || amount == 0.0f) continue;
@@ -310,7 +306,7 @@ Lines draw(const Model& model, const Canvas& canvas, std::span<const Vec3> paint
     const std::vector<Vec3> welded = of_welded(model.base, painted);
     Lines lines;
     for (size_t v = 0; v < welded.size(); ++v) {
-        const Vec2 p = in_frame(model, v, welded[v]);
+        const Vec2 p = in_rest_frame(model, v, welded[v]);
         const float strength = glm::length(p);
         // Folds run at right angles to p in the rest pose, and lie in the cloth as it deforms.
         const Vec3 fold = -p.y * canvas.tangent[v] + p.x * canvas.bitangent[v];

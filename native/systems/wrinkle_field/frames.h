@@ -30,11 +30,16 @@ inline std::optional<Neighbourhood> regress(const Model& model, std::span<const 
     return out;
 }
 
+// A vector of rest space, along the tangent and the bitangent of a vertex at rest.
+inline Vec2 in_rest_frame(const Model& model, size_t v, const Vec3& way) {
+    return {glm::dot(model.tangent_rest[v], way), glm::dot(model.bitangent_rest[v], way)};
+}
+
 // What an estimate of a wave becomes where waves are to run along a line of the rest frame: it has the
 // largest compression that there is, across that line. Its length over the rest pose stays W.
-// m, q, before, turn: as formulas::estimate_wave() takes them. gather: Waves::gather of it.
+// m, q, before, turn, threshold: as formulas::estimate_wave() takes them. gather: Waves::gather of it.
 void turn_along(const Vec2& along, const glm::mat2& m, const Vec2& q, const Vec2& before, const Vec2& turn,
-                formulas::WaveEstimate& estimate, float& gather);
+                float threshold, formulas::WaveEstimate& estimate, float& gather);
 
 // Below this many vertices threads are not worth it: a round takes some hundred microseconds alone.
 inline constexpr size_t kVerticesForThreads = 50'000;

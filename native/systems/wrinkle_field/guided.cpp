@@ -8,7 +8,7 @@
 namespace rumple::wrinkle_field {
 
 void turn_along(const Vec2& along, const glm::mat2& m, const Vec2& q, const Vec2& before, const Vec2& turn,
-                formulas::WaveEstimate& estimate, float& gather) {
+                float threshold, formulas::WaveEstimate& estimate, float& gather) {
     const glm::mat2 mq = m * (glm::mat2(1.0f) - glm::outerProduct(q, q));
     const Vec2 line = mq * along;
     const float length = glm::length(line), det = glm::determinant(mq);
@@ -21,7 +21,7 @@ void turn_along(const Vec2& along, const glm::mat2& m, const Vec2& q, const Vec2
     estimate.k = across / glm::length(across);
     if (glm::dot(estimate.k, before) < 0.0f) estimate.k = -estimate.k;
     estimate.r = std::sqrt(std::max(p.small, 0.0f));
-    estimate.fullness = std::sqrt(std::max(1.0f - p.small, 0.0f));
+    estimate.fullness = formulas::fullness_of(p.small, q, threshold);
     gather = 1.0f / std::max(estimate.r, formulas::kCollapsed);
     const Vec2 k(turn.x * estimate.k.x - turn.y * estimate.k.y,
                  turn.y * estimate.k.x + turn.x * estimate.k.y);

@@ -200,6 +200,7 @@ void relax_phases(const Model& model, const Settings& settings, std::span<const 
 void check(const Settings& settings) {
     expect_within("wavelength", settings.wavelength, 1e-6, 1e6);
     expect_within("strength", settings.strength, 0.0, 1e3);
+    expect_within("buckling_threshold", settings.buckling_threshold, 0.0, 0.99);
     expect_within("rate", settings.rate, 0.0, 1.0);
     expect_within("rounds", settings.rounds, 0, 1e6);
     expect_within("start_rounds", settings.start_rounds, 0, 1e6);
@@ -234,8 +235,7 @@ WaveParameters wave_parameters(const Model& model, const Settings& settings, con
         const Disturbance disturbance = disturb(settings, model.base.positions_rest[v]);
         out.wavelength[v] *= settings.wavelength * disturbance.wavelength;
         out.turn[v] = disturbance.turn;
-        out.rest_wrinkle[v] =
-            Vec2(glm::dot(model.tangent_rest[v], painted[v]), glm::dot(model.bitangent_rest[v], painted[v]));
+        out.rest_wrinkle[v] = in_rest_frame(model, v, painted[v]);
     });
     return out;
 }
@@ -244,8 +244,7 @@ std::vector<Vec2> first_directions(const Model& model) {
     const Vec3 somewhere(0.8660f, 0.4113f, 0.2847f);  // along no axis that garments are modelled along
     std::vector<Vec2> directions;
     for (size_t v = 0; v < model.tangent_rest.size(); ++v) {
-        const Vec2 k(glm::dot(model.tangent_rest[v], somewhere),
-                     glm::dot(model.bitangent_rest[v], somewhere));
+        const Vec2 k = in_rest_frame(model, v, somewhere);
         const float length = glm::length(k);
         directions.push_back(length > 0.0f ? k / length : Vec2(1.0f, 0.0f));
     }
@@ -281,20 +280,20 @@ Waves estimate_waves(const Model& model, const Settings& settings, const Paint& 
     if (settings.bend_radius > 0.0f)
         spare = spare_cloth(model.base, model.bent_lines, pose.positions, settings.bend_radius);
     const auto asked_along = [&](size_t v) {
-        if (paint.along.empty()) return Vec2(0.0f);
-        const Vec3& asked = paint.along[model.base.representative[v]];
-        return Vec2(glm::dot(model.tangent_rest[v], asked), glm::dot(model.bitangent_rest[v], asked));
+        return paint.along.empty() ? Vec2(0.0f)
+                                   : in_rest_frame(model, v, paint.along[model.base.representative[v]]);
     };
     for_each_vertex(settings, vertices, [&](size_t v) {
         const std::optional<Neighbourhood>& around = pose.around[v];
         if (!around) return;
         const glm::mat2 m = stretches.empty() ? around->m : formulas::restretched(around->m, stretches[v]);
-        formulas::WaveEstimate estimate =
-            formulas::estimate_wave(m, parameters.rest_wrinkle[v], before[v], parameters.turn[v]);
+        formulas::WaveEstimate estimate = formulas::estimate_wave(
+            m, parameters.rest_wrinkle[v], before[v], parameters.turn[v], settings.buckling_threshold);
         float gather = glm::length(estimate.k_deformed);
         const Vec2 along = asked_along(v);
         if (along != Vec2(0.0f)) {
-            turn_along(along, m, parameters.rest_wrinkle[v], before[v], parameters.turn[v], estimate, gather);
+            turn_along(along, m, parameters.rest_wrinkle[v], before[v], parameters.turn[v],
+                       settings.buckling_threshold, estimate, gather);
         }
         const float w = parameters.wavelength[v];
         waves.compression[v] = estimate.r;

@@ -46,16 +46,17 @@ double length_ratio(const Profile& profile, double s);
 double steepness(const Profile& profile, double ratio);
 
 struct Settings {
-    float wavelength = 0.05f;   // W in rest space, object units, > 0
-    float strength = 1.0f;      // factor on the amplitude of equation (2), >= 0
-    bool keep_length = true;    // kGeometry: waves no longer than the cloth at rest; see keep_length()
-    float rate = 0.5f;          // epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
-    int rounds = 4;             // of relaxation, from the frame before, >= 0
-    int start_rounds = 200;     // from the canonical start, >= 0
-    float irregularity = 0.0f;  // 0: tidy cloth, 1: skin: seeded turns of k and of W, 0..1
-    std::uint32_t seed = 0;     // of the first phases and of the irregularity
-    bool aligned_start = true;  // align() the random first phases; false: as printed
-    int threads = 0;            // 0: chosen by size; the result does not depend on it
+    float wavelength = 0.05f;         // W in rest space, object units, > 0
+    float strength = 1.0f;            // factor on the amplitude of equation (2), >= 0
+    float buckling_threshold = 0.0f;  // share of its length that cloth may lose without waves, 0..0.99
+    bool keep_length = true;          // kGeometry: waves no longer than the cloth at rest; see keep_length()
+    float rate = 0.5f;                // epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
+    int rounds = 4;                   // of relaxation, from the frame before, >= 0
+    int start_rounds = 200;           // from the canonical start, >= 0
+    float irregularity = 0.0f;        // 0: tidy cloth, 1: skin: seeded turns of k and of W, 0..1
+    std::uint32_t seed = 0;           // of the first phases and of the irregularity
+    bool aligned_start = true;        // align() the random first phases; false: as printed
+    int threads = 0;                  // 0: chosen by size; the result does not depend on it
     float bend_radius =
         0.0f;              // object units, >= 0: no waves along lines that bend on less; 0: along any line
     bool dissolve = true;  // waves that disagree with their neighbours are lower; see dissolve()

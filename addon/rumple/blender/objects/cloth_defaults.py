@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from ...core import wrinkle_mesh, wrinkle_paths
+from ...core import wrinkle_field, wrinkle_mesh, wrinkle_paths
 from .. import compat
 from . import incoming_mesh, mesh_reader, modifier, properties, runtimes, units
 
@@ -37,7 +37,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
     """Settings by what moves the object; none for what is neither skinned nor simulated."""
     method = obj.rumple.method
     if is_simulated(obj):
-        return wrinkle_mesh.SIMULATED_DEFAULTS if method == "MESH" else {}
+        return {"MESH": wrinkle_mesh.SIMULATED_DEFAULTS, "FIELD": wrinkle_field.SIMULATED_DEFAULTS}.get(method, {})
     if not is_skinned(obj):
         return {}
     base = mesh_reader.base_mesh(obj, "REST_POSE", "")
@@ -47,7 +47,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
     values = wrinkle_mesh.cloth_defaults(base, metres, np.array(obj.matrix_world.to_3x3(), np.float32))
     if method == "MESH":
         return values
-    of_folds = wrinkle_paths.cloth_defaults(base, metres) if method == "PATHS" else {}
+    of_folds = wrinkle_paths.cloth_defaults(base, metres) if method == "PATHS" else wrinkle_field.CLOTH_DEFAULTS
     return {name: values[name] for name in ("base_cloth", "up", "room", "slide_room", "thickness")} | of_folds
 
 

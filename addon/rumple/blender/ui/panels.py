@@ -137,7 +137,7 @@ class DATA_PT_rumple_waves(Panel, bpy.types.Panel):
                 column.prop(settings, name)
             column.prop(obj.rumple, "most_vertices")
             column.separator()
-        for name in ("dissolve", "irregularity", "seed", "profile"):
+        for name in ("buckling_threshold", "dissolve", "irregularity", "seed", "profile"):
             column.prop(settings, name)
         curve = field_profile.node(obj) if settings.profile == "CURVE" else None
         if curve is not None:

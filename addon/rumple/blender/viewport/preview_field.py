@@ -29,7 +29,8 @@ class Passes:
         self.estimate_waves = Pass(
             source("estimate_waves"),
             ("vertices", "wave_parameters", "neighbours", "positions", "normals", "before", "stretches"),
-            ("out_waves", "out_estimate"), (("FLOAT", "strength"), ("BOOL", "true_lengths"), ("BOOL", "adaptive")))
+            ("out_waves", "out_estimate"), (("FLOAT", "strength"), ("FLOAT", "threshold"), ("BOOL", "true_lengths"),
+                                              ("BOOL", "adaptive")))
         self.edge_offsets = Pass(source("edge_offsets"), ("neighbours", "waves", "estimate", "positions", "solved"),
                                  ("out_link", "out_solved"))
         self.activity = Pass(source("activity"), ("vertices", "solved"), ("out_activity",))
@@ -81,6 +82,7 @@ class GpuField:
     def set_wave_parameters(self, settings: Any, wave_parameters: Any, profile: Any) -> None:
         """settings: WrinkleFieldSettings; wave_parameters: WrinkleFieldWaveParameters; profile: WrinkleFieldProfile."""
         self._strength, self._rate = float(settings.strength), float(settings.rate)
+        self._threshold = float(settings.buckling_threshold)
         self._dissolves = bool(settings.dissolve)
         wavelength = np.where(self._has_frame, wave_parameters.wavelength, 0.0)
         self._vertices = upload(np.column_stack((self._first, self._counts, wavelength, wave_parameters.mask)))
@@ -116,7 +118,8 @@ class GpuField:
             "before": before,
             "positions": self._positions, "normals": self._normals,
             "stretches": self._stretches or self._positions},
-            strength=self._strength, true_lengths=self._true_lengths, adaptive=self._stretches is not None)
+            strength=self._strength, threshold=self._threshold, true_lengths=self._true_lengths,
+            adaptive=self._stretches is not None)
         waves, estimate = self._waves[0].textures
         solved = self._start_solved or self._links[0].textures[1]
         self._start_solved = None

@@ -68,6 +68,7 @@ class WrinkleFieldSettings(Struct):
     __slots__ = ()
     wavelength: float  # W in rest space, object units, > 0
     strength: float  # factor on the amplitude of equation (2), >= 0
+    buckling_threshold: float  # share of its length that cloth may lose without waves, 0..0.99
     keep_length: bool  # geometry: waves no longer than the cloth at rest
     rate: float  # epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
     rounds: int  # of relaxation, from a given state, >= 0
@@ -79,10 +80,10 @@ class WrinkleFieldSettings(Struct):
     threads: int  # 0: chosen by size; never changes the result
     dissolve: bool  # waves that disagree with their neighbours are lower
     rest: ReferenceSettings  # what compression is measured against
-    _fields_ = (("wavelength", c_float), ("strength", c_float), ("keep_length", c_bool), ("rate", c_float),
-        ("rounds", c_int32), ("start_rounds", c_int32), ("irregularity", c_float), ("bend_radius", c_float),
-        ("seed", c_uint32), ("aligned_start", c_bool), ("threads", c_int32), ("dissolve", c_bool),
-        ("rest", ReferenceSettings),)
+    _fields_ = (("wavelength", c_float), ("strength", c_float), ("buckling_threshold", c_float),
+        ("keep_length", c_bool), ("rate", c_float), ("rounds", c_int32), ("start_rounds", c_int32),
+        ("irregularity", c_float), ("bend_radius", c_float), ("seed", c_uint32), ("aligned_start", c_bool),
+        ("threads", c_int32), ("dissolve", c_bool), ("rest", ReferenceSettings),)
 
 
 class WrinkleFieldProfile(Struct):
