@@ -131,6 +131,24 @@ SparseRows refined_rows(const PolygonMesh& parent, const UsedVertices& used,
                                       : make_rows(refiner, used.vertex_of);
 }
 
+// Vertices of a level on the limit surface <- parent vertices. Where level 0 has no masks they are taken one
+// level on, at the vertices that those of level 0 became.
+SparseRows limit_rows(const PolygonMesh& parent, const UsedVertices& used, Index levels) {
+    const Index levels_of_masks = std::max(levels, levels_before_masks(parent));
+    const Refiner refiner = refine_uniformly(parent, used, levels_of_masks);
+    const SparseRows masks = make_limit_rows(*refiner), refined = refined_rows(parent, used, *refiner);
+    if (levels == levels_of_masks) return compose(masks, refined);
+    SparseRows at_vertices;  // vertex of level 0 <- vertices of level 1
+    const Far::TopologyLevel& vertices = refiner->GetLevel(0);
+    for (Index v = 0; v < vertices.GetNumVertices(); ++v) {
+        const Index row = vertices.GetVertexChildVertex(v);
+        for (Index k = masks.start[row]; k < masks.start[row + 1]; ++k)
+            at_vertices.add(masks.index[k], masks.weight[k]);
+        at_vertices.end_row();
+    }
+    return compose(at_vertices, refined);
+}
+
 }  // namespace
 
 FineMesh refine_subdivision(const PolygonMesh& parent, Index levels) {
@@ -150,28 +168,24 @@ FineMesh refine_subdivision(const PolygonMesh& parent, Index levels) {
 SparseRows subdivision_stencils(const PolygonMesh& parent, Index levels, bool limit) {
     check_levels(parent, levels);
     const UsedVertices used(parent);
-    const Refiner refiner = refine_uniformly(parent, used, levels);
-    const SparseRows refined = refined_rows(parent, used, *refiner);
-    return limit ? compose(make_limit_rows(*refiner), refined) : refined;
+    if (limit) return limit_rows(parent, used, levels);
+    return refined_rows(parent, used, *refine_uniformly(parent, used, levels));
 }
 
 SparseRows vertex_limit_stencils(const Surface& surface) {
     const UsedVertices used(surface.welded);
-    const Index levels = levels_before_masks(surface.welded);
-    const Refiner refiner = refine_uniformly(surface.welded, used, levels);
-    const SparseRows masks = make_limit_rows(*refiner);
-    SparseRows at_vertices;  // vertex <- vertices of the last level
-    Index next = 0;          // of the used vertices
+    const SparseRows of_used = limit_rows(surface.welded, used, 0);
+    SparseRows rows;
+    Index next = 0;  // of the used vertices
     for (Index v = 0; v < surface.welded.vertex_count; ++v) {
         if (next < Index(used.vertex_of.size()) && used.vertex_of[next] == v) {
-            const Index row = levels == 0 ? next : refiner->GetLevel(0).GetVertexChildVertex(next);
-            for (Index k = masks.start[row]; k < masks.start[row + 1]; ++k)
-                at_vertices.add(masks.index[k], masks.weight[k]);
+            for (Index k = of_used.start[next]; k < of_used.start[next + 1]; ++k)
+                rows.add(of_used.index[k], of_used.weight[k]);
             ++next;
         }
-        at_vertices.end_row();
+        rows.end_row();
     }
-    return compose(at_vertices, refined_rows(surface.welded, used, *refiner));
+    return rows;
 }
 
 }  // namespace rumple

@@ -35,20 +35,12 @@ void sort_by_triangle(Model& model) {
 }
 
 // Limit positions of the welded vertices; loose ones stay where they are.
-SparseRows limit_of_vertices(const Surface& surface) {
-    const SparseRows of_used = subdivision_stencils(surface.welded, 0, true);
-    std::vector<bool> used(size_t(surface.welded.vertex_count), false);
-    for (const Index v : surface.welded.corner_vertex) used[v] = true;
+SparseRows limit_of_all_vertices(const Surface& surface) {
+    const SparseRows limit = vertex_limit_stencils(surface);
     SparseRows rows;
-    Index next = 0;
-    for (Index v = 0; v < surface.welded.vertex_count; ++v) {
-        if (used[v]) {
-            for (Index k = of_used.start[next]; k < of_used.start[next + 1]; ++k)
-                rows.add(of_used.index[k], of_used.weight[k]);
-            ++next;
-        } else {
-            rows.add(v, 1.0f);
-        }
+    for (Index v = 0; v < limit.rows(); ++v) {
+        if (limit.start[v] == limit.start[v + 1]) rows.add(v, 1.0f);
+        for (Index k = limit.start[v]; k < limit.start[v + 1]; ++k) rows.add(limit.index[k], limit.weight[k]);
         rows.end_row();
     }
     return rows;
@@ -102,7 +94,7 @@ std::shared_ptr<const Model> build(Surface base, const FineSource& source, Attac
     model->border_ring = rings_from_border(model->base, model->net);
     const FineMesh fine = refine(model->base, source);
     model->attachments = attach_refined(model->base, source, fine, attachment);
-    if (attachment == AttachmentKind::kLimit) model->vertex_limit = limit_of_vertices(model->base);
+    if (attachment == AttachmentKind::kLimit) model->vertex_limit = limit_of_all_vertices(model->base);
     model->positions_rest = attached_at_rest(model->base, model->attachments);
     sort_by_triangle(*model);
     model->stretch = build_stretch(model->base);
