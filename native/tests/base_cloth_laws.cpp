@@ -313,6 +313,9 @@ TEST(BaseClothLaws, AStateOfAnotherMeshIsNotUsedAndBadInputIsNamed) {
     settings = {};
     settings.clearance.reach = kNan;
     expect_refused([&] { garment.solve(settings, pose); }, {"reach"});
+    settings = {};
+    settings.gravity.z = kNan;
+    expect_refused([&] { garment.solve(settings, pose); }, {"gravity: value 0", "finite"});
 }
 
 }  // namespace

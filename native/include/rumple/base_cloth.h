@@ -55,7 +55,7 @@ typedef struct rumple_base_cloth_settings {
     float room;               // farthest that a vertex leaves its animated place, object units, >= 0
     float slide_room;         // the same along the surface, where that is more than room; object units, >= 0
     float friction;           // coefficient of Coulomb's law, on what is worn under the cloth, >= 0
-    float gravity[3];         // object space, object units / s^2
+    float gravity[3];         // object space, object units / s^2, finite
     float thickness;          // how far cloth stays off bodies, object units, >= 0
     float unknown;            // how far cloth may go inwards where no body is found, object units, >= 0
     float reach;              // bodies farther away do not count, object units, > 0

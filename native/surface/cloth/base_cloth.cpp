@@ -53,6 +53,7 @@ void check(const Settings& settings) {
     expect_within("room", settings.room, 0.0, 1e9);
     expect_within("slide_room", settings.slide_room, 0.0, 1e9);
     expect_within("friction", settings.friction, 0.0, 1e3);
+    expect_finite<Vec3>("gravity", {&settings.gravity, 1}, "value");
     expect_within("thickness", settings.clearance.thickness, 0.0, 1e9);
     expect_within("unknown", settings.clearance.unknown, 0.0, 1e9);
     expect_within("reach", settings.clearance.reach, 1e-9, 1e9);

@@ -36,7 +36,7 @@ struct Settings {
     float room = 0.03f;         // farthest that a vertex leaves its animated place, object units, >= 0
     float slide_room = 0.0f;  // the same along the surface, where that is more than room; object units, >= 0
     float friction = 0.0f;    // coefficient of Coulomb's law, on what is worn under it, >= 0
-    Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2
+    Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2, finite
     ClearanceSettings clearance{};
     int steps = 12;        // from a given state, most Newton steps, >= 0
     int start_steps = 20;  // from the animation, >= 0

@@ -49,7 +49,7 @@ class BaseClothSettings(Struct):
     room: float  # farthest that a vertex leaves its animated place, object units, >= 0
     slide_room: float  # the same along the surface, where that is more than room; object units, >= 0
     friction: float  # coefficient of Coulomb's law, on what is worn under the cloth, >= 0
-    gravity: Array  # object space, object units / s^2
+    gravity: Array  # object space, object units / s^2, finite
     thickness: float  # how far cloth stays off bodies, object units, >= 0
     unknown: float  # how far cloth may go inwards where no body is found, object units, >= 0
     reach: float  # bodies farther away do not count, object units, > 0
