@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flat arrays are the language between rooms.
+// The array types that all parts exchange: indices, vectors, sparse rows (CSR).
 #pragma once
 
 #include <cstdint>

@@ -152,7 +152,6 @@ SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> 
     if (places.empty()) return {};
     const UsedVertices used(surface.welded);
     const Refiner refiner = make_refiner(surface.welded, used);
-    // Irregular vertices are isolated so far, then OpenSubdiv puts Gregory patches around them.
     refine_adaptively(*refiner, surface.welded, exact_levels);
     const Far::PtexIndices ptex(*refiner);
     const bool loop = refiner->GetSchemeType() == Sdc::SCHEME_LOOP;

@@ -70,7 +70,8 @@ Row5 solved(const std::array<Row5, 5>& factor, Row5 x) {
     return x;
 }
 
-// The direction along which the surface has derivatives x and y, and the second derivative along it.
+// Derivatives of the position by two coordinates along the surface, x and y, and along the line of a
+// direction t in them.
 struct Derivatives {
     Vec3 x{0.0f}, y{0.0f}, xx{0.0f}, xy{0.0f}, yy{0.0f};
 
