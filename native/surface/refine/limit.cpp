@@ -121,12 +121,10 @@ SparseRows spread_rows(const SparseRows& attached, std::span<const SurfacePoint>
     Index r = 0;
     for (const SurfacePoint& place : places) {
         if (place.triangle != kNone) {
-            for (Index k = attached.start[r]; k < attached.start[r + 1]; ++k) {
-                rows.add(attached.index[k], attached.weight[k]);
-            }
-            ++r;
+            rows.append_row(attached, r++);
+        } else {
+            rows.end_row();
         }
-        rows.end_row();
     }
     return rows;
 }

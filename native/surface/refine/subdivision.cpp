@@ -32,15 +32,6 @@ Refiner refine_uniformly(const PolygonMesh& parent, const UsedVertices& used, In
     return refiner;
 }
 
-SparseRows identity_rows(Index count) {
-    SparseRows rows;
-    for (Index i = 0; i < count; ++i) {
-        rows.add(i, 1.0f);
-        rows.end_row();
-    }
-    return rows;
-}
-
 // Vertices of the last level <- parent vertices, smooth.
 SparseRows make_rows(const Far::TopologyRefiner& refiner, std::span<const Index> column_of) {
     StencilFactory::Options options;
@@ -140,12 +131,8 @@ SparseRows limit_rows(const PolygonMesh& parent, const UsedVertices& used, Index
     if (levels == levels_of_masks) return compose(masks, refined);
     SparseRows at_vertices;  // vertex of level 0 <- vertices of level 1
     const Far::TopologyLevel& vertices = refiner->GetLevel(0);
-    for (Index v = 0; v < vertices.GetNumVertices(); ++v) {
-        const Index row = vertices.GetVertexChildVertex(v);
-        for (Index k = masks.start[row]; k < masks.start[row + 1]; ++k)
-            at_vertices.add(masks.index[k], masks.weight[k]);
-        at_vertices.end_row();
-    }
+    for (Index v = 0; v < vertices.GetNumVertices(); ++v)
+        at_vertices.append_row(masks, vertices.GetVertexChildVertex(v));
     return compose(at_vertices, refined);
 }
 
@@ -178,12 +165,11 @@ SparseRows vertex_limit_stencils(const Surface& surface) {
     SparseRows rows;
     Index next = 0;  // of the used vertices
     for (Index v = 0; v < surface.welded.vertex_count; ++v) {
-        if (next < Index(used.vertex_of.size()) && used.vertex_of[next] == v) {
-            for (Index k = of_used.start[next]; k < of_used.start[next + 1]; ++k)
-                rows.add(of_used.index[k], of_used.weight[k]);
-            ++next;
+        if (next < of_used.rows() && used.vertex_of[next] == v) {
+            rows.append_row(of_used, next++);
+        } else {
+            rows.end_row();
         }
-        rows.end_row();
     }
     return rows;
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <string>
 
 #include "base/expect.h"
 #include "systems/wrinkle_paths/context.h"
@@ -16,12 +15,6 @@ float quality_of(const FlatTriangle& t) {
     const Vec2 u1(t.x1, 0.0f), u2(t.x2, t.y2);
     const float squares = glm::dot(u1, u1) + glm::dot(u2, u2) + glm::dot(u2 - u1, u2 - u1);
     return 4.0f * std::sqrt(3.0f) * t.area() / squares;
-}
-
-void check_range(const char* name, double value, double low, double high, bool low_excluded = false) {
-    if (value <= high && (low_excluded ? value > low : value >= low)) return;  // false for NaN
-    throw InvalidInput(std::string(name) + ": expected a value " + (low_excluded ? "above " : "from ") +
-                       short_text(low) + " to " + short_text(high) + ", got " + short_text(value));
 }
 
 void sort_by_triangle(Model& model) {
@@ -40,8 +33,7 @@ SparseRows limit_of_all_vertices(const Surface& surface) {
     SparseRows rows;
     for (Index v = 0; v < limit.rows(); ++v) {
         if (limit.start[v] == limit.start[v + 1]) rows.add(v, 1.0f);
-        for (Index k = limit.start[v]; k < limit.start[v + 1]; ++k) rows.add(limit.index[k], limit.weight[k]);
-        rows.end_row();
+        rows.append_row(limit, v);
     }
     return rows;
 }
@@ -72,18 +64,18 @@ std::vector<Index> rings_from_border(const Surface& surface, const TriangleNet& 
 void check(const Settings& s) {
     constexpr double kMost = 1e6;
     check_reference(s);
-    check_range("smoothing", s.smoothing, 0.0, 10.0);
-    check_range("threshold", s.threshold, 1.0, kMost, true);
-    check_range("reach", s.reach, 0.0, 1.0);
-    check_range("width", s.width, 0.0, kMost, true);
-    check_range("spacing", s.spacing, 0.0, kMost, true);
-    check_range("alignment", s.alignment, 0.0, kMost);
-    check_range("growth_limit", s.growth_limit, 0.0, kMost);
-    check_range("fade", s.fade, 0.0, kMost);
-    check_range("bend_radius", s.bend_radius, 0.0, kFarthestCoordinate);
-    check_range("hem_rings", s.hem_rings, 0.0, kMost);
-    check_range("height", s.height, 0.0, kMost);
-    check_range("threads", s.threads, 0.0, 1024.0);
+    expect_within("smoothing", s.smoothing, 0.0, 10.0);
+    expect_above("threshold", s.threshold, 1.0, kMost);
+    expect_within("reach", s.reach, 0.0, 1.0);
+    expect_above("width", s.width, 0.0, kMost);
+    expect_above("spacing", s.spacing, 0.0, kMost);
+    expect_within("alignment", s.alignment, 0.0, kMost);
+    expect_within("growth_limit", s.growth_limit, 0.0, kMost);
+    expect_within("fade", s.fade, 0.0, kMost);
+    expect_within("bend_radius", s.bend_radius, 0.0, kFarthestCoordinate);
+    expect_within("hem_rings", s.hem_rings, 0.0, kMost);
+    expect_within("height", s.height, 0.0, kMost);
+    expect_within("threads", s.threads, 0.0, 1024.0);
 }
 
 std::shared_ptr<const Model> build(Surface base, const FineSource& source, AttachmentKind attachment) {
