@@ -152,8 +152,8 @@ class BaseClothKept(Struct):
     moved: float  # farthest way of a vertex in the last step, uncut, object units, >= 0
     seconds: float  # between the two poses, >= 0
     fastest: float  # speed in the frame, object units / s, >= 0
-    gravity: Array
-    wind: Array
+    gravity: Array  # that acted, object space, object units / s^2
+    wind: Array  # that blew, object space, object units / s
     air: int | None  # (w, 3), object units / s, or none
     air_count: int
     push: int | None  # (w, 3), object units / s^2, or none
