@@ -193,7 +193,7 @@ void forces_at_vertices(const Frame& frame, std::vector<Row>& x, std::vector<Row
         store_rows(under.normal, normals);
         store_rows(before.normal, normals_ahead);
         for (int k = 0; k < kLanes; ++k) {
-            Matrix& block = hessian->own[four * kLanes + k];
+            Matrix& block = hessian->diagonal[four * kLanes + k];
             block = scaled_identity(back[k] + rub[k]);
             add_outer_product(off[k], surface_normals[k], block);
             add_outer_product(1.0f, walls[k], block);
@@ -204,7 +204,7 @@ void forces_at_vertices(const Frame& frame, std::vector<Row>& x, std::vector<Row
     for (size_t v = 0; v < frame.inertia.size(); ++v) {
         const auto& [from, push, resist] = frame.inertia[v];
         out[v].xyz += push.xyz - resist * Row(x[v].xyz - from.xyz);
-        if (hessian) add(resist, hessian->own[v]);
+        if (hessian) add(resist, hessian->diagonal[v]);
     }
 }
 
@@ -245,7 +245,7 @@ float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report) {
     std::vector<Row> force = frame.rows(), step = frame.rows(), tried = frame.rows(), there = frame.rows();
     Hessian hessian;
     hessian.springs.resize(cloth.model.springs.size());
-    hessian.own.resize(at.size());
+    hessian.diagonal.resize(at.size());
     forces(frame, at, force, &hessian);
     report.gradients += conjugate_gradients(cloth.model, hessian, force, cloth.settings.gradients, step);
     const double slope = inner_product(force, step);

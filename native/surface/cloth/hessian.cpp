@@ -130,11 +130,11 @@ Factors::Factors(const Model& model, const Hessian& hessian)
     : sweep_(model.sweep),
       earlier_(lanes_of(sweep_.earlier, hessian)),
       later_(lanes_of(sweep_.later, hessian)),
-      diagonal_(hessian.own.size()),
-      inverse_(hessian.own.size()),
-      beyond_(hessian.own.size()) {
-    std::vector<Block> whole(hessian.own.size());
-    for (size_t v = 0; v < whole.size(); ++v) whole[v] = to_block(hessian.own[v]);
+      diagonal_(hessian.diagonal.size()),
+      inverse_(hessian.diagonal.size()),
+      beyond_(hessian.diagonal.size()) {
+    std::vector<Block> whole(hessian.diagonal.size());
+    for (size_t v = 0; v < whole.size(); ++v) whole[v] = to_block(hessian.diagonal[v]);
     for (size_t s = 0; s < model.springs.size(); ++s) {
         const Block block = block_of(hessian.springs[s]);
         whole[model.springs[s].a] += block;

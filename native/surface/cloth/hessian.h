@@ -35,8 +35,8 @@ struct Hessian {
         float along = 0.0f;   // >= -across
         float across = 0.0f;  // >= 0
     };
-    std::vector<Spring> springs;  // as those of the model
-    std::vector<Matrix> own;      // per vertex: what no spring adds to its diagonal; positive semidefinite
+    std::vector<Spring> springs;   // as those of the model
+    std::vector<Matrix> diagonal;  // per vertex, without what springs add to it; positive semidefinite
 };
 
 // Solves hessian step = force, from step 0, until the residual is a share of the force, or for so many

@@ -28,8 +28,9 @@ struct Pose {
     std::vector<Vec3> floor;            // unit: off what is worn under each; empty: the normals
     std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
     std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
-    std::vector<OwnSide> own;           // what of the own cloth faces each attachment; empty: no bound
-    std::vector<float> heights;         // PosedOwnSurface::heights() at the attachments; empty: no bound
+    // What of the cloth itself, or of a body in front, faces each attachment; empty: no bound.
+    std::vector<SelfContactSide> self_contact;
+    std::vector<float> heights;  // PosedSelfContactMesh::heights() at the attachments; empty: no bound
     Index collapsed = 0;
 };
 

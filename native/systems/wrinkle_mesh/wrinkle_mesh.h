@@ -157,7 +157,7 @@ struct Input {
     const PosedCollider* bodies = nullptr;
     std::span<const Index> body_hint{};
     float thickness = 0.0f;
-    int threads = 0;  // that look for bodies and for the own cloth; 0: by their number
+    int threads = 0;  // that look for bodies and for the cloth itself; 0: by their number
 };
 
 struct Report {
