@@ -181,8 +181,8 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
 
 // The same with the sweeps in natural order, one constraint after the other as
 // printed. For tests.
-State solve_reference(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
-                      const State* state, Report& report);
+State solve_in_order(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                     const State* state, Report& report);
 
 // The shown mesh for a frame and its state; in_viewport: that of viewports.
 using Picture = ShownFrame;
