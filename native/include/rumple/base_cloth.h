@@ -64,7 +64,7 @@ typedef struct rumple_base_cloth_settings {
     float spread;             // length over which what is known of bodies fades, object units, > 0
     int32_t steps;            // most Newton steps from a given state, >= 0
     int32_t start_steps;      // Newton steps from the animation, >= 0
-    int32_t gradients;        // most conjugate gradients of a step, >= 0
+    int32_t most_cg_iterations;  // of conjugate gradients (CG), in a Newton step, >= 0
 } rumple_base_cloth_settings;
 RUMPLE_API rumple_base_cloth_settings rumple_base_cloth_settings_default(void);
 
@@ -172,10 +172,10 @@ RUMPLE_API rumple_status rumple_base_cloth_state_activated(const rumple_base_clo
                                                            rumple_base_cloth_state** activated);
 
 typedef struct rumple_base_cloth_report {
-    int32_t steps;      // 0: the pose was held
-    int32_t gradients;  // conjugate gradients of all steps
-    float moved;        // farthest way of a vertex in the last step, uncut, object units
-    float offset_mean;  // from the animation, object units
+    int32_t steps;          // 0: the pose was held
+    int32_t cg_iterations;  // of all steps
+    float moved;            // farthest way of a vertex in the last step, uncut, object units
+    float offset_mean;      // from the animation, object units
     float offset_max;
     float taut;        // share of the springs that are longer than at rest
     float touching;    // share of the vertices that rest on the inner surface
@@ -185,7 +185,7 @@ typedef struct rumple_base_cloth_report {
 // One frame: the equilibrium of its pose, without inertia. paint: or NULL. positions: (n, 3), animated.
 // bodies: or NULL. before: of the frame before, or NULL. report: written, or NULL. Refused: a setting out of
 // its range, positions that are not n, not finite or far from the rest shape, paint or state of another
-// model. Cost: about 0.03 us a vertex and gradient, and 1 us a vertex and step for contact.
+// model. Cost: about 0.03 us a vertex and CG iteration, and 1 us a vertex and step for contact.
 RUMPLE_API rumple_status rumple_base_cloth_solve(const rumple_base_cloth* model,
                                                  const rumple_base_cloth_settings* settings,
                                                  const rumple_base_cloth_paint* paint, const float* positions,

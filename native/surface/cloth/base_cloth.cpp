@@ -61,7 +61,7 @@ void check(const Settings& settings) {
     expect_within("spread", settings.clearance.spread, 1e-9, 1e9);
     expect_within("steps", settings.steps, 0, 1e6);
     expect_within("start_steps", settings.start_steps, 0, 1e6);
-    expect_within("gradients", settings.gradients, 0, 1e6);
+    expect_within("most_cg_iterations", settings.most_cg_iterations, 0, 1e6);
 }
 
 Result solve(const Model& model, const Settings& settings, const Paint& paint,

@@ -247,7 +247,8 @@ float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report) {
     hessian.springs.resize(cloth.model.springs.size());
     hessian.diagonal.resize(at.size());
     forces(frame, at, force, &hessian);
-    report.gradients += conjugate_gradients(cloth.model, hessian, force, cloth.settings.gradients, step);
+    report.cg_iterations +=
+        conjugate_gradients(cloth.model, hessian, force, cloth.settings.most_cg_iterations, step);
     const double slope = inner_product(force, step);
     float fraction = 1.0f;
     for (int i = 0; i < kShortenings; ++i) {

@@ -57,13 +57,13 @@ class BaseClothSettings(Struct):
     spread: float  # length over which what is known of bodies fades, object units, > 0
     steps: int  # most Newton steps from a given state, >= 0
     start_steps: int  # Newton steps from the animation, >= 0
-    gradients: int  # most conjugate gradients of a step, >= 0
+    most_cg_iterations: int  # of conjugate gradients (CG), in a Newton step, >= 0
     _fields_ = (("stretch", c_float), ("strain_limit", c_float), ("shear", c_float), ("compression", c_float),
         ("compression_limit", c_float), ("folded", c_float), ("smoothing", c_float), ("tube_radius", c_float),
         ("flat_share", c_float), ("slack", c_float), ("hang", c_float * 3), ("follow", c_float), ("room", c_float),
         ("slide_room", c_float), ("friction", c_float), ("gravity", c_float * 3), ("thickness", c_float),
         ("unknown", c_float), ("reach", c_float), ("depth", c_float), ("spread", c_float), ("steps", c_int32),
-        ("start_steps", c_int32), ("gradients", c_int32),)
+        ("start_steps", c_int32), ("most_cg_iterations", c_int32),)
 
 
 class BaseClothSwing(Struct):
@@ -174,14 +174,14 @@ class BaseClothReport(Struct):
 
     __slots__ = ()
     steps: int  # 0: the pose was held
-    gradients: int  # conjugate gradients of all steps
+    cg_iterations: int  # of all steps
     moved: float  # farthest way of a vertex in the last step, uncut, object units
     offset_mean: float  # from the animation, object units
     offset_max: float
     taut: float  # share of the springs that are longer than at rest
     touching: float  # share of the vertices that rest on the inner surface
     body_known: float  # share of the vertices that have a body under them
-    _fields_ = (("steps", c_int32), ("gradients", c_int32), ("moved", c_float), ("offset_mean", c_float),
+    _fields_ = (("steps", c_int32), ("cg_iterations", c_int32), ("moved", c_float), ("offset_mean", c_float),
         ("offset_max", c_float), ("taut", c_float), ("touching", c_float), ("body_known", c_float),)
 
 
