@@ -152,8 +152,8 @@ Attachments attach_refined(const Surface& base, const FineSource& source, const 
 }
 
 std::vector<Vec3> attached_at_rest(const Surface& base, const Attachments& attachments) {
-    std::vector<Vec3> rest(attachments.places.size()), normals(base.welded.vertex_count);
-    vertex_normals(base, base.positions_rest, normals);
+    std::vector<Vec3> rest(attachments.places.size());
+    const std::vector<Vec3> normals = vertex_normals(base, base.positions_rest);
     attach(base, attachments, base.positions_rest, normals, rest, 0, rest.size());
     return rest;
 }
