@@ -9,6 +9,7 @@
 #include "base/errors.h"
 #include "base/graph_coloring.h"
 #include "base/tolerances.h"
+#include "surface/mesh/border_rings.h"
 #include "systems/wrinkle_mesh/pose.h"
 #include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
@@ -50,6 +51,12 @@ struct PairSets {
     std::vector<Pair> edges;     // of the triangles
     std::vector<Pair> opposite;  // the two vertices across an edge of two triangles
     std::vector<Pair> border;    // edges of one triangle
+
+    std::vector<bool> on_border(size_t vertices) const {
+        std::vector<bool> out(vertices, false);
+        for (const Pair& edge : border) out[edge[0]] = out[edge[1]] = true;
+        return out;
+    }
 };
 
 PairSets collect_pairs(const std::vector<std::array<Index, 3>>& triangles) {
@@ -117,35 +124,6 @@ std::vector<float> mean_edge_around(const Pairs& edges, size_t vertices) {
     return sum;
 }
 
-// Rings from the open borders, by breadth-first search over the edges.
-std::vector<Index> rings_from_border(const PairSets& sets, size_t vertices) {
-    std::vector<std::vector<Index>> neighbours(vertices);
-    for (const Pair& e : sets.edges) {
-        neighbours[e[0]].push_back(e[1]);
-        neighbours[e[1]].push_back(e[0]);
-    }
-    std::vector<Index> ring(vertices, kNone);
-    std::vector<Index> front;
-    for (const Pair& e : sets.border) {
-        for (const Index v : e) {
-            if (ring[v] == kNone) front.push_back(v);
-            ring[v] = 0;
-        }
-    }
-    while (!front.empty()) {
-        std::vector<Index> next;
-        for (const Index v : front) {
-            for (const Index n : neighbours[v]) {
-                if (ring[n] != kNone) continue;
-                ring[n] = ring[v] + 1;
-                next.push_back(n);
-            }
-        }
-        front.swap(next);
-    }
-    return ring;
-}
-
 // The artist's mesh: closest points, and what is left between them and the mesh.
 // fine: the artist's mesh without the vertices that no polygon uses.
 void bind_own(Model& model, const Source& source, const FineMesh& fine, std::span<const Vec3> rest) {
@@ -206,7 +184,7 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
     model->distance = coloured(sets.edges, rest);
     model->bending = coloured(sets.opposite, rest);
     model->local_edge = mean_edge_around(model->distance, vertices);
-    model->boundary_ring = rings_from_border(sets, vertices);
+    model->border_ring = border_rings(sets.edges, sets.on_border(vertices));
     model->stretch = build_stretch(model->base);
     if (source.adaptive) model->adaptive = place_pairs(*model);
     model->near = near_triangles(model->base);

@@ -33,7 +33,7 @@ struct Settings {
     float buckling_threshold =
         0.0f;                        // compression of the base that bears no folds, share of the length, 0..1
     float compression_limit = 1.3f;  // rest length at most this times the base's length, >= 1
-    int hem_rings = 3;               // rings over which r fades to 0 at boundaries; 0: no fade
+    int hem_rings = 3;               // rings over which r fades to 0 at open borders; 0: no fade
     int iterations = 10;             // from a given state, >= 0
     int start_iterations = 20;       // from the canonical start, >= 0
     float damping = 0.3f;            // share of the former offset that is kept, 0..1
@@ -104,8 +104,8 @@ struct Model {
         rest_offset;  // own mesh: from surface to rest position, in the smooth frame; else empty
     Pairs distance;
     Pairs bending;
-    std::vector<float> local_edge;     // per solved vertex: mean rest length of the edges around it
-    std::vector<Index> boundary_ring;  // per solved vertex: edges to the nearest open border; -1: none
+    std::vector<float> local_edge;   // per solved vertex: mean rest length of the edges around it
+    std::vector<Index> border_ring;  // per solved vertex: edges to the nearest open border; -1: none
     std::vector<std::array<Index, 3>> triangles;  // of the solved mesh, for areas
     StretchModel stretch;
     NearTriangles near;

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/expect.h"
+#include "surface/mesh/border_rings.h"
 #include "systems/wrinkle_paths/context.h"
 
 namespace rumple::wrinkle_paths {
@@ -38,25 +39,12 @@ SparseRows limit_of_all_vertices(const Surface& surface) {
     return rows;
 }
 
-// By breadth-first search over the edges of the triangles.
-std::vector<Index> rings_from_border(const Surface& surface, const TriangleNet& net) {
-    std::vector<Index> ring(size_t(surface.welded.vertex_count), kNone);
-    for (size_t v = 0; v < ring.size(); ++v) {
-        if (surface.boundary_vertex[v]) ring[v] = 0;
-    }
-    bool more = true;
-    for (Index reached = 0; more; ++reached) {
-        more = false;
-        for (Index h = 0; h < Index(net.vertex.size()); ++h) {
-            const Index a = net.vertex[h], b = net.vertex[next_in_triangle(h)];
-            for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
-                if (ring[from] != reached || ring[to] != kNone) continue;
-                ring[to] = reached + 1;
-                more = true;
-            }
-        }
-    }
-    return ring;
+// Of the welded vertices, over the edges of the triangles.
+std::vector<Index> rings_over(const Surface& surface, const TriangleNet& net) {
+    std::vector<std::array<Index, 2>> edges;
+    for (Index h = 0; h < Index(net.vertex.size()); ++h)
+        edges.push_back({net.vertex[h], net.vertex[next_in_triangle(h)]});
+    return border_rings(edges, surface.boundary_vertex);
 }
 
 }  // namespace
@@ -83,7 +71,7 @@ std::shared_ptr<const Model> build(Surface base, const FineSource& source, Attac
     model->base = std::move(base);
     static_cast<ReferenceModel&>(*model) = build_reference(model->base);
     for (const FlatTriangle& t : model->rest) model->quality.push_back(quality_of(t));
-    model->border_ring = rings_from_border(model->base, model->net);
+    model->border_ring = rings_over(model->base, model->net);
     const FineMesh fine = refine(model->base, source);
     model->attachments = attach_refined(model->base, source, fine, attachment);
     if (attachment == AttachmentKind::kLimit) model->vertex_limit = limit_of_all_vertices(model->base);

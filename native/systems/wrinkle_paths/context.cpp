@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/tolerances.h"
+#include "surface/mesh/border_rings.h"
 #include "surface/mesh/positions.h"
 
 namespace rumple::wrinkle_paths {
@@ -34,10 +35,7 @@ std::vector<Stretch> stretches(const Model& model, const State& state,
 }
 
 float hem_weight(const Model& model, const Settings& settings, Index vertex) {
-    const Index ring = model.border_ring[vertex];
-    if (settings.hem_rings == 0 || ring == kNone || ring >= settings.hem_rings) return 1.0f;
-    const float x = float(ring) / float(settings.hem_rings);
-    return x * x * (3.0f - 2.0f * x);
+    return hem_fade(model.border_ring[vertex], settings.hem_rings);
 }
 
 float hem_weight(const Model& model, const Settings& settings, const SurfacePoint& place) {
