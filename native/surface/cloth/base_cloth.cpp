@@ -22,19 +22,6 @@ bool fits(const Model& model, const State* state) {
     return state && state->offset.size() == model.area.size() && matches(model, *state);
 }
 
-// Whether the pose is the one that the state was solved for, but for rounding.
-bool is_same(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
-    for (size_t s = 0; s < model.springs.size(); ++s) {
-        if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
-    }
-    const float still = kHeldStrain * settings.room;
-    for (size_t v = 0; v < pose.clearance.size(); ++v) {
-        if (std::abs(pose.clearance[v] - state.clearance[v]) > still) return false;
-        if (std::abs(pose.ahead_height[v] - state.ahead_height[v]) > still) return false;
-    }
-    return true;
-}
-
 }  // namespace
 
 void check(const Settings& settings) {
@@ -83,7 +70,7 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     for (size_t v = 0; before && v < vertices; ++v) x[v] += pose.frame[v].to_object(before->offset[v]);
     std::vector<Plane> planes(vertices);
     look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const bool same = before && is_same(model, settings, pose, *before);
+    const bool same = before && same_pose(model, pose, *before, kHeldStrain * settings.room);
     const float at_rest = kStillCloth * settings.room;
     const bool held = same && before->moved <= at_rest;  // it stays to the bit
     const int most_steps = held ? 0 : before ? settings.steps : settings.start_steps;
@@ -104,9 +91,7 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
         out.state.offset.push_back(held ? before->offset[v]
                                         : pose.frame[v].to_local(x[v] - pose.animated[v]));
     }
-    out.state.length = held ? before->length : pose.length;
-    out.state.clearance = held ? before->clearance : pose.clearance;
-    out.state.ahead_height = held ? before->ahead_height : pose.ahead_height;
+    keep_pose(pose, held ? before : nullptr, out.state);
     out.state.moved = out.report.moved;
     // The state keeps the equilibrium: what went on from a projected one would leave its balance in every
     // frame.

@@ -92,12 +92,8 @@ bool holds(const Model& model, const Settings& settings, const Swing& swing, con
     if (was.gravity != settings.gravity) return false;
     // Against the pull back alone it then moves no vertex by more than `still`.
     if (!acts_as_before(swing, acting, was, still * settings.follow)) return false;
-    for (size_t s = 0; s < model.springs.size(); ++s) {
-        if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
-    }
-    for (size_t v = 0; v < pose.clearance.size(); ++v) {
-        if (std::abs(pose.clearance[v] - state.clearance[v]) > still) return false;
-        if (std::abs(pose.ahead_height[v] - state.ahead_height[v]) > still) return false;
+    if (!same_pose(model, pose, state, still)) return false;
+    for (size_t v = 0; v < pose.animated.size(); ++v) {
         if (glm::distance(pose.animated[v], was.animated[v]) > still) return false;
     }
     return true;
@@ -300,9 +296,7 @@ Result swing(const Model& model, const Settings& settings, const Swing& swing, c
     const bool held = holds(model, settings, swing, acting, pose, was, *before);
     Motion motion = held ? was : step_through(model, settings, swing, acting, pose, was, planes, out);
     look_for_contacts(model, pose, motion.position, out.state.contact_hint, planes);
-    out.state.length = held ? before->length : pose.length;
-    out.state.clearance = held ? before->clearance : pose.clearance;
-    out.state.ahead_height = held ? before->ahead_height : pose.ahead_height;
+    keep_pose(pose, held ? before : nullptr, out.state);
     motion.animated_before = was.animated;
     motion.seconds = swing.seconds;
     motion.gravity = settings.gravity;
