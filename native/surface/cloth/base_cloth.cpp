@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/cloth/base_cloth.h"
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "base/expect.h"
 #include "base/tolerances.h"
@@ -11,7 +10,7 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr int kContactEvery = 2;  // warm Newton steps between two looks for the nearest inner surface
+constexpr int kContactEvery = 2;  // of the Newton steps from a given state: Schedule::contact_every
 // A limb that straightens pulls springs taut, one after another. Steps that stopped at the first of them
 // would be a tenth of what they could be, so a step may overshoot: springs that are taut behind it are in the
 // Hessian of the next one, which goes back where it must (a non-monotone line search: Grippo, Lampariello and
@@ -20,6 +19,23 @@ constexpr double kOvershoot = 50.0;
 
 bool fits(const Model& model, const State* state) {
     return state && state->offset.size() == model.area.size() && matches(model, *state);
+}
+
+// How a frame is solved.
+struct Schedule {
+    bool held = false;      // the state before stays to the bit
+    int most_steps = 0;     // of Newton's method
+    int contact_every = 1;  // so many steps from one look for the nearest inner surface to the next
+    float settled = 0.0f;   // a step that moves every vertex by less is the last one, object units
+};
+
+Schedule schedule_of(const Model& model, const Settings& settings, const Pose& pose, const State* before) {
+    if (!before) return {false, settings.start_steps, 1, 0.0f};
+    if (!same_pose(model, pose, *before, kHeldStrain * settings.room))
+        return {false, settings.steps, kContactEvery, kSettledCloth * static_cast<float>(mean_length(model))};
+    const float at_rest = kStillCloth * settings.room;
+    const bool held = before->moved <= at_rest;
+    return {held, held ? 0 : settings.steps, kContactEvery, at_rest};
 }
 
 }  // namespace
@@ -70,14 +86,7 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     for (size_t v = 0; before && v < vertices; ++v) x[v] += pose.frame[v].to_object(before->offset[v]);
     std::vector<Plane> planes(vertices);
     look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const bool same = before && same_pose(model, pose, *before, kHeldStrain * settings.room);
-    const float at_rest = kStillCloth * settings.room;
-    const bool held = same && before->moved <= at_rest;  // it stays to the bit
-    const int most_steps = held ? 0 : before ? settings.steps : settings.start_steps;
-    const int contact_every = before ? kContactEvery : 1;
-    const float settled = same     ? at_rest
-                          : before ? kSettledCloth * static_cast<float>(mean_length(model))
-                                   : 0.0f;
+    const auto [held, most_steps, contact_every, settled] = schedule_of(model, settings, pose, before);
     for (bool last = most_steps == 0; !last;) {
         last = ++out.report.steps == most_steps;
         Cloth cloth{model, settings, pose, planes};
