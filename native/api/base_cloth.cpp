@@ -56,7 +56,7 @@ static void pair_fields(rumple_base_cloth_settings& c, base_cloth::Settings& nat
     pair(c.spread, native.clearance.spread);
     pair(c.steps, native.steps);
     pair(c.start_steps, native.start_steps);
-    pair(c.gradients, native.gradients);
+    pair(c.most_cg_iterations, native.most_cg_iterations);
 }
 
 template <typename Pair>
@@ -80,7 +80,7 @@ static void pair_fields(rumple_cloth_cover_settings& c, CoverSettings& native, c
 namespace {
 
 rumple_base_cloth_report report_of(const base_cloth::Report& r) {
-    return {r.steps, r.gradients, r.moved, r.offset_mean, r.offset_max, r.taut, r.touching, r.body_known};
+    return {r.steps, r.cg_iterations, r.moved, r.offset_mean, r.offset_max, r.taut, r.touching, r.body_known};
 }
 
 const base_cloth::State* state_in(const rumple_base_cloth_state* state) {

@@ -134,7 +134,7 @@ Paint paint_in(const rumple_wrinkle_mesh* model, const rumple_wrinkle_mesh_paint
     return of ? of->paint : Paint{};
 }
 
-// solve() or solve_reference().
+// solve() or solve_in_order().
 template <typename Solve>
 rumple_status solved(const Solve& solve, const rumple_wrinkle_mesh* model,
                      const rumple_wrinkle_mesh_settings* settings, const rumple_wrinkle_mesh_paint* paint,
@@ -269,7 +269,7 @@ rumple_status rumple_wrinkle_mesh_solve_in_order(const rumple_wrinkle_mesh* mode
                                                  const rumple_wrinkle_mesh_state* before,
                                                  rumple_wrinkle_mesh_report* report,
                                                  rumple_wrinkle_mesh_state** state) {
-    return solved(solve_pose_reference, model, settings, paint, pose, before, report, state);
+    return solved(solve_pose_in_order, model, settings, paint, pose, before, report, state);
 }
 
 rumple_status rumple_wrinkle_mesh_show(const rumple_wrinkle_mesh* model,

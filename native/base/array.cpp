@@ -6,6 +6,15 @@
 
 namespace rumple {
 
+SparseRows identity_rows(Index count) {
+    SparseRows rows;
+    for (Index r = 0; r < count; ++r) {
+        rows.add(r, 1.0f);
+        rows.end_row();
+    }
+    return rows;
+}
+
 SparseRows compose(const SparseRows& outer, const SparseRows& inner) {
     Index columns = 0;
     for (Index column : inner.index) columns = std::max(columns, column + 1);

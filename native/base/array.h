@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Flat arrays are the language between rooms.
+// The array types that all parts exchange: indices, vectors, sparse rows (CSR).
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,15 @@ struct SparseRows {
         weight.push_back(value);
     }
     void end_row() { start.push_back(static_cast<Index>(index.size())); }
+    // A copy of row r of other rows.
+    void append_row(const SparseRows& from, Index r) {
+        for (Index k = from.start[r]; k < from.start[r + 1]; ++k) add(from.index[k], from.weight[k]);
+        end_row();
+    }
 };
+
+// Row r: column r with weight 1.
+SparseRows identity_rows(Index count);
 
 // out[r] = sum of weight x values[index] over row r. values is indexed by
 // column and must cover every column. Cost: one multiply-add an entry.

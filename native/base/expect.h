@@ -25,6 +25,13 @@ inline void expect_within(const std::string& name, double value, double low, dou
                        short_text(value));
 }
 
+// Above low, and at most high.
+inline void expect_above(const std::string& name, double value, double low, double high) {
+    if (value > low && value <= high) return;
+    throw InvalidInput(name + ": expected a value above " + short_text(low) + " to " + short_text(high) +
+                       ", got " + short_text(value));
+}
+
 // what: of what there are so many, e.g. "vertices".
 inline void expect_count(const std::string& name, size_t count, size_t expected, const char* what) {
     if (count == expected) return;

@@ -62,7 +62,9 @@ inline constexpr float kOppositeNormals = -0.999f;
 // Unit: none (strain). A vertex whose pairs changed their attachment length by
 // less than kHeldStrain since they were last solved is held; from kFreeStrain on
 // it is solved in full. Bone matrices in single precision jitter by about 1e-6;
-// a fold starts to show at about 1e-2.
+// a fold starts to show at about 1e-2. The base cloth is held by the strain of its
+// springs, and by how far the surface under it has moved: kHeldStrain as a share of
+// `room`, or, where it swings, of the mean rest length of its springs.
 inline constexpr float kHeldStrain = 2e-4f;
 inline constexpr float kFreeStrain = 4e-3f;
 

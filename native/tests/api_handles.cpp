@@ -217,7 +217,7 @@ TEST(ApiHandles, DefaultsAreThoseOfTheSystems) {
     const rumple_base_cloth_settings c_cloth = rumple_base_cloth_settings_default();
     EXPECT_EQ(c_cloth.gravity[2], cloth.gravity.z);
     EXPECT_EQ(c_cloth.spread, cloth.clearance.spread);
-    EXPECT_EQ(c_cloth.gradients, cloth.gradients);
+    EXPECT_EQ(c_cloth.most_cg_iterations, cloth.most_cg_iterations);
     const rumple_base_cloth_swing swing = rumple_base_cloth_swing_default();
     EXPECT_EQ(swing.longest_step, base_cloth::Swing{}.longest_step);
     for (int k = 0; k < 9; ++k) EXPECT_EQ(swing.matrix[k], k % 4 ? 0.0f : 1.0f);

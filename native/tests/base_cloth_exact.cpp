@@ -17,7 +17,7 @@ Settings nothing_but_springs() {
     settings.shear = 0.0f;
     settings.room = 10.0f;  // the pull back does not grow
     settings.start_steps = 60;
-    settings.gradients = 200;
+    settings.most_cg_iterations = 200;
     return settings;
 }
 

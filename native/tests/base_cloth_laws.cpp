@@ -181,7 +181,7 @@ TEST(BaseClothLaws, AtRestNoVertexIsBetterOffElsewhere) {
             settings.slack = 1.03f;
             settings.hang = {0.0f, 0.6f, -0.8f};
             settings.start_steps = 100;
-            settings.gradients = 300;
+            settings.most_cg_iterations = 300;
             const Result result = garment.solve(settings, pose);
             ASSERT_NO_FATAL_FAILURE(expect_free(settings, result));
             std::vector<glm::dvec3> x = in_double(result.positions);
@@ -313,6 +313,9 @@ TEST(BaseClothLaws, AStateOfAnotherMeshIsNotUsedAndBadInputIsNamed) {
     settings = {};
     settings.clearance.reach = kNan;
     expect_refused([&] { garment.solve(settings, pose); }, {"reach"});
+    settings = {};
+    settings.gravity.z = kNan;
+    expect_refused([&] { garment.solve(settings, pose); }, {"gravity: value 0", "finite"});
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ inline base_cloth::Settings in_empty_space() {
     settings.smoothing = 0.0f;
     settings.room = 1e3f;
     settings.clearance.unknown = 100.0f;
-    settings.gradients = 300;
+    settings.most_cg_iterations = 300;
     return settings;
 }
 

@@ -109,7 +109,7 @@ TEST(BaseClothSwingLaws, EnergyDoesNotGrow) {
             Settings settings = without_contact();
             soften(settings);
             settings.compression = settings.folded = compression;
-            settings.gradients = 300;
+            settings.most_cg_iterations = 300;
             const Points pose = garment.crumpled(0.95f, 1.0f, 0.05f);
             Swinging cloth(garment, settings, exactly(1.0f / 30.0f, 1.0f / 60.0f), pose);
             throw_about(cloth, 0.8f);

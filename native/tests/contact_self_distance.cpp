@@ -36,19 +36,20 @@ MeshData two_sheets(float gap, bool facing) {
     return mesh;
 }
 
-std::vector<OwnSide> sides_of(const MeshData& mesh, float reach) {
+std::vector<SelfContactSide> sides_of(const MeshData& mesh, float reach) {
     std::vector<std::array<Index, 3>> triangles;
     for (size_t k = 0; k < mesh.triangle_corner.size(); k += 3) {
         std::array<Index, 3> t;
         for (int i = 0; i < 3; ++i) t[i] = mesh.corner_vertex[mesh.triangle_corner[k + i]];
         triangles.push_back(t);
     }
-    const OwnSurface own(mesh.positions, triangles);
-    return PosedOwnSurface(own, mesh.positions).facing(std::vector<float>(mesh.positions.size(), reach), 1);
+    const SelfContactMesh cloth(mesh.positions, triangles);
+    return PosedSelfContactMesh(cloth, mesh.positions)
+        .facing(std::vector<float>(mesh.positions.size(), reach), 1);
 }
 
 // Of two sheets each vertex knows of the other one, across the gap.
-void expect_the_gap(const std::vector<OwnSide>& sides) {
+void expect_the_gap(const std::vector<SelfContactSide>& sides) {
     for (size_t v = 0; v < sides.size(); ++v) {
         EXPECT_NEAR(sides[v].distance, kGap, kRounding);
         const float up = v < sides.size() / 2 ? 1.0f : -1.0f;
@@ -60,7 +61,8 @@ void expect_the_gap(const std::vector<OwnSide>& sides) {
 TEST(SelfDistance, OfTwoSheetsIsTheGapBetweenThem) {
     expect_the_gap(sides_of(two_sheets(kGap, true), 2.0f * kGap));
     // Passed through each other, each lies behind the other.
-    for (const OwnSide& side : sides_of(two_sheets(-kGap, true), 2.0f * kGap)) EXPECT_FALSE(side.outside);
+    for (const SelfContactSide& side : sides_of(two_sheets(-kGap, true), 2.0f * kGap))
+        EXPECT_FALSE(side.outside);
 }
 
 TEST(SelfDistance, WhatIsFarOrFacesTheSameWayOrLiesAroundIsNothing) {
@@ -69,7 +71,7 @@ TEST(SelfDistance, WhatIsFarOrFacesTheSameWayOrLiesAroundIsNothing) {
     joined.add_polygon({0, other, other + 1, 1});
     for (const auto& sides : {sides_of(two_sheets(kGap, true), 0.9f * kGap), sides_of(joined, 2.0f * kGap),
                               sides_of(grid(5, 5, 1.0f), 4.0f), sides_of(two_sheets(kGap, true), 0.0f)}) {
-        for (const OwnSide& side : sides) EXPECT_EQ(side.towards, Vec3(0.0f));
+        for (const SelfContactSide& side : sides) EXPECT_EQ(side.towards, Vec3(0.0f));
     }
 }
 
@@ -77,15 +79,16 @@ TEST(SelfDistance, WhatIsFarOrFacesTheSameWayOrLiesAroundIsNothing) {
 TEST(SelfDistance, OfAnotherPartCountsWhatFacesTheSameWay) {
     expect_the_gap(sides_of(two_sheets(kGap, false), 2.0f * kGap));
     // Where they touch they were cut apart.
-    for (const OwnSide& side : sides_of(two_sheets(0.0f, false), kGap)) EXPECT_EQ(side.towards, Vec3(0.0f));
+    for (const SelfContactSide& side : sides_of(two_sheets(0.0f, false), kGap))
+        EXPECT_EQ(side.towards, Vec3(0.0f));
 }
 
 TEST(SelfDistance, HeightsAreThoseOfTheTriangles) {
     // A square of side 1, cut along a diagonal: two heights of 1 where the right angles are not, and of half
     // the diagonal where they are.
     const std::vector<Vec3> p = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {9, 9, 9}};
-    const OwnSurface own(p, {{0, 1, 2}, {0, 2, 3}});
-    const auto heights = PosedOwnSurface(own, p).heights();
+    const SelfContactMesh cloth(p, {{0, 1, 2}, {0, 2, 3}});
+    const auto heights = PosedSelfContactMesh(cloth, p).heights();
     const float half = 0.5f * std::numbers::sqrt2_v<float>;
     const float expected[] = {1.0f, half, 1.0f, half};
     for (int v = 0; v < 4; ++v) EXPECT_NEAR(heights[v], expected[v], kRounding);

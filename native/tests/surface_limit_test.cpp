@@ -53,6 +53,8 @@ TEST(Limit, AgreesWithRefinedVertices) {
             EXPECT_LT(largest_difference(build(regular_polygon_fin(n)), levels), 2e-6f) << n;
         }
     }
+    EXPECT_LT(largest_difference(build(mixed()), 0),
+              2e-6f);  // at its corners, whatever the shape of a polygon
 }
 
 // Masks at the vertices, and patches there. Beside a pentagon a mask would take a wrong corner for the

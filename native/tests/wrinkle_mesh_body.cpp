@@ -112,7 +112,7 @@ TEST(WrinkleMeshBody, SeamsAndLooseVerticesChangeNoBit) {
     EXPECT_EQ(solved[0], solved[1]);
 }
 
-// Bodies below and ahead, and the own cloth, are looked for on threads.
+// Bodies below and ahead, and the cloth itself, are looked for on threads.
 TEST(WrinkleMeshBody, ThreadsThatLookForItChangeNoBit) {
     const Stack stack(tube(20, 24, 0.06f, 0.5f));
     Body body = body_of(tube(20, 24, 0.055f, 0.5f));

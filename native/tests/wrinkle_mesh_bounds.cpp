@@ -139,12 +139,12 @@ TEST(WrinkleMeshBounds, NeighbourhoodCollisionStaysAboveItsFloor) {
     EXPECT_LT(deepest, 0.0f);
 }
 
-// The bound by the own cloth pushes vertices below their floor; were they left there, a held vertex would be
-// pushed to and fro in every frame.
+// The bound by the cloth itself pushes vertices below their floor; were they left there, a held vertex would
+// be pushed to and fro in every frame.
 TEST(WrinkleMeshBounds, AVertexPutWithinItsBoundsIsWithinAllOfThem) {
     const Cloth cloth(tube(12, 10, 0.1f, 0.5f));
     const Model& model = *cloth.model;
-    const OwnSurface own(model.positions_rest, model.triangles);
+    const SelfContactMesh mesh(model.positions_rest, model.triangles);
     Settings settings;
     settings.apart = settings.slide = 0.45f;
     for (const Collision collision : {Collision::kPlane, Collision::kNeighbourhood}) {
@@ -153,10 +153,10 @@ TEST(WrinkleMeshBounds, AVertexPutWithinItsBoundsIsWithinAllOfThem) {
         for (const Pose3& base :
              {cloth.squeezed(0.6f, 2.0f), cloth.folded(0.25f, 2.6f), cloth.folded(0.25f, -2.0f)}) {
             Pose pose = make_pose(model, {base});
-            const PosedOwnSurface posed(own, pose.attachment);
+            const PosedSelfContactMesh posed(mesh, pose.attachment);
             std::vector<float> reach = attachment_radii(model, settings, {});
             for (float& r : reach) r /= settings.apart;
-            pose.own = posed.facing(reach, 1);
+            pose.self_contact = posed.facing(reach, 1);
             pose.heights = posed.heights();
             const Bounds bounds(model, settings, {}, pose);
             for (size_t v = 0; v < pose.attachment.size(); ++v) {

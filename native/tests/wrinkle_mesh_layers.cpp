@@ -311,7 +311,7 @@ TEST(WrinkleMeshLayers, PaintIsCarriedFromLayerToLayer) {
         const Model& layer = *stack.layers->layers[k];
         ASSERT_EQ(carried[k].size(), layer.attached.size());
         for (size_t v = 0; v < carried[k].size(); ++v) {
-            if (layer.boundary_ring[v] < 3)
+            if (layer.border_ring[v] < 3)
                 continue;  // near corners the limit surface is not where linear paint is
             EXPECT_NEAR(carried[k][v], layer.positions_rest[v].x / 0.4f, 1e-5f) << "layer " << k;
         }

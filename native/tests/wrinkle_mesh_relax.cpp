@@ -28,10 +28,10 @@ struct Frame {
 
     // Squeezed, off its attachments, and some vertices in one place; bounded by cloth of its own that is made
     // up.
-    Frame(MeshData mesh, Collision collision, bool own) : cloth(std::move(mesh)) {
+    Frame(MeshData mesh, Collision collision, bool self_contact) : cloth(std::move(mesh)) {
         settings.collision = collision;
-        settings.tangential_pull = own ? 0.2f : 0.0f;
-        settings.normal_pull = own ? 0.02f : 0.0f;
+        settings.tangential_pull = self_contact ? 0.2f : 0.0f;
+        settings.normal_pull = self_contact ? 0.02f : 0.0f;
         settings.apart = settings.slide = 0.45f;
         const Model& model = *cloth.model;
         pose = make_pose(model, {cloth.squeezed(0.8f, 2.0f)});
@@ -45,10 +45,11 @@ struct Frame {
             start.push_back(a + edge * Vec3(within(-1, 1), within(-1, 1), within(-1, 1)));
         for (size_t i = 0; i < model.distance.size(); i += 11)
             start[model.distance.b[i]] = start[model.distance.a[i]];
-        for (size_t v = 0; own && v < start.size(); ++v) {
+        for (size_t v = 0; self_contact && v < start.size(); ++v) {
             const Vec3 towards = glm::normalize(Vec3(within(-1, 1), within(-1, 1), 0.1f));
             pose.heights.push_back(within(0.1f, 2.0f) * edge);
-            pose.own.push_back(v % 3 == 0 ? OwnSide{} : OwnSide{towards, within(0, edge), v % 2 == 0});
+            pose.self_contact.push_back(v % 3 == 0 ? SelfContactSide{}
+                                                   : SelfContactSide{towards, within(0, edge), v % 2 == 0});
         }
     }
 
@@ -82,17 +83,17 @@ struct Frame {
 
 TEST(Relaxing, FourAtATimeAndOnAnyThreadsHasTheBitsOfOneAfterTheOther) {
     for (const Collision collision : {Collision::kNone, Collision::kPlane, Collision::kNeighbourhood}) {
-        for (const bool own : {false, true}) {
+        for (const bool self_contact : {false, true}) {
             for (const auto& [columns, rows] :
                  {std::pair(1, 1), std::pair(2, 1), std::pair(5, 3), std::pair(7, 4)}) {
-                const Frame frame(grid(columns, rows, 0.1f), collision, own);
+                const Frame frame(grid(columns, rows, 0.1f), collision, self_contact);
                 const Pose3 plain = frame.relaxed_plainly();
                 EXPECT_NE(plain, frame.start);
                 for (const int threads : {1, 2, 3, 4, 8}) {
                     const Pose3 x = frame.relaxed(threads);
                     EXPECT_EQ(std::memcmp(x.data(), plain.data(), x.size() * sizeof(Vec3)), 0)
-                        << columns << " x " << rows << ", collision " << int(collision) << ", own " << own
-                        << ", threads " << threads;
+                        << columns << " x " << rows << ", collision " << int(collision) << ", self-contact "
+                        << self_contact << ", threads " << threads;
                 }
             }
         }

@@ -170,19 +170,19 @@ class WrinkleMeshMeasures(c.WrinkleMeshMeasures):
 
 def solve_wrinkle_mesh(model: WrinkleMeshModel, settings: WrinkleMeshSettings, paint: WrinkleMeshPaint | None,
                        positions: np.ndarray | WrinkleMeshPose, state: WrinkleMeshState | None = None,
-                       world_from_object: np.ndarray | None = None, reference: bool = False, time: float = 0.0,
+                       world_from_object: np.ndarray | None = None, in_order: bool = False, time: float = 0.0,
                        labels: np.ndarray | None = None, next_positions: np.ndarray | None = None,
                        next_time: float = 0.0) -> tuple[WrinkleMeshState, WrinkleMeshReport]:
     """Solve one frame; returns (state, report). positions: (n, 3) float32, deformed base, object space; or the pose
     that was made of them and of all that follows state.
 
     state: of the frame before, or None for the canonical start. world_from_object: (3, 3) float32, used when offsets
-    ride in world space. reference: the printed sequential sweeps, for tests. The rest is for a rest shape that adapts:
-    time: seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to come, to look ahead when
-    labels are cut. Raises ValueError. Section 4.
+    ride in world space. in_order: one constraint after the other, as printed, for tests. The rest is for a rest shape
+    that adapts: time: seconds. labels: (t,) uint8 of label_clip. next_positions, next_time: the frame to come, to look
+    ahead when labels are cut. Raises ValueError. Section 4.
     """
     report = WrinkleMeshReport()
-    solve = lib.rumple_wrinkle_mesh_solve_in_order if reference else lib.rumple_wrinkle_mesh_solve
+    solve = lib.rumple_wrinkle_mesh_solve_in_order if in_order else lib.rumple_wrinkle_mesh_solve
     return WrinkleMeshState.made(
         solve, model, settings, paint, WrinkleMeshPose.of(
             model, positions, time, labels, next_positions, next_time, world_from_object), state, report), report

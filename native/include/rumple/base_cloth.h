@@ -35,6 +35,7 @@ typedef struct rumple_bodies {
 
 // The springs and contacts of a coarse mesh at rest.
 typedef struct rumple_base_cloth rumple_base_cloth;
+// surface: at rest, n vertices, w where its seams are welded; any that was built is taken. Cost: O(n log n).
 RUMPLE_API rumple_status rumple_base_cloth_build(const rumple_surface* surface, rumple_base_cloth** model);
 RUMPLE_API void rumple_base_cloth_free(rumple_base_cloth* model);
 
@@ -55,7 +56,7 @@ typedef struct rumple_base_cloth_settings {
     float room;               // farthest that a vertex leaves its animated place, object units, >= 0
     float slide_room;         // the same along the surface, where that is more than room; object units, >= 0
     float friction;           // coefficient of Coulomb's law, on what is worn under the cloth, >= 0
-    float gravity[3];         // object space, object units / s^2
+    float gravity[3];         // object space, object units / s^2, finite
     float thickness;          // how far cloth stays off bodies, object units, >= 0
     float unknown;            // how far cloth may go inwards where no body is found, object units, >= 0
     float reach;              // bodies farther away do not count, object units, > 0
@@ -63,7 +64,7 @@ typedef struct rumple_base_cloth_settings {
     float spread;             // length over which what is known of bodies fades, object units, > 0
     int32_t steps;            // most Newton steps from a given state, >= 0
     int32_t start_steps;      // Newton steps from the animation, >= 0
-    int32_t gradients;        // most conjugate gradients of a step, >= 0
+    int32_t most_cg_iterations;  // of conjugate gradients (CG), in a Newton step, >= 0
 } rumple_base_cloth_settings;
 RUMPLE_API rumple_base_cloth_settings rumple_base_cloth_settings_default(void);
 
@@ -96,6 +97,7 @@ typedef struct rumple_base_cloth_painted {
     size_t room_count;
 } rumple_base_cloth_painted;
 typedef struct rumple_base_cloth_paint rumple_base_cloth_paint;
+// Refused: a factor with neither n values nor none, or with one that is outside of 0..1. Cost: O(n).
 RUMPLE_API rumple_status rumple_base_cloth_paint_build(const rumple_base_cloth* model,
                                                        const rumple_base_cloth_painted* painted,
                                                        rumple_base_cloth_paint** paint);
@@ -120,6 +122,7 @@ typedef struct rumple_base_cloth_state_view {
     const float* offset;       // (offset_count, 3): in the tangent frame of the animated vertex
     const float* clearance;    // (clearance_count): how far each may go inwards, object units
 } rumple_base_cloth_state_view;
+// The arrays are the state's own: valid until it is freed. Cost: none.
 RUMPLE_API rumple_status rumple_base_cloth_state_get_view(const rumple_base_cloth_state* state,
                                                           rumple_base_cloth_state_view* view);
 // What lives from one frame to the next, as plain arrays: what a handle holds, and what one can be made of
@@ -146,18 +149,21 @@ typedef struct rumple_base_cloth_kept {
     size_t animated_count;
     const float* animated_before;  // (w, 3)
     size_t animated_before_count;
-    float moved;    // farthest way of a vertex in the last step, uncut, object units, >= 0
-    float seconds;  // between the two poses, >= 0
-    float fastest;  // speed in the frame, object units / s, >= 0
-    float gravity[3];
-    float wind[3];
+    float moved;       // farthest way of a vertex in the last step, uncut, object units, >= 0
+    float seconds;     // between the two poses, >= 0
+    float fastest;     // speed in the frame, object units / s, >= 0
+    float gravity[3];  // that acted, object space, object units / s^2
+    float wind[3];     // that blew, object space, object units / s
     const float* air;  // (w, 3), object units / s, or none
     size_t air_count;
     const float* push;  // (w, 3), object units / s^2, or none
     size_t push_count;
 } rumple_base_cloth_kept;
+// The arrays are the state's own: valid until it is freed. Cost: none.
 RUMPLE_API rumple_status rumple_base_cloth_state_get_kept(const rumple_base_cloth_state* state,
                                                           rumple_base_cloth_kept* kept);
+// A copy. Refused: arrays that do not fit the model, numbers that are not finite, hints of no triangle.
+// Cost: O(w).
 RUMPLE_API rumple_status rumple_base_cloth_state_build(const rumple_base_cloth* model,
                                                        const rumple_base_cloth_kept* kept,
                                                        rumple_base_cloth_state** state);
@@ -166,10 +172,10 @@ RUMPLE_API rumple_status rumple_base_cloth_state_activated(const rumple_base_clo
                                                            rumple_base_cloth_state** activated);
 
 typedef struct rumple_base_cloth_report {
-    int32_t steps;      // 0: the pose was held
-    int32_t gradients;  // conjugate gradients of all steps
-    float moved;        // farthest way of a vertex in the last step, uncut, object units
-    float offset_mean;  // from the animation, object units
+    int32_t steps;          // 0: the pose was held
+    int32_t cg_iterations;  // of all steps
+    float moved;            // farthest way of a vertex in the last step, uncut, object units
+    float offset_mean;      // from the animation, object units
     float offset_max;
     float taut;        // share of the springs that are longer than at rest
     float touching;    // share of the vertices that rest on the inner surface
@@ -177,8 +183,9 @@ typedef struct rumple_base_cloth_report {
 } rumple_base_cloth_report;
 
 // One frame: the equilibrium of its pose, without inertia. paint: or NULL. positions: (n, 3), animated.
-// bodies: or NULL. before: of the frame before, or NULL. report: written, or NULL.
-// Cost: about 0.03 us a vertex and gradient, and 1 us a vertex and step for contact.
+// bodies: or NULL. before: of the frame before, or NULL. report: written, or NULL. Refused: a setting out of
+// its range, positions that are not n, not finite or far from the rest shape, paint or state of another
+// model. Cost: about 0.03 us a vertex and CG iteration, and 1 us a vertex and step for contact.
 RUMPLE_API rumple_status rumple_base_cloth_solve(const rumple_base_cloth* model,
                                                  const rumple_base_cloth_settings* settings,
                                                  const rumple_base_cloth_paint* paint, const float* positions,
@@ -187,6 +194,8 @@ RUMPLE_API rumple_status rumple_base_cloth_solve(const rumple_base_cloth* model,
                                                  rumple_base_cloth_report* report,
                                                  rumple_base_cloth_state** state);
 // One frame with inertia (Baraff and Witkin 1998). Without a state that swings: its equilibrium, at rest.
+// All else, and what is refused, as rumple_base_cloth_solve() has it. Cost: about 0.7 of that for each time
+// step.
 RUMPLE_API rumple_status rumple_base_cloth_swing_solve(
     const rumple_base_cloth* model, const rumple_base_cloth_settings* settings,
     const rumple_base_cloth_swing* swing, const rumple_base_cloth_paint* paint, const float* positions,
@@ -198,6 +207,7 @@ RUMPLE_API rumple_status rumple_base_cloth_swing_solve(
 // The points of the smooth surface of a coarse mesh that are to stay off bodies. For what lies on the base
 // cloth and knows no bodies itself.
 typedef struct rumple_cloth_cover rumple_cloth_cover;
+// surface: the coarse mesh at rest, n vertices; it is subdivided once. Cost: O(n).
 RUMPLE_API rumple_status rumple_cloth_cover_build(const rumple_surface* surface, rumple_cloth_cover** cover);
 RUMPLE_API void rumple_cloth_cover_free(rumple_cloth_cover* cover);
 

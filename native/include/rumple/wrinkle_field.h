@@ -68,7 +68,7 @@ typedef struct rumple_wrinkle_field_settings {
     float rate;                // epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
     int32_t rounds;            // of relaxation, from a given state, >= 0
     int32_t start_rounds;      // from the canonical start, >= 0
-    float irregularity;        // 0: tidy cloth, 1: skin
+    float irregularity;        // 0..1; 0: tidy cloth, 1: skin
     float bend_radius;         // object units, >= 0: no waves along lines that bend on less; 0: any line
     uint32_t seed;             // of the first phases and of the irregularity
     bool aligned_start;        // make the random first phases agree; false: random, as printed

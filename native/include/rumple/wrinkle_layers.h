@@ -22,6 +22,8 @@ typedef struct rumple_wrinkle_layers_plan {
 } rumple_wrinkle_layers_plan;
 RUMPLE_API rumple_wrinkle_layers_plan rumple_wrinkle_layers_plan_default(void);
 
+// base: at rest, n vertices. Refused: more levels than 8, a shown mesh of more than most_vertices. Cost: that
+// of rumple_wrinkle_mesh_build() for every layer.
 RUMPLE_API rumple_status rumple_wrinkle_layers_build(const rumple_surface* base,
                                                      const rumple_wrinkle_layers_plan* plan,
                                                      rumple_wrinkle_layers** model);
@@ -94,7 +96,9 @@ typedef struct rumple_wrinkle_layers_input {
 RUMPLE_API rumple_wrinkle_layers_input rumple_wrinkle_layers_input_default(void);
 
 // One frame. settings: one for each layer, coarse first. paint: or NULL. before: of the frame before, or
-// NULL. reports: one for each layer, written; or none.
+// NULL. reports: one for each layer, written; or none. Refused: other numbers of them than layers, a setting
+// out of its range, an input that does not fit the base, paint or state of another model. Cost: that of
+// rumple_wrinkle_mesh_solve() for every layer.
 RUMPLE_API rumple_status rumple_wrinkle_layers_solve(
     const rumple_wrinkle_layers* model, const rumple_wrinkle_mesh_settings* settings, size_t settings_count,
     const rumple_wrinkle_layers_paint* paint, const rumple_wrinkle_layers_input* input,

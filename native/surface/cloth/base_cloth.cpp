@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/cloth/base_cloth.h"
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "base/expect.h"
 #include "base/tolerances.h"
@@ -11,7 +10,7 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr int kContactEvery = 2;  // warm Newton steps between two looks for the nearest inner surface
+constexpr int kContactEvery = 2;  // of the Newton steps from a given state: Schedule::contact_every
 // A limb that straightens pulls springs taut, one after another. Steps that stopped at the first of them
 // would be a tenth of what they could be, so a step may overshoot: springs that are taut behind it are in the
 // Hessian of the next one, which goes back where it must (a non-monotone line search: Grippo, Lampariello and
@@ -22,17 +21,21 @@ bool fits(const Model& model, const State* state) {
     return state && state->offset.size() == model.area.size() && matches(model, *state);
 }
 
-// Whether the pose is the one that the state was solved for, but for rounding.
-bool is_same(const Model& model, const Settings& settings, const Pose& pose, const State& state) {
-    for (size_t s = 0; s < model.springs.size(); ++s) {
-        if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
-    }
-    const float still = kHeldStrain * settings.room;
-    for (size_t v = 0; v < pose.clearance.size(); ++v) {
-        if (std::abs(pose.clearance[v] - state.clearance[v]) > still) return false;
-        if (std::abs(pose.ahead_height[v] - state.ahead_height[v]) > still) return false;
-    }
-    return true;
+// How a frame is solved.
+struct Schedule {
+    bool held = false;      // the state before stays to the bit
+    int most_steps = 0;     // of Newton's method
+    int contact_every = 1;  // so many steps from one look for the nearest inner surface to the next
+    float settled = 0.0f;   // a step that moves every vertex by less is the last one, object units
+};
+
+Schedule schedule_of(const Model& model, const Settings& settings, const Pose& pose, const State* before) {
+    if (!before) return {false, settings.start_steps, 1, 0.0f};
+    if (!same_pose(model, pose, *before, kHeldStrain * settings.room))
+        return {false, settings.steps, kContactEvery, kSettledCloth * static_cast<float>(mean_length(model))};
+    const float at_rest = kStillCloth * settings.room;
+    const bool held = before->moved <= at_rest;
+    return {held, held ? 0 : settings.steps, kContactEvery, at_rest};
 }
 
 }  // namespace
@@ -53,6 +56,7 @@ void check(const Settings& settings) {
     expect_within("room", settings.room, 0.0, 1e9);
     expect_within("slide_room", settings.slide_room, 0.0, 1e9);
     expect_within("friction", settings.friction, 0.0, 1e3);
+    expect_finite<Vec3>("gravity", {&settings.gravity, 1}, "value");
     expect_within("thickness", settings.clearance.thickness, 0.0, 1e9);
     expect_within("unknown", settings.clearance.unknown, 0.0, 1e9);
     expect_within("reach", settings.clearance.reach, 1e-9, 1e9);
@@ -60,7 +64,7 @@ void check(const Settings& settings) {
     expect_within("spread", settings.clearance.spread, 1e-9, 1e9);
     expect_within("steps", settings.steps, 0, 1e6);
     expect_within("start_steps", settings.start_steps, 0, 1e6);
-    expect_within("gradients", settings.gradients, 0, 1e6);
+    expect_within("most_cg_iterations", settings.most_cg_iterations, 0, 1e6);
 }
 
 Result solve(const Model& model, const Settings& settings, const Paint& paint,
@@ -82,14 +86,7 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     for (size_t v = 0; before && v < vertices; ++v) x[v] += pose.frame[v].to_object(before->offset[v]);
     std::vector<Plane> planes(vertices);
     look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const bool same = before && is_same(model, settings, pose, *before);
-    const float at_rest = kStillCloth * settings.room;
-    const bool held = same && before->moved <= at_rest;  // it stays to the bit
-    const int most_steps = held ? 0 : before ? settings.steps : settings.start_steps;
-    const int contact_every = before ? kContactEvery : 1;
-    const float settled = same     ? at_rest
-                          : before ? kSettledCloth * static_cast<float>(mean_length(model))
-                                   : 0.0f;
+    const auto [held, most_steps, contact_every, settled] = schedule_of(model, settings, pose, before);
     for (bool last = most_steps == 0; !last;) {
         last = ++out.report.steps == most_steps;
         Cloth cloth{model, settings, pose, planes};
@@ -103,9 +100,7 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
         out.state.offset.push_back(held ? before->offset[v]
                                         : pose.frame[v].to_local(x[v] - pose.animated[v]));
     }
-    out.state.length = held ? before->length : pose.length;
-    out.state.clearance = held ? before->clearance : pose.clearance;
-    out.state.ahead_height = held ? before->ahead_height : pose.ahead_height;
+    keep_pose(pose, held ? before : nullptr, out.state);
     out.state.moved = out.report.moved;
     // The state keeps the equilibrium: what went on from a projected one would leave its balance in every
     // frame.

@@ -36,11 +36,11 @@ struct Settings {
     float room = 0.03f;         // farthest that a vertex leaves its animated place, object units, >= 0
     float slide_room = 0.0f;  // the same along the surface, where that is more than room; object units, >= 0
     float friction = 0.0f;    // coefficient of Coulomb's law, on what is worn under it, >= 0
-    Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2
+    Vec3 gravity{0.0f, 0.0f, -9.81f};  // object space, object units / s^2, finite
     ClearanceSettings clearance{};
-    int steps = 12;        // from a given state, most Newton steps, >= 0
-    int start_steps = 20;  // from the animation, >= 0
-    int gradients = 30;    // most conjugate gradients of a step, >= 0
+    int steps = 12;               // from a given state, most Newton steps, >= 0
+    int start_steps = 20;         // from the animation, >= 0
+    int most_cg_iterations = 30;  // of conjugate gradients (CG), in a Newton step, >= 0
 };
 
 // Throws InvalidInput naming the first setting out of its range.
@@ -139,8 +139,8 @@ struct State {
 };
 
 struct Report {
-    int steps = 0;       // 0: the pose was held
-    int gradients = 0;   // of all steps
+    int steps = 0;          // 0: the pose was held
+    int cg_iterations = 0;  // of all steps
     float moved = 0.0f;  // farthest way of a vertex in the last step, had it not been shortened, object units
     float offset_mean = 0.0f;
     float offset_max = 0.0f;
@@ -159,8 +159,8 @@ struct Result {
 };
 
 // positions: animated, per display vertex, object space. bodies: or none. state: of the frame before, or
-// none. Throws InvalidInput. Deterministic. Cost: about 0.03 us a vertex and gradient, and 1 us a vertex and
-// step for contact.
+// none. Throws InvalidInput. Deterministic. Cost: about 0.03 us a vertex and CG iteration, and 1 us a vertex
+// and step for contact.
 Result solve(const Model& model, const Settings& settings, const Paint& paint,
              std::span<const Vec3> positions, const PosedCollider* bodies, const State* state);
 

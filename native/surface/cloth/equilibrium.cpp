@@ -26,8 +26,8 @@ std::span<Row, kLanes> four_of(std::vector<Row>& rows, size_t four) {
     return four_from(rows, four * kLanes);
 }
 
-// A frame of the cloth as it is computed. Rows end with one vertex, or more, of no weight.
-struct Frame {
+// The pose as it is computed: vertices four at a time. Rows end with one vertex, or more, of no weight.
+struct PackedPose {
     struct Plane {
         Vec3Lanes point, normal;
 
@@ -37,10 +37,10 @@ struct Frame {
         Vec3Lanes animated, normal;
         Lanes area, follow, room, slide_share;
         Lanes grip;  // most force of friction: by the contact that the Newton step begins with
-        Plane under, ahead;
+        Plane under_plane, ahead_plane;  // of the inner surface, and of a body in front
 
-        // How firmly each is pressed out of what it is in.
-        Lanes firm() const { return area * most(all_lanes(kContact), follow); }
+        // Force by which each is pressed out of what it is in, over the depth.
+        Lanes contact_stiffness() const { return area * most(all_lanes(kContact), follow); }
     };
     const Model& model;
     const Settings& settings;
@@ -53,7 +53,7 @@ struct Frame {
     };
     std::vector<Inertia> inertia;  // empty: none
 
-    Frame(const Cloth& cloth, std::vector<Row>& x);
+    PackedPose(const Cloth& cloth, std::vector<Row>& x);
 
     std::vector<Row> rows() const { return std::vector<Row>(animated.size()); }
 };
@@ -64,7 +64,7 @@ std::vector<Row> rows_with_a_spare(std::span<const Vec3> vectors) {
     return rows;
 }
 
-Frame::Frame(const Cloth& cloth, std::vector<Row>& x)
+PackedPose::PackedPose(const Cloth& cloth, std::vector<Row>& x)
     : model(cloth.model),
       settings(cloth.settings),
       animated(rows_with_a_spare(cloth.pose.animated)),
@@ -81,14 +81,14 @@ Frame::Frame(const Cloth& cloth, std::vector<Row>& x)
         four.follow[k] = pose.follow[v];
         four.room[k] = pose.room[v];
         four.slide_share[k] = pose.slide_share[v];
-        four.under.point.set(k, cloth.planes[v].point);
-        four.under.normal.set(k, cloth.planes[v].normal);
-        four.ahead.point.set(k, pose.ahead[v].point);
-        four.ahead.normal.set(k, pose.ahead[v].normal);
+        four.under_plane.point.set(k, cloth.planes[v].point);
+        four.under_plane.normal.set(k, cloth.planes[v].normal);
+        four.ahead_plane.point.set(k, pose.ahead[v].point);
+        four.ahead_plane.normal.set(k, pose.ahead[v].normal);
     }
     for (size_t four = 0; four < vertices.size(); ++four) {
-        const Lanes inward = -vertices[four].under.height_of(columns(four_of(x, four)));
-        vertices[four].grip = settings.friction * vertices[four].firm() * most(inward, Lanes{});
+        const Lanes inward = -vertices[four].under_plane.height_of(columns(four_of(x, four)));
+        vertices[four].grip = settings.friction * vertices[four].contact_stiffness() * most(inward, Lanes{});
     }
     if (!cloth.inertia) return;
     inertia.resize(animated.size());
@@ -151,78 +151,125 @@ Tension tension(const Settings& settings, const LaneMask& diagonal, const Lanes&
                           : slope};
 }
 
-// Force of friction over the way slid: Coulomb's law, smooth where the way is short (f_1 of M. Li et al.,
-// "Incremental Potential Contact", SIGGRAPH 2020).
-Lanes friction(const Lanes& grip, const Lanes& slip, const Vec3Lanes& slid) {
-    const Lanes way = square_root(dot(slid, slid)), zero{};
-    const Lanes share = way < slip ? (2.0f - way / slip) / slip : 1.0f / way;
-    return grip > zero && slip > zero ? grip * share : zero;
+// ---- what acts on four vertices: terms of the energy in docs/base_cloth.md
+
+using Vertices = PackedPose::Vertices;
+
+// The pull back to the animated place. Along the surface a displacement counts by a share s against the room:
+// S = s I + (1 - s) n n^T, and S S is s^2 I + (1 - s^2) n n^T.
+struct RoomPull {
+    Lanes follow_stiffness, normal_stiffness;  // in all directions, and what is more along the normal
+    Lanes height;                              // of the displacement, along the normal
+    Vec3Lanes counted;                         // S S displacement
+    Lanes room_used;                           // |S displacement|^2 / room^2
+};
+RoomPull room_pull(const Vertices& cloth, const Vec3Lanes& displacement) {
+    const Lanes zero{}, s2 = cloth.slide_share * cloth.slide_share;
+    RoomPull out;
+    out.height = dot(cloth.normal, displacement);
+    out.counted = s2 * displacement + (1.0f - s2) * out.height * cloth.normal;
+    out.room_used = cloth.room > zero ? dot(out.counted, displacement) / (cloth.room * cloth.room) : zero;
+    const Lanes wall = kWall * out.room_used * out.room_used;
+    out.follow_stiffness = cloth.area * cloth.follow * (1.0f + wall * s2);
+    out.normal_stiffness = cloth.area * cloth.follow * wall * (1.0f - s2);
+    return out;
+}
+
+// Out of a plane; nothing above it.
+struct Contact {
+    Lanes stiffness;
+    Lanes force;  // along the normal
+};
+Contact contact(const PackedPose::Plane& plane, const Vec3Lanes& at, const Lanes& stiffness) {
+    const Lanes zero{}, depth = -plane.height_of(at);
+    const Lanes acting = depth > zero ? stiffness : zero;
+    return {acting, acting * depth};
+}
+
+// Against what was slid along the inner surface from the animated place: Coulomb's law, smooth where that is
+// short (f_1 of M. Li et al., "Incremental Potential Contact", SIGGRAPH 2020).
+struct FrictionPull {
+    Lanes friction_stiffness;  // force over distance slid
+    Vec3Lanes slid;
+};
+FrictionPull friction_pull(const Vertices& cloth, const Vec3Lanes& displacement) {
+    const Vec3Lanes& normal = cloth.under_plane.normal;
+    const Vec3Lanes slid = displacement - dot(normal, displacement) * normal;
+    const Lanes slip = kSlip * cloth.room, distance = square_root(dot(slid, slid)), zero{};
+    const Lanes share = distance < slip ? (2.0f - distance / slip) / slip : 1.0f / distance;
+    return {cloth.grip > zero && slip > zero ? cloth.grip * share : zero, slid};
+}
+
+// What these four add to the diagonal of the Hessian; gravity adds nothing.
+void store_blocks(const Vertices& cloth, const RoomPull& pull, const Contact& under, const Contact& ahead,
+                  const Lanes& friction_stiffness, std::span<Matrix, kLanes> blocks) {
+    const Lanes growth = 4.0f * cloth.area * cloth.follow * kWall * pull.room_used;
+    const Vec3Lanes wall =
+        choose(pull.room_used > Lanes{}, square_root(growth) / cloth.room * pull.counted, {});
+    FourRows normals, walls, under_normals, ahead_normals;
+    store_rows(cloth.normal, normals);
+    store_rows(wall, walls);
+    store_rows(cloth.under_plane.normal, under_normals);
+    store_rows(cloth.ahead_plane.normal, ahead_normals);
+    for (int k = 0; k < kLanes; ++k) {
+        Matrix block = scaled_identity(pull.follow_stiffness[k] + friction_stiffness[k]);
+        add_outer_product(pull.normal_stiffness[k], normals[k], block);
+        add_outer_product(1.0f, walls[k], block);
+        add_outer_product(under.stiffness[k] - friction_stiffness[k], under_normals[k], block);
+        add_outer_product(ahead.stiffness[k], ahead_normals[k], block);
+        blocks[k] = block;
+    }
+}
+
+void add_inertia(const PackedPose& pose, const std::vector<Row>& x, std::vector<Row>& out, Hessian* hessian) {
+    for (size_t v = 0; v < pose.inertia.size(); ++v) {
+        const auto& [from, push, resist] = pose.inertia[v];
+        out[v].xyz += push.xyz - resist * Row(x[v].xyz - from.xyz);
+        if (hessian) add(resist, hessian->diagonal[v]);
+    }
 }
 
 // The forces at x; the Hessian too, where one is asked for.
-void forces_at_vertices(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hessian* hessian) {
-    const Settings& settings = frame.settings;
-    const Lanes zero{};
-    const Vec3Lanes gravity(settings.gravity);
-    for (size_t four = 0; four < frame.vertices.size(); ++four) {
-        const Frame::Vertices& cloth = frame.vertices[four];
-        const auto& [animated, normal, area, follow, room, slide_share, grip, under, before] = cloth;
-        const Vec3Lanes at = columns(four_of(x, four)), away = at - animated;
-        // Along the surface a way counts by a share s against the room: S = s I + (1 - s) n n^T, and S S is
-        // s^2 I + (1 - s^2) n n^T.
-        const Lanes s2 = slide_share * slide_share, height = dot(normal, away);
-        const Vec3Lanes counted = s2 * away + (1.0f - s2) * height * normal;  // S S away
-        const Lanes room_used = room > zero ? dot(counted, away) / (room * room) : zero;
-        const Lanes wall_used = kWall * room_used * room_used;
-        const Lanes back = area * follow * (1.0f + wall_used * s2);
-        const Lanes off = area * follow * wall_used * (1.0f - s2);
-        const Lanes firm = cloth.firm();
-        const Lanes inward = -under.height_of(at), beyond = -before.height_of(at);
-        const Lanes contact = inward > zero ? firm : zero, ahead = beyond > zero ? firm : zero;
-        const Vec3Lanes slid = away - dot(under.normal, away) * under.normal;
-        const Lanes rub = friction(grip, kSlip * room, slid);
-        store_rows(area * gravity - back * away + contact * inward * under.normal +
-                       ahead * beyond * before.normal - off * height * normal - rub * slid,
+void forces_at_vertices(const PackedPose& pose, std::vector<Row>& x, std::vector<Row>& out,
+                        Hessian* hessian) {
+    const Vec3Lanes gravity(pose.settings.gravity);
+    for (size_t four = 0; four < pose.vertices.size(); ++four) {
+        const Vertices& cloth = pose.vertices[four];
+        const Vec3Lanes at = columns(four_of(x, four)), displacement = at - cloth.animated;
+        const Lanes contact_stiffness = cloth.contact_stiffness();
+        const RoomPull pull = room_pull(cloth, displacement);
+        const Contact under = contact(cloth.under_plane, at, contact_stiffness);
+        const Contact ahead = contact(cloth.ahead_plane, at, contact_stiffness);
+        const auto [friction_stiffness, slid] = friction_pull(cloth, displacement);
+        store_rows(cloth.area * gravity - pull.follow_stiffness * displacement +
+                       under.force * cloth.under_plane.normal + ahead.force * cloth.ahead_plane.normal -
+                       pull.normal_stiffness * pull.height * cloth.normal - friction_stiffness * slid,
                    four_of(out, four));
-        if (!hessian) continue;
-        const Lanes growth = 4.0f * area * follow * kWall * room_used;
-        const Vec3Lanes wall = choose(room_used > zero, square_root(growth) / room * counted, {});
-        FourRows surface_normals, walls, normals, normals_ahead;
-        store_rows(normal, surface_normals);
-        store_rows(wall, walls);
-        store_rows(under.normal, normals);
-        store_rows(before.normal, normals_ahead);
-        for (int k = 0; k < kLanes; ++k) {
-            Matrix& block = hessian->own[four * kLanes + k];
-            block = scaled_identity(back[k] + rub[k]);
-            add_outer_product(off[k], surface_normals[k], block);
-            add_outer_product(1.0f, walls[k], block);
-            add_outer_product(contact[k] - rub[k], normals[k], block);
-            add_outer_product(ahead[k], normals_ahead[k], block);
+        if (hessian) {
+            const std::span<Matrix, kLanes> blocks(&hessian->diagonal[four * kLanes], kLanes);
+            store_blocks(cloth, pull, under, ahead, friction_stiffness, blocks);
         }
     }
-    for (size_t v = 0; v < frame.inertia.size(); ++v) {
-        const auto& [from, push, resist] = frame.inertia[v];
-        out[v].xyz += push.xyz - resist * Row(x[v].xyz - from.xyz);
-        if (hessian) add(resist, hessian->own[v]);
-    }
+    add_inertia(pose, x, out, hessian);
 }
 
-void forces(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hessian* hessian) {
-    forces_at_vertices(frame, x, out, hessian);
-    const Settings& settings = frame.settings;
-    for (size_t s = 0; s < frame.model.spring_fours.size(); ++s) {
-        const Model::SpringFour& springs = frame.model.spring_fours[s];
+// ---- and with it on the springs
+
+void forces(const PackedPose& pose, std::vector<Row>& x, std::vector<Row>& out, Hessian* hessian) {
+    forces_at_vertices(pose, x, out, hessian);
+    const Settings& settings = pose.settings;
+    for (size_t s = 0; s < pose.model.spring_fours.size(); ++s) {
+        const Model::SpringFour& springs = pose.model.spring_fours[s];
         const Vec3Lanes displacement = ends_apart(springs, x);
         const Lanes length = length_of(displacement);
         const Vec3Lanes n = direction_of(displacement);
-        const Lanes firmness = load_lanes(&frame.firmness[s * kLanes]);
+        const Lanes firmness = load_lanes(&pose.firmness[s * kLanes]);
         const Tension t =
-            tension(settings, springs.diagonal, firmness, length, load_lanes(&frame.cut[s * kLanes]));
+            tension(settings, springs.diagonal, firmness, length, load_lanes(&pose.cut[s * kLanes]));
         const Lanes smooth = springs.diagonal ? Lanes{} : settings.smoothing * firmness;
         // What turns it away from its animated direction. Of the difference, so that what is at rest has
         // none.
-        const Vec3Lanes animated = ends_apart(springs, frame.animated), aim = direction_of(animated);
+        const Vec3Lanes animated = ends_apart(springs, pose.animated), aim = direction_of(animated);
         const Vec3Lanes moved = displacement - animated, turned = moved - dot(aim, moved) * aim;
         pull_together(springs, springs.weight * (t.force * n + smooth * turned), out);
         if (!hessian) continue;
@@ -241,18 +288,19 @@ void forces(const Frame& frame, std::vector<Row>& x, std::vector<Row>& out, Hess
 
 float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report) {
     std::vector<Row> at = rows_with_a_spare(x);
-    const Frame frame(cloth, at);
-    std::vector<Row> force = frame.rows(), step = frame.rows(), tried = frame.rows(), there = frame.rows();
+    const PackedPose pose(cloth, at);
+    std::vector<Row> force = pose.rows(), step = pose.rows(), tried = pose.rows(), there = pose.rows();
     Hessian hessian;
     hessian.springs.resize(cloth.model.springs.size());
-    hessian.own.resize(at.size());
-    forces(frame, at, force, &hessian);
-    report.gradients += conjugate_gradients(cloth.model, hessian, force, cloth.settings.gradients, step);
+    hessian.diagonal.resize(at.size());
+    forces(pose, at, force, &hessian);
+    report.cg_iterations +=
+        conjugate_gradients(cloth.model, hessian, force, cloth.settings.most_cg_iterations, step);
     const double slope = inner_product(force, step);
     float fraction = 1.0f;
     for (int i = 0; i < kShortenings; ++i) {
         for (size_t v = 0; v < at.size(); ++v) tried[v].xyz = at[v].xyz + fraction * step[v].xyz;
-        forces(frame, tried, there, nullptr);
+        forces(pose, tried, there, nullptr);
         const double slope_there = inner_product(there, step);
         if (slope_there >= -cloth.overshoot * slope) break;
         fraction *= static_cast<float>(std::max(slope / (slope - slope_there), 0.1));

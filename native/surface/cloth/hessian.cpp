@@ -2,7 +2,7 @@
 // Conjugate gradients (J. R. Shewchuk 1994, B3), preconditioned by the incomplete factors
 // (D + L) D^-1 (D + L)^T of the Hessian: L is what is below its diagonal, and D such that the product has its
 // diagonal. Along a chain that is the Hessian itself, so what pulls at a hem is felt at the waist in one
-// sweep. In the variables (D + L)^T x a gradient is one sweep each way, and no product with the Hessian
+// sweep. In the variables (D + L)^T x an iteration is one sweep each way, and no product with the Hessian
 // (S. C. Eisenstat, "Efficient Implementation of a Class of Preconditioned Conjugate Gradient Methods", SIAM
 // Journal on Scientific and Statistical Computing 2, 1981).
 #include "surface/cloth/hessian.h"
@@ -130,11 +130,11 @@ Factors::Factors(const Model& model, const Hessian& hessian)
     : sweep_(model.sweep),
       earlier_(lanes_of(sweep_.earlier, hessian)),
       later_(lanes_of(sweep_.later, hessian)),
-      diagonal_(hessian.own.size()),
-      inverse_(hessian.own.size()),
-      beyond_(hessian.own.size()) {
-    std::vector<Block> whole(hessian.own.size());
-    for (size_t v = 0; v < whole.size(); ++v) whole[v] = to_block(hessian.own[v]);
+      diagonal_(hessian.diagonal.size()),
+      inverse_(hessian.diagonal.size()),
+      beyond_(hessian.diagonal.size()) {
+    std::vector<Block> whole(hessian.diagonal.size());
+    for (size_t v = 0; v < whole.size(); ++v) whole[v] = to_block(hessian.diagonal[v]);
     for (size_t s = 0; s < model.springs.size(); ++s) {
         const Block block = block_of(hessian.springs[s]);
         whole[model.springs[s].a] += block;
@@ -177,7 +177,7 @@ double inner_product(const std::vector<Row>& a, const std::vector<Row>& b) {
 }
 
 int conjugate_gradients(const Model& model, const Hessian& hessian, const std::vector<Row>& force,
-                        int most_gradients, std::vector<Row>& step) {
+                        int most_iterations, std::vector<Row>& step) {
     const Factors factors(model, hessian);
     const size_t count = force.size();
     std::vector<Row> residual(count), weighed(count), back(count), product(count);
@@ -188,7 +188,7 @@ int conjugate_gradients(const Model& model, const Hessian& hessian, const std::v
     });
     std::vector<Row> p = weighed;
     const double enough = kResidual * kResidual * now;
-    for (int i = 0; i < most_gradients; ++i) {
+    for (int i = 0; i < most_iterations; ++i) {
         if (now <= enough || now <= 0.0) return i;
         factors.backward(p, back);
         factors.multiply(p, back, product);
@@ -207,7 +207,7 @@ int conjugate_gradients(const Model& model, const Hessian& hessian, const std::v
         for (size_t v = 0; v < count; ++v) p[v].xyz = weighed[v].xyz + beta * p[v].xyz;
         now = next;
     }
-    return most_gradients;
+    return most_iterations;
 }
 
 }  // namespace rumple::base_cloth

@@ -35,14 +35,14 @@ struct Hessian {
         float along = 0.0f;   // >= -across
         float across = 0.0f;  // >= 0
     };
-    std::vector<Spring> springs;  // as those of the model
-    std::vector<Matrix> own;      // per vertex: what no spring adds to its diagonal; positive semidefinite
+    std::vector<Spring> springs;   // as those of the model
+    std::vector<Matrix> diagonal;  // per vertex, without what springs add to it; positive semidefinite
 };
 
 // Solves hessian step = force, from step 0, until the residual is a share of the force, or for so many
-// gradients; returns their number. force, step: per vertex. What has no weight stays.
+// iterations; returns their number. force, step: per vertex. What has no weight stays.
 int conjugate_gradients(const Model& model, const Hessian& hessian, const std::vector<Row>& force,
-                        int most_gradients, std::vector<Row>& step);
+                        int most_iterations, std::vector<Row>& step);
 
 double inner_product(const std::vector<Row>& a, const std::vector<Row>& b);
 

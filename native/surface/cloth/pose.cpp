@@ -217,6 +217,23 @@ bool matches(const Model& model, const State& state) {
            state.ahead_height.size() == model.area.size();
 }
 
+bool same_pose(const Model& model, const Pose& pose, const State& state, float still) {
+    for (size_t s = 0; s < model.springs.size(); ++s) {
+        if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
+    }
+    for (size_t v = 0; v < pose.clearance.size(); ++v) {
+        if (std::abs(pose.clearance[v] - state.clearance[v]) > still) return false;
+        if (std::abs(pose.ahead_height[v] - state.ahead_height[v]) > still) return false;
+    }
+    return true;
+}
+
+void keep_pose(const Pose& pose, const State* held, State& state) {
+    state.length = held ? held->length : pose.length;
+    state.clearance = held ? held->clearance : pose.clearance;
+    state.ahead_height = held ? held->ahead_height : pose.ahead_height;
+}
+
 double mean_length(const Model& model) {
     double sum = 0.0;
     for (const Model::Spring& spring : model.springs) sum += double(spring.rest);

@@ -60,6 +60,15 @@ struct Pose {
 // differently: each looks at that itself.
 bool matches(const Model& model, const State& state);
 
+// Whether a pose has what a state keeps of the one that it was solved for, but for rounding: springs as long,
+// by kHeldStrain, and what is under and ahead of each vertex as far, by `still`, object units. state:
+// matches() the model.
+bool same_pose(const Model& model, const Pose& pose, const State& state, float still);
+
+// Keeps what same_pose() compares. held: the state before, where it is held: what it kept stays as it is; or
+// none.
+void keep_pose(const Pose& pose, const State* held, State& state);
+
 // Of the springs at rest, object units.
 double mean_length(const Model& model);
 

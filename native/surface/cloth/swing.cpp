@@ -70,7 +70,7 @@ Vec3 at_or_none(const std::vector<Vec3>& of, size_t v) {
     return of.empty() ? Vec3(0.0f) : of[v];
 }
 
-// Whether what acts moves no vertex on the pull back alone by more than `still` from where it was.
+// Whether what acts accelerates no vertex otherwise by more than `most`, object units / s^2.
 bool acts_as_before(const Swing& swing, const Acting& acting, const Motion& was, float most) {
     if (was.wind != swing.wind) return false;
     for (size_t v = 0; v < was.position.size(); ++v) {
@@ -90,13 +90,10 @@ bool holds(const Model& model, const Settings& settings, const Swing& swing, con
     const float length = static_cast<float>(mean_length(model)), still = kHeldStrain * length;
     if (was.fastest > kStillSwing * length) return false;
     if (was.gravity != settings.gravity) return false;
+    // Against the pull back alone it then moves no vertex by more than `still`.
     if (!acts_as_before(swing, acting, was, still * settings.follow)) return false;
-    for (size_t s = 0; s < model.springs.size(); ++s) {
-        if (std::abs(pose.length[s] - state.length[s]) > kHeldStrain * model.springs[s].rest) return false;
-    }
-    for (size_t v = 0; v < pose.clearance.size(); ++v) {
-        if (std::abs(pose.clearance[v] - state.clearance[v]) > still) return false;
-        if (std::abs(pose.ahead_height[v] - state.ahead_height[v]) > still) return false;
+    if (!same_pose(model, pose, state, still)) return false;
+    for (size_t v = 0; v < pose.animated.size(); ++v) {
         if (glm::distance(pose.animated[v], was.animated[v]) > still) return false;
     }
     return true;
@@ -147,8 +144,8 @@ std::vector<Vec3> first_guess(const Pose& pose, const Motion& motion, std::span<
     return out;
 }
 
-// Half of A |x - y|^2 / h^2, y = from + way (Gast 2015), and what takes velocity, as functions
-// whose slope is the force at the end of the step: damping A d / (2 h) |(x - from) - (way of the
+// Half of A |x - y|^2 / h^2, y = from + displacement (Gast 2015), and what takes velocity, as functions
+// whose slope is the force at the end of the step: damping A d / (2 h) |(x - from) - (displacement of the
 // animation)|^2, air h / 2 u . D u, u = wind - (x - from) / h, what is pushed -A push . x, what is resisted
 // A r / (2 h) |x - from|^2.
 Inertia inertia_of(const Model& model, const Swing& swing, const Acting& acting, const Pose& pose,
@@ -299,9 +296,7 @@ Result swing(const Model& model, const Settings& settings, const Swing& swing, c
     const bool held = holds(model, settings, swing, acting, pose, was, *before);
     Motion motion = held ? was : step_through(model, settings, swing, acting, pose, was, planes, out);
     look_for_contacts(model, pose, motion.position, out.state.contact_hint, planes);
-    out.state.length = held ? before->length : pose.length;
-    out.state.clearance = held ? before->clearance : pose.clearance;
-    out.state.ahead_height = held ? before->ahead_height : pose.ahead_height;
+    keep_pose(pose, held ? before : nullptr, out.state);
     motion.animated_before = was.animated;
     motion.seconds = swing.seconds;
     motion.gravity = settings.gravity;

@@ -25,23 +25,24 @@ std::vector<Index> parts_of(size_t vertices, const std::vector<std::array<Index,
 
 }  // namespace
 
-OwnSurface::OwnSurface(std::span<const Vec3> positions, const std::vector<std::array<Index, 3>>& triangles)
+SelfContactMesh::SelfContactMesh(std::span<const Vec3> positions,
+                                 const std::vector<std::array<Index, 3>>& triangles)
     : triangles_(triangles),
       hierarchy_(build_packets(centres_of(positions, triangles))),
       part_(parts_of(positions.size(), triangles)) {}
 
-PosedOwnSurface::PosedOwnSurface(const OwnSurface& surface, std::span<const Vec3> positions)
+PosedSelfContactMesh::PosedSelfContactMesh(const SelfContactMesh& surface, std::span<const Vec3> positions)
     : surface_(surface),
       count_(positions.size()),
       positions_(to_rows(positions)),
       normals_(positions_, surface.triangles_),
       packets_(surface.hierarchy_, positions_, surface.triangles_, normals_.of_face) {}
 
-bool PosedOwnSurface::face_the_same_way(Index vertex, Index triangle) const {
+bool PosedSelfContactMesh::face_the_same_way(Index vertex, Index triangle) const {
     return glm::dot(normals_.of_face[triangle].vec(), normals_.of_vertex[vertex].vec()) > kFacingNormals;
 }
 
-OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const {
+SelfContactSide PosedSelfContactMesh::nearest(Index vertex, float reach, Index& found) const {
     const Vec3 p = positions_[vertex].vec(), normal = normals_.of_vertex[vertex].vec();
     const Vec3Lanes at(p), facing(normal);
     const bool several = !surface_.part_.empty();
@@ -80,15 +81,15 @@ OwnSide PosedOwnSurface::nearest(Index vertex, float reach, Index& found) const 
     return {towards, distance, face_the_same_way(vertex, found) || glm::dot(towards, normal) > 0.0f};
 }
 
-std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach, int threads) const {
-    std::vector<OwnSide> out(reach.size());
+std::vector<SelfContactSide> PosedSelfContactMesh::facing(std::span<const float> reach, int threads) const {
+    std::vector<SelfContactSide> out(reach.size());
     if (surface_.triangles_.empty()) return out;
     std::vector<Index> triangle(out.size(), kNone);
     for_each_index(out.size(), threads_for_queries(threads, out.size()), [&](size_t v) {
         if (reach[v] > 0.0f && normals_.of_vertex[v].vec() != Vec3(0.0f))
             out[v] = nearest(static_cast<Index>(v), reach[v], triangle[v]);
     });
-    const std::vector<OwnSide> found = out;
+    const std::vector<SelfContactSide> found = out;
     for (size_t v = 0; v < found.size(); ++v) {
         if (triangle[v] == kNone) continue;
         for (const Index u : surface_.triangles_[triangle[v]]) {
@@ -101,7 +102,7 @@ std::vector<OwnSide> PosedOwnSurface::facing(std::span<const float> reach, int t
     return out;
 }
 
-std::vector<float> PosedOwnSurface::heights() const {
+std::vector<float> PosedSelfContactMesh::heights() const {
     std::vector<float> out(count_, std::numeric_limits<float>::infinity());
     const std::vector<std::array<Index, 3>>& triangles = surface_.triangles_;
     for_each_four(triangles.size(), [&](size_t first, size_t count) {

@@ -15,14 +15,14 @@
 namespace rumple {
 
 // The triangles of a cloth and a bounding volume hierarchy over them. Built once, then immutable.
-class OwnSurface {
+class SelfContactMesh {
   public:
     // positions: at rest, object units; every index of triangles is one of them. May have no triangle.
     // Cost: O(n log^2 n).
-    OwnSurface(std::span<const Vec3> positions, const std::vector<std::array<Index, 3>>& triangles);
+    SelfContactMesh(std::span<const Vec3> positions, const std::vector<std::array<Index, 3>>& triangles);
 
   private:
-    friend class PosedOwnSurface;
+    friend class PosedSelfContactMesh;
 
     bool in_other_parts(Index vertex, Index triangle) const {
         return !part_.empty() && part_[vertex] != part_[triangles_[triangle][0]];
@@ -35,7 +35,7 @@ class OwnSurface {
 
 // The nearest point of the cloth that faces a vertex: on a triangle that it is no corner of, and whose normal
 // points against that of the vertex, or that is of another part: of what is worn over or under it.
-struct OwnSide {
+struct SelfContactSide {
     Vec3 towards{0.0f};  // unit: from the vertex to that point; zero: nothing faces it
     float distance = std::numeric_limits<float>::infinity();  // object units
     // Whether the point lies on the side that the vertex's normal points to. Where both face the same way
@@ -44,16 +44,16 @@ struct OwnSide {
 };
 
 // A cloth in the pose of one frame.
-class PosedOwnSurface {
+class PosedSelfContactMesh {
   public:
     // Both must outlive it. positions: finite, as many as the cloth was built with. Cost: O(triangles), about
     // 20 ns each.
-    PosedOwnSurface(const OwnSurface& surface, std::span<const Vec3> positions);
+    PosedSelfContactMesh(const SelfContactMesh& surface, std::span<const Vec3> positions);
 
     // Of every vertex what faces it within its reach (object units, >= 0; 0: nothing is looked for), or the
     // vertex that it faces as a corner of a triangle, whichever is nearer: so both sides of a gap know of it.
     // threads: as of choose_threads(). Cost: about 0.5 us a vertex with a reach of two edges.
-    std::vector<OwnSide> facing(std::span<const float> reach, int threads) const;
+    std::vector<SelfContactSide> facing(std::span<const float> reach, int threads) const;
 
     // Of every vertex the smallest height of its triangles above their opposite sides, object units; infinity
     // where it has none. As long as no vertex moves farther than half of it along the surface, none of them
@@ -64,9 +64,9 @@ class PosedOwnSurface {
     // Only triangles of other parts do.
     bool face_the_same_way(Index vertex, Index triangle) const;
     // The side that faces a vertex, and the triangle that it is on.
-    OwnSide nearest(Index vertex, float reach, Index& triangle) const;
+    SelfContactSide nearest(Index vertex, float reach, Index& triangle) const;
 
-    const OwnSurface& surface_;
+    const SelfContactMesh& surface_;
     size_t count_;
     std::vector<Row> positions_;
     TriangleNormals normals_;

@@ -28,18 +28,16 @@ struct HealedMesh {
     }
 };
 
-// In this order:
-//   repeated  the second use of a vertex in a polygon becomes a vertex of its own, and so do all vertices of
-//   a
-//             polygon that has those of another one in another order;
-//   doubled   of polygons over the same vertices in the same order, or the reverse of it, only the first is
-//   kept; cut       where an edge has more than two polygons, those two stay joined that continue one another
-//   best,
-//             then the next two: the cut of Gueziec, Taubin, Lazarus and Horn 2001, chosen by the angle;
-//   turned    within a part, polygons are wound as the larger area of it is, also across seams that will be
-//             welded. A part with one side only (Moebius) is cut where its ends meet. A tube or a bag that
-//             faces inwards is turned as a whole: what is worn under a garment lies behind its faces;
-//   then vertices are split into their fans along all cuts.
+// The steps, in this order:
+// - Repeated: a vertex's second use in a polygon becomes a new vertex; so do all vertices of a polygon that
+//   uses another one's vertices in another order.
+// - Doubled: of polygons over the same vertices in the same or the reverse order, only the first is kept.
+// - Cut: an edge of more than two polygons keeps as one pair the two that continue each other best, then the
+//   next two (Gueziec, Taubin, Lazarus and Horn 2001; chosen by angle).
+// - Turned: within a part, polygons are wound like the side of larger area, across seams that will be welded,
+//   too. A part with one side only (Moebius) is cut where its ends meet. A tube or a bag that faces inwards
+//   is turned as a whole: what is worn under a garment lies behind its faces.
+// - Vertices are split into fans along all cuts.
 // A mesh that is an oriented manifold and not inside out comes back as it is. Throws InvalidInput as
 // build_surface() does. Cost: O(corners log corners).
 HealedMesh heal_mesh(const SurfaceInput& input);

@@ -153,9 +153,7 @@ std::vector<Index> join_seams(const std::vector<SeamPair>& seams, const std::vec
         if (!free) continue;
         for (int end = 0; end < 2; ++end) classes.unite(x.vertex[end], y.vertex[end]);
     }
-    std::vector<Index> class_of(barred.size());
-    for (std::size_t v = 0; v < class_of.size(); ++v) class_of[v] = classes.find(static_cast<Index>(v));
-    return class_of;
+    return classes.roots();
 }
 
 }  // namespace

@@ -5,33 +5,8 @@
 
 #include "base/formulas.h"
 #include "base/lanes.h"
-#include "base/tolerances.h"
 
 namespace rumple {
-
-void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std::span<Vec3> normals) {
-    for (Vec3& n : normals) n = Vec3(0.0f);
-    for (const Triangle& triangle : surface.triangles) {
-        Index v[3];
-        for (int k = 0; k < 3; ++k) v[k] = surface.welded.corner_vertex[triangle.corner[k]];
-        const Vec3 twice_area =
-            glm::cross(positions[v[1]] - positions[v[0]], positions[v[2]] - positions[v[0]]);
-        for (int k = 0; k < 3; ++k) normals[v[k]] += twice_area;
-    }
-    for (Vec3& n : normals) {
-        const float length = glm::length(n);
-        n = length > kShortestEdge * kShortestEdge ? n / length : Vec3(0.0f);
-    }
-}
-
-void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
-                     std::span<TriangleFrame> frames) {
-    for (size_t t = 0; t < surface.triangles.size(); ++t) {
-        const Index* corner = surface.triangles[t].corner;
-        const auto at = [&](int k) { return positions[surface.welded.corner_vertex[corner[k]]]; };
-        frames[t] = triangle_frame(at(0), at(1), at(2));
-    }
-}
 
 Vec3 pn_triangle(const Vec3 p[3], const Vec3 n[3], float b0, float b1) {
     return formulas::pn_point(p[0], p[1], p[2], n[0], n[1], n[2], b0, b1);

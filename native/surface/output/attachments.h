@@ -5,8 +5,8 @@
 
 #include <vector>
 
+#include "surface/mesh/normals.h"
 #include "surface/refine/refinement.h"
-#include "surface/strain/deformation.h"
 
 namespace rumple {
 
@@ -18,14 +18,6 @@ struct Attachments {
     std::vector<SurfacePoint> places;
     SparseRows limit;  // kLimit only: rows of limit-surface weights over welded vertices
 };
-
-// Unit normals of the welded vertices, weighted by triangle area; zero where
-// every triangle around a vertex has collapsed. Cost: O(triangles).
-void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std::span<Vec3> normals);
-
-// The frame of every triangle of the deformed base. Cost: O(triangles).
-void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
-                     std::span<TriangleFrame> frames);
 
 // The cubic Bezier triangle of Vlachos et al. 2001, section 3.1, at weight b0
 // of corner 1 and b1 of corner 2. normals: unit, at the corners.

@@ -80,15 +80,6 @@ void split_creases(FineMesh& fine, const PolygonMesh& parent) {
     }
 }
 
-SparseRows identity(Index rows) {
-    SparseRows out;
-    for (Index r = 0; r < rows; ++r) {
-        out.add(r, 1.0f);
-        out.end_row();
-    }
-    return out;
-}
-
 void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> welded,
            std::span<const TriangleFrame> frames, ShownFrame& out) {
     for (size_t v = 0; v < mesh.places.size(); ++v) {
@@ -161,8 +152,8 @@ Attachments attach_refined(const Surface& base, const FineSource& source, const 
 }
 
 std::vector<Vec3> attached_at_rest(const Surface& base, const Attachments& attachments) {
-    std::vector<Vec3> rest(attachments.places.size()), normals(base.welded.vertex_count);
-    vertex_normals(base, base.positions_rest, normals);
+    std::vector<Vec3> rest(attachments.places.size());
+    const std::vector<Vec3> normals = vertex_normals(base, base.positions_rest);
     attach(base, attachments, base.positions_rest, normals, rest, 0, rest.size());
     return rest;
 }
@@ -178,12 +169,7 @@ ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& 
     shown.vertex_from_source = open.vertex_from_display;
     shown.corner_from_source = whole.corner_from_parent;
     shown.polygon_source = whole.polygon_parent;
-    for (const Index v : open.fine_vertex) {
-        for (Index k = smooth.start[v]; k < smooth.start[v + 1]; ++k) {
-            shown.from_solved.add(smooth.index[k], smooth.weight[k]);
-        }
-        shown.from_solved.end_row();
-    }
+    for (const Index v : open.fine_vertex) shown.from_solved.append_row(smooth, v);
     shown.positions_rest.resize(open.fine_vertex.size());
     apply<Vec3>(shown.from_solved, solved_rest, shown.positions_rest);
     if (&source != &base) {
@@ -219,7 +205,7 @@ ShownMesh show_triangles(const Surface& base) {
         shown.from_solved.end_row();
         shown.positions_rest.push_back(base.positions_rest[base.welded_of[v]]);
     }
-    shown.vertex_from_source = identity(vertices);
+    shown.vertex_from_source = identity_rows(vertices);
     const Index triangles = static_cast<Index>(base.triangles.size());
     for (Index t = 0; t < triangles; ++t) {
         const std::array<Index, 3> vertex = display_vertices(base, t);

@@ -8,6 +8,7 @@
 
 #include "surface/mesh/topology.h"
 #include "surface/output/attachments.h"
+#include "surface/strain/deformation.h"
 #include "surface/refine/refinement.h"
 
 namespace rumple {

@@ -131,10 +131,7 @@ Unwelded unweld(const Surface& surface, const FineMesh& fine) {
             differing.push_back(c);
             result.mesh.corner_vertex[c] = result.mesh.vertex_count++;
             result.fine_vertex.push_back(v);
-            for (Index k = corner_rows.start[c]; k < corner_rows.start[c + 1]; ++k) {
-                result.vertex_from_display.add(corner_rows.index[k], corner_rows.weight[k]);
-            }
-            result.vertex_from_display.end_row();
+            result.vertex_from_display.append_row(corner_rows, c);
         }
     }
     return result;

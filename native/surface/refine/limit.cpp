@@ -121,12 +121,10 @@ SparseRows spread_rows(const SparseRows& attached, std::span<const SurfacePoint>
     Index r = 0;
     for (const SurfacePoint& place : places) {
         if (place.triangle != kNone) {
-            for (Index k = attached.start[r]; k < attached.start[r + 1]; ++k) {
-                rows.add(attached.index[k], attached.weight[k]);
-            }
-            ++r;
+            rows.append_row(attached, r++);
+        } else {
+            rows.end_row();
         }
-        rows.end_row();
     }
     return rows;
 }
@@ -152,7 +150,6 @@ SparseRows limit_stencils(const Surface& surface, std::span<const SurfacePoint> 
     if (places.empty()) return {};
     const UsedVertices used(surface.welded);
     const Refiner refiner = make_refiner(surface.welded, used);
-    // Irregular vertices are isolated so far, then OpenSubdiv puts Gregory patches around them.
     refine_adaptively(*refiner, surface.welded, exact_levels);
     const Far::PtexIndices ptex(*refiner);
     const bool loop = refiner->GetSchemeType() == Sdc::SCHEME_LOOP;

@@ -32,15 +32,6 @@ Refiner refine_uniformly(const PolygonMesh& parent, const UsedVertices& used, In
     return refiner;
 }
 
-SparseRows identity_rows(Index count) {
-    SparseRows rows;
-    for (Index i = 0; i < count; ++i) {
-        rows.add(i, 1.0f);
-        rows.end_row();
-    }
-    return rows;
-}
-
 // Vertices of the last level <- parent vertices, smooth.
 SparseRows make_rows(const Far::TopologyRefiner& refiner, std::span<const Index> column_of) {
     StencilFactory::Options options;
@@ -131,6 +122,20 @@ SparseRows refined_rows(const PolygonMesh& parent, const UsedVertices& used,
                                       : make_rows(refiner, used.vertex_of);
 }
 
+// Vertices of a level on the limit surface <- parent vertices. Where level 0 has no masks they are taken one
+// level on, at the vertices that those of level 0 became.
+SparseRows limit_rows(const PolygonMesh& parent, const UsedVertices& used, Index levels) {
+    const Index levels_of_masks = std::max(levels, levels_before_masks(parent));
+    const Refiner refiner = refine_uniformly(parent, used, levels_of_masks);
+    const SparseRows masks = make_limit_rows(*refiner), refined = refined_rows(parent, used, *refiner);
+    if (levels == levels_of_masks) return compose(masks, refined);
+    SparseRows at_vertices;  // vertex of level 0 <- vertices of level 1
+    const Far::TopologyLevel& vertices = refiner->GetLevel(0);
+    for (Index v = 0; v < vertices.GetNumVertices(); ++v)
+        at_vertices.append_row(masks, vertices.GetVertexChildVertex(v));
+    return compose(at_vertices, refined);
+}
+
 }  // namespace
 
 FineMesh refine_subdivision(const PolygonMesh& parent, Index levels) {
@@ -150,28 +155,23 @@ FineMesh refine_subdivision(const PolygonMesh& parent, Index levels) {
 SparseRows subdivision_stencils(const PolygonMesh& parent, Index levels, bool limit) {
     check_levels(parent, levels);
     const UsedVertices used(parent);
-    const Refiner refiner = refine_uniformly(parent, used, levels);
-    const SparseRows refined = refined_rows(parent, used, *refiner);
-    return limit ? compose(make_limit_rows(*refiner), refined) : refined;
+    if (limit) return limit_rows(parent, used, levels);
+    return refined_rows(parent, used, *refine_uniformly(parent, used, levels));
 }
 
 SparseRows vertex_limit_stencils(const Surface& surface) {
     const UsedVertices used(surface.welded);
-    const Index levels = levels_before_masks(surface.welded);
-    const Refiner refiner = refine_uniformly(surface.welded, used, levels);
-    const SparseRows masks = make_limit_rows(*refiner);
-    SparseRows at_vertices;  // vertex <- vertices of the last level
-    Index next = 0;          // of the used vertices
+    const SparseRows of_used = limit_rows(surface.welded, used, 0);
+    SparseRows rows;
+    Index next = 0;  // of the used vertices
     for (Index v = 0; v < surface.welded.vertex_count; ++v) {
-        if (next < Index(used.vertex_of.size()) && used.vertex_of[next] == v) {
-            const Index row = levels == 0 ? next : refiner->GetLevel(0).GetVertexChildVertex(next);
-            for (Index k = masks.start[row]; k < masks.start[row + 1]; ++k)
-                at_vertices.add(masks.index[k], masks.weight[k]);
-            ++next;
+        if (next < of_used.rows() && used.vertex_of[next] == v) {
+            rows.append_row(of_used, next++);
+        } else {
+            rows.end_row();
         }
-        at_vertices.end_row();
     }
-    return compose(at_vertices, refined_rows(surface.welded, used, *refiner));
+    return rows;
 }
 
 }  // namespace rumple

@@ -70,46 +70,40 @@ Row5 solved(const std::array<Row5, 5>& factor, Row5 x) {
     return x;
 }
 
-// The direction along which the surface has derivatives x and y, and the second derivative along it.
+// Derivatives of the position by two coordinates along the surface, x and y, and along the line of a
+// direction t in them.
 struct Derivatives {
-    Vec3 x{0.0f}, y{0.0f}, xx{0.0f}, xy{0.0f}, yy{0.0f};
+    Vec3 x, y, xx, xy, yy;
 
     Vec3 first(const Vec2& t) const { return t.x * x + t.y * y; }
     Vec3 second(const Vec2& t) const { return t.x * t.x * xx + 2.0f * t.x * t.y * xy + t.y * t.y * yy; }
 };
 
-}  // namespace
-
-std::vector<Vec3> normals_at_rest(const Surface& surface) {
-    const std::vector<Vec3>& p = surface.positions_rest;
-    std::vector<Vec3> normals(p.size(), Vec3(0.0f));
-    for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
-        const auto [a, b, c] = welded_vertices(surface, t);
-        for (const Index v : {a, b, c}) normals[v] += glm::cross(p[b] - p[a], p[c] - p[a]);
+// The first so many of x, y, xx, xy, yy, of the positions around a vertex.
+template <size_t kCount>
+std::array<Vec3, kCount> derivatives(const BentLinesModel& model, std::span<const Vec3> positions,
+                                     size_t vertex) {
+    std::array<Vec3, kCount> out{};
+    for (Index i = model.start[vertex]; i < model.start[vertex + 1]; ++i) {
+        const auto& [other, weight] = model.around[i];
+        const Vec3 displacement = positions[other] - positions[vertex];
+        for (size_t k = 0; k < kCount; ++k) out[k] += weight[k] * displacement;
     }
-    for (Vec3& normal : normals) {
-        const float length = glm::length(normal);
-        normal = length > kShortestEdge * kShortestEdge ? normal / length : Vec3(0.0f);
-    }
-    return normals;
+    return out;
 }
+
+}  // namespace
 
 FirstDerivatives first_derivatives(const BentLinesModel& model, std::span<const Vec3> positions,
                                    size_t vertex) {
-    FirstDerivatives out;
-    for (Index i = model.start[vertex]; i < model.start[vertex + 1]; ++i) {
-        const auto& [other, weight] = model.around[i];
-        const Vec3 way = positions[other] - positions[vertex];
-        out.x += weight[0] * way;
-        out.y += weight[1] * way;
-    }
-    return out;
+    const auto [x, y] = derivatives<2>(model, positions, vertex);
+    return {x, y};
 }
 
 BentLinesModel build_bent_lines(const Surface& surface) {
     BentLinesModel model;
     const std::vector<Vec3>& p = surface.positions_rest;
-    const std::vector<Vec3> normals = normals_at_rest(surface);
+    const std::vector<Vec3> normals = vertex_normals(surface, p);
     const std::vector<std::vector<Index>> rings = polygon_rings(surface.welded);
     for (size_t v = 0; v < rings.size(); ++v) {
         const std::vector<Index>& ring = rings[v];
@@ -144,16 +138,8 @@ std::vector<SpareCloth> spare_cloth(const Surface& surface, const BentLinesModel
                                     std::span<const Vec3> positions, float radius) {
     std::vector<SpareCloth> out(surface.welded.vertex_count);
     for (size_t v = 0; v < out.size(); ++v) {
-        Derivatives d;
-        for (Index i = model.start[v]; i < model.start[v + 1]; ++i) {
-            const auto& [vertex, weight] = model.around[i];
-            const Vec3 way = positions[vertex] - positions[v];
-            d.x += weight[0] * way;
-            d.y += weight[1] * way;
-            d.xx += weight[2] * way;
-            d.xy += weight[3] * way;
-            d.yy += weight[4] * way;
-        }
+        const auto [x, y, xx, xy, yy] = derivatives<5>(model, positions, v);
+        const Derivatives d{x, y, xx, xy, yy};
         const Vec3 normal = glm::cross(d.x, d.y);
         const float area = glm::length(normal);
         if (area <= kShortestEdge) continue;

@@ -41,7 +41,8 @@ struct BentLinesModel {
     struct Around {
         Index vertex;
         // Of its displacement from the vertex in the first and second derivatives: x, y, xx, xy, yy of the
-        // vertex's tangent plane at rest.
+        // vertex's tangent plane at rest. Its axes are any_tangent() of the normal, and the cross product of
+        // the normal with that.
         std::array<float, 5> weight;
     };
     std::vector<Index> start{0};  // per welded vertex, into around
@@ -50,10 +51,6 @@ struct BentLinesModel {
 
 // Cost: O(vertices).
 BentLinesModel build_bent_lines(const Surface& surface);
-
-// Of the welded vertices at rest, weighted by triangle area; zero where there is none. The tangent plane of a
-// vertex has any_tangent() of it, then its cross product with that.
-std::vector<Vec3> normals_at_rest(const Surface& surface);
 
 // Where the two axes of its tangent plane at rest went, of a vertex in a pose: F. Zero where nothing is
 // known.

@@ -74,19 +74,6 @@ Principal principal(const Tensor2& t) {
     return out;
 }
 
-TriangleFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
-    const Vec3 e1 = p1 - p0;
-    const Vec3 n = glm::cross(e1, p2 - p0);
-    const float e1_length = glm::length(e1);
-    const float n_length = glm::length(n);
-    if (e1_length < kShortestEdge || n_length < kShortestEdge * kShortestEdge) return {};
-    TriangleFrame frame;
-    frame.tangent = e1 / e1_length;
-    frame.normal = n / n_length;
-    frame.bitangent = glm::cross(frame.normal, frame.tangent);
-    return frame;
-}
-
 StretchModel build_stretch(const Surface& surface) {
     const Index triangles = static_cast<Index>(surface.triangles.size());
     const Index vertices = surface.welded.vertex_count;

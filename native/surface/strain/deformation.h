@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "surface/mesh/topology.h"
+#include "surface/mesh/normals.h"
 #include "surface/refine/refinement.h"
 
 namespace rumple {
@@ -28,22 +28,6 @@ struct Principal {
     Vec2 small_direction{1.0f, 0.0f};
 };
 Principal principal(const Tensor2& tensor);
-
-// An orthonormal frame of a triangle: tangent along its first edge, normal to
-// its plane. A collapsed triangle has zero vectors (never NaN).
-struct TriangleFrame {
-    Vec3 tangent{0.0f};
-    Vec3 bitangent{0.0f};
-    Vec3 normal{0.0f};
-
-    Vec3 to_object(const Vec3& local) const {
-        return local.x * tangent + local.y * bitangent + local.z * normal;
-    }
-    Vec3 to_local(const Vec3& object) const {
-        return {glm::dot(object, tangent), glm::dot(object, bitangent), glm::dot(object, normal)};
-    }
-};
-TriangleFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2);
 
 // What the rest pose fixes, built once.
 struct StretchModel {

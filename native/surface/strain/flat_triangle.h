@@ -49,8 +49,8 @@ Tensor2 metric(const FlatTriangle& from, const FlatTriangle& to);
 // (cos, sin) of the rotation R in F = R U: both shapes have u1 along x, so a shear turns the rest of them.
 Vec2 rotation(const FlatTriangle& from, const FlatTriangle& to);
 
-// A compressed triangle's reference after its eigenvalues were relaxed towards 1 by `share` (section 4.2):
-// Sigma' = (1 - share) Sigma + share I, and [u1', u2'] = B Sigma'^-1 A^T [u1, u2].
+// A compressed triangle's reference after its eigenvalues were relaxed towards 1 by `fraction` (section
+// 4.2): Sigma' = (1 - fraction) Sigma + fraction I, and [u1', u2'] = B Sigma'^-1 A^T [u1, u2].
 FlatTriangle relaxed(const FlatTriangle& reference, const FlatTriangle& current, float fraction);
 
 // The shape nearest to `reference` whose stretches from `rest` are at most `most`.

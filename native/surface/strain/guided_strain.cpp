@@ -60,7 +60,7 @@ std::shared_ptr<const GuideLines> build_guide_lines(const Surface& surface, std:
     check_along(surface, along);
     auto out = std::make_shared<GuideLines>();
     out->around = build_bent_lines(surface);
-    const std::vector<Vec3> normals = normals_at_rest(surface);
+    const std::vector<Vec3> normals = vertex_normals(surface, surface.positions_rest);
     for (size_t w = 0; w < normals.size(); ++w) {
         const Vec3 tangent = formulas::any_tangent(normals[w]), asked = along[surface.representative[w]];
         out->along.emplace_back(glm::dot(tangent, asked), glm::dot(glm::cross(normals[w], tangent), asked));

@@ -11,6 +11,7 @@
 #include "base/elementary.h"
 #include "base/expect.h"
 #include "base/random.h"
+#include "base/smooth_step.h"
 #include "surface/refine/triangle_tree.h"
 #include "systems/wrinkle_field/frames.h"
 
@@ -72,7 +73,7 @@ float falloff(Falloff kind, float distance) {
     const float t = std::clamp(1.0f - distance, 0.0f, 1.0f);
     switch (kind) {
         case Falloff::kSmooth:
-            return t * t * (3.0f - 2.0f * t);
+            return smooth_step(0.0f, 1.0f, t);
         case Falloff::kSharp:
             return t * t;
         case Falloff::kLinear:
@@ -108,7 +109,7 @@ std::vector<Request> ask(const Canvas& canvas, const Dab& dab) {
         const float distance = glm::distance(canvas.positions[v], dab.centre) / dab.radius;
         const float slope = glm::dot(canvas.normals[v], view);
         const float facing =
-            dab.touch == Touch::kPaint ? glm::smoothstep(0.0f, kGrazing, slope) : float(slope > 0.0f);
+            dab.touch == Touch::kPaint ? smooth_step(0.0f, kGrazing, slope) : float(slope > 0.0f);
         if (distance >= 1.0f || facing <= 0.0f) continue;
         requests[v] = {dab.strength * facing * falloff(dab.falloff, distance), pulled_back(canvas, dab, v)};
     }
@@ -293,7 +294,7 @@ std::vector<Vec3> scatter(const Model& model, const Scatter& settings) {
             model, v, noise3(rest[v] / (kScatterCoherence * settings.size), hashed(settings.seed, 2)));
         const float amount = glm::length(q);
         if (cover[v] <= bar || amount == 0.0f) continue;
-        const float strength = glm::smoothstep(0.0f, kScatterFade, std::min(cover[v] - bar, amount));
+        const float strength = smooth_step(0.0f, kScatterFade, std::min(cover[v] - bar, amount));
         field[v] = in_rest_space(model, v, settings.length * strength * q / amount);
     }
     std::vector<Vec3> painted;

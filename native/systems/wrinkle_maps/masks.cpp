@@ -5,18 +5,17 @@
 
 #include "base/errors.h"
 #include "base/expect.h"
+#include "base/lanes.h"
 #include "systems/wrinkle_maps/wrinkle_maps.h"
 
 namespace rumple::wrinkle_maps {
 namespace {
 
-// Poses are handled four at a time, so that the compiler can use vectors.
-constexpr Index kLane = 4;
-
-// Sums of weight x influence over a vertex's bones, for kLanes x kLane poses.
-template <Index kLanes>
+// Sums of weight x influence over a vertex's bones. Poses are handled four at a time, so that the compiler
+// can use vectors.
+template <Index kFours>
 void sum_influences(const Model& model, const std::vector<float>& influence, Index v, float* sums) {
-    constexpr Index kWidth = kLanes * kLane;
+    constexpr Index kWidth = kFours * kLanes;
     std::array<float, kWidth> sum{};
     for (Index e = model.weights.start[v]; e < model.weights.start[v + 1]; ++e) {
         const float weight = model.weights.weight[e];
@@ -27,13 +26,13 @@ void sum_influences(const Model& model, const std::vector<float>& influence, Ind
 }
 
 // factor(v, k): what the sum is multiplied by.
-template <Index kLanes, typename Factor>
+template <Index kFours, typename Factor>
 void fill_masks(const Model& model, const std::vector<float>& influence, const Factor& factor,
                 std::vector<float>& out) {
     const Index vertices = model.vertices();
-    std::array<float, kLanes * kLane> sum;
+    std::array<float, kFours * kLanes> sum;
     for (Index v = 0; v < vertices; ++v) {
-        sum_influences<kLanes>(model, influence, v, sum.data());
+        sum_influences<kFours>(model, influence, v, sum.data());
         for (Index k = 0; k < model.poses(); ++k) {
             out[size_t(k) * vertices + v] = std::min(factor(v, k) * sum[k], 1.0f);
         }
@@ -43,8 +42,8 @@ void fill_masks(const Model& model, const std::vector<float>& influence, const F
 template <typename Factor>
 void fill_masks(const Model& model, const std::vector<float>& influence, const Factor& factor,
                 std::vector<float>& out) {
-    static_assert(kMostPoses == 4 * kLane);
-    switch ((model.poses() + kLane - 1) / kLane) {
+    static_assert(kMostPoses == 4 * kLanes);
+    switch ((model.poses() + kLanes - 1) / kLanes) {
         case 1:
             return fill_masks<1>(model, influence, factor, out);
         case 2:
@@ -56,9 +55,9 @@ void fill_masks(const Model& model, const std::vector<float>& influence, const F
     }
 }
 
-// b x o influences times strengths, rows padded to whole lanes.
+// b x o influences times strengths, rows padded to whole fours.
 std::vector<float> padded(const Model& model, const Settings& settings, const Influences& influences) {
-    const Index poses = model.poses(), width = (poses + kLane - 1) / kLane * kLane;
+    const Index poses = model.poses(), width = (poses + kLanes - 1) / kLanes * kLanes;
     std::vector<float> rows(size_t(model.bones()) * width, 0.0f);
     for (Index i = 0; i < model.bones(); ++i) {
         for (Index k = 0; k < poses; ++k) {

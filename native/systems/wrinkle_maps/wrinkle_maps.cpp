@@ -283,7 +283,7 @@ Influences evaluate(const Model& model, std::span<const Bone> bones) {
         for (Index k = 0; k < poses; ++k) {
             if (!model.moves[i * poses + k]) continue;
             const Point in_pose = tracked_point(rig.poses[k].bones[i], rig.tracked[i]) - neutral;
-            // Printed over ||way||; over its square alpha is a fraction, and exactly 1 at the pose.
+            // Printed over ||in_pose||; over its square alpha is a fraction, and exactly 1 at the pose.
             const double alpha = dot(displacement, in_pose) / dot(in_pose, in_pose);
             out.pose[i * poses + k] = static_cast<float>(std::clamp(alpha, 0.0, 1.0));
         }

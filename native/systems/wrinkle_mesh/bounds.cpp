@@ -38,9 +38,9 @@ Real shortening(const Real& squared, const Real& most) {
     return length > most ? most / length : one;
 }
 
-// The bounds by the own cloth.
+// The bounds by the cloth itself.
 template <typename Real>
-void keep_off_own(const Bound<Real>& bound, Vec3Of<Real>& p) {
+void keep_off_self(const Bound<Real>& bound, Vec3Of<Real>& p) {
     const Real one = all<Real>(1.0f);
     const auto along = [&] { return p - bound.at - dot(p - bound.at, bound.normal) * bound.normal; };
     const auto slide_scale = [&](const Vec3Of<Real>& way) { return shortening(dot(way, way), bound.slide); };
@@ -62,12 +62,12 @@ void keep_off_own(const Bound<Real>& bound, Vec3Of<Real>& p) {
     if (in_any(scale < one)) p = choose(scale < one, bound.at + scale * (p - bound.at), p);
 }
 
-// Collision with the plane, the own cloth, the ball.
+// Collision with the plane, the cloth itself, the ball.
 template <typename Real>
-void hold_within(const Bound<Real>& bound, bool own, Vec3Of<Real>& p) {
+void hold_within(const Bound<Real>& bound, bool self_contact, Vec3Of<Real>& p) {
     const Real height = dot(p - bound.at, bound.floor);
     p = choose(height < bound.lowest, p + (bound.lowest - height) * bound.floor, p);
-    if (own) keep_off_own(bound, p);
+    if (self_contact) keep_off_self(bound, p);
     const Vec3Of<Real> offset = p - bound.at;
     const Real scale = shortening(dot(offset, offset), bound.radius);
     if (in_any(scale < all<Real>(1.0f)))
@@ -80,7 +80,8 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
     : model_(model),
       pose_(pose),
       collision_(settings.collision),
-      own_((settings.apart > 0.0f && !pose.own.empty()) || (settings.slide > 0.0f && !pose.heights.empty())),
+      self_contact_((settings.apart > 0.0f && !pose.self_contact.empty()) ||
+                    (settings.slide > 0.0f && !pose.heights.empty())),
       tangential_pull_(settings.tangential_pull),
       normal_pull_(settings.normal_pull),
       radii_(attachment_radii(model, settings, paint)),
@@ -101,10 +102,11 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
         if (collision_ == Collision::kNeighbourhood)
             floor_[v] = std::min(side_of(v, pose.attachment[v]).height, 0.0f) - depth;
         if (settings.slide > 0.0f && !pose.heights.empty()) four.slide[k] = settings.slide * pose.heights[v];
-        if (settings.apart <= 0.0f || pose.own.empty() || pose.own[v].towards == Vec3(0.0f)) continue;
-        four.towards.set(k, pose.own[v].towards);
-        four.ahead[k] = settings.apart * pose.own[v].distance;
-        if (!pose.own[v].outside) four.behind[k] = -four.ahead[k];
+        if (settings.apart <= 0.0f || pose.self_contact.empty() || pose.self_contact[v].towards == Vec3(0.0f))
+            continue;
+        four.towards.set(k, pose.self_contact[v].towards);
+        four.ahead[k] = settings.apart * pose.self_contact[v].distance;
+        if (!pose.self_contact[v].outside) four.behind[k] = -four.ahead[k];
     }
 }
 
@@ -128,7 +130,7 @@ void Bounds::pull(const Bound<Lanes>& bound, Vec3Lanes& p) const {
 void Bounds::pull_and_project_four(size_t four, std::span<Row, kLanes> positions) const {
     Vec3Lanes p = columns(positions);
     if (pulls()) pull(fours_[four], p);
-    if (collision_ != Collision::kNeighbourhood) hold_within(fours_[four], own_, p);
+    if (collision_ != Collision::kNeighbourhood) hold_within(fours_[four], self_contact_, p);
     store_rows(p, positions);
     if (collision_ != Collision::kNeighbourhood) return;
     for (size_t k = 0; k < kLanes && kLanes * four + k < radii_.size(); ++k) {
@@ -144,10 +146,11 @@ void Bounds::put_within(size_t v, float slack, Vec3& p) const {
     if (neighbourhood) {
         const Side side = side_of(v, p);
         // What keep_above_floor() left is above it.
-        if (side.height < floor_[v] - (own_ ? slack : 0.0f)) p += (floor_[v] - side.height) * side.normal;
+        if (side.height < floor_[v] - (self_contact_ ? slack : 0.0f))
+            p += (floor_[v] - side.height) * side.normal;
     }
-    hold_within(bound(v), own_, p);
-    if (neighbourhood && own_) keep_above_floor(v, slack, p);
+    hold_within(bound(v), self_contact_, p);
+    if (neighbourhood && self_contact_) keep_above_floor(v, slack, p);
 }
 
 void Bounds::keep_above_floor(size_t v, float slack, Vec3& p) const {

@@ -53,7 +53,7 @@ class Bounds {
     // Signed distance to the closest of the base triangles around the vertex.
     Side side_of(size_t v, const Vec3& p) const;
 
-    // project(); with kNeighbourhood and bounds by the own cloth a vertex may be so far below its floor.
+    // project(); with kNeighbourhood and bounds by the cloth itself a vertex may be so far below its floor.
     void put_within(size_t v, float slack, Vec3& p) const;
 
     Bound<float> bound(size_t v) const;
@@ -67,7 +67,7 @@ class Bounds {
     const Model& model_;
     const Pose& pose_;
     Collision collision_;
-    bool own_;  // whether the own cloth bounds anything
+    bool self_contact_;  // whether the cloth itself bounds anything
     float tangential_pull_;
     float normal_pull_;
     std::vector<float> radii_;

@@ -9,6 +9,7 @@
 #include "base/errors.h"
 #include "base/graph_coloring.h"
 #include "base/tolerances.h"
+#include "surface/mesh/border_rings.h"
 #include "systems/wrinkle_mesh/pose.h"
 #include "systems/wrinkle_mesh/wrinkle_mesh.h"
 
@@ -50,6 +51,12 @@ struct PairSets {
     std::vector<Pair> edges;     // of the triangles
     std::vector<Pair> opposite;  // the two vertices across an edge of two triangles
     std::vector<Pair> border;    // edges of one triangle
+
+    std::vector<bool> on_border(size_t vertices) const {
+        std::vector<bool> out(vertices, false);
+        for (const Pair& edge : border) out[edge[0]] = out[edge[1]] = true;
+        return out;
+    }
 };
 
 PairSets collect_pairs(const std::vector<std::array<Index, 3>>& triangles) {
@@ -117,35 +124,6 @@ std::vector<float> mean_edge_around(const Pairs& edges, size_t vertices) {
     return sum;
 }
 
-// Rings from the open borders, by breadth-first search over the edges.
-std::vector<Index> rings_from_border(const PairSets& sets, size_t vertices) {
-    std::vector<std::vector<Index>> neighbours(vertices);
-    for (const Pair& e : sets.edges) {
-        neighbours[e[0]].push_back(e[1]);
-        neighbours[e[1]].push_back(e[0]);
-    }
-    std::vector<Index> ring(vertices, kNone);
-    std::vector<Index> front;
-    for (const Pair& e : sets.border) {
-        for (const Index v : e) {
-            if (ring[v] == kNone) front.push_back(v);
-            ring[v] = 0;
-        }
-    }
-    while (!front.empty()) {
-        std::vector<Index> next;
-        for (const Index v : front) {
-            for (const Index n : neighbours[v]) {
-                if (ring[n] != kNone) continue;
-                ring[n] = ring[v] + 1;
-                next.push_back(n);
-            }
-        }
-        front.swap(next);
-    }
-    return ring;
-}
-
 // The artist's mesh: closest points, and what is left between them and the mesh.
 // fine: the artist's mesh without the vertices that no polygon uses.
 void bind_own(Model& model, const Source& source, const FineMesh& fine, std::span<const Vec3> rest) {
@@ -162,58 +140,69 @@ void bind_own(Model& model, const Source& source, const FineMesh& fine, std::spa
     }
 }
 
+// What is left between the attachments and the artist's mesh, in the smooth frames of the attachments.
+std::vector<Vec3> rest_offsets_of_own(const Model& model, std::span<const Vec3> own_rest) {
+    const Surface& base = model.base;
+    const std::vector<Vec3> attached = attached_at_rest(base, model.attachments),
+                            normals = vertex_normals(base, base.positions_rest);
+    std::vector<TriangleFrame> frames(base.triangles.size());
+    triangle_frames(base, base.positions_rest, frames);
+    std::vector<Vec3> out;
+    for (size_t v = 0; v < own_rest.size(); ++v) {
+        const SurfacePoint& place = model.attachments.places[v];
+        out.push_back(smooth_frame(frames[place.triangle], interpolate(base, place, normals))
+                          .to_local(own_rest[v] - attached[v]));
+    }
+    return out;
+}
+
+// Ties the fine mesh to the base. Returns where its vertices are at rest.
+std::vector<Vec3> attach_fine_mesh(Model& model, const Source& source, const FineMesh& fine,
+                                   AttachmentKind kind) {
+    model.attached.assign(fine.mesh.vertex_count, 1);
+    if (!source.own) {
+        model.attachments = attach_refined(model.base, source, fine, kind);
+        return attached_at_rest(model.base, model.attachments);
+    }
+    std::vector<Vec3> rest(fine.mesh.vertex_count);
+    apply<Vec3>(fine.vertex_from_parent, source.own->positions_rest, rest);
+    bind_own(model, source, fine, rest);
+    model.attachments.kind = kind;
+    if (kind == AttachmentKind::kLimit)
+        model.attachments.limit = limit_stencils(model.base, model.attachments.places);
+    model.rest_offset = rest_offsets_of_own(model, rest);
+    return rest;
+}
+
+// Distance and bending, and what follows from their pairs.
+void add_constraints(Model& model) {
+    const std::vector<Vec3>& rest = model.positions_rest;
+    model.triangles = triangulate(model.solved, rest);
+    const PairSets sets = collect_pairs(model.triangles);
+    model.distance = coloured(sets.edges, rest);
+    model.bending = coloured(sets.opposite, rest);
+    model.local_edge = mean_edge_around(model.distance, rest.size());
+    model.border_ring = border_rings(sets.edges, sets.on_border(rest.size()));
+}
+
 }  // namespace
 
 std::shared_ptr<const Model> build(Surface base, const Source& source, AttachmentKind attachment,
                                    Index display_steps, Index viewport_steps) {
     auto model = std::make_shared<Model>();
     model->base = std::move(base);
-    const bool own = source.own != nullptr;
-    const FineMesh fine =
-        own ? copy_own(*source.own, source, display_steps) : refine(model->base, source, display_steps);
+    const FineMesh fine = source.own ? copy_own(*source.own, source, display_steps)
+                                     : refine(model->base, source, display_steps);
     model->solved = fine.mesh;
-    const size_t vertices = fine.mesh.vertex_count;
-    model->attached.assign(vertices, 1);
-    std::vector<Vec3> own_rest(own ? vertices : 0);
-    if (own) {
-        apply<Vec3>(fine.vertex_from_parent, source.own->positions_rest, own_rest);
-        bind_own(*model, source, fine, own_rest);
-        model->attachments.kind = attachment;
-        if (attachment == AttachmentKind::kLimit) {
-            model->attachments.limit = limit_stencils(model->base, model->attachments.places);
-        }
-    } else {
-        model->attachments = attach_refined(model->base, source, fine, attachment);
-    }
-    std::vector<Vec3> rest = attached_at_rest(model->base, model->attachments);
-    if (own) {
-        std::vector<Vec3> normals(model->base.welded.vertex_count);
-        vertex_normals(model->base, model->base.positions_rest, normals);
-        std::vector<TriangleFrame> frames(model->base.triangles.size());
-        triangle_frames(model->base, model->base.positions_rest, frames);
-        for (size_t v = 0; v < vertices; ++v) {
-            const Vec3 left = own_rest[v] - rest[v];
-            const SurfacePoint& place = model->attachments.places[v];
-            model->rest_offset.push_back(
-                smooth_frame(frames[place.triangle], interpolate(model->base, place, normals))
-                    .to_local(left));
-        }
-        rest = std::move(own_rest);
-    }
-    model->positions_rest = rest;
-    model->triangles = triangulate(fine.mesh, rest);
-    const PairSets sets = collect_pairs(model->triangles);
-    model->distance = coloured(sets.edges, rest);
-    model->bending = coloured(sets.opposite, rest);
-    model->local_edge = mean_edge_around(model->distance, vertices);
-    model->boundary_ring = rings_from_border(sets, vertices);
+    model->positions_rest = attach_fine_mesh(*model, source, fine, attachment);
+    add_constraints(*model);
     model->stretch = build_stretch(model->base);
     if (source.adaptive) model->adaptive = place_pairs(*model);
     model->near = near_triangles(model->base);
-    const Surface& inherited = own ? *source.own : model->base;
-    model->shown = show_fine(model->base, inherited, fine, display_steps, rest);
+    const Surface& inherited = source.own ? *source.own : model->base;
+    model->shown = show_fine(model->base, inherited, fine, display_steps, model->positions_rest);
     model->shown_in_viewport =
-        show_in_viewport(model->base, inherited, fine, display_steps, viewport_steps, rest);
+        show_in_viewport(model->base, inherited, fine, display_steps, viewport_steps, model->positions_rest);
     return model;
 }
 

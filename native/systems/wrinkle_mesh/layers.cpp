@@ -81,7 +81,7 @@ std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
 // A surface lies between its vertices: where those stay out of what is below and in front, it does.
 void keep_outside(const Pose& pose, std::span<const float> gap, std::span<Vec3> missed) {
     for (size_t v = 0; v < missed.size(); ++v) {
-        if (!pose.own.empty() && pose.own[v].towards != Vec3(0.0f)) missed[v] = Vec3(0.0f);
+        if (!pose.self_contact.empty() && pose.self_contact[v].towards != Vec3(0.0f)) missed[v] = Vec3(0.0f);
         if (gap.empty()) continue;
         const float too_deep = -gap[v] - glm::dot(missed[v], pose.normal[v]);
         if (too_deep > 0.0f) missed[v] += too_deep * pose.normal[v];
@@ -161,19 +161,19 @@ std::vector<float> reaches(const Model& layer, const Settings& settings, const P
     return reach;
 }
 
-void look_at_own(const OwnSurface& own, const Model& layer, const Settings& settings, const Paint& paint,
-                 Clear& clear, Pose& pose) {
+void find_self_contacts(const SelfContactMesh& mesh, const Model& layer, const Settings& settings,
+                        const Paint& paint, Clear& clear, Pose& pose) {
     clear.refine(layer);
     if (settings.apart <= 0.0f && settings.slide <= 0.0f) return;
     std::vector<float> reach = reaches(layer, settings, paint);
     for (size_t v = 0; v < reach.size(); ++v) {
         if (clear.at(v)) reach[v] = 0.0f;
     }
-    const PosedOwnSurface posed(own, pose.attachment);
-    pose.own = posed.facing(reach, settings.threads);
+    const PosedSelfContactMesh posed(mesh, pose.attachment);
+    pose.self_contact = posed.facing(reach, settings.threads);
     pose.heights = posed.heights();
     for (size_t v = 0; v < reach.size(); ++v) {
-        if (reach[v] > 0.0f && pose.own[v].towards == Vec3(0.0f)) clear.mark(v);
+        if (reach[v] > 0.0f && pose.self_contact[v].towards == Vec3(0.0f)) clear.mark(v);
     }
 }
 
@@ -193,8 +193,8 @@ void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings&
             return;
         }
         const float before = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
-        if (before / settings.apart < pose.own[v].distance)
-            pose.own[v] = {-body.normal, before / settings.apart, true};
+        if (before / settings.apart < pose.self_contact[v].distance)
+            pose.self_contact[v] = {-body.normal, before / settings.apart, true};
     });
 }
 
@@ -255,7 +255,7 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
         out->layers.push_back(build(std::move(on), source, kind, 0));
     }
     for (const auto& layer : out->layers) {
-        out->own.emplace_back(layer->positions_rest, layer->triangles);
+        out->self_contact.emplace_back(layer->positions_rest, layer->triangles);
         out->limit.push_back(vertex_limit_stencils(solved_surface(*layer)));
     }
     const Model& finest = *out->layers.back();
@@ -305,7 +305,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
         if (!strain) strain.emplace(layers, input.positions, settings[0].bend_radius, paint[0].guide.get());
         strain->carry_to(layer, pose);
-        look_at_own(layers.own[k], layer, settings[k], paint[k], own_cloth, pose);
+        find_self_contacts(layers.self_contact[k], layer, settings[k], paint[k], own_cloth, pose);
         if (input.bodies)
             look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, body_ahead, pose);
         out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,

@@ -17,7 +17,7 @@ namespace rumple::wrinkle_mesh {
 struct Layers {
     Surface base;
     std::vector<std::shared_ptr<const Model>> layers;  // coarse first; a layer's base is the one before it
-    std::vector<OwnSurface> own;                       // the solved triangles of each layer
+    std::vector<SelfContactMesh> self_contact;         // the solved triangles of each layer
     std::vector<SparseRows> limit;               // of each: its vertices on the smooth surface through them
     ShownMesh shown;                             // of the finest, embedded in the base
     std::optional<ShownMesh> shown_in_viewport;  // where that is subdivided fewer times

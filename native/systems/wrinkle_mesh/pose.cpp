@@ -8,6 +8,7 @@
 #include "base/expect.h"
 #include "base/lanes.h"
 #include "base/smooth_step.h"
+#include "surface/mesh/border_rings.h"
 #include "surface/mesh/positions.h"
 
 namespace rumple::wrinkle_mesh {
@@ -239,11 +240,7 @@ Vec3 OffsetFrames::in_object(size_t v, const Vec3& stored) const {
 std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint) {
     std::vector<float> radii(model.local_edge.size());
     for (size_t v = 0; v < radii.size(); ++v) {
-        float fade = 1.0f;
-        if (settings.hem_rings > 0 && model.boundary_ring[v] != kNone) {
-            const float x = std::min(1.0f, float(model.boundary_ring[v]) / float(settings.hem_rings));
-            fade = x * x * (3.0f - 2.0f * x);
-        }
+        const float fade = hem_fade(model.border_ring[v], settings.hem_rings);
         // Paint that was carried to a finer mesh may be a rounding below 0.
         radii[v] = settings.radius * model.local_edge[v] * std::max(painted(paint.radius, v), 0.0f) * fade;
     }

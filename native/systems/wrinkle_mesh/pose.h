@@ -28,8 +28,9 @@ struct Pose {
     std::vector<Vec3> floor;            // unit: off what is worn under each; empty: the normals
     std::vector<float> gap;             // how far each may go inwards, object units, >= 0; empty: no limit
     std::vector<Index> body;            // the triangle of a body near each, or kNone; empty: no bodies
-    std::vector<OwnSide> own;           // what of the own cloth faces each attachment; empty: no bound
-    std::vector<float> heights;         // PosedOwnSurface::heights() at the attachments; empty: no bound
+    // What of the cloth itself, or of a body in front, faces each attachment; empty: no bound.
+    std::vector<SelfContactSide> self_contact;
+    std::vector<float> heights;  // PosedSelfContactMesh::heights() at the attachments; empty: no bound
     Index collapsed = 0;
 };
 
@@ -57,8 +58,8 @@ std::optional<Pose> guided_pose(const Model& model, const Paint& paint, const Po
 // What a frame is asked for, with its pose, that make_pose() made of `input`.
 State solve_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
                  const Pose& pose, const State* state, Report& report);
-State solve_pose_reference(const Model& model, const Settings& settings, const Paint& paint,
-                           const Input& input, const Pose& pose, const State* state, Report& report);
+State solve_pose_in_order(const Model& model, const Settings& settings, const Paint& paint,
+                          const Input& input, const Pose& pose, const State* state, Report& report);
 void show_pose(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
                const State& state, Picture& picture, bool in_viewport = false);
 Measures measure_pose(const Model& model, const Settings& settings, const Paint& paint, const Input& input,

@@ -96,8 +96,8 @@ void relax_coloured(const Model& model, const Targets& targets, const Bounds& bo
     from_rows(rows, positions);
 }
 
-void relax_sequential(const Model& model, const Targets& targets, const Bounds& bounds, int iterations, int,
-                      std::span<Vec3> positions) {
+void relax_in_order(const Model& model, const Targets& targets, const Bounds& bounds, int iterations, int,
+                    std::span<Vec3> positions) {
     const std::vector<size_t> distance = natural_order(model.distance),
                               bending = natural_order(model.bending);
     std::vector<Row> rows = to_rows(positions);

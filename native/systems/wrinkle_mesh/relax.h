@@ -15,7 +15,7 @@ void relax_coloured(const Model& model, const Targets& targets, const Bounds& bo
                     int threads, std::span<Vec3> positions);
 
 // The printed solver: every constraint in turn, by the vertices it joins, on one thread.
-void relax_sequential(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
-                      int threads, std::span<Vec3> positions);
+void relax_in_order(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
+                    int threads, std::span<Vec3> positions);
 
 }  // namespace rumple::wrinkle_mesh

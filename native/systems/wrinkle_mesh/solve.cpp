@@ -116,54 +116,91 @@ void remember_lengths(const Model& model, std::span<const float> active, const S
 
 using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, int, std::span<Vec3>);
 
+// What a frame is solved with.
+struct Frame {
+    const Model& model;
+    const Settings& settings;
+    const Pose& pose;
+    const State* before;  // of this model, or none
+    OffsetFrames offsets;
+    std::vector<float> lengths;  // of the pairs between the attachments
+    Targets targets;
+    std::vector<float> active;  // of every vertex: activity(); 1 without a state
+    Bounds bounds;
+};
+
+// p_i = a_i + o_i (2), with the offsets of the frame before.
+std::vector<Vec3> start_positions(const Frame& frame) {
+    std::vector<Vec3> positions = frame.pose.attachment;
+    for (size_t v = 0; frame.before && v < positions.size(); ++v)
+        positions[v] += frame.offsets.in_object(v, frame.before->offset[v]);
+    return positions;
+}
+
+// Moves the vertices that are active. Returns the number of iterations.
+int relax_active(const Frame& frame, Relax relax, std::span<const Vec3> start, std::span<Vec3> positions) {
+    const Settings& settings = frame.settings;
+    perturb_unbuckled(frame.model, settings, frame.pose, frame.lengths, frame.targets, positions);
+    const int iterations = frame.before ? settings.iterations : settings.start_iterations;
+    relax(frame.model, frame.targets, frame.bounds, iterations, threads_for(frame.model, settings),
+          positions);
+    if (frame.before) blend(settings, start, frame.active, frame.bounds, positions);
+    return iterations;
+}
+
+// o_i = p_i - a_i; what was held keeps its bits, unless a plane that turned or a smaller radius pushes it:
+// positions get where that puts it. Returns the number of vertices that are kept apart.
+Index store_offsets(const Frame& frame, std::span<const Vec3> start, std::span<Vec3> positions,
+                    std::vector<Vec3>& offset) {
+    Index kept_apart = 0;
+    for (size_t v = 0; v < positions.size(); ++v) {
+        const bool held = frame.before && frame.active[v] <= 0.0f;
+        if (held) positions[v] = start[v];
+        const bool pushed = held && frame.bounds.push_back(v, positions[v]);
+        const bool kept = held && !pushed;
+        offset[v] =
+            kept ? frame.before->offset[v] : frame.offsets.stored(v, positions[v] - frame.pose.attachment[v]);
+        kept_apart += frame.bounds.kept_apart(v, positions[v]);
+    }
+    return kept_apart;
+}
+
 State solve_with(Relax relax, const Model& model, const Settings& settings, const Paint& paint,
                  const Input& input, const Pose& given, const State* before, Report& report) {
     check(settings);
     check(model, paint);
     const std::optional<Pose> guided = guided_pose(model, paint, given);
     const Pose& pose = guided ? *guided : given;
-    const OffsetFrames frames(model, settings, input, pose);
+    const OffsetFrames offsets(model, settings, input, pose);
     if (!fits(model, before)) before = nullptr;
     const std::vector<float> lengths = pair_lengths(model, pose.attachment);
-    State state{std::vector<Vec3>(pose.attachment.size(), Vec3(0.0f)), lengths,
+    State state{std::vector<Vec3>(pose.attachment.size()), lengths,
                 adapt_rest(model, settings, input, pose, before)};
     const std::vector<float> scales = rest_scales(model, settings, state.reference, pose, lengths);
     for (size_t i = 0; i < scales.size(); ++i) state.solved_length[i] /= std::max(scales[i], kShortestEdge);
-    const Targets targets = make_targets(model, settings, paint, lengths, pose, scales);
-    const std::vector<float> active = before ? activity(model, state.solved_length, *before)
-                                             : std::vector<float>(pose.attachment.size(), 1.0f);
-
-    std::vector<Vec3> positions = pose.attachment;  // p_i = a_i + o_i (2)
-    for (size_t v = 0; before && v < positions.size(); ++v)
-        positions[v] += frames.in_object(v, before->offset[v]);
-    const std::vector<Vec3> start = positions;
-
+    const Frame frame{model,
+                      settings,
+                      pose,
+                      before,
+                      offsets,
+                      lengths,
+                      make_targets(model, settings, paint, lengths, pose, scales),
+                      before ? activity(model, state.solved_length, *before)
+                             : std::vector<float>(pose.attachment.size(), 1.0f),
+                      Bounds(model, settings, paint, pose)};
     report = {};
     report.collapsed_triangles = pose.collapsed;
-    report.active = share_above_zero(active);
-    report.error_before = length_error(targets.distance, lengths).rms;
-    const Bounds bounds(model, settings, paint, pose);
-    if (report.active > 0.0f) {
-        perturb_unbuckled(model, settings, pose, lengths, targets, positions);
-        report.iterations = before ? settings.iterations : settings.start_iterations;
-        relax(model, targets, bounds, report.iterations, threads_for(model, settings), positions);
-        if (before) blend(settings, start, active, bounds, positions);
-    }
-    // o_i = p_i - a_i; what was held keeps its bits, unless a plane that turned or a smaller radius pushes
-    // it.
-    for (size_t v = 0; v < positions.size(); ++v) {
-        const bool held = before && active[v] <= 0.0f;
-        if (held) positions[v] = start[v];
-        const bool pushed = held && bounds.push_back(v, positions[v]);
-        const bool kept = held && !pushed;
-        state.offset[v] = kept ? before->offset[v] : frames.stored(v, positions[v] - pose.attachment[v]);
-        report.kept_apart += bounds.kept_apart(v, positions[v]);
-    }
+    report.active = share_above_zero(frame.active);
+    report.error_before = length_error(frame.targets.distance, lengths).rms;
+    const std::vector<Vec3> start = start_positions(frame);
+    std::vector<Vec3> positions = start;
+    if (report.active > 0.0f) report.iterations = relax_active(frame, relax, start, positions);
+    report.kept_apart = store_offsets(frame, start, positions, state.offset);
     const LengthError after =
-        length_error(targets.distance, pair_lengths(model.distance, to_rows(positions)));
+        length_error(frame.targets.distance, pair_lengths(model.distance, to_rows(positions)));
     report.error_after = after.rms;
     report.largest_error = after.largest;
-    if (before) remember_lengths(model, active, *before, state.solved_length);
+    if (before) remember_lengths(model, frame.active, *before, state.solved_length);
     return state;
 }
 
@@ -211,14 +248,14 @@ State solve_pose(const Model& model, const Settings& settings, const Paint& pain
     return solve_with(relax_coloured, model, settings, paint, input, pose, state, report);
 }
 
-State solve_reference(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
-                      const State* state, Report& report) {
-    return solve_pose_reference(model, settings, paint, input, make_pose(model, input), state, report);
+State solve_in_order(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                     const State* state, Report& report) {
+    return solve_pose_in_order(model, settings, paint, input, make_pose(model, input), state, report);
 }
 
-State solve_pose_reference(const Model& model, const Settings& settings, const Paint& paint,
-                           const Input& input, const Pose& pose, const State* state, Report& report) {
-    return solve_with(relax_sequential, model, settings, paint, input, pose, state, report);
+State solve_pose_in_order(const Model& model, const Settings& settings, const Paint& paint,
+                          const Input& input, const Pose& pose, const State* state, Report& report) {
+    return solve_with(relax_in_order, model, settings, paint, input, pose, state, report);
 }
 
 }  // namespace rumple::wrinkle_mesh

@@ -33,7 +33,7 @@ struct Settings {
     float buckling_threshold =
         0.0f;                        // compression of the base that bears no folds, share of the length, 0..1
     float compression_limit = 1.3f;  // rest length at most this times the base's length, >= 1
-    int hem_rings = 3;               // rings over which r fades to 0 at boundaries; 0: no fade
+    int hem_rings = 3;               // rings over which r fades to 0 at open borders; 0: no fade
     int iterations = 10;             // from a given state, >= 0
     int start_iterations = 20;       // from the canonical start, >= 0
     float damping = 0.3f;            // share of the former offset that is kept, 0..1
@@ -104,8 +104,8 @@ struct Model {
         rest_offset;  // own mesh: from surface to rest position, in the smooth frame; else empty
     Pairs distance;
     Pairs bending;
-    std::vector<float> local_edge;     // per solved vertex: mean rest length of the edges around it
-    std::vector<Index> boundary_ring;  // per solved vertex: edges to the nearest open border; -1: none
+    std::vector<float> local_edge;   // per solved vertex: mean rest length of the edges around it
+    std::vector<Index> border_ring;  // per solved vertex: edges to the nearest open border; -1: none
     std::vector<std::array<Index, 3>> triangles;  // of the solved mesh, for areas
     StretchModel stretch;
     NearTriangles near;
@@ -157,7 +157,7 @@ struct Input {
     const PosedCollider* bodies = nullptr;
     std::span<const Index> body_hint{};
     float thickness = 0.0f;
-    int threads = 0;  // that look for bodies and for the own cloth; 0: by their number
+    int threads = 0;  // that look for bodies and for the cloth itself; 0: by their number
 };
 
 struct Report {
@@ -181,8 +181,8 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
 
 // The same with the sweeps in natural order, one constraint after the other as
 // printed. For tests.
-State solve_reference(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
-                      const State* state, Report& report);
+State solve_in_order(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
+                     const State* state, Report& report);
 
 // The shown mesh for a frame and its state; in_viewport: that of viewports.
 using Picture = ShownFrame;

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <string>
 
 #include "base/expect.h"
+#include "surface/mesh/border_rings.h"
 #include "systems/wrinkle_paths/context.h"
 
 namespace rumple::wrinkle_paths {
@@ -18,12 +18,6 @@ float quality_of(const FlatTriangle& t) {
     return 4.0f * std::sqrt(3.0f) * t.area() / squares;
 }
 
-void check_range(const char* name, double value, double low, double high, bool low_excluded = false) {
-    if (value <= high && (low_excluded ? value > low : value >= low)) return;  // false for NaN
-    throw InvalidInput(std::string(name) + ": expected a value " + (low_excluded ? "above " : "from ") +
-                       short_text(low) + " to " + short_text(high) + ", got " + short_text(value));
-}
-
 void sort_by_triangle(Model& model) {
     const std::vector<SurfacePoint>& places = model.attachments.places;
     model.fine_start.assign(model.rest.size() + 1, 0);
@@ -35,44 +29,22 @@ void sort_by_triangle(Model& model) {
 }
 
 // Limit positions of the welded vertices; loose ones stay where they are.
-SparseRows limit_of_vertices(const Surface& surface) {
-    const SparseRows of_used = subdivision_stencils(surface.welded, 0, true);
-    std::vector<bool> used(size_t(surface.welded.vertex_count), false);
-    for (const Index v : surface.welded.corner_vertex) used[v] = true;
+SparseRows limit_of_all_vertices(const Surface& surface) {
+    const SparseRows limit = vertex_limit_stencils(surface);
     SparseRows rows;
-    Index next = 0;
-    for (Index v = 0; v < surface.welded.vertex_count; ++v) {
-        if (used[v]) {
-            for (Index k = of_used.start[next]; k < of_used.start[next + 1]; ++k)
-                rows.add(of_used.index[k], of_used.weight[k]);
-            ++next;
-        } else {
-            rows.add(v, 1.0f);
-        }
-        rows.end_row();
+    for (Index v = 0; v < limit.rows(); ++v) {
+        if (limit.start[v] == limit.start[v + 1]) rows.add(v, 1.0f);
+        rows.append_row(limit, v);
     }
     return rows;
 }
 
-// By breadth-first search over the edges of the triangles.
-std::vector<Index> rings_from_border(const Surface& surface, const TriangleNet& net) {
-    std::vector<Index> ring(size_t(surface.welded.vertex_count), kNone);
-    for (size_t v = 0; v < ring.size(); ++v) {
-        if (surface.boundary_vertex[v]) ring[v] = 0;
-    }
-    bool more = true;
-    for (Index reached = 0; more; ++reached) {
-        more = false;
-        for (Index h = 0; h < Index(net.vertex.size()); ++h) {
-            const Index a = net.vertex[h], b = net.vertex[next_in_triangle(h)];
-            for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
-                if (ring[from] != reached || ring[to] != kNone) continue;
-                ring[to] = reached + 1;
-                more = true;
-            }
-        }
-    }
-    return ring;
+// Of the welded vertices, over the edges of the triangles.
+std::vector<Index> rings_over(const Surface& surface, const TriangleNet& net) {
+    std::vector<std::array<Index, 2>> edges;
+    for (Index h = 0; h < Index(net.vertex.size()); ++h)
+        edges.push_back({net.vertex[h], net.vertex[next_in_triangle(h)]});
+    return border_rings(edges, surface.boundary_vertex);
 }
 
 }  // namespace
@@ -80,18 +52,18 @@ std::vector<Index> rings_from_border(const Surface& surface, const TriangleNet& 
 void check(const Settings& s) {
     constexpr double kMost = 1e6;
     check_reference(s);
-    check_range("smoothing", s.smoothing, 0.0, 10.0);
-    check_range("threshold", s.threshold, 1.0, kMost, true);
-    check_range("reach", s.reach, 0.0, 1.0);
-    check_range("width", s.width, 0.0, kMost, true);
-    check_range("spacing", s.spacing, 0.0, kMost, true);
-    check_range("alignment", s.alignment, 0.0, kMost);
-    check_range("growth_limit", s.growth_limit, 0.0, kMost);
-    check_range("fade", s.fade, 0.0, kMost);
-    check_range("bend_radius", s.bend_radius, 0.0, kFarthestCoordinate);
-    check_range("hem_rings", s.hem_rings, 0.0, kMost);
-    check_range("height", s.height, 0.0, kMost);
-    check_range("threads", s.threads, 0.0, 1024.0);
+    expect_within("smoothing", s.smoothing, 0.0, 10.0);
+    expect_above("threshold", s.threshold, 1.0, kMost);
+    expect_within("reach", s.reach, 0.0, 1.0);
+    expect_above("width", s.width, 0.0, kMost);
+    expect_above("spacing", s.spacing, 0.0, kMost);
+    expect_within("alignment", s.alignment, 0.0, kMost);
+    expect_within("growth_limit", s.growth_limit, 0.0, kMost);
+    expect_within("fade", s.fade, 0.0, kMost);
+    expect_within("bend_radius", s.bend_radius, 0.0, kFarthestCoordinate);
+    expect_within("hem_rings", s.hem_rings, 0.0, kMost);
+    expect_within("height", s.height, 0.0, kMost);
+    expect_within("threads", s.threads, 0.0, 1024.0);
 }
 
 std::shared_ptr<const Model> build(Surface base, const FineSource& source, AttachmentKind attachment) {
@@ -99,10 +71,10 @@ std::shared_ptr<const Model> build(Surface base, const FineSource& source, Attac
     model->base = std::move(base);
     static_cast<ReferenceModel&>(*model) = build_reference(model->base);
     for (const FlatTriangle& t : model->rest) model->quality.push_back(quality_of(t));
-    model->border_ring = rings_from_border(model->base, model->net);
+    model->border_ring = rings_over(model->base, model->net);
     const FineMesh fine = refine(model->base, source);
     model->attachments = attach_refined(model->base, source, fine, attachment);
-    if (attachment == AttachmentKind::kLimit) model->vertex_limit = limit_of_vertices(model->base);
+    if (attachment == AttachmentKind::kLimit) model->vertex_limit = limit_of_all_vertices(model->base);
     model->positions_rest = attached_at_rest(model->base, model->attachments);
     sort_by_triangle(*model);
     model->stretch = build_stretch(model->base);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/smooth_step.h"
 #include "base/tolerances.h"
+#include "surface/mesh/border_rings.h"
 #include "surface/mesh/positions.h"
 
 namespace rumple::wrinkle_paths {
@@ -34,10 +36,7 @@ std::vector<Stretch> stretches(const Model& model, const State& state,
 }
 
 float hem_weight(const Model& model, const Settings& settings, Index vertex) {
-    const Index ring = model.border_ring[vertex];
-    if (settings.hem_rings == 0 || ring == kNone || ring >= settings.hem_rings) return 1.0f;
-    const float x = float(ring) / float(settings.hem_rings);
-    return x * x * (3.0f - 2.0f * x);
+    return hem_fade(model.border_ring[vertex], settings.hem_rings);
 }
 
 float hem_weight(const Model& model, const Settings& settings, const SurfacePoint& place) {
@@ -122,8 +121,7 @@ PathContext make_context(const Model& model, const Settings& settings, const Pai
             context.widths.push_back(std::clamp(sum / 3.0f, kLeastWidth, 1.0f));
         }
         const float strain = std::max(changes[t].compression, changes[t].stretch) - 1.0f;
-        const float x = std::clamp((strain - kHeldChange) / (kFreeChange - kHeldChange), 0.0f, 1.0f);
-        context.activity.push_back(x * x * (3.0f - 2.0f * x));
+        context.activity.push_back(smooth_step(kHeldChange, kFreeChange, strain));
         const float place = share_with_place(model, spare, Index(t), context.across(Index(t)));
         mask *= along.empty() ? place : glm::mix(place, 1.0f, glm::length(along[t]));
         context.compression.push_back(1.0f + mask * (context.stretch[t].compression - 1.0f));

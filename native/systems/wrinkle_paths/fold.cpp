@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/elementary.h"
+#include "base/smooth_step.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_paths/lifecycle.h"
 
@@ -89,16 +90,11 @@ float signed_side(Direction direction, Index id) {
     return inward ? -1.0f : 1.0f;
 }
 
-float ease(float x) {
-    x = std::clamp(x, 0.0f, 1.0f);
-    return x * x * (3.0f - 2.0f * x);
-}
-
 // Of the compression, what the fold takes up: nothing at what paths reach to, all from tau on. The rest the
 // cloth takes up in its plane, as it does below tau where there is no fold.
 float folded_share(const Settings& settings, float compression) {
     const float least = reach_threshold(settings);
-    return ease((compression - least) / std::max(settings.threshold - least, 1e-6f));
+    return smooth_step(0.0f, 1.0f, (compression - least) / std::max(settings.threshold - least, 1e-6f));
 }
 
 // A value of the triangles that a path runs through, along it. It has a step at every edge; its mean over a
@@ -139,7 +135,8 @@ void shape(const PathContext& context, const Settings& settings, const Path& pat
     const std::vector<float> arc_length = lengths_along(ends);
     const float most = kMostRatio * settings.width;  // s = L_max, where nothing narrower is painted
     const float taper = std::max(std::min(0.5f * arc_length.back(), kTaper * most), kShortestEdge);
-    const float rise = settings.height * ease(path.fade) * signed_side(settings.direction, path.id);
+    const float rise =
+        settings.height * smooth_step(0.0f, 1.0f, path.fade) * signed_side(settings.direction, path.id);
     const AlongPath compressions(context, path, fold, arc_length, [&](Index t) {
         return std::min(weighted_compression(context, t), kMostRatio);
     });
@@ -148,7 +145,8 @@ void shape(const PathContext& context, const Settings& settings, const Path& pat
         FoldEnd& end = ends[i];
         const float compression = compressions.mean(arc_length[i], kBlur * most);
         const float widest = context.widths.empty() ? most : most * widths.mean(arc_length[i], kBlur * most);
-        const float middle = ease(std::min(arc_length[i], arc_length.back() - arc_length[i]) / taper);
+        const float from_end = std::min(arc_length[i], arc_length.back() - arc_length[i]);
+        const float middle = smooth_step(0.0f, taper, from_end);
         end.width = glm::mix(widest, widest / std::max(compression, 1.0f), middle);
         end.height = rise * folded_share(settings, compression) * end.width *
                      height_table(settings.profile).height_over_width(widest / end.width);

@@ -71,8 +71,8 @@ dvec2 turned(const PathContext& context, Index triangle, const dvec2& ahead, con
     return glm::dot(direction, inward) > kShallow ? direction : ahead;
 }
 
-// The nearest crossing of [at, at + way direction] with other segments of the triangle; way where there is
-// none.
+// How far along [at, at + distance direction] the first crossing with other segments of the triangle lies;
+// distance where there is none.
 double distance_to_crossing(const PathContext& context, const WalkLimits& limits, Index triangle,
                             const dvec2& at, const dvec2& direction, double distance) {
     if (!limits.others) return distance;

@@ -49,7 +49,7 @@ class BaseClothSettings(Struct):
     room: float  # farthest that a vertex leaves its animated place, object units, >= 0
     slide_room: float  # the same along the surface, where that is more than room; object units, >= 0
     friction: float  # coefficient of Coulomb's law, on what is worn under the cloth, >= 0
-    gravity: Array  # object space, object units / s^2
+    gravity: Array  # object space, object units / s^2, finite
     thickness: float  # how far cloth stays off bodies, object units, >= 0
     unknown: float  # how far cloth may go inwards where no body is found, object units, >= 0
     reach: float  # bodies farther away do not count, object units, > 0
@@ -57,13 +57,13 @@ class BaseClothSettings(Struct):
     spread: float  # length over which what is known of bodies fades, object units, > 0
     steps: int  # most Newton steps from a given state, >= 0
     start_steps: int  # Newton steps from the animation, >= 0
-    gradients: int  # most conjugate gradients of a step, >= 0
+    most_cg_iterations: int  # of conjugate gradients (CG), in a Newton step, >= 0
     _fields_ = (("stretch", c_float), ("strain_limit", c_float), ("shear", c_float), ("compression", c_float),
         ("compression_limit", c_float), ("folded", c_float), ("smoothing", c_float), ("tube_radius", c_float),
         ("flat_share", c_float), ("slack", c_float), ("hang", c_float * 3), ("follow", c_float), ("room", c_float),
         ("slide_room", c_float), ("friction", c_float), ("gravity", c_float * 3), ("thickness", c_float),
         ("unknown", c_float), ("reach", c_float), ("depth", c_float), ("spread", c_float), ("steps", c_int32),
-        ("start_steps", c_int32), ("gradients", c_int32),)
+        ("start_steps", c_int32), ("most_cg_iterations", c_int32),)
 
 
 class BaseClothSwing(Struct):
@@ -152,8 +152,8 @@ class BaseClothKept(Struct):
     moved: float  # farthest way of a vertex in the last step, uncut, object units, >= 0
     seconds: float  # between the two poses, >= 0
     fastest: float  # speed in the frame, object units / s, >= 0
-    gravity: Array
-    wind: Array
+    gravity: Array  # that acted, object space, object units / s^2
+    wind: Array  # that blew, object space, object units / s
     air: int | None  # (w, 3), object units / s, or none
     air_count: int
     push: int | None  # (w, 3), object units / s^2, or none
@@ -174,14 +174,14 @@ class BaseClothReport(Struct):
 
     __slots__ = ()
     steps: int  # 0: the pose was held
-    gradients: int  # conjugate gradients of all steps
+    cg_iterations: int  # of all steps
     moved: float  # farthest way of a vertex in the last step, uncut, object units
     offset_mean: float  # from the animation, object units
     offset_max: float
     taut: float  # share of the springs that are longer than at rest
     touching: float  # share of the vertices that rest on the inner surface
     body_known: float  # share of the vertices that have a body under them
-    _fields_ = (("steps", c_int32), ("gradients", c_int32), ("moved", c_float), ("offset_mean", c_float),
+    _fields_ = (("steps", c_int32), ("cg_iterations", c_int32), ("moved", c_float), ("offset_mean", c_float),
         ("offset_max", c_float), ("taut", c_float), ("touching", c_float), ("body_known", c_float),)
 
 

@@ -73,7 +73,7 @@ class WrinkleFieldSettings(Struct):
     rate: float  # epsilon / (2 pi^2) of equation (6), 0..1; stable below 1
     rounds: int  # of relaxation, from a given state, >= 0
     start_rounds: int  # from the canonical start, >= 0
-    irregularity: float  # 0: tidy cloth, 1: skin
+    irregularity: float  # 0..1; 0: tidy cloth, 1: skin
     bend_radius: float  # object units, >= 0: no waves along lines that bend on less; 0: any line
     seed: int  # of the first phases and of the irregularity
     aligned_start: bool  # make the random first phases agree; false: random, as printed

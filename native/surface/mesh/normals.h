@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which way a surface faces at its vertices, and how its triangles lie.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "surface/mesh/topology.h"
+
+namespace rumple {
+
+// Unit normals of the welded vertices, weighted by triangle area; zero where
+// every triangle around a vertex has collapsed. Cost: O(triangles).
+void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std::span<Vec3> normals);
+
+std::vector<Vec3> vertex_normals(const Surface& surface, std::span<const Vec3> positions);
+
+// An orthonormal frame of a triangle: tangent along its first edge, normal to
+// its plane. A collapsed triangle has zero vectors (never NaN).
+struct TriangleFrame {
+    Vec3 tangent{0.0f};
+    Vec3 bitangent{0.0f};
+    Vec3 normal{0.0f};
+
+    Vec3 to_object(const Vec3& local) const {
+        return local.x * tangent + local.y * bitangent + local.z * normal;
+    }
+    Vec3 to_local(const Vec3& object) const {
+        return {glm::dot(object, tangent), glm::dot(object, bitangent), glm::dot(object, normal)};
+    }
+};
+TriangleFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2);
+
+// The frame of every triangle of the deformed base. Cost: O(triangles).
+void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
+                     std::span<TriangleFrame> frames);
+
+}  // namespace rumple
