@@ -13,6 +13,7 @@ from rumple.blender.nodes import field_profile, field_shader
 from rumple.blender.objects import changes, mesh_reader, modifier, runtimes
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT
 from support import sleeve, wave_shader_cases
+from support.one_blender import long_one
 
 
 def waving(**settings: object) -> bpy.types.Object:
@@ -31,6 +32,8 @@ def kinds() -> list[list[str]]:
 
 class Rendered(wave_shader_cases.Waves, unittest.TestCase):
     """In -b; the window suite has the same."""
+
+    test_eevee = long_one(wave_shader_cases.Waves.test_eevee)
 
 
 class OneClick(unittest.TestCase):
