@@ -78,8 +78,8 @@ std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
     return gap;
 }
 
-// Takes from displacements of solved vertices what would take these into what is below or in front. A surface
-// lies between its vertices: where those stay out, it does. gap: what the solved vertices have left.
+// Corrects displacements of solved vertices that would go into what is below or in front. A surface lies
+// between its vertices: where those stay out, it does. gap: of gap_left(), or none.
 void keep_outside(const Pose& pose, std::span<const float> gap, std::span<Vec3> displacements) {
     for (size_t v = 0; v < displacements.size(); ++v) {
         Vec3& displacement = displacements[v];
@@ -144,8 +144,8 @@ class LayerInput {
 // the next layer need not look. Per vertex; empty before the first layer.
 class NothingInReach {
   public:
-    // Goes on to a layer, every one in turn: so where it is of all corners of the triangle that a vertex lies
-    // on.
+    // Called once for every layer, coarse first. Nothing is in reach of a vertex where nothing was of all
+    // corners of the triangle that it lies on.
     void go_on(const Model& layer) {
         const std::vector<std::uint8_t> below = std::move(nothing_);
         nothing_.assign(layer.attached.size(), 0);
