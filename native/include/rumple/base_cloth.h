@@ -194,8 +194,8 @@ RUMPLE_API rumple_status rumple_base_cloth_solve(const rumple_base_cloth* model,
                                                  rumple_base_cloth_report* report,
                                                  rumple_base_cloth_state** state);
 // One frame with inertia (Baraff and Witkin 1998). Without a state that swings: its equilibrium, at rest.
-// All else, and what is refused, as rumple_base_cloth_solve() has it. Cost: about 0.7 of that for each time
-// step.
+// All else as rumple_base_cloth_solve() has it. Refused, too: a value of `swing` out of its range, air, push
+// or resist that are neither n nor none. Cost: about 0.7 of that for each time step.
 RUMPLE_API rumple_status rumple_base_cloth_swing_solve(
     const rumple_base_cloth* model, const rumple_base_cloth_settings* settings,
     const rumple_base_cloth_swing* swing, const rumple_base_cloth_paint* paint, const float* positions,

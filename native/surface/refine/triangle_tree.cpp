@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/tolerances.h"
+#include "surface/query/segment.h"
 
 namespace rumple {
 namespace {
@@ -20,13 +21,6 @@ Corners corners_of(const Surface& surface, Index t) {
         return glm::dvec3(surface.positions_rest[surface.welded.corner_vertex[triangle.corner[k]]]);
     };
     return {x(0), x(1), x(2)};
-}
-
-// The parameter of the point of segment a + s (b - a), 0 <= s <= 1, closest to p.
-double closest_on_segment(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
-    const glm::dvec3 ab = b - a;
-    const double square = glm::dot(ab, ab);
-    return square > 0.0 ? std::clamp(glm::dot(p - a, ab) / square, 0.0, 1.0) : 0.0;
 }
 
 // Weights of b and c of the closest point on the three edges.

@@ -23,8 +23,8 @@ std::vector<Vec3> differences(std::span<const Vec3> to, std::span<const Vec3> fr
     return out;
 }
 
-void add(std::span<Vec3> positions, std::span<const Vec3> ways) {
-    for (size_t v = 0; v < positions.size(); ++v) positions[v] += ways[v];
+void add(std::span<Vec3> positions, std::span<const Vec3> displacements) {
+    for (size_t v = 0; v < positions.size(); ++v) positions[v] += displacements[v];
 }
 
 // Where a layer has its vertices, without folds of its own, over positions of the base or of the layer below.
@@ -78,13 +78,16 @@ std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
     return gap;
 }
 
-// A surface lies between its vertices: where those stay out of what is below and in front, it does.
-void keep_outside(const Pose& pose, std::span<const float> gap, std::span<Vec3> missed) {
-    for (size_t v = 0; v < missed.size(); ++v) {
-        if (!pose.self_contact.empty() && pose.self_contact[v].towards != Vec3(0.0f)) missed[v] = Vec3(0.0f);
+// Corrects displacements of solved vertices that would go into what is below or in front. A surface lies
+// between its vertices: where those stay out, it does. gap: of gap_left(), or none.
+void keep_outside(const Pose& pose, std::span<const float> gap, std::span<Vec3> displacements) {
+    for (size_t v = 0; v < displacements.size(); ++v) {
+        Vec3& displacement = displacements[v];
+        if (!pose.self_contact.empty() && pose.self_contact[v].towards != Vec3(0.0f))
+            displacement = Vec3(0.0f);
         if (gap.empty()) continue;
-        const float too_deep = -gap[v] - glm::dot(missed[v], pose.normal[v]);
-        if (too_deep > 0.0f) missed[v] += too_deep * pose.normal[v];
+        const float too_deep = -gap[v] - glm::dot(displacement, pose.normal[v]);
+        if (too_deep > 0.0f) displacement += too_deep * pose.normal[v];
     }
 }
 
@@ -98,22 +101,26 @@ std::vector<Index> hints_of_solved(const Surface& base, std::span<const Index> h
     return out;
 }
 
-// The input of every layer, one after the other.
-class Chain {
+// The input of a layer: first that of the frame, then what the layer below leaves.
+class LayerInput {
   public:
     // The base mesh is a cage around its smooth surface, which only the gap knows: bodies are for the layers
     // on it.
-    explicit Chain(const Input& input) : input_(input), bodies_(input.bodies) { input_.bodies = nullptr; }
+    explicit LayerInput(const Input& input) : input_(input), bodies_(input.bodies) {
+        input_.bodies = nullptr;
+    }
 
     const Input& input() const { return input_; }
     void set_threads(int threads) { input_.threads = threads; }
 
-    // Goes on from a layer's solved positions; missed: of them, by the smooth surface.
-    void ride_on(const Surface& base, const Pose& pose, std::vector<Vec3> solved, std::vector<Vec3> missed) {
+    // Becomes that of the next layer, on the solved positions of one. pose: as this one was solved in it,
+    // with its contacts. base: its base. missed_by_limit: missed_by_limit() of the solved positions.
+    void go_on(const Surface& base, const Pose& pose, std::vector<Vec3> solved,
+               std::vector<Vec3> missed_by_limit) {
         gap_ = gap_left(pose, solved);
-        keep_outside(pose, gap_, missed);
+        keep_outside(pose, gap_, missed_by_limit);
         positions_ = std::move(solved);
-        add(positions_, missed);
+        add(positions_, missed_by_limit);
         if (input_.bodies) {
             body_hint_ = pose.body;
         } else if (bodies_) {
@@ -135,22 +142,23 @@ class Chain {
 
 // Where the layer below looked for something in front of it, within a wider reach, and found nothing: there
 // the next layer need not look. Per vertex; empty before the first layer.
-class Clear {
+class NothingInReach {
   public:
-    // Goes on to a layer: clear where all corners are of the triangle that a vertex lies on.
-    void refine(const Model& layer) {
-        const std::vector<std::uint8_t> below = std::move(clear_);
-        clear_.assign(layer.attached.size(), 0);
-        for (size_t v = 0; v < clear_.size() && !below.empty(); ++v) {
+    // Called once for every layer, coarse first. Nothing is in reach of a vertex where nothing was of all
+    // corners of the triangle that it lies on.
+    void go_on(const Model& layer) {
+        const std::vector<std::uint8_t> below = std::move(nothing_);
+        nothing_.assign(layer.attached.size(), 0);
+        for (size_t v = 0; v < nothing_.size() && !below.empty(); ++v) {
             const auto [a, b, c] = display_vertices(layer.base, layer.attachments.places[v].triangle);
-            clear_[v] = below[a] && below[b] && below[c];
+            nothing_[v] = below[a] && below[b] && below[c];
         }
     }
-    bool at(size_t vertex) const { return clear_[vertex] != 0; }
-    void mark(size_t vertex) { clear_[vertex] = 1; }
+    bool at(size_t vertex) const { return nothing_[vertex] != 0; }
+    void mark(size_t vertex) { nothing_[vertex] = 1; }
 
   private:
-    std::vector<std::uint8_t> clear_;
+    std::vector<std::uint8_t> nothing_;
 };
 
 // How far a layer looks for what bounds it, object units: a share of that is its radius. 0 where it cannot
@@ -161,35 +169,36 @@ std::vector<float> reaches(const Model& layer, const Settings& settings, const P
     return reach;
 }
 
+// Fills in Pose::self_contact and heights.
 void find_self_contacts(const SelfContactMesh& mesh, const Model& layer, const Settings& settings,
-                        const Paint& paint, Clear& clear, Pose& pose) {
-    clear.refine(layer);
+                        const Paint& paint, NothingInReach& nothing, Pose& pose) {
+    nothing.go_on(layer);
     if (settings.apart <= 0.0f && settings.slide <= 0.0f) return;
     std::vector<float> reach = reaches(layer, settings, paint);
     for (size_t v = 0; v < reach.size(); ++v) {
-        if (clear.at(v)) reach[v] = 0.0f;
+        if (nothing.at(v)) reach[v] = 0.0f;
     }
     const PosedSelfContactMesh posed(mesh, pose.attachment);
     pose.self_contact = posed.facing(reach, settings.threads);
     pose.heights = posed.heights();
     for (size_t v = 0; v < reach.size(); ++v) {
-        if (reach[v] > 0.0f && pose.self_contact[v].towards == Vec3(0.0f)) clear.mark(v);
+        if (reach[v] > 0.0f && pose.self_contact[v].towards == Vec3(0.0f)) nothing.mark(v);
     }
 }
 
 // What of a body is ahead bounds a vertex as its own cloth does, but for the share: a body does not give
-// way.
+// way. It takes the place of the contact that find_self_contacts() found where it is nearer.
 void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings& settings, const Paint& paint,
-                float thickness, Clear& clear, Pose& pose) {
-    clear.refine(layer);
+                float thickness, NothingInReach& nothing, Pose& pose) {
+    nothing.go_on(layer);
     if (settings.apart <= 0.0f) return;
     const std::vector<float> reach = reaches(layer, settings, paint);
     for_each_index(reach.size(), threads_for_queries(settings.threads, reach.size()), [&](size_t v) {
-        if (reach[v] <= 0.0f || clear.at(v)) return;
+        if (reach[v] <= 0.0f || nothing.at(v)) return;
         const Vec3& a = pose.attachment[v];
         const BodyAhead body = bodies.ahead(a, pose.normal[v], reach[v] + thickness, thickness);
         if (body.triangle == kNone) {
-            clear.mark(v);
+            nothing.mark(v);
             return;
         }
         const float before = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
@@ -209,10 +218,10 @@ bool fits(const Layers& layers, const LayersState* state) {
 
 }  // namespace
 
-std::vector<Vec3> missed_by_limit(const Layers& layers, size_t layer, std::span<const Vec3> ways) {
-    std::vector<Vec3> smooth(ways.size());
-    apply(layers.limit[layer], to_rows(ways), smooth);
-    std::vector<Vec3> missed = differences(ways, smooth);
+std::vector<Vec3> missed_by_limit(const Layers& layers, size_t layer, std::span<const Vec3> displacements) {
+    std::vector<Vec3> of_limit(displacements.size());
+    apply(layers.limit[layer], to_rows(displacements), of_limit);
+    std::vector<Vec3> missed = differences(displacements, of_limit);
     for (size_t v = 0; v < missed.size(); ++v) {
         const float most = kMostMissed * layers.layers[layer]->local_edge[v];
         const float length = glm::length(missed[v]);
@@ -283,6 +292,12 @@ LayersState activated(const LayersState& state) {
 
 LayersState solve(const Layers& layers, std::span<const Settings> settings, std::span<const Paint> paint,
                   const Input& input, const LayersState* state, std::vector<Report>& reports) {
+    // Every layer, coarse first, in this order:
+    // - Its pose, over the input that the layer below left; then what it sees of the base without folds.
+    // - What faces it of the cloth, and then of bodies in front, which takes the place of what is farther.
+    // - The solve in this pose.
+    // - The input of the next layer: the solved positions, moved on by what the limit surface misses of them,
+    //   but not into what the pose has below or in front.
     check_counts(layers, settings.size(), paint.size());
     if (input.bodies)
         expect_count("body_hint", input.body_hint.size(), layers.layers[0]->base.display.vertex_count,
@@ -290,8 +305,8 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     if (!fits(layers, state)) state = nullptr;
     reports.assign(layers.layers.size(), {});
     LayersState out;
-    Chain chain(input);
-    Clear own_cloth, body_ahead;
+    LayerInput layer_input(input);
+    NothingInReach of_cloth, of_bodies;
     if (paint[0].guide)
         expect_count("paint.along", paint[0].guide->along.size(), size_t(layers.base.welded.vertex_count),
                      "welded vertices");
@@ -300,19 +315,19 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
         check(layer, paint[k]);
-        chain.set_threads(settings[k].threads);
-        Pose pose = make_pose(layer, chain.input());
+        layer_input.set_threads(settings[k].threads);
+        Pose pose = make_pose(layer, layer_input.input());
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
         if (!strain) strain.emplace(layers, input.positions, settings[0].bend_radius, paint[0].guide.get());
         strain->carry_to(layer, pose);
-        find_self_contacts(layers.self_contact[k], layer, settings[k], paint[k], own_cloth, pose);
+        find_self_contacts(layers.self_contact[k], layer, settings[k], paint[k], of_cloth, pose);
         if (input.bodies)
-            look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, body_ahead, pose);
-        out.layers.push_back(solve_pose(layer, settings[k], paint[k], chain.input(), pose,
+            look_ahead(*input.bodies, layer, settings[k], paint[k], input.thickness, of_bodies, pose);
+        out.layers.push_back(solve_pose(layer, settings[k], paint[k], layer_input.input(), pose,
                                         state ? &state->layers[k] : nullptr, reports[k]));
-        out.solved = solved_positions(layer, settings[k], chain.input(), pose, out.layers[k]);
-        chain.ride_on(layer.base, pose, out.solved,
-                      missed_by_limit(layers, k, differences(out.solved, unwrinkled)));
+        out.solved = solved_positions(layer, settings[k], layer_input.input(), pose, out.layers[k]);
+        layer_input.go_on(layer.base, pose, out.solved,
+                          missed_by_limit(layers, k, differences(out.solved, unwrinkled)));
     }
     return out;
 }
@@ -327,19 +342,20 @@ void show(const Layers& layers, std::span<const Vec3> animated, std::span<const 
           const LayersState& state, Picture& picture, bool in_viewport) {
     check_frame(layers.base, positions);
     const ShownMesh& shown = shown_mesh(layers, in_viewport);
-    std::vector<Vec3> offset = offsets(layers, animated, state), through = state.solved;
+    std::vector<Vec3> offset = offsets(layers, animated, state);
+    std::vector<Vec3> subdivided_from = state.solved;
     const bool subdivided = Index(shown.from_solved.index.size()) > shown.mesh.vertex_count;
     if (subdivided) {
         const std::vector<Vec3> missed = missed_by_limit(
-            layers, layers.layers.size() - 1, differences(through, unwrinkled_over(layers, positions)));
-        add(through, missed);
+            layers, layers.layers.size() - 1, differences(state.solved, unwrinkled_over(layers, positions)));
+        add(subdivided_from, missed);
         add(offset, missed);
     }
     std::vector<Vec3> base(layers.base.welded.vertex_count);
     weld_positions(layers.base, positions, base);
     std::vector<TriangleFrame> frames(layers.base.triangles.size());
     triangle_frames(layers.base, base, frames);
-    show_frame(layers.base, shown, layers.stretch, base, frames, through, offset, picture);
+    show_frame(layers.base, shown, layers.stretch, base, frames, subdivided_from, offset, picture);
     embed_frame(layers.base, shown, animated, picture);
 }
 

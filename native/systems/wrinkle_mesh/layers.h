@@ -34,11 +34,11 @@ std::shared_ptr<const Layers> build_layers(Surface base, Index levels, Index dis
 // The solved mesh of a layer at rest, as the base of what lies on it.
 Surface solved_surface(const Model& layer);
 
-// What the limit surface of a layer misses of ways that its vertices go from an unwrinkled surface, at most a
-// seventh of an edge. Subdivision is a smoothing: of folds five edges wide its limit has three quarters of
-// the height. So what rides on solved vertices, or shows them, starts from vertices that went on by that: one
-// step towards the surface that goes through them (Halstead, Kass and DeRose 1993).
-std::vector<Vec3> missed_by_limit(const Layers& layers, size_t layer, std::span<const Vec3> ways);
+// What the limit surface of a layer misses of displacements of its vertices from an unwrinkled surface, at
+// most a seventh of an edge. Subdivision is a smoothing: of folds five edges wide its limit has three
+// quarters of the height. So what rides on solved vertices, or shows them, starts from vertices that went on
+// by that: one step towards the surface that goes through them (Halstead, Kass and DeRose 1993).
+std::vector<Vec3> missed_by_limit(const Layers& layers, size_t layer, std::span<const Vec3> displacements);
 
 // Painted values of the base's vertices -> solved vertices of every layer.
 std::vector<std::vector<float>> carry_paint(const Layers& layers, std::span<const float> base_values);

@@ -101,7 +101,7 @@ float gap_above(const BodyContact& body, float thickness, float edge, float unkn
 }
 
 // How far every vertex may go inwards. Attachments inside a body are put out of it first.
-void keep_outside(const Model& model, const Input& input, Pose& pose) {
+void find_gaps(const Model& model, const Input& input, Pose& pose) {
     if (input.gap.empty()) return;
     expect_count("gap", input.gap.size(), model.base.display.vertex_count, "values");
     if (input.bodies)
@@ -210,7 +210,7 @@ Pose make_pose(const Model& model, const Input& input) {
                 smooth_frame(pose.frames[place.triangle], normal).to_object(model.rest_offset[v]);
         }
     }
-    keep_outside(model, input, pose);
+    find_gaps(model, input, pose);
     return pose;
 }
 

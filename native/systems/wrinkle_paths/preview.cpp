@@ -5,8 +5,8 @@
 #include <bit>
 #include <cmath>
 
-#include "base/tolerances.h"
 #include "systems/wrinkle_paths/context.h"
+#include "systems/wrinkle_paths/fold.h"
 
 namespace rumple::wrinkle_paths {
 namespace {
@@ -16,11 +16,6 @@ constexpr float kFoldedEdge = 3.0f / 8.0f;
 
 // Of the others: how far a straight edge may be from the curved one, to L_min.
 constexpr float kFlatness = 0.04f;
-
-Vec3 unit(const Vec3& v) {
-    const float size = glm::length(v);
-    return size > kShortestEdge ? v / size : Vec3(0.0f);
-}
 
 Index power_of_two(float parts) {
     const float whole =

@@ -8,6 +8,7 @@
 #include "base/expect.h"
 #include "base/parallel.h"
 #include "base/tolerances.h"
+#include "systems/wrinkle_paths/flood.h"
 #include "systems/wrinkle_paths/fold.h"
 
 namespace rumple::wrinkle_paths {
@@ -36,38 +37,6 @@ float segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
     s = uu > 0.0f ? std::clamp((uv * t - uw) / uu, 0.0f, 1.0f) : 0.0f;
     return glm::length(w + s * u - t * v);
 }
-
-// Chapter 8: triangles within reach of a segment, walking outwards from its own.
-class TriangleFlood {
-  public:
-    explicit TriangleFlood(const PathContext& context)
-        : context_(context), seen_(context.model.rest.size(), 0) {}
-
-    template <typename Visit>
-    void visit(Index triangle, const Vec3& a, const Vec3& b, float radius, Visit&& found) {
-        front_.assign(1, triangle);
-        seen_[triangle] = ++query_;
-        while (!front_.empty()) {
-            const Index t = front_.back();
-            front_.pop_back();
-            found(t);
-            for (Index h = 3 * t; h < 3 * t + 3; ++h) {
-                const Index twin = context_.model.net.twin[h];
-                if (twin == kNone || seen_[triangle_of(twin)] == query_) continue;
-                if (segment_distance(a, b, context_.vertex(h), context_.vertex(next_in_triangle(h))) > radius)
-                    continue;
-                seen_[triangle_of(twin)] = query_;
-                front_.push_back(triangle_of(twin));
-            }
-        }
-    }
-
-  private:
-    const PathContext& context_;
-    std::vector<Index> seen_;
-    std::vector<Index> front_;
-    Index query_ = 0;
-};
 
 // How far the smoothed pieces leave the straight segment: instead of the bounding ellipse of section 8.1.
 float deviation(const Fold& fold, Index begin, Index end) {
@@ -106,7 +75,7 @@ void sort_by_triangle(std::vector<Reached>& reached, Index triangles, TriangleLi
 TriangleLists build_triangle_lists(const PathContext& context, const Settings& settings,
                                    const std::vector<Path>& paths) {
     TriangleLists out;
-    TriangleFlood reach(context);
+    TriangleFlood flood(context);
     std::vector<Reached> reached;
     for (const Path& path : paths) {
         const Fold fold = make_fold(context, settings, path);
@@ -114,10 +83,14 @@ TriangleLists build_triangle_lists(const PathContext& context, const Settings& s
         for (size_t i = 0; i + 1 < path.points.size(); ++i) {
             const Index begin = fold.first[i], end = fold.first[i + 1];
             const float radius = 0.5f * kMostRatio * settings.width + deviation(fold, begin, end);
-            reach.visit(segment_triangle(context.model, path.points, i), fold.ends[begin].at,
-                        fold.ends[end].at, radius, [&](Index t) {
-                            reached.push_back({t, {base + begin, base + end}});
-                        });
+            const Vec3 &from = fold.ends[begin].at, &to = fold.ends[end].at;
+            flood.visit(
+                segment_triangle(context.model, path.points, i),
+                [&](const Vec3& a, const Vec3& b) { return segment_distance(from, to, a, b) <= radius; },
+                [&](Index t) {
+                    reached.push_back({t, {base + begin, base + end}});
+                    return false;
+                });
         }
         out.ends.insert(out.ends.end(), fold.ends.begin(), fold.ends.end());
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/expect.h"
+#include "base/random.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_paths/lifecycle.h"
 
@@ -20,11 +21,8 @@ constexpr size_t kMostSeeds = 100'000;
 
 // Uniform in 0..1; depends on the seed, the triangle and the sample only.
 float random(std::uint32_t seed, std::uint32_t triangle, std::uint32_t sample) {
-    std::uint32_t x =
-        triangle * 0x9E3779B9u ^ (seed + 0x7F4A7C15u) * 0x85EBCA6Bu ^ (sample + 1u) * 0xC2B2AE35u;
-    x = (x ^ (x >> 16)) * 0x21F0AAADu;
-    x = (x ^ (x >> 15)) * 0x735A2D97u;
-    x ^= x >> 15;
+    const std::uint32_t x =
+        mixed_bits(triangle * 0x9E3779B9u ^ (seed + 0x7F4A7C15u) * 0x85EBCA6Bu ^ (sample + 1u) * 0xC2B2AE35u);
     return float(x >> 8) / 16777216.0f;
 }
 

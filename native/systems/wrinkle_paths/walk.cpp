@@ -7,6 +7,7 @@
 
 #include "base/elementary.h"
 #include "base/tolerances.h"
+#include "surface/query/segment.h"
 
 namespace rumple::wrinkle_paths {
 namespace {
@@ -18,10 +19,7 @@ double cross(const dvec2& a, const dvec2& b) {
 }
 
 float distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-    const Vec3 ab = b - a;
-    const float square = glm::dot(ab, ab);
-    const float fraction = square > 0.0f ? std::clamp(glm::dot(p - a, ab) / square, 0.0f, 1.0f) : 0.0f;
-    return glm::distance(p, a + fraction * ab);
+    return glm::distance(p, a + closest_on_segment(a, b, p) * (b - a));
 }
 
 struct Exit {
@@ -164,25 +162,13 @@ void SegmentMap::add(const std::vector<PathPoint>& points) {
 }
 
 bool SegmentMap::has_near(Index triangle, const Vec3& p, float radius) const {
-    if (seen_.empty()) seen_.assign(first_.size(), kNone);
-    front_.assign(1, triangle);
-    seen_[triangle] = ++query_;
-    while (!front_.empty()) {
-        const Index t = front_.back();
-        front_.pop_back();
+    const auto is_near = [&](const Vec3& a, const Vec3& b) { return distance_to_segment(p, a, b) <= radius; };
+    return flood_.visit(triangle, is_near, [&](Index t) {
         for (Index s = first_[t]; s != kNone; s = segments_[s].next) {
-            if (distance_to_segment(p, segments_[s].a, segments_[s].b) <= radius) return true;
+            if (is_near(segments_[s].a, segments_[s].b)) return true;
         }
-        for (Index h = 3 * t; h < 3 * t + 3; ++h) {
-            const Index twin = context_.model.net.twin[h];
-            if (twin == kNone || seen_[triangle_of(twin)] == query_) continue;
-            if (distance_to_segment(p, context_.vertex(h), context_.vertex(next_in_triangle(h))) > radius)
-                continue;
-            seen_[triangle_of(twin)] = query_;
-            front_.push_back(triangle_of(twin));
-        }
-    }
-    return false;
+        return false;
+    });
 }
 
 double turning(const PathContext& context, const std::vector<PathPoint>& points) {

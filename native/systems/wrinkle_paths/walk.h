@@ -3,6 +3,7 @@
 #pragma once
 
 #include "systems/wrinkle_paths/context.h"
+#include "systems/wrinkle_paths/flood.h"
 
 namespace rumple::wrinkle_paths {
 
@@ -25,7 +26,7 @@ std::vector<PathPoint> reversed(const Model& model, const std::vector<PathPoint>
 class SegmentMap {
   public:
     explicit SegmentMap(const PathContext& context)
-        : context_(context), first_(context.model.rest.size(), kNone) {}
+        : context_(context), first_(context.model.rest.size(), kNone), flood_(context) {}
 
     void add(const std::vector<PathPoint>& points);
 
@@ -47,9 +48,7 @@ class SegmentMap {
     const PathContext& context_;
     std::vector<Index> first_;  // per triangle
     std::vector<Segment> segments_;
-    mutable std::vector<Index> seen_;  // per triangle: the last query that was there
-    mutable Index query_ = 0;
-    mutable std::vector<Index> front_;
+    mutable TriangleFlood flood_;  // of queries, which change nothing else
 };
 
 // How a walk goes on and where it ends.
