@@ -72,6 +72,18 @@ class Keys(Baked):
         for frame in (1, 7, sleeve.LAST):
             self.assert_shows(copy, frame, 0.25, wanted)
 
+    def test_a_parent_that_deforms_does_not_deform_it_again(self) -> None:
+        with sleeve.context():
+            bpy.ops.object.rumple_remove()
+        self.obj.modifiers.remove(self.obj.modifiers["Armature"])
+        self.obj.parent, self.obj.parent_type = bpy.data.objects["Arm"], "ARMATURE"
+        self.obj.location.z = 0.2
+        with sleeve.context():
+            bpy.ops.object.rumple_add(method="MESH")
+        sleeve.play(1, LAST)
+        wanted = in_world(self.obj)
+        np.testing.assert_allclose(in_world(self.baked()), wanted, atol=1e-6)
+
     def test_it_is_right_before_the_frame_changes(self) -> None:
         sleeve.play(1, 6)
         wanted = sleeve.shown(self.obj)
