@@ -5,6 +5,7 @@ from __future__ import annotations
 import unittest
 
 import bpy
+import numpy as np
 from rumple.blender.objects import properties
 from rumple.core.presets import MESH_PRESETS
 from support import sleeve
@@ -30,6 +31,30 @@ class Presets(unittest.TestCase):
                 bpy.ops.object.rumple_preset(preset=preset)
                 self.assertAlmostEqual(settings.wavelength, width * chosen, 8)
             self.assertEqual(settings.wavelength, chosen)
+
+    def test_fabrics_of_paths_scale_how_far_the_threshold_is_above_1_and_the_way_back_is_exact(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        settings = obj.rumple.paths
+        settings.property_unset("base_cloth")
+        with sleeve.context():
+            bpy.ops.object.rumple_add(method="PATHS")
+        self.assertEqual(settings.base_cloth, "HANG")
+        self.assertEqual(settings.threshold, np.float32(1.1))  # of the first click on what hangs
+        for chosen, silk, leather in ((1.1, 1.072, 1.128), (1.25, 1.18, 1.32), (1.4321, 1.311112, 1.553088)):
+            settings.threshold = chosen
+            for preset, threshold in (("SILK", silk), ("SILK", silk), ("WOOL", chosen), ("LEATHER", leather),
+                                      ("COTTON", chosen)):
+                bpy.ops.object.rumple_preset(preset=preset)
+                self.assertEqual(settings.threshold, np.float32(threshold), preset)
+
+    def test_a_threshold_that_is_typed_in_silk_is_that_of_silk(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        with sleeve.context():
+            bpy.ops.object.rumple_add(method="PATHS")
+        bpy.ops.object.rumple_preset(preset="SILK")
+        obj.rumple.paths.threshold = 1.36
+        bpy.ops.object.rumple_preset(preset="COTTON")
+        self.assertEqual(obj.rumple.paths.threshold, np.float32(1.5))
 
     def test_the_preset_of_the_paper_brings_back_what_it_replaced(self) -> None:
         obj = sleeve.scene()

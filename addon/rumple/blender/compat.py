@@ -128,6 +128,18 @@ def action_curves(action: bpy.types.Action) -> Iterator[bpy.types.FCurve]:
                 yield from bag.fcurves
 
 
+def new_curves(data_block: bpy.types.ID, name: str) -> bpy.types.bpy_prop_collection:
+    """Give a data-block an empty action of that name. Returns its curves, for new()."""
+    action = bpy.data.actions.new(name)
+    animation = data_block.animation_data_create()
+    animation.action = action
+    if not hasattr(action, "slots"):  # 4.4 brought them, with layers
+        return action.fcurves
+    slot = action.slots.new(data_block.id_type, data_block.name)
+    animation.action_slot = slot
+    return action.layers.new("Layer").strips.new(type="KEYFRAME").channelbag(slot, ensure=True).fcurves
+
+
 # ---------------------------------------------------------------- words
 def translated_report(text: str) -> str:
     """A message in Blender's language, where messages are to be translated."""

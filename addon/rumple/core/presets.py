@@ -21,6 +21,7 @@ class Preset:
     tip: str
     values: dict[str, Any] = field(default_factory=dict)  # of the settings; defaults where another preset says more
     fold_width: float = 1.0  # of its folds over cotton's: the length that the artist set is scaled by it
+    threshold: float = 1.0  # its distance from 1 over cotton's: that of the one that the artist set is scaled by it
     # Of settings that are no cloth's: what they were before comes back with the next preset.
     replaced: dict[str, Any] = field(default_factory=dict)
     old_fold_width: float | None = None  # that files scaled by which were saved before fabrics had weights
@@ -32,11 +33,11 @@ def touched(presets: dict[str, Preset]) -> set[str]:
 
 
 def of_fabric(number: int, label: str, tip: str, name: str, values: dict[str, Any],
-              fold_width: float | None = None, old_fold_width: float | None = None) -> Preset:
+              fold_width: float | None = None, old_fold_width: float | None = None, threshold: float = 1.0) -> Preset:
     """A preset with the weight, bending length and slack of a fabric. fold_width: its own where it is not None."""
     fabric = FABRICS[name]
     width = fabric.fold_width if fold_width is None else fold_width
-    return Preset(number, label, tip, {**fabric.values, **values}, width, old_fold_width=old_fold_width)
+    return Preset(number, label, tip, {**fabric.values, **values}, width, threshold, old_fold_width=old_fold_width)
 
 
 MESH_PRESETS = {
@@ -69,25 +70,25 @@ SKIN_OF_MAPS = dict(MESH_PRESETS["SKIN"].values, radius=0.2, base_cloth="OFF")
 # squeezed.
 PATHS_PRESETS = {
     "COTTON": of_fabric(0, "Cotton", "Everyday folds, the measure of the others.\n"
-                        "They start at a fifth of compression, and are as wide as you set", "COTTON", {}),
+                        "They start at the Threshold and are as wide as you set", "COTTON", {}),
     "SILK": of_fabric(
         1, "Silk", "Many long, thin folds.\n"
         "Threshold nearer to 1, a longer reach: it has next to no stiffness, so little compression buckles it, and "
         "folds run on far.\n"
         "Width x 0.85, less spacing: thin cloth bends tightly, fold beside fold.\n"
         "More turning, less fade: it is smooth and light, so folds slide and spring",
-        "SILK", dict(threshold=1.18, reach=0.2, spacing=1.05, alignment=0.6, fade=0.1), fold_width=0.85),
+        "SILK", dict(reach=0.2, spacing=1.05, alignment=0.6, fade=0.1), fold_width=0.85, threshold=0.72),
     "WOOL": of_fabric(
         2, "Wool", "Fewer, broad, soft folds.\n"
         "Width x 1.5, more spacing: thick yarn cannot bend tightly.\n"
         "Height 0.85: its loft takes up some of the compression.\n"
         "Less turning, more fade: it is rough and heavy, so folds stay and move slowly",
-        "WOOL", dict(threshold=1.25, spacing=1.2, height=0.85, alignment=0.25, fade=0.25), fold_width=1.5),
+        "WOOL", dict(spacing=1.2, height=0.85, alignment=0.25, fade=0.25), fold_width=1.5),
     "LEATHER": of_fabric(
         3, "Leather", "Few thick rolls where it must.\n"
         "Threshold farther from 1, a shorter reach: it is stiff, so only strong compression buckles it, and the roll "
         "ends with it.\n"
         "Width x 1.8, circular arcs: it bends as a thick plate, in round rolls with creases between.\n"
         "Turning near 0: a crease that has formed stays in its place",
-        "LEATHER", dict(threshold=1.32, reach=0.4, profile="CIRCULAR_ARCS", alignment=0.05, fade=0.2), fold_width=1.8),
+        "LEATHER", dict(reach=0.4, profile="CIRCULAR_ARCS", alignment=0.05, fade=0.2), fold_width=1.8, threshold=1.28),
 }

@@ -155,7 +155,7 @@ class OBJECT_OT_rumple_bake_free(ui_base.OnWrinkled, bpy.types.Operator):
 
 
 class OBJECT_OT_rumple_bake_shape_keys(ui_base.OnWrinkled, bpy.types.Operator):
-    """Make a new mesh object with a shape key for every frame, for exporters and other programs"""
+    """Make a new mesh object with a shape key for each frame, for exporters. FBX: switch off NLA Strips, All Actions"""
 
     bl_idname = "object.rumple_bake_shape_keys"
     bl_label = "Bake to Shape Keys"

@@ -52,9 +52,11 @@ def use(obj: bpy.types.Object, scene: bpy.types.Scene, name: str) -> None:
     replaced = {key: now[key] for key in chosen.replaced}
     settings.preset_replaced = json.dumps(replaced) if replaced else ""
     length = system.wrinkles.SUGGESTED
-    scaled = now[length] * chosen.fold_width / former_width
+    scaled = {length: now[length] * chosen.fold_width / former_width}
+    if "threshold" in now:
+        scaled["threshold"] = 1.0 + (now["threshold"] - 1.0) * chosen.threshold / former.threshold
     # Seven digits are what a float holds: the way back is exact.
-    properties.apply_values(obj, scene, {length: float(f"{scaled:.7g}")})
+    properties.apply_values(obj, scene, {key: float(f"{value:.7g}") for key, value in scaled.items()})
     settings.preset = name
 
 
