@@ -9,6 +9,7 @@ from unittest import mock
 
 import bpy
 import numpy as np
+from rumple.blender import ui_base
 from rumple.blender.nodes import field_shader
 from rumple.blender.objects import properties, runtimes
 from rumple.blender.ui import menus, panels
@@ -149,14 +150,48 @@ class Menu(unittest.TestCase):
                  "rumple.pose_solo", "wm.rumple_rebuild_wait", "wm.rumple_held_mouse",
                  "object.rumple_paint_tool"}
 
-    def drawn(self, menu: type) -> list[str]:
-        """Operators and menus that it shows."""
+    def layout_of(self, menu: type) -> mock.Mock:
+        """What it is drawn into."""
         layout = mock.Mock()
         layout.row.return_value = layout.column.return_value = layout  # an entry beside its picture
         menu.draw(mock.Mock(layout=layout), bpy.context)
+        return layout
+
+    def drawn(self, menu: type) -> list[str]:
+        """Operators and menus that it shows."""
+        layout = self.layout_of(menu)
         calls = (*layout.operator.call_args_list, *layout.operator_menu_enum.call_args_list,
                  *layout.menu.call_args_list)
         return [call.args[0] for call in calls]
+
+    def notes(self) -> list[str]:
+        """Lines of Add Modifier > Wrinkles that are no entries."""
+        return [call.kwargs["text"] for call in self.layout_of(menus.OBJECT_MT_rumple_add).label.call_args_list]
+
+    def test_where_no_system_can_be_added_it_says_why(self) -> None:
+        sleeve.scene(wrinkles=False)
+        self.assertEqual(self.notes(), [])
+        self.assertEqual(self.drawn(menus.OBJECT_MT_rumple_add).count("object.rumple_add"), len(SYSTEMS))
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertEqual(self.notes(), ["This object has wrinkles already: press Remove in their panel first"])
+        self.assertNotIn("object.rumple_add", self.drawn(menus.OBJECT_MT_rumple_add))
+        self.assertIn("rumple.maps_add", self.drawn(menus.OBJECT_MT_rumple_add))
+        bpy.ops.object.rumple_remove()
+        self.assertEqual(self.notes(), [])
+        with mock.patch.object(ui_base.compat, "is_editable", return_value=False):
+            self.assertIn("linked from another file", self.notes()[0])
+
+    def test_bake_all_is_an_entry_beside_bake(self) -> None:
+        sleeve.scene()
+        layout, made = mock.Mock(), []
+
+        def operator(name: str, **words: str) -> mock.Mock:
+            made.append((name, words, mock.Mock(every=False)))
+            return made[-1][2]
+        layout.operator.side_effect = operator
+        menus.OBJECT_MT_rumple.draw(mock.Mock(layout=layout), bpy.context)
+        self.assertEqual([(words, entry.every) for name, words, entry in made if name == "object.rumple_bake"],
+                         [({}, False), ({"text": "Bake All"}, True)])
 
     def test_every_operator_is_in_one(self) -> None:
         sleeve.scene(wrinkles=False)

@@ -14,7 +14,7 @@ from .translation import said
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
 NARROW = 22  # letters across: less, and names beside values would be cut off
-WRINKLED = "This object has wrinkles already"
+WRINKLED = "This object has wrinkles already: press Remove in their panel first"
 # Chinese and Japanese letters are twice as wide, and a line may break behind each, but not in front of a full stop.
 _WORDS = re.compile("(?:[\u3040-\u9fff\uff00-\uffef][\u3001\u3002\uff01-\uff0f\uff1a-\uff1f\u300d\u30fc]*)|"
                     "[^\\s\u3040-\u9fff\uff00-\uffef]+|\\s+")

@@ -6,16 +6,18 @@ import bpy
 
 from ...core.systems import SYSTEMS
 from .. import compat, ui_base
+from ..translation import said
 from . import examples, panels, thumbnails
 
-# Groups of operators, by what they are called in bpy.ops. A property's name behind one makes it a submenu.
+# Groups of operators, by what they are called in bpy.ops. A property's name behind one makes it a submenu; with a text
+# behind that, it is an entry of that text that switches the property on.
 _ENTRIES = (
     ("object.rumple_preset preset", "object.rumple_paint group", "object.rumple_copy_settings",
      "object.rumple_capture_rest", "object.rumple_width_from_height"),
     ("object.rumple_paint_clear group", "object.rumple_paint_invert group", "object.rumple_paint_from_border group",
      "object.rumple_paint_from_texture group"),
-    ("object.rumple_bake", "object.rumple_bake_free", "object.rumple_bake_shape_keys", "object.rumple_clear_frames",
-     "object.rumple_publish", "object.rumple_vat"),
+    ("object.rumple_bake", "object.rumple_bake every Bake All", "object.rumple_bake_free",
+     "object.rumple_bake_shape_keys", "object.rumple_clear_frames", "object.rumple_publish", "object.rumple_vat"),
     ("object.rumple_shade", "object.rumple_unshade", "object.rumple_brush", "object.rumple_scatter",
      "object.rumple_clear_rest_wrinkles"),
     ("object.rumple_guide_add", "object.rumple_guide_remove"),
@@ -32,7 +34,10 @@ class OBJECT_MT_rumple_add(bpy.types.Menu):
 
     def draw(self, context: bpy.types.Context) -> None:
         obj = context.object
-        systems = [] if ui_base.refusal(obj, wrinkled=False) else list(SYSTEMS.values())
+        why = ui_base.refusal(obj, wrinkled=False)
+        if why:
+            self.layout.label(text=said(why), icon="INFO", translate=False)
+        systems = [] if why else list(SYSTEMS.values())
         maps = panels.may_get_maps(obj)
         entries = thumbnails.beside_pictures(self.layout, [system.method for system in systems] + ["MAPS"] * maps)
         for system in systems:
@@ -50,8 +55,10 @@ class OBJECT_MT_rumple(bpy.types.Menu):
         self.layout.menu("OBJECT_MT_rumple_add", text="Add Wrinkles")
         for group in _ENTRIES:
             self.layout.separator()
-            for operator, _, choice in (entry.partition(" ") for entry in group):
-                if choice:
+            for operator, choice, text in ((*entry.split(" ", 2), "", "")[:3] for entry in group):
+                if text:
+                    setattr(self.layout.operator(operator, text=text), choice, True)
+                elif choice:
                     self.layout.operator_menu_enum(operator, choice)
                 else:
                     self.layout.operator(operator)
