@@ -14,7 +14,7 @@ LEFT, RIGHT = 24, 24 + WIDE + 90  # of the questions, of the answers
 # Question, answer to "yes" and to "no"; a number is another question.
 QUESTIONS = (
     ("Is it a face, or bare skin?", 1, 2),
-    ("For a game engine, or by single\nbones without a solve?", "Wrinkle Maps", "Wrinkle Mesh, Skin"),
+    ("For a game engine, or by single\nbones without a solve?", "Wrinkle Maps", "Wrinkle Mesh,\nBare Skin"),
     ("Must the mesh keep its triangles?\n(folds in the shading alone)", "Wrinkle Field", 3),
     ("Do you want to draw the folds?", "Wrinkle Field,\nrest wrinkles", 4),
     ("No good rest pose,\nor noisy motion?", "Wrinkle Paths", 5),

@@ -236,7 +236,7 @@ class RUMPLE_OT_maps_hide(OnMaps, bpy.types.Operator):
     """Take the wrinkle maps out of the object's materials again"""
 
     bl_idname = "rumple.maps_hide"
-    bl_label = "Take out of Materials"
+    bl_label = "Remove from Materials"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         hide(target(context))

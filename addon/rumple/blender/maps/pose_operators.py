@@ -222,7 +222,7 @@ class RUMPLE_OT_neutral_rest(OnMaps, bpy.types.Operator):
     """Take the rest pose of the armature, and shape keys at 0, as the neutral one"""
 
     bl_idname = "rumple.neutral_rest"
-    bl_label = "Neutral Is Rest"
+    bl_label = "Use Rest Pose as Neutral"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = target(context)

@@ -87,8 +87,8 @@ def _settings_group(method: str, **others: Any) -> type:
     annotations = {f.name: _property(f) for f in fields(system.settings)} | others
     if system.presets:
         annotations["preset"] = bpy.props.EnumProperty(
-            name="Cloth", default=next(iter(system.presets)), items=preset_items(system), options=set(),
-            override=_OVERRIDE, description="The material that was chosen last")
+            name="Fabric", default=next(iter(system.presets)), items=preset_items(system), options=set(),
+            override=_OVERRIDE, description="The fabric that was chosen last")
         annotations["preset_replaced"] = bpy.props.StringProperty(
             options={"HIDDEN"}, override=_OVERRIDE,
             description="Settings as they were before that choice, for the next one to bring back")

@@ -12,7 +12,7 @@ OWN = frozenset(("up", "rest_shape", "source"))  # what belongs to a mesh, not t
 
 
 class OBJECT_OT_rumple_copy_settings(ui_base.OnWrinkled, bpy.types.Operator):
-    """Give the other selected objects of this system its fabric and sliders; paint, bodies, rest shape stay theirs"""
+    """Copy fabric and sliders to the other selected objects of this system, but not paint, bodies and rest shape"""
 
     bl_idname = "object.rumple_copy_settings"
     bl_label = "Copy Wrinkle Settings to Selected"

@@ -20,12 +20,12 @@ def _preset_items(_operator: bpy.types.Operator, context: bpy.types.Context | No
 
 
 class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
-    """Set the cloth: where folds form, how wide, high and lively they are. Rest shape and paint stay"""
+    """Set the fabric: how wide, high and stiff folds are, and where they form. Rest shape and paint stay"""
 
     bl_idname = "object.rumple_preset"
-    bl_label = "Cloth Preset"
+    bl_label = "Fabric Preset"
 
-    preset: bpy.props.EnumProperty(name="Cloth", items=_preset_items)
+    preset: bpy.props.EnumProperty(name="Fabric", items=_preset_items)
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -42,7 +42,7 @@ class OBJECT_OT_rumple_preset(ui_base.OnWrinkled, bpy.types.Operator):
 
 
 def use(obj: bpy.types.Object, scene: bpy.types.Scene, name: str) -> None:
-    """Set the cloth, as the button does."""
+    """Set the fabric, as the button does."""
     system, settings = properties.system_of(obj), properties.group_of(obj)
     chosen, former = system.presets[name], system.presets[settings.preset]
     restored, former_width = _taken_back(obj, former)

@@ -53,7 +53,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                                   description="Wrinkle Field: let the materials of the object draw the waves")
 
     # What Adjust Last Operation shows: where it was changed there, it counts.
-    preset: bpy.props.EnumProperty(name="Cloth", items=_added_presets, options={"SKIP_SAVE"},
+    preset: bpy.props.EnumProperty(name="Fabric", items=_added_presets, options={"SKIP_SAVE"},
                                    description="The fabric that it is made of")
     width: bpy.props.FloatProperty(name="Wavelength", subtype="DISTANCE", unit="LENGTH", min=0.0, soft_max=0.2,
                                    step=0.02, precision=4, options={"SKIP_SAVE"},

@@ -106,8 +106,8 @@ def beside_pictures(layout: bpy.types.UILayout, methods: list[str]) -> bpy.types
 
 def register() -> None:
     setattr(bpy.types.WindowManager, CHOICE, bpy.props.EnumProperty(
-        name="Cloth", items=_context_items, get=_chosen, set=_choose, options={"SKIP_SAVE"},
-        description="The material that was chosen last"))
+        name="Fabric", items=_context_items, get=_chosen, set=_choose, options={"SKIP_SAVE"},
+        description="The fabric that was chosen last"))
 
 
 def unregister() -> None:
