@@ -137,7 +137,7 @@ class Beside(unittest.TestCase):
         maps_changes.rig_changed(self.obj)
         bpy.context.scene.frame_set(6)
         bpy.context.scene.frame_set(7)
-        self.assertIn("Wrinkle Mesh stands behind Wrinkle Maps and drops the masks", face.notes(self.obj))
+        self.assertIn("Wrinkle Mesh is below Wrinkle Maps in the stack, so the masks are lost", face.notes(self.obj))
         compat.move_modifier(self.obj, stack.index(maps_modifier.find(self.obj)), stack.index(modifier.find(self.obj)))
         bpy.context.scene.frame_set(5)
         self.check(6)
@@ -187,7 +187,7 @@ class Beside(unittest.TestCase):
         bpy.context.scene.frame_set(10)
         bpy.context.scene.frame_set(11)
         self.assertFalse(face.mask(self.obj, "Surprise").any())
-        self.assertIn('"Smooth" in front of Wrinkle Maps changes the number of vertices', face.notes(self.obj))
+        self.assertIn('"Smooth" above Wrinkle Maps changes the number of vertices', face.notes(self.obj))
         self.obj.modifiers.remove(subdivision)
         self.check(6)
 

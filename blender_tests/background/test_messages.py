@@ -22,10 +22,10 @@ class Stack(unittest.TestCase):
         self.assertEqual(stack_notes.of(obj), [])
         compat.move_modifier(obj, place(obj), 0)
         self.assertEqual(stack_notes.of(obj), [
-            'Sleeve: the modifier "Armature" stands behind Wrinkle Mesh, so the wrinkles do not see what it moves: '
-            "move Wrinkle Mesh behind it"])
+            'Sleeve: the modifier "Armature" is below Wrinkle Mesh in the stack, so the wrinkles do not see what it '
+            "moves: move Wrinkle Mesh below it"])
         obj.modifiers["Armature"].show_viewport = obj.modifiers["Armature"].show_render = False
-        self.assertIn("nothing in front of Wrinkle Mesh", stack_notes.of(obj)[0])
+        self.assertIn("nothing above Wrinkle Mesh", stack_notes.of(obj)[0])
 
     def test_what_may_stand_behind_is_left_in_peace(self) -> None:
         obj = sleeve.scene()
@@ -49,7 +49,7 @@ class Stack(unittest.TestCase):
         obj = sleeve.scene()
         armature = obj.modifiers["Armature"].object
         obj.modifiers.remove(obj.modifiers["Armature"])
-        text = "Sleeve: nothing in front of Wrinkle Mesh deforms the mesh"
+        text = "Sleeve: nothing above Wrinkle Mesh in the stack deforms the mesh"
         self.assertTrue(stack_notes.of(obj)[0].startswith(text))
         obj.parent, obj.parent_type = armature, "ARMATURE"
         self.assertEqual(stack_notes.of(obj), [])

@@ -95,7 +95,7 @@ class Behind(unittest.TestCase):
 
         one, other = self.played(range(1, 10), remove_all)
         self.assertEqual((one[0], other[0], other[2]), (2.0, 9.0, ""))
-        self.assertRegex(one[2], '^Sleeve: the modifier "Behind" behind Wrinkle Mesh removes points')
+        self.assertRegex(one[2], '^Sleeve: the modifier "Behind" below Wrinkle Mesh removes points')
 
     def test_a_node_group_behind_sees_nothing_beside_the_mesh(self) -> None:
         self.played(range(1, 10), nodes_behind)
@@ -143,7 +143,7 @@ class Behind(unittest.TestCase):
         obj.hide_set(True)
         sleeve.at(4)
         sleeve.at(5)
-        self.assertRegex(obj.rumple.message, '^Sleeve: the modifier "Behind" behind Wrinkle Mesh removes points')
+        self.assertRegex(obj.rumple.message, '^Sleeve: the modifier "Behind" below Wrinkle Mesh removes points')
         obj.hide_set(False)
         sleeve.at(6)
         self.assertEqual(obj.rumple.message, "")
@@ -173,7 +173,7 @@ class SubdivisionOfTriangles(unittest.TestCase):
         with mock.patch.object(subdivision_behind, "NOTED", 10.0):
             self.of_triangles()
             self.assertEqual(self.obj.rumple.message, "")
-            self.assertRegex(stack_notes.of(self.obj)[0], '^Sleeve: the modifier "Subdivision" behind .* needs about')
+            self.assertRegex(stack_notes.of(self.obj)[0], '^Sleeve: the modifier "Subdivision" below .* needs about')
             self.behind.levels = self.behind.render_levels = 0
             self.assertEqual(stack_notes.of(self.obj), [])
 

@@ -173,7 +173,7 @@ class Stack(Arriving, unittest.TestCase):
                 sleeve.at(frame)
             self.assertEqual(obj.rumple.message, "")
             self.assertRegex("\n".join(runtimes.of(obj).notes),
-                             f'Sleeve: "Build" .* makes \\d+ vertices in frame {frame}, \\d+ before')
+                             f'Sleeve: the modifier "Build" .* makes \\d+ vertices in frame {frame}, \\d+ before')
             self.assertEqual(runtimes.of(obj).evaluator.coarse_count, len(self.bare(obj)))
         self.assertLess(np.abs(sleeve.shown(obj) - before).max(), 0.02)
 

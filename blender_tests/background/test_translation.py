@@ -228,7 +228,7 @@ class Lines(unittest.TestCase):
 
     def test_nothing_is_lost_and_each_fits(self) -> None:
         width = 30
-        for text in ("Shirt: nothing in front of it deforms the mesh, so it has no folds: add an Armature to it",
+        for text in ("Shirt: nothing above it deforms the mesh, so it has no folds: put an Armature above it",
                      "Shirt: アーマチュアにポーズを付けて参照ポーズを追加してください。布は揺れずに垂れています",
                      "Shirt：跳转到帧 1200，布料只悬垂不摆动：请从帧 1 播放或烘焙，帧在烘焙范围之外"):
             lines = self.lines(text, int(width * ui_base.LETTER_PIXELS))

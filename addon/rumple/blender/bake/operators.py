@@ -25,7 +25,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
 
     every: bpy.props.BoolProperty(name="All Objects", options={"SKIP_SAVE"},
                                   description="Bake every object of the scene that has wrinkles, each with its own "
-                                              "range; what is worn over others comes behind them")
+                                              "range; what is worn over others comes after them")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         self._line_up(context)

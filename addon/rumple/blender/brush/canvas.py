@@ -62,7 +62,7 @@ def canvas_of(obj: bpy.types.Object) -> Canvas:
     if runtime is None or not isinstance(runtime.evaluator, WrinkleField):
         raise UserError(runtimes.message(obj) or f"{obj.name}: nothing is solved yet")
     if not incoming_mesh.is_own(obj):
-        raise UserError(f"{obj.name}: a modifier in front of the wrinkles changes the number of vertices: apply it to "
+        raise UserError(f"{obj.name}: a modifier above the wrinkles changes the number of vertices: apply it to "
                         "paint")
     if runtime.evaluator.coarse_count != len(obj.data.vertices):
         raise UserError(f"{obj.name}: its mesh was edited: one moment")

@@ -41,7 +41,7 @@ def pre_roll_of(obj: bpy.types.Object, asked: int) -> int:
         raise BakeError(f"{name}: its curves are baked beside it: bake it whole, not in pieces")
     if not clip_status.stands_alone(obj):
         raise BakeError(f"{name}: more lives from frame to frame than its own wrinkles (cloth, soft body or simulation "
-                        "nodes in front of them, or something wrinkled under it without a clip): bake it whole, not "
+                        "nodes above them, or something wrinkled under it without a clip): bake it whole, not "
                         "in pieces")
     if clip_status.is_independent(obj, bpy.context.scene):
         return 0

@@ -131,8 +131,8 @@ def _refuse(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
                         "that one is. Take its body instead")
     properties.group_of(obj).stateless = True
     if not clip_status.is_independent(obj, scene):
-        raise BakeError(f"{obj.name}: a simulation in front of the wrinkles goes from frame to frame: poses have no "
-                        "frames before them")
+        raise BakeError(f"{obj.name}: a simulation above the wrinkles needs the frames before, and poses have "
+                        "none")
 
 
 # ---------------------------------------------------------------- all of them

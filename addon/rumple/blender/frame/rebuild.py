@@ -125,8 +125,9 @@ def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:
     runtime.stack = stack
     if count == before or edited or incoming_mesh.is_own(obj):
         return ""
-    return (f"{obj.name}: \"{modifier.topology_changer_before(obj).name}\" in front of the wrinkles makes {count} "
-            f"vertices in frame {units.scene_of(obj).frame_current}, {before} before: the wrinkles begin anew there")
+    return (f"{obj.name}: the modifier \"{modifier.topology_changer_before(obj).name}\" above the wrinkles makes "
+            f"{count} vertices in frame {units.scene_of(obj).frame_current}, {before} before: the wrinkles start again "
+            "there")
 
 
 def _settle_profile(obj: bpy.types.Object, runtime: Runtime) -> None:

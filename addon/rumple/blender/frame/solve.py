@@ -296,10 +296,10 @@ def _points_are_lost(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) 
     names = {m.type: m.name for m in coarse_copy.removers(obj, nodes_mod)[::-1]}
     name = f"the modifier \"{names.get('NODES', next(iter(names.values()), ''))}\""
     if "NODES" in names:
-        return (f"{obj.name}: {name} behind {nodes_mod.name} removes points that the wrinkles are made of: move it in "
-                "front, or let it keep the first points")
-    return (f"{obj.name}: {name} behind {nodes_mod.name} removes points that the wrinkles are made of, and what is "
-            f"hidden cannot be read in front of it: show {obj.name}, or move {name} in front")
+        return (f"{obj.name}: {name} below {nodes_mod.name} removes points that the wrinkles are made of: move it "
+                f"above {nodes_mod.name}, or let it keep the first points")
+    return (f"{obj.name}: {name} below {nodes_mod.name} removes points that the wrinkles are made of, and these cannot "
+            f"be read while {obj.name} is hidden: show it, or move {name} above {nodes_mod.name}")
 
 
 def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime, arriving: int,
@@ -311,10 +311,10 @@ def _follow_topology(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
               or (changer is None and not incoming_mesh.is_own(obj))
               or runtime.stack != incoming_mesh.stack_fingerprint(obj))
     if changer is not None and not edited and arriving != own and (in_render or runtime.tried == arriving):
-        raise engine.UserError(f"{obj.name}: the modifier \"{changer.name}\", or another in front of {nodes_mod.name}, "
+        raise engine.UserError(f"{obj.name}: the modifier \"{changer.name}\", or another above {nodes_mod.name}, "
                                f"makes another number of vertices here than at rest in the viewport ({own}), so there "
                                "are no wrinkles here: set the same for viewport and renders; where the number changes "
-                               f"within the clip, apply it, or move it behind {nodes_mod.name}")
+                               f"within the clip, apply it, or move it below {nodes_mod.name}")
     if edited or (changer is not None and arriving != own):  # else this frame was evaluated just before
         runtime.stale, runtime.tried = True, arriving
         scheduler.request()

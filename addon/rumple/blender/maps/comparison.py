@@ -44,11 +44,12 @@ def _order_notes(obj: bpy.types.Object) -> list[str]:
     nodes_mod, stack = maps_modifier.find(obj), list(obj.modifiers)
     wrinkles = modifier.find(obj)
     if wrinkles is not None and stack.index(nodes_mod) < stack.index(wrinkles):
-        return [f"{obj.name}: {wrinkles.name} stands behind {nodes_mod.name} and drops the masks: move it in front"]
+        return [f"{obj.name}: {wrinkles.name} is below {nodes_mod.name} in the stack, so the masks are lost: move it "
+                f"above {nodes_mod.name}"]
     changer = next((m for m in stack[:stack.index(nodes_mod)] if m != wrinkles and modifier.changes_topology(m)), None)
     if changer is not None:
-        return [f"{obj.name}: the modifier \"{changer.name}\" in front of {nodes_mod.name} changes the number of "
-                "vertices: no map shows. Move it behind"]
+        return [f"{obj.name}: the modifier \"{changer.name}\" above {nodes_mod.name} changes the number of vertices, "
+                f"so no map shows: move it below {nodes_mod.name}"]
     return []
 
 

@@ -243,7 +243,7 @@ def posed_positions(evaluated: bpy.types.Object, count: int) -> np.ndarray | Non
     usable = (index >= 0) & (index < count)
     where[index[usable][::-1]] = np.flatnonzero(usable)[::-1]  # the first of several copies wins
     if (where < 0).any():
-        raise Reordered("a modifier behind the wrinkles removes points: move the wrinkles behind it, or apply it")
+        raise Reordered("a modifier below the wrinkles removes points: move the wrinkles below it, or apply it")
     return np.ascontiguousarray(values[where])
 
 

@@ -144,7 +144,7 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
     field: bpy.props.PointerProperty(type=RUMPLE_FieldSettings, override=_OVERRIDE)
     paths: bpy.props.PointerProperty(type=RUMPLE_PathsSettings, override=_OVERRIDE)
     incoming: bpy.props.PointerProperty(type=bpy.types.Mesh, name="Incoming Mesh", override=_OVERRIDE,
-                                        description="What modifiers in front of the wrinkles make of the mesh at rest")
+                                        description="What modifiers above the wrinkles make of the mesh at rest")
     captured: bpy.props.PointerProperty(type=bpy.types.Mesh, name="Captured Mesh", override=_OVERRIDE,
                                         description="An incoming mesh that a rest shape was captured on, while the "
                                                     "modifiers that made it are off")

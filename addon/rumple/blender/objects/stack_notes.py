@@ -36,12 +36,12 @@ def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[st
     place = stack.index(nodes_mod)
     late = next((m for m in stack[place + 1:] if m.type in _POSES and _is_on(m)), None)
     if late is not None:
-        return [f"{obj.name}: the modifier \"{late.name}\" stands behind {nodes_mod.name}, so the wrinkles do not see "
-                f"what it moves: move {nodes_mod.name} behind it"]
+        return [f"{obj.name}: the modifier \"{late.name}\" is below {nodes_mod.name} in the stack, so the wrinkles do "
+                f"not see what it moves: move {nodes_mod.name} below it"]
     if not any(_is_on(m) and (m.type in modifier.DEFORMING or m.type == "NODES") for m in stack[:place]) \
             and not _is_folded_otherwise(obj):
-        return [f"{obj.name}: nothing in front of {nodes_mod.name} deforms the mesh, so it has no folds: add an "
-                "Armature, a shape key or a simulation in front of it"]
+        return [f"{obj.name}: nothing above {nodes_mod.name} in the stack deforms the mesh, so it has no folds: add a "
+                f"shape key, or put an Armature or a simulation above {nodes_mod.name}"]
     return []
 
 

@@ -57,6 +57,6 @@ def _refines(m: bpy.types.Modifier) -> bool:
 
 
 def _sentence(obj: bpy.types.Object, name: str, needed: float) -> str:
-    return (f"{obj.name}: the modifier \"{name}\" behind the wrinkles needs about {needed / 1000.0:.1f} GB for a fine "
+    return (f"{obj.name}: the modifier \"{name}\" below the wrinkles needs about {needed / 1000.0:.1f} GB for a fine "
             "mesh of triangles: switch off Use Limit Surface in it (Advanced), or choose Subdivision as the source of "
             "the fine mesh")

@@ -243,7 +243,7 @@ class OBJECT_OT_rumple_remove(ui_base.OnWrinkled, bpy.types.Operator):
 
 
 class OBJECT_OT_rumple_apply(ui_base.OnWrinkled, bpy.types.Operator):
-    """Make the mesh what is seen now, up to the wrinkles. Modifiers in front and shape keys are applied too"""
+    """Make the mesh what is seen now, with its wrinkles. Modifiers above them and shape keys are applied too"""
 
     bl_idname = "object.rumple_apply"
     bl_label = "Apply Wrinkles"

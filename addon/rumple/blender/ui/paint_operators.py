@@ -19,7 +19,7 @@ from ..translation import said
 from . import paint_words
 
 _MAPS = tuple((key, painted_maps.LABELS[key], "") for key in painted_maps.KEYS)
-_FALLOFFS = (("SMOOTH", "Smooth", "Flat at the border and behind the distance"),
+_FALLOFFS = (("SMOOTH", "Smooth", "Flat at the border and beyond the distance"),
              ("LINEAR", "Linear", "Evenly from the border on"))
 _CHANNELS = (("LUMINANCE", "Luminance", "How bright the colour is"), ("ALPHA", "Alpha", "How opaque it is"),
              ("RED", "Red", ""), ("GREEN", "Green", ""), ("BLUE", "Blue", ""))
@@ -180,7 +180,7 @@ class OBJECT_OT_rumple_paint_from_border(_WholeMap, bpy.types.Operator):
                                       options={"SKIP_SAVE"}, description="From the border to where the gradient ends")
     falloff: bpy.props.EnumProperty(name="Falloff", items=_FALLOFFS, description="How it grows from the border on")
     reverse: bpy.props.BoolProperty(name="Reverse", options={"SKIP_SAVE"},
-                                    description="1 at the border and 0 behind the distance. On for maps that are 0 "
+                                    description="1 at the border and 0 beyond the distance. On for maps that are 0 "
                                                 "where nothing is painted")
 
     def change(self, context: bpy.types.Context, obj: bpy.types.Object, painted: PaintedMap) -> None:
