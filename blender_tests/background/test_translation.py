@@ -172,7 +172,7 @@ class InGerman(InLanguage):
 
     def test_the_tooltip_of_the_menu(self) -> None:
         tip = bpy.types.OBJECT_OT_rumple_add.description(bpy.context, mock.Mock(method="FIELD"))
-        self.assertTrue(tip.startswith("Shading: Wellen"), tip)
+        self.assertTrue(tip.startswith("Shading oder Geometrie: parallele Wellen"), tip)
 
     def test_status_lines(self) -> None:
         obj = sleeve.scene()

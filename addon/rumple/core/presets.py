@@ -73,7 +73,7 @@ PATHS_PRESETS = {
                         "They start at the Threshold and are as wide as you set", "COTTON", {}),
     "SILK": of_fabric(
         1, "Silk", "Many long, thin folds.\n"
-        "Threshold nearer to 1, a longer reach: it has next to no stiffness, so little compression buckles it, and "
+        "Threshold nearer to 1, Reach lower: it has next to no stiffness, so little compression buckles it, and "
         "folds run on far.\n"
         "Width x 0.85, less spacing: thin cloth bends tightly, fold beside fold.\n"
         "More turning, less fade: it is smooth and light, so folds slide and spring",
@@ -86,7 +86,7 @@ PATHS_PRESETS = {
         "WOOL", dict(spacing=1.2, height=0.85, alignment=0.25, fade=0.25), fold_width=1.5),
     "LEATHER": of_fabric(
         3, "Leather", "Few thick rolls where it must.\n"
-        "Threshold farther from 1, a shorter reach: it is stiff, so only strong compression buckles it, and the roll "
+        "Threshold farther from 1, Reach higher: it is stiff, so only strong compression buckles it, and the roll "
         "ends with it.\n"
         "Width x 1.8, circular arcs: it bends as a thick plate, in round rolls with creases between.\n"
         "Turning near 0: a crease that has formed stays in its place",

@@ -56,11 +56,13 @@ class AdaptiveRest:
 
     reference: str = setting("REST", "Starts From", "What counts as unwrinkled before anything has lasted",
                              choices=STARTS_FROM)
-    window: float = setting(0.1, "Time Window", "Time back to the pose that tells compressing from stretching", low=0.0,
-                            high=2.0, unit="SECONDS")
-    relaxation: float = setting(0.01, "Relaxation", "Share of a compressed shape that the reference takes over in a "
-                                "thirtieth of a second", low=0.0, high=1.0)
-    growth: float = setting(1.05, "Growth", "Most length of the reference over the rest shape", low=1.0, high=10.0)
+    window: float = setting(0.1, "Time Window", "How far back in time a pose is compared with, to tell whether cloth "
+                            "is being compressed or stretched", low=0.0, high=2.0, unit="SECONDS")
+    relaxation: float = setting(0.01, "Relaxation", "How fast the unwrinkled shape follows a shape that stays "
+                                "compressed: the share that it takes over in a thirtieth of a second", low=0.0,
+                                high=1.0)
+    growth: float = setting(1.05, "Growth", "How much longer than at rest the unwrinkled shape may become, as a factor",
+                            low=1.0, high=10.0)
 
     # self: of a system: rest_shape, stateless and base_cloth are its own.
     @property
@@ -91,7 +93,7 @@ LAYERS = (
 class Parts:
     """What of a mesh is cloth: the same words in every system."""
 
-    rigid_parts: bool = setting(True, "Rigid Parts", "Small loose parts, such as buttons and buckles, are no cloth: "
+    rigid_parts: bool = setting(True, "Rigid Parts", "Small loose parts, such as buttons and buckles, are not cloth: "
                                 "they keep their shape and ride on the cloth around them", affects="MESH")
 
 
@@ -131,7 +133,7 @@ class MeshSettings(AdaptiveRest, ClothSettings, Parts):
     radius: float = setting(1.0, "Radius", "How far a point may leave the surface, in lengths of the fine "
                             "edges around it. Higher folds; above 0.5 folds may touch themselves",
                             low=0.0, high=10.0, soft=3.0)
-    prestretch: float = setting(1.0, "Pre-Stretch", "Rest length of the fine edges over their true length. Below 1 "
+    prestretch: float = setting(1.0, "Pre-Stretch", "Rest length of the fine edges, as a factor. Below 1 "
                                 "only strong compression folds; above 1 the cloth is wrinkled even at rest",
                                 low=0.5, high=1.5)
     bending: float = setting(0.7, "Bend Stiffness", "0 crumples like paper tissue, 1 makes broad round folds",
@@ -146,9 +148,9 @@ class MeshSettings(AdaptiveRest, ClothSettings, Parts):
                                         "compressed before folds form. A simulated garment is a little compressed "
                                         "everywhere", low=0.0, high=1.0,
                                         soft=0.1, unit="FACTOR")
-    compression_limit: float = setting(1.3, "Max Gather Ratio", "Most length of cloth that is gathered into folds, "
-                                       "over the length of the compressed mesh. Keeps folds of collapsed knees and "
-                                       "elbows low", low=1.0, high=10.0)
+    compression_limit: float = setting(1.3, "Max Gather Ratio", "How much longer than the compressed mesh the cloth in "
+                                       "its folds may be, as a factor. Keeps folds of collapsed knees and elbows low",
+                                       low=1.0, high=10.0)
     hem_rings: int = setting(3, "Hem Fade", "Rings of fine vertices at open borders over which folds fade out",
                              low=0, high=20)
     # The solver
@@ -156,7 +158,7 @@ class MeshSettings(AdaptiveRest, ClothSettings, Parts):
                               low=0, high=200)
     start_iterations: int = setting(20, "First Iterations", "Solver passes of a frame that starts from no other",
                                     low=0, high=500)
-    damping: float = setting(0.3, "Damping", "Share of the last frame's folds that is kept. Calms fast motion",
+    damping: float = setting(0.3, "Damping", "Share of the previous frame's folds that is kept. Calms fast motion",
                              low=0.0, high=0.95, unit="FACTOR")
     stateless: bool = setting(False, "Independent Frames", "Every frame is solved on its own: the same on any "
                               "machine and in any order, but folds jump more")
@@ -201,8 +203,8 @@ class FieldSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     # The waves (sections 4 and 5 of the paper)
     wavelength: float = setting(0.05, "Wavelength", "Distance from fold to fold in the unwrinkled cloth. Folds grow in "
                                 "height with it", low=0.0001, high=10.0, unit="LENGTH")
-    strength: float = setting(1.0, "Strength", "Height of the folds over the height that keeps the length of the cloth",
-                              low=0.0, high=10.0, soft=2.0)
+    strength: float = setting(1.0, "Strength", "Height of the folds. 1 keeps the length of the cloth", low=0.0,
+                              high=10.0, soft=2.0)
     buckling_threshold: float = setting(0.0, "Buckling Limit", "Share of its length by which cloth may be compressed "
                                         "before waves form. What is painted stays", low=0.0, high=0.99, soft=0.1,
                                         unit="FACTOR")
@@ -262,7 +264,7 @@ DIRECTIONS = (
 PATH_PROFILES = (
     ("SPLINE", "B-Spline", "Round, as cloth: a quadratic B-spline"),
     ("QUARTIC", "Quartic", "Round crest, flat feet"),
-    ("CIRCULAR_ARCS", "Circular Arcs", "As the thesis measures height"),
+    ("CIRCULAR_ARCS", "Circular Arcs", "Arcs of equal radius at the crest and at both feet"),
     ("SINE", "Sine", "One wave of a cosine"),
 )
 
@@ -274,10 +276,9 @@ class PathsSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     # Where folds are (chapters 4 and 5 of the thesis)
     width: float = setting(0.02, "Width", "Width of the tightest folds. Weaker compression makes them wider",
                            low=0.0001, high=10.0, unit="LENGTH", affects="MESH")
-    threshold: float = setting(1.25, "Threshold", "Rest length over length from which folds start. "
-                               "Nearer to 1: more folds", low=1.01, high=5.0, soft=2.0)
-    reach: float = setting(0.25, "Reach", "Folds sink below the compression that they start from, and end at this "
-                           "share of it",
+    threshold: float = setting(1.25, "Threshold", "How strongly the cloth must be compressed for a fold to start: rest "
+                               "length divided by length. Nearer to 1: more folds", low=1.01, high=5.0, soft=2.0)
+    reach: float = setting(0.25, "Reach", "Share of the starting compression at which a fold ends. Less: longer folds",
                            low=0.0, high=1.0, unit="FACTOR")
     spacing: float = setting(1.12, "Spacing", "Least distance of a new fold from others, in widths", low=0.5, high=10.0)
     alignment: float = setting(0.4, "Turning", "Low: folds stay where they started on the cloth. High: they turn "
@@ -295,8 +296,8 @@ class PathsSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     smoothing: float = setting(0.1, "Smoothing", "Time over which compression is smoothed: noise makes no folds",
                                low=0.0, high=2.0, unit="SECONDS")
     # What they look like (chapter 6)
-    height: float = setting(1.0, "Height", "Height of the folds over the height that keeps the length of the cloth",
-                            low=0.0, high=10.0, soft=2.0)
+    height: float = setting(1.0, "Height", "Height of the folds. 1 keeps the length of the cloth", low=0.0, high=10.0,
+                            soft=2.0)
     direction: str = setting("OUTWARD", "Direction", "The side that folds stand out to", choices=DIRECTIONS)
     profile: str = setting("SPLINE", "Profile", "The shape of a fold", choices=PATH_PROFILES)
     mask: str = setting("Rumple Mask", "Mask", "Vertex group or float attribute: where folds may start, from 0 to 1",

@@ -26,11 +26,10 @@ class System:
 
 
 SYSTEMS: dict[str, System] = {system.method: system for system in (
-    System("MESH", "Wrinkle Mesh", "Geometry: a fine mesh that hangs, folds and creases as cloth over the animated "
-           "one. For garments", "mesh", MeshSettings, WrinkleMesh, MESH_PRESETS),
-    System("FIELD", "Wrinkle Field", "Shading: waves across the compression, drawn by the materials, or as geometry. "
-           "Light, and painted by hand where they are there at rest", "field", FieldSettings, WrinkleField),
-    System("PATHS", "Wrinkle Paths", "Geometry: crisp folds that are traced across the compression and live from frame "
-           "to frame. For noisy motion and games, without a rest pose", "paths", PathsSettings, WrinklePaths,
-           PATHS_PRESETS),
+    System("MESH", "Wrinkle Mesh", "Geometry: the garment becomes cloth that hangs and has wide and fine folds. For "
+           "garments", "mesh", MeshSettings, WrinkleMesh, MESH_PRESETS),
+    System("FIELD", "Wrinkle Field", "Shading or geometry: parallel waves where the mesh is compressed. Cheap to "
+           "compute; more folds can be painted by hand", "field", FieldSettings, WrinkleField),
+    System("PATHS", "Wrinkle Paths", "Geometry: single crisp folds that appear, travel and fade. For captured or noisy "
+           "motion; needs no rest pose", "paths", PathsSettings, WrinklePaths, PATHS_PRESETS),
 )}

@@ -24,8 +24,8 @@ from .stroke import Stroke
 TOOL = "rumple.rest_wrinkles"
 
 _LENGTH = dict(name="Depth", min=0.0, max=LONGEST, default=DEFAULT_LENGTH, subtype="FACTOR",
-               description="How strong the wrinkles are that are painted: of the stored vectors, below 1. Squared, the "
-                           "share of its width that the cloth loses to folds")
+               description="How strong the painted folds are. 0.7: as where the cloth is pushed together to half its "
+                           "width")
 
 
 class RUMPLE_Brush(bpy.types.PropertyGroup):

@@ -110,7 +110,7 @@ def parser() -> argparse.ArgumentParser:
     textures.add_argument("--image", choices=tuple(vat.KINDS), default="png",
                           help="png has 16 bits and says its error, exr has 32-bit floats")
     textures.add_argument("--in-place", action="store_true",
-                          help="take the way of the whole out: it goes into the JSON, for the engine to move the mesh")
+                          help="take the root motion out: it goes into the JSON, for the engine to move the mesh by")
     drawn = kinds.add_parser("poses", parents=[common], help="solve one garment in many poses of its rig, as arrays "
                              "for machine learning; --out is their folder")
     drawn.add_argument("--count", type=_whole, required=True, metavar="N", help="poses")

@@ -75,8 +75,9 @@ class OBJECT_OT_rumple_vat(_OfClip, bpy.types.Operator):
     image: bpy.props.EnumProperty(name="Image", default="png", items=(
         ("png", "PNG", "16 bits; the report says the largest error"),
         ("exr", "OpenEXR", "32-bit floats"), ("both", "Both", "PNG and OpenEXR")))
-    in_place: bpy.props.BoolProperty(name="In Place", description="Take the way of the whole out of the textures: it "
-                                     "goes into the JSON, for the engine to move the object")
+    in_place: bpy.props.BoolProperty(name="In Place", description="Take the root motion (the mean motion of all "
+                                     "points) out of the textures and write it into the JSON, for the engine to move "
+                                     "the object by")
 
     def export(self, context: bpy.types.Context, manifest: Manifest, folder: Path) -> shown.Exported:
         return vat.export(context, context.object, manifest, folder, self.image, self.in_place)

@@ -30,8 +30,8 @@ class OBJECT_OT_rumple_width_from_height(OnPaths, bpy.types.Operator):
     bl_label = "Width from Height"
 
     percent: bpy.props.FloatProperty(name="Percent of Height", default=PERCENT_OF_HEIGHT, min=0.01, max=20.0,
-                                     soft_min=0.25, soft_max=4.0, description="1 gives folds as wide as the thesis has "
-                                     "them at its 0.5, for there the same compression makes folds twice as wide")
+                                     soft_min=0.25, soft_max=4.0, description="Width of the tightest folds, in percent "
+                                     "of the character's height")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
