@@ -43,7 +43,7 @@ class Wrong(Worn):
         self.body.modifiers.clear()
         self.body.data.vertices[7].co.y = self.body.data.vertices[9].co.z = math.nan
         self.obj.rumple.body = self.body
-        self.check_said(self.obj, "vertex 7 of its body Human is not finite")
+        self.check_said(self.obj, "vertex 7 of its body Human has no valid position in this frame")
         self.body.data.vertices[7].co.y = self.body.data.vertices[9].co.z = 0.0
         self.check_right(self.obj)
 

@@ -103,7 +103,7 @@ class Words(unittest.TestCase):
 
         expected = ((wild, r"^Sleeve: vertex 7 is 1e\+14 away from the origin in this frame, .* the last good frame"),
                     (too_many, r"^Sleeve: the fine mesh would have about \d+ vertices, more than \d+: choose fewer"),
-                    (torn, r"^Sleeve: vertex 7 is nowhere in this frame .*: look at the shape keys"),
+                    (torn, r"^Sleeve: vertex 7 has no valid position in this frame .*: look at the shape keys"),
                     (empty, r"^Sleeve: its mesh has no faces: add some, or choose another object"),
                     (flat, r"^Sleeve: all of its vertices stand at one place: give it a shape"),
                     (too_fine, r"^Sleeve: edges of 0.0001\d* need more than \d+ vertices: choose a greater Longest"))

@@ -96,7 +96,7 @@ class Slow(WindowCase):
         yield from self.until(self.shown)
         yield from self.esc()
         yield from self.until(lambda: self.obj.rumple.message)
-        self.assertRegex(self.obj.rumple.message, "^Sleeve: its folds were not made anew, for Esc was pressed")
+        self.assertRegex(self.obj.rumple.message, "^Sleeve: Esc stopped the building of its fine mesh")
         self.assertEqual(self.count(self.obj), self.before)
         self.go.set()
         self.obj.rumple.mesh.level = 2

@@ -109,7 +109,7 @@ class EaselLaws(unittest.TestCase):
         bad = np.zeros((81, 3), np.float32)
         bad[5, 0] = np.nan
         dab = dict(centre=(0.0, 0.0, 0.0), radius=0.4, **ABOVE)
-        with self.assertRaisesRegex(UserError, "Sheet: the painted rest wrinkle of vertex 5 is no number: press Clear"):
+        with self.assertRaisesRegex(UserError, "Sheet: the painted rest wrinkle of vertex 5 is not a valid vector"):
             easel.dab(bad, False, **dab)
         with self.assertRaisesRegex(UserError, "Sheet: rest_wrinkle: expected 81 vertices, got 80"):
             easel.dab(bad[:80], False, **dab)

@@ -64,9 +64,9 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
      r"|shape keys are absolute|cannot be set here: a driver", "reference-poses"),
     (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
-     r"|deforms the mesh|is nowhere|scale is zero|the fine mesh would have|of the own mesh|has no room for"
+     r"|deforms the mesh|no valid position|scale is zero|the fine mesh would have|of the own mesh|has no room for"
      r"|rest wrinkle of|away from the origin", "the-mesh-and-its-modifiers"),
-    (r"raise Most Vertices|for Esc was pressed", "the-panel"),
+    (r"raise Most Vertices|Esc stopped", "the-panel"),
     (r"was healed", "where-it-stands"),
 ))
 

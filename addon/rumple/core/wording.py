@@ -12,12 +12,12 @@ class UserError(ValueError):
 # What the library says -> what the panel says. Names of arrays mean nothing to an artist.
 _SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
     (r"(?:next_)?positions: (vertex \d+) is not finite",
-     r"\1 is nowhere in this frame (its place is no number): look at the shape keys, modifiers and simulations that "
+     r"\1 has no valid position in this frame (not a number): look at the shape keys, modifiers and simulations that "
      r"move it"),
     (r"positions_rest: (vertex \d+) is not finite",
-     r"\1 is nowhere at rest (its place is no number): delete it, or give it a place"),
+     r"\1 has no valid position at rest (not a number): delete it, or set its position"),
     (r"body positions: (vertex \d+) is not finite",
-     r"\1 of its bodies is nowhere in this frame: repair that one, or choose another body"),
+     r"\1 of its bodies has no valid position in this frame: repair that body, or choose another one"),
     (r"body positions: (vertex \d+) is (\S+) away from the origin.*",
      r"\1 of its bodies is \2 away from the origin in this frame: look at what moves that one, and at the scale of "
      r"the garment"),
@@ -30,11 +30,12 @@ _SENTENCES = [(re.compile(pattern), sentence) for pattern, sentence in (
     (r"(?:next_)?positions: (vertex \d+) is (\S+) away from the origin.*",
      r"\1 is \2 away from the origin in this frame, as where a simulation explodes: the last good frame stays"),
     (r"rest_wrinkle: (vertex \d+) is not finite",
-     r"the painted rest wrinkle of \1 is no number: press Clear in the brush's panel and paint it again"),
+     r"the painted rest wrinkle of \1 is not a valid vector: press Clear in the panel Rest Wrinkles and paint it "
+     r"again"),
     (r"rest_wrinkle: (vertex \d+) has length (.*)",
-     r"the painted rest wrinkle of \1 has length \2: press Clear in the brush's panel and paint it again"),
+     r"the painted rest wrinkle of \1 has length \2: press Clear in the panel Rest Wrinkles and paint it again"),
     (r"paint\.(\w+): (.*)", r"what is painted as \1 cannot be taken: \2. Paint it again"),
-    (r"uv: (corner \d+) is not finite", r"the UV map is no number at \1: unwrap the mesh there again"),
+    (r"uv: (corner \d+) is not finite", r"the UV map has no valid place at \1: unwrap the mesh there again"),
 )]
 
 

@@ -85,7 +85,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if event.type == "ESC":
             self._end_modal(context)
-            self._give_up(self._running, BakeError("Bake cancelled: nothing was changed"), "INFO")
+            self._give_up(self._running, BakeError(f"Bake cancelled: {self._running.name} is as it was before"), "INFO")
             return self._end()
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}

@@ -167,8 +167,8 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
     surface = _folded(body, float(depsgraph.scene.frame_current_final)) or _plain(obj, body, worn, depsgraph)
     if not np.isfinite(surface.positions).all():
         first = int(np.isfinite(surface.positions).all(axis=1).argmin())
-        raise engine.UserError(f"{obj.name}: vertex {first} of its body {body.name} is not finite: repair it, or "
-                               "choose another one")
+        raise engine.UserError(f"{obj.name}: vertex {first} of its body {body.name} has no valid position in this "
+                               "frame: repair it, or choose another one")
     into = evaluated.matrix_world.inverted_safe() @ worn.matrix_world
     triangles = surface.triangles
     if into.determinant() < 0.0:  # mirrored: the other way round is counter-clockwise now

@@ -105,7 +105,7 @@ def cancel(obj: bpy.types.Object, runtime: Runtime) -> str:
     if changed:
         return f"{obj.name}: the former folds stay, and the settings are as they were"
     runtime.refused = _refusable(obj, dropped.wanted)
-    said = f"{obj.name}: its folds were not made anew, for Esc was pressed: change a setting to begin again"
+    said = f"{obj.name}: Esc stopped the building of its fine mesh: change a setting to start again"
     messages.set_build_error(runtime, said)
     return said
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..objects import mesh_reader, properties
-from ..ui_base import Panel, draw_setting, settings_column
+from ..ui_base import Panel, draw_note, draw_setting, settings_column
 
 
 class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
@@ -39,12 +39,12 @@ def _draw_layers(column: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     settings = obj.rumple.mesh
     column.prop(settings, "layers")
     if settings.layers == "CLOTH" and (settings.source != "SUBDIVISION" or settings.rest_shape == "ADAPTIVE"):
-        column.label(text="Layers need Subdivision and a rest shape that stays", icon="INFO")
+        draw_note(column, "Layers need Fine Mesh Subdivision, and a Rest Shape that is not Adaptive")
 
 
 def _draw_swing(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     if settings.stateless:
-        column.label(text="Independent Frames have no time: the cloth hangs", icon="INFO")
+        draw_note(column, "With Independent Frames on, cloth does not swing")
         return
     for name in ("mass", "swing_damping", "substeps", "locomotion", "drag"):
         column.prop(settings, name)

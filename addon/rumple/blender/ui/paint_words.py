@@ -12,8 +12,8 @@ from ..translation import said
 TIPS = {
     SMOOTH: "Paint where no folds may be, from all of them (0) to none (1), in Weight Paint mode. Again: leave the "
             "mode",
-    RIGID: "Paint what is no cloth, as a badge or a belt, from cloth (0) to rigid (1), in Weight Paint mode. Again: "
-           "leave the mode",
+    RIGID: "Paint what is not cloth, such as a badge or a belt, from cloth (0) to rigid (1), in Weight Paint mode. "
+           "Again: leave the mode",
 }
 HOW = {
     SMOOTH: "Paint with weight 1 where the cloth stays smooth, with 0 where it folds again",
