@@ -71,7 +71,7 @@ class WrinklePaths(Wrinkles):
         return cls(base, base, surface, model, warnings, unit_scale)
 
     def _status(self, report: Any) -> list[str]:
-        lines = [f"{report.paths} folds; {report.born} born and {report.died} gone in this frame",
+        lines = [f"{report.paths} folds; {report.born} started and {report.died} ended in this frame",
                  f"{report.compressed} of {self.model.triangle_count} triangles are being compressed, "
                  f"{report.stretched} stretched"]
         if report.collapsed_triangles:
