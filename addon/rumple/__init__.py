@@ -9,7 +9,7 @@ bl_info = {     # read by Blender 3.4 to 4.1; from 4.2 on blender_manifest.toml
     "author": "Rumple authors",
     "version": (0, 1, 0),
     "blender": (3, 4, 0),
-    "location": "Properties > Modifiers > Wrinkle Mesh",
+    "location": "Properties > Modifiers > Wrinkles",
     "description": "Wrinkles for animated garments and skin, live in the modifier stack",
     "category": "Animation",
 }
