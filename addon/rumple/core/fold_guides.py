@@ -92,8 +92,10 @@ class _AtRest:
                                  corners[np.where(place == first, last, place - 1)]])
         # What stands at one place on two sides of a seam moves as one.
         steps = np.round((self._rest - self._rest.min(axis=0)) / (1e-6 * np.ptp(self._rest, axis=0).max()))
-        _, self._place = np.unique(steps.astype(np.int64) @ np.array([1 << 42, 1 << 21, 1]), return_inverse=True)
-        self._normals = _normals(self._rest, self._corner, self._place[corners])[self._place]
+        used, self._place = np.unique(steps.astype(np.int64) @ np.array([1 << 42, 1 << 21, 1]), return_inverse=True)
+        self._normals = _normals(self._rest, self._corner, self._place[corners], len(used))[self._place]
+        self._has_face = np.zeros(len(self._rest), bool)  # not what is loose, or belongs to a rigid part
+        self._has_face[corners] = True
         self.notes: list[str] = []
 
     def direction(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -118,7 +120,7 @@ class _AtRest:
 
     def _near(self, line: np.ndarray, reach: float) -> np.ndarray:
         low, high = line.min(axis=0) - reach, line.max(axis=0) + reach
-        return np.flatnonzero(((self._rest >= low) & (self._rest <= high)).all(axis=1))
+        return np.flatnonzero(((self._rest >= low) & (self._rest <= high)).all(axis=1) & self._has_face)
 
     def _on_surface(self, line: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The points of a line on the surface, the normals there, and the vertices beside them."""
@@ -190,13 +192,13 @@ class GuidedFolds(_AtRest):
         self._corner = self._corner[:, beside[self._place[self._corner[0]]]]
         # Places are numbered anew: those that count only.
         used, numbers = np.unique(self._place[self._corner[0]], return_inverse=True)
-        self._at_corner = numbers
+        self._at_corner, self._places = numbers, len(used)
         self._at_row = np.searchsorted(used, self._place[self.rows])
         self._heights = self._heights.astype(np.float32)
 
     def ways(self, positions: np.ndarray) -> np.ndarray:
         """(rows, 3) from the shown mesh without them. positions: (d, 3)."""
-        return self._heights[:, None] * _normals(positions, self._corner, self._at_corner)[self._at_row]
+        return self._heights[:, None] * _normals(positions, self._corner, self._at_corner, self._places)[self._at_row]
 
     # --- one guide, at rest
     def _add(self, rows: np.ndarray, heights: np.ndarray, left: np.ndarray) -> None:
@@ -234,12 +236,12 @@ class GuidedFolds(_AtRest):
                               "wider")
 
 
-def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """(places, 3) unit normals. corner: (3, c) vertices of corners, with the next and the one before; at: (c,) places.
-    """
+def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray, places: int) -> np.ndarray:
+    """(places, 3) unit normals; zero where there is no face. corner: (3, c) vertices of corners, with the next and the
+    one before; at: (c,) places."""
     here, after, before = (positions[vertices] for vertices in corner)
     turned = cross(after - here, before - here)
-    sums = [np.bincount(at, turned[:, k]) for k in range(3)]
+    sums = [np.bincount(at, turned[:, k], places) for k in range(3)]
     return unit(np.stack(sums, axis=1).astype(positions.dtype))
 
 
