@@ -56,7 +56,7 @@ class Wrinkles(ShownMesh):
         self.warnings = warnings
         self.unit_scale = unit_scale  # metres per object unit
         self.frame_cache = FrameCache()
-        self.painted = b""  # digest of the paint of the last solve
+        self.paint_digest = b""  # of the paint of the last solve
         self._last: dict[tuple[int, float], tuple[bytes, float]] = {}  # by timeline: digest of the settings, frame
         self._clip: dict[float, tuple[bytes, np.ndarray]] = {}  # by frame: digest of the pose, labels
         self.pose_mismatches: set[float] = set()  # frames that came with another pose than the clip that was looked at
@@ -95,16 +95,16 @@ class Wrinkles(ShownMesh):
                      following: tuple[float, np.ndarray] | None, for_preview: bool, body: Body | None,
                      surroundings: Surroundings, in_viewport: bool) -> FrameResult | PreviewFrame:
         timed = settings.swings or self._reads_time(settings)
-        chosen = self._take_inputs(frame, settings, paint, start, frame_rate if timed else 0.0)
+        settings_digest = self._take_inputs(frame, settings, paint, start, frame_rate if timed else 0.0)
         world = (self._reads_world(settings) or settings.base_cloth != "OFF") and world_from_object is not None
         matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
-        labels = self._seen(frame, positions) if body is None else None
+        labels = self._clip_labels_at(frame, positions) if body is None else None
         coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
         frame_input = FrameInput(frame, frame / frame_rate, matrix, positions, labels, *coming, body,
                                  surroundings=surroundings if settings.swings else Surroundings(),
                                  in_viewport=in_viewport)
         began = time.perf_counter()
-        cached, replayed, pose = self._stored(settings, chosen, start, frame_input, for_preview)
+        cached, replayed, pose = self._stored(settings, settings_digest, start, frame_input, for_preview)
         if for_preview and cached.waits:
             return PreviewFrame(replayed=replayed)
         solved = time.perf_counter()
@@ -115,26 +115,26 @@ class Wrinkles(ShownMesh):
         return replace(result, report=cached.report, replayed=replayed, milliseconds=spent,
                        unplayed=settings.swings and not cached.final)
 
-    def _stored(self, settings: Any, chosen: bytes, start: int, frame_input: FrameInput,
+    def _stored(self, settings: Any, settings_digest: bytes, start: int, frame_input: FrameInput,
                 for_preview: bool) -> tuple[CachedFrame, bool, Any]:
         """The entry of a frame, which is solved and stored where it was not; whether it was; and the pose that it was
-        solved in now. chosen: digest of the settings."""
-        frame, digest = frame_input.frame, frame_input.digest(chosen, settings.swings)
+        solved in now."""
+        frame, digest = frame_input.frame, frame_input.digest(settings_digest, settings.swings)
         before = None if settings.stateless or frame <= start else self.frame_cache.before(frame)
         final = settings.stateless or frame <= start or (before is not None and before.final)
         cached = self.frame_cache.find(frame, digest, final, before)
         if cached is not None:
             return cached, True, None
         chain = chain_of(digest, before)
-        same_settings, pose = before is not None and before.chosen == chosen, None
+        same_settings, pose = before is not None and before.settings_digest == settings_digest, None
         if for_preview and before is not None and self._may_wait(settings, frame_input):
             kept = replace(frame_input, animated=frame_input.animated.copy())
-            cached = CachedFrame.waiting(before, digest, chosen, final, lambda state: self._solve_over(
+            cached = CachedFrame.waiting(before, digest, settings_digest, final, lambda state: self._solve_over(
                 settings, state, same_settings, kept)[:2], chain)
         else:
             state, report, pose = self._solve_over(settings, before.state if before is not None else None,
                                                    same_settings, frame_input)
-            cached = CachedFrame.of(state, digest, chosen, final, report, chain)
+            cached = CachedFrame.of(state, digest, settings_digest, final, report, chain)
         self.frame_cache.put(frame, cached)
         return cached, False, pose
 
@@ -242,8 +242,8 @@ class Wrinkles(ShownMesh):
         for key in sorted(paint):
             painted.update(key.encode())
             painted.update(np.ascontiguousarray(paint[key], np.float32).data)
-        chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
-        repainted = self._paint is None or painted.digest() != self.painted
+        settings_digest = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
+        repainted = self._paint is None or painted.digest() != self.paint_digest
         if repainted:
             solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
                       for name, values in paint.items()}
@@ -252,12 +252,12 @@ class Wrinkles(ShownMesh):
             self._paint = self._take_paint(solved)
         timeline = (start, frame_rate)  # of another, frames are other ones: each scene has its own
         self.frame_cache.follow(timeline)
-        last, at = self._last.get(timeline, (chosen, frame))
-        if repainted or (chosen != last and frame == at):
+        last, at = self._last.get(timeline, (settings_digest, frame))
+        if repainted or (settings_digest != last and frame == at):
             self.frame_cache.clear()
             self._last.clear()
-        self.painted, self._last[timeline] = painted.digest(), (chosen, frame)
-        return chosen
+        self.paint_digest, self._last[timeline] = painted.digest(), (settings_digest, frame)
+        return settings_digest
 
     # --- seeing ahead
     def analyze_clip(self, clip: dict[float, np.ndarray], settings: Any, *, frame_rate: float = 24.0) -> None:
@@ -282,7 +282,7 @@ class Wrinkles(ShownMesh):
         self._clip = {frame: (digest_of(b"", self.base.points(positions)), row)
                       for (frame, positions), row in zip(clip.items(), labels)}
 
-    def _seen(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
+    def _clip_labels_at(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
         """The labels of a frame from the clip that was looked at."""
         digest, labels = self._clip.get(float(math.ceil(frame)), (b"", None))
         if labels is None or frame != math.ceil(frame):

@@ -32,8 +32,8 @@ class FrameInput:
         """As native poses take it."""
         return self.seconds, self.labels, self.next_positions, self.next_seconds
 
-    def digest(self, chosen: bytes, swings: bool) -> bytes:
-        """What tells it from another. chosen: digest of the settings; swings: cloth meets the surroundings."""
-        return digest_of(chosen, self.animated, self.world_from_object, self.labels, self.next_positions,
+    def digest(self, settings_digest: bytes, swings: bool) -> bytes:
+        """What tells it from another. swings: cloth meets the surroundings."""
+        return digest_of(settings_digest, self.animated, self.world_from_object, self.labels, self.next_positions,
                          *(self.body.arrays() if self.body else ()),
                          *([self.surroundings.array()] if swings else ()))

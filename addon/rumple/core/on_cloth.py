@@ -75,10 +75,10 @@ def _digest_of_start(settings: ClothSettings, paint: dict[str, np.ndarray], posi
     """What tells one frame of a base cloth that has none before it from another."""
     own = [getattr(settings, one.name) for one in fields(ClothSettings)]
     has_time = settings.base_cloth == "SWING"  # of frames on their own as well: a frame says when it is
-    chosen = repr((own, settings if settings.draped else None, settings.swings, covers, sorted(paint), body is None,
-                   seconds if has_time else None))
+    about = repr((own, settings if settings.draped else None, settings.swings, covers, sorted(paint), body is None,
+                  seconds if has_time else None))
     arrays = (world_from_object, *(paint[name] for name in sorted(paint)), *(body.arrays() if body else ()))
-    return digest_of(chosen.encode(), np.ascontiguousarray(positions), *arrays,
+    return digest_of(about.encode(), np.ascontiguousarray(positions), *arrays,
                      surroundings.array() if has_time else None)
 
 

@@ -127,7 +127,7 @@ class FarmBake(clip.ClipBake):
         runtime, frame = runtimes.of(self.obj), self._frame(state.sample)
         solved = runtime.evaluator.frame_cache.get(frame)
         try:
-            if solved is None or solved.inputs != state.inputs:
+            if solved is None or solved.input_digest != state.input_digest:
                 return False
             restored = state.restored(runtime.evaluator)
         except CannotGoOn:
