@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from .keep_smooth import cross, unit
+from .paint_maps import smoothstep
 
 GUIDES = "guides"  # the paint
 ALONG = "along"  # the paint that directions become: (n, 3) of the base's vertices, of length 0..1, either sign
@@ -46,7 +47,7 @@ def profile(kind: int, across: np.ndarray, along: np.ndarray, count: float, spac
     """Heights, 0 to 1, by the distances across and along the line."""
     half = 0.5 * count * spacing
     if kind == PUCKER:
-        return crest(along / spacing) * _smoothstep(1.0 - np.abs(across) / half)
+        return crest(along / spacing) * smoothstep(1.0 - np.abs(across) / half)
     share = np.mod((across + half) / spacing, 1.0)
     if kind == KNIFE:
         share = np.where(share < LEAN, 0.5 * share / LEAN, 0.5 + 0.5 * (share - LEAN) / (1.0 - LEAN))
@@ -113,7 +114,7 @@ class _AtRest:
         across, _along, beyond, strength, tangent = self._measured(near, foot, normal, factor)
         distance = np.hypot(across, beyond) / reach
         chosen = self._connected(near, (distance < 1.0) | np.isin(near, seeds), seeds)
-        weight = (1.0 - others) * np.clip(strength, 0.0, 1.0) * _smoothstep(2.0 - 2.0 * distance)
+        weight = (1.0 - others) * np.clip(strength, 0.0, 1.0) * smoothstep(2.0 - 2.0 * distance)
         normals = self._normals[near]
         tangent = unit(tangent - (tangent * normals).sum(axis=1)[:, None] * normals)
         return near[chosen], (weight[:, None] * tangent)[chosen]
@@ -217,11 +218,11 @@ class GuidedFolds(_AtRest):
         near_enough |= np.isin(near, seeds)
         chosen = self._connected(near, near_enough, seeds)
         rows_of = near[chosen]
-        fade = _smoothstep(1.0 - beyond[chosen] / spacing)
+        fade = smoothstep(1.0 - beyond[chosen] / spacing)
         inside = np.abs(across[chosen]) < half
         shape = profile(kind, across[chosen], along[chosen], count, spacing)
         heights[rows_of] += np.where(inside, depth * depth_factor[chosen] * fade * shape, 0.0)
-        share = fade * _smoothstep(np.clip((half - np.abs(across[chosen])) / (0.5 * spacing), 0.0, 1.0))
+        share = fade * smoothstep((half - np.abs(across[chosen])) / (0.5 * spacing))
         left[rows_of] *= 1.0 - (1.0 - others) * share
         self._note_edges(rows_of, spacing * (TUCK if kind == TUCKS else 1.0))
 
@@ -253,11 +254,6 @@ def _nearest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
     rows = max(1_000_000 // len(others), 1)  # at a time
     return np.concatenate([(half_squares - (points[begin:begin + rows] - middle) @ others.T).argmin(axis=1)
                            for begin in range(0, len(points), rows)])
-
-
-def _smoothstep(share: np.ndarray) -> np.ndarray:
-    share = np.clip(share, 0.0, 1.0)
-    return share * share * (3.0 - 2.0 * share)
 
 
 def _resampled(line: np.ndarray, factor: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:
