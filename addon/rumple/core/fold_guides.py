@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from .keep_smooth import cross, unit
 from .paint_maps import smoothstep
+from .triangles import cross, unit
 
 GUIDES = "guides"  # the paint
 ALONG = "along"  # the paint that directions become: (n, 3) of the base's vertices, of length 0..1, either sign

@@ -15,8 +15,8 @@ from .base_mesh import BaseMesh
 from .connected import lowest_connected, places, spokes
 from .frame_result import FrameResult
 from .keep_smooth import move
-from .rigid_parts import columnwise, frames_of, rowwise
 from .shown_mesh import ShownMesh
+from .triangles import columnwise, corner_weights, frames_of, rowwise
 
 RIGID = "rigid"  # the paint: 1 where a patch is rigid, 0 as if nothing were painted
 WHOLE = 0.999  # a loose part of the mesh whose vertices all have so much is no cloth at all
@@ -156,7 +156,7 @@ class PaintedRigid:
 
     def _made_for(self, mesh: ShownMesh) -> _OnShown:
         shown = mesh.shown
-        weights = np.concatenate([1.0 - shown.barycentric.sum(1, keepdims=True), shown.barycentric], 1)
+        weights = corner_weights(shown)
         shares = (weights * self.rigid[shown.triangle_vertex]).astype(np.float32)
         rows = np.flatnonzero(shares.max(1, initial=0.0) > 0.0)
         corners, weights, shares = shown.triangle_vertex[rows], weights[rows, :, None], shares[rows, :, None]

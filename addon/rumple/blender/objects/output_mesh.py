@@ -16,6 +16,7 @@ import numpy as np
 
 from ...core import engine
 from ...core.shown_mesh import ShownMesh
+from ...core.triangles import on_shown
 from .. import compat
 from ..nodes import wrinkle_tree
 from . import incoming_mesh, mesh_reader
@@ -265,17 +266,10 @@ def carry_vertex_groups(output: bpy.types.Object, fine: ShownMesh, inherited: In
         write_steps(output.vertex_groups[name], steps[:, column], np.zeros(len(steps), np.int32))
 
 
-def _from_base(fine: ShownMesh, values: np.ndarray) -> np.ndarray:
-    """Point values of the coarse mesh through the embedding: an own mesh has other points than carry_points() takes."""
-    weight_1, weight_2 = fine.barycentric[:, :1], fine.barycentric[:, 1:]
-    corner_0, corner_1, corner_2 = (values[fine.triangle_vertex[:, corner]] for corner in range(3))
-    return (1.0 - weight_1 - weight_2) * corner_0 + weight_1 * corner_1 + weight_2 * corner_2
-
-
 def weight_steps(fine: ShownMesh, weights: np.ndarray) -> np.ndarray:
     """(n, groups) weights of the coarse mesh -> (m, groups) of the fine one, in steps that nobody sees: 0 where a
     point is in no group, else 1 to WEIGHT_STEPS."""
-    spread = _from_base(fine, weights)
+    spread = on_shown(weights, fine)  # an own mesh has other points than carry_points() takes
     return np.where(spread > 0.0, np.maximum(np.rint(spread * WEIGHT_STEPS), 1.0), 0.0).astype(np.int32)
 
 
