@@ -88,13 +88,13 @@ class WrinklePaths(Wrinkles):
         """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
         1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
         state, pose = self.wrinkles_of(frame), self._pose_of(frame, positions)
-        corners = self.solved_over(frame, positions)[self.base.corner_vertex[self.base.triangle_corner]]
+        corners = self.solved_over(frame, positions)[self.base.triangles]
         return corners, state.labels, kernels.wrinkle_path_ellipses(self.model, pose, state)
 
     def curve_points(self, settings: PathsSettings) -> float:
         """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
         base = self.base
-        a, b, c = (base.positions[base.corner_vertex[base.triangle_corner[:, k]]] for k in range(3))
+        a, b, c = (base.positions[base.triangles[:, k]] for k in range(3))
         area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) * self.unit_scale**2
         edge = max(base.mean_edge() * self.unit_scale, 1e-6)
         apart = max(settings.spacing, 1.0) * settings.width
