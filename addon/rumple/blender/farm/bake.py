@@ -14,7 +14,7 @@ from ...core.checkpoint import CannotGoOn, Checkpoint
 from ...core.clip_lock import Held, Lock
 from ...core.clip_manifest import ClipFault, Manifest
 from ...core.clip_partial import PartialWriter
-from ...core.engine import Attribute
+from ...core.frame_result import Attribute
 from ..bake import clip
 from ..bake.playback import BakeError
 from ..frame import clip_status, path_curves

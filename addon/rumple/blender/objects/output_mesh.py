@@ -14,7 +14,7 @@ import json
 import bpy
 import numpy as np
 
-from ...core import engine
+from ...core.frame_result import Attribute, FrameResult
 from ...core.shown_mesh import ShownMesh
 from ...core.triangles import on_shown
 from .. import compat
@@ -99,7 +99,7 @@ def write_embedding(mesh: bpy.types.Mesh, fine: ShownMesh) -> None:
     compat.write_attribute(mesh, wrinkle_tree.BARYCENTRIC, "FLOAT_VECTOR", "POINT", weights)
     compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", np.zeros((count, 3), np.float32))
     compat.write_attribute(mesh, wrinkle_tree.BASE_INDEX, "INT", "POINT", np.arange(count, dtype=np.int32))
-    rest = engine.FrameResult.at_rest(fine.positions_rest, len(fine.corner_vertex), fine.ATTRIBUTES)
+    rest = FrameResult.at_rest(fine.positions_rest, len(fine.corner_vertex), fine.ATTRIBUTES)
     _write_attributes(mesh, rest, fine.ATTRIBUTES)
 
 
@@ -119,7 +119,7 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: ShownMesh) -> bool:
             and np.array_equal(weights[:, :2], fine.barycentric, equal_nan=True))
 
 
-def write_result(mesh: bpy.types.Mesh, result: engine.FrameResult, attributes: tuple[engine.Attribute, ...]) -> None:
+def write_result(mesh: bpy.types.Mesh, result: FrameResult, attributes: tuple[Attribute, ...]) -> None:
     """One frame's result. The only thing that handlers write."""
     compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", result.local_offset)
     _write_attributes(mesh, result, attributes)
@@ -142,8 +142,8 @@ def write_proxy(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
     mesh.update()
 
 
-def _write_attributes(mesh: bpy.types.Mesh, result: engine.FrameResult,
-                      attributes: tuple[engine.Attribute, ...]) -> None:
+def _write_attributes(mesh: bpy.types.Mesh, result: FrameResult,
+                      attributes: tuple[Attribute, ...]) -> None:
     for a in attributes:
         compat.write_attribute(mesh, a.name, a.data_type, a.domain, result.attributes[a.name])
 
