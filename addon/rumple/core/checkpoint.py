@@ -17,7 +17,7 @@ from ..native import kernels
 from .cloth import ClothFrame, SwingInput
 from .engine import Wrinkles
 from .frame_cache import CachedFrame
-from .on_cloth import OnCloth
+from .on_cloth import OnCloth, State
 
 _BASE = ("positions", "gap", "body_hint")  # of a ClothFrame
 _SWING = ("seconds", "world_from_object", "location")  # of a SwingInput
@@ -96,7 +96,7 @@ def _below(prefix: str, arrays: Arrays) -> Arrays:
     return {name[len(prefix) + 1:]: values for name, values in arrays.items() if name.startswith(f"{prefix}/")}
 
 
-def _state_arrays(state: Any) -> Arrays:
+def _state_arrays(state: State) -> Arrays:
     if not isinstance(state, OnCloth):
         return _named("wrinkles", state.arrays)
     cloth = state.cloth

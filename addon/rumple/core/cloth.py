@@ -41,10 +41,10 @@ class ClothFrame:
     positions: np.ndarray  # (n, 3) float32, object space
     gap: np.ndarray  # (n,) float32: height above what is worn under it, object units
     body_hint: np.ndarray  # (n,) int32: a triangle of the body near it, or -1; (0,) without a body
-    state: Any
-    report: Any
+    state: kernels.BaseClothState
+    report: kernels.BaseClothReport | None  # None: it was read from a file
     swing_input: "SwingInput | None" = None  # of cloth that swings
-    drape: Any = None  # native state of the wide folds that are in the positions: drape.py
+    drape: kernels.WrinkleLayersState | None = None  # of the wide folds that are in the positions: drape.py
 
     @property
     def nbytes(self) -> int:

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from typing import Any, Callable
-
 import numpy as np
 
 from ..native import kernels
+from ..native.surface import FrameState
 from .body import Body
 from .cloth import BaseCloth, ClothFrame
 from .cloth_settings import ClothSettings
@@ -26,11 +26,14 @@ class OnCloth:
     """The state of a frame that has a base cloth."""
 
     cloth: ClothFrame
-    wrinkles: Any  # of the system
+    wrinkles: FrameState
 
     @property
     def nbytes(self) -> int:
         return self.cloth.nbytes + self.wrinkles.nbytes
+
+
+State = FrameState | OnCloth  # of a frame
 
 
 @dataclass
@@ -59,12 +62,12 @@ class OnClothReport:
         return lines
 
 
-def system_state(state: Any) -> Any:
+def system_state(state: State | None) -> FrameState | None:
     """A system's own part of a stored state, or None."""
     return state.wrinkles if isinstance(state, OnCloth) else state
 
 
-def cloth_of(state: Any) -> ClothFrame | None:
+def cloth_of(state: State | None) -> ClothFrame | None:
     """The base cloth of a stored state; None where it has none."""
     return state.cloth if isinstance(state, OnCloth) else None
 

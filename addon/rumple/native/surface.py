@@ -304,6 +304,18 @@ class FramePose(Handle):
         return cls.made(getattr(lib, cls.BUILD), model, pose(positions, *others))
 
 
+class FrameState(Handle):
+    """What a system keeps from one frame to the next. Its class makes the same state, to the bit, of the arrays."""
+
+    __slots__ = ()
+    nbytes = Number("memory of the state", "bytes")
+
+    @property
+    def arrays(self) -> dict[str, Any]:
+        """A dict of plain arrays."""
+        raise NotImplementedError
+
+
 class ReferenceSettings:
     """The settings of the reference triangles among those of a system."""
 

@@ -12,7 +12,7 @@ from .arrays import FLOAT, INT, checked, fill, given, lent
 from .base_cloth import Collider, bodies
 from .handle import Array, Handle, Number
 from .library import lib
-from .surface import CoarseMesh, ShownFrame, SteppedModel, Surface, stored_array
+from .surface import CoarseMesh, FrameState, ShownFrame, SteppedModel, Surface, stored_array
 from .wrinkle_mesh import PAINTED, WrinkleMeshReport, WrinkleMeshSettings, painted_factors
 
 
@@ -72,7 +72,7 @@ class WrinkleLayersPaint(Handle):
         self._filled(self, lib.rumple_wrinkle_layers_paint_build, model, values)
 
 
-class WrinkleLayersState(Handle):
+class WrinkleLayersState(FrameState):
     """What is kept from frame to frame."""
 
     __slots__ = ()
@@ -80,7 +80,6 @@ class WrinkleLayersState(Handle):
     VIEW, LOOK = c.WrinkleLayersStateView, "rumple_wrinkle_layers_state_get_view"
 
     solved = Array("(v, 3) float32: the finest layer, object space", FLOAT, "solved_count", 3)
-    nbytes = Number("memory of the state", "bytes")
 
     def offset(self, layer: int) -> np.ndarray:
         """(v, 3) float32 of a layer."""

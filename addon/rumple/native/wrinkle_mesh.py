@@ -11,8 +11,8 @@ from .arrays import BYTE, FLOAT, address, checked, fill, lent, new
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice
-from .surface import (REFERENCE_ARRAYS, FramePose, ReferenceSettings, ShownFrame, SteppedModel, Surface, fill_reference,
-                      fine_plan, stored_array)
+from .surface import (REFERENCE_ARRAYS, FramePose, FrameState, ReferenceSettings, ShownFrame, SteppedModel, Surface,
+                      fill_reference, fine_plan, stored_array)
 
 PAINTED = ("radius", "prestretch", "bending", "inside")
 ALONG = "along"  # (n, 3): where folds are to run, a direction at rest, its length how much
@@ -104,7 +104,7 @@ class WrinkleMeshPose(FramePose):
     BUILD = "rumple_wrinkle_mesh_pose_build"
 
 
-class WrinkleMeshState(Handle):
+class WrinkleMeshState(FrameState):
     """What is kept from frame to frame."""
 
     __slots__ = ()
@@ -113,7 +113,6 @@ class WrinkleMeshState(Handle):
 
     offset = Array("(v, 3) float32", FLOAT, "offset_count", 3)
     solved_length = Array("(pairs,) float32, when it was last solved", FLOAT, "solved_length_count")
-    nbytes = Number("memory of the state", "bytes")
 
     def __init__(self, model: WrinkleMeshModel, offset: np.ndarray, solved_length: np.ndarray,
                  reference: dict[str, Any] | None = None) -> None:

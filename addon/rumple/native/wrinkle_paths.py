@@ -11,7 +11,7 @@ from .arrays import FLOAT, INT, fill, lent
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice, chosen
-from .surface import (FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan,
+from .surface import (FramePose, FrameState, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan,
                       stored_array, stored_number)
 from .wrinkle_mesh import reference_arrays
 
@@ -78,7 +78,7 @@ class WrinklePathsPose(FramePose):
     BUILD = "rumple_wrinkle_paths_pose_build"
 
 
-class WrinklePathsState(Handle):
+class WrinklePathsState(FrameState):
     """What is kept from frame to frame."""
 
     __slots__ = ()
@@ -88,7 +88,6 @@ class WrinklePathsState(Handle):
               "path_fade": (FLOAT, 0), "path_start": (INT, 0), "point_triangle_edge": (INT, 2), "point_at": (FLOAT, 2)}
 
     path_count = Number("paths", "path_id_count")
-    nbytes = Number("memory of the state", "bytes")
 
     def __init__(self, model: WrinklePathsModel, arrays: dict[str, Any]) -> None:
         """From what `arrays` gave."""
