@@ -12,8 +12,6 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, Callable, Hashable, Iterable, Protocol
 
-import numpy as np
-
 from .frame_result import FrameResult
 
 MOST_TIMELINES = 4  # kept of one object
@@ -236,14 +234,3 @@ class FrameCache:
             if self._bytes <= self.limit_bytes or frame == newest:
                 continue
             self._forget([self._entries.pop(frame)])
-
-
-def digest_of(settings_digest: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:
-    """What tells one frame's input from another. settings_digest: or other bytes that stand for what is no array."""
-    digest = hashlib.blake2b(settings_digest, digest_size=16)
-    digest.update(positions.data)
-    for number, values in enumerate(more):
-        if values is not None:
-            digest.update(bytes([number]))
-            digest.update(np.ascontiguousarray(values).data)
-    return digest.digest()

@@ -12,8 +12,8 @@ from ..native.surface import FrameState
 from .body import Body
 from .cloth import BaseCloth, ClothFrame
 from .cloth_settings import ClothSettings
+from .digests import digest_of
 from .drape import Drape
-from .frame_cache import digest_of
 from .keep_smooth import SMOOTH, share_of_folds
 from .surroundings import Surroundings
 

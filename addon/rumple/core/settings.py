@@ -319,3 +319,6 @@ class PathsSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from."""
         return {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
+
+
+SystemSettings = MeshSettings | FieldSettings | PathsSettings
