@@ -13,8 +13,7 @@ from .handle import Array, Handle, Number
 from .library import lib
 from .struct import chosen
 from .surface import (FramePose, FrameState, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan,
-                      stored_array)
-from .wrinkle_mesh import reference_arrays
+                      reference_arrays, stored_array)
 
 PROFILE_INTERVALS = c.PROFILE_INTERVALS
 

@@ -8,7 +8,7 @@ from typing import Any, Sequence
 import numpy as np
 
 from . import c
-from .arrays import FLOAT, INT, checked, fill, given, lent
+from .arrays import FLOAT, INT, checked, fill, given, lent, lent_all
 from .base_cloth import Collider, bodies
 from .handle import Array, Handle, Number
 from .library import lib
@@ -79,6 +79,8 @@ class WrinkleLayersState(FrameState):
     POINTER, FREE = c.WrinkleLayersStatePointer, "rumple_wrinkle_layers_state_free"
     VIEW, LOOK = c.WrinkleLayersStateView, "rumple_wrinkle_layers_state_get_view"
 
+    OF_A_LAYER = {"offset": (FLOAT, 3), "solved_length": (FLOAT, 0)}
+
     solved = Array("(v, 3) float32: the finest layer, object space", FLOAT, "solved_count", 3)
 
     def offset(self, layer: int) -> np.ndarray:
@@ -95,8 +97,7 @@ class WrinkleLayersState(FrameState):
         for layer in range(self.view.layer_count):
             view = c.WrinkleMeshStateView()
             lib.rumple_wrinkle_layers_state_get_layer(self, layer, view)
-            out[f"{layer}.offset"] = lent(self, view.offset, FLOAT, (view.offset_count, 3))
-            out[f"{layer}.solved_length"] = lent(self, view.solved_length, FLOAT, (view.solved_length_count,))
+            out.update({f"{layer}.{name}": values for name, values in lent_all(self, view, self.OF_A_LAYER).items()})
         return out
 
     @classmethod
@@ -104,8 +105,8 @@ class WrinkleLayersState(FrameState):
         """From what `arrays` gave."""
         views = (c.WrinkleMeshStateView * model.count)()
         for layer, view in enumerate(views):
-            fill(view, "offset", stored_array(arrays, f"{layer}.offset"), FLOAT, 3)
-            fill(view, "solved_length", stored_array(arrays, f"{layer}.solved_length"), FLOAT)
+            for name, (dtype, columns) in cls.OF_A_LAYER.items():
+                fill(view, name, stored_array(arrays, f"{layer}.{name}"), dtype, columns)
         return cls.made(lib.rumple_wrinkle_layers_state_build, model, views, len(views),
                         *given(stored_array(arrays, "solved"), "solved", FLOAT, 3))
 

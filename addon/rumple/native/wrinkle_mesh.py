@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from . import c
-from .arrays import BYTE, FLOAT, address, checked, fill, lent, new
+from .arrays import BYTE, FLOAT, address, checked, fill, new
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice
-from .surface import (REFERENCE_ARRAYS, FramePose, FrameState, ReferenceSettings, ShownFrame, SteppedModel, Surface,
-                      fill_reference, fine_plan, stored_array)
+from .surface import (FramePose, FrameState, ReferenceSettings, ShownFrame, SteppedModel, Surface, fill_reference,
+                      fine_plan, reference_arrays, stored_array)
 
 PAINTED = ("radius", "prestretch", "bending", "inside")
 ALONG = "along"  # (n, 3): where folds are to run, a direction at rest, its length how much
@@ -143,15 +143,6 @@ class WrinkleMeshState(FrameState):
     def activated(self) -> "WrinkleMeshState":
         """The same offsets with no vertex held: for a solve with other settings."""
         return WrinkleMeshState.made(lib.rumple_wrinkle_mesh_state_activated, self)
-
-
-def reference_arrays(owner: Handle, view: Any) -> dict[str, Any] | None:
-    """The state of the reference triangles in a handle as plain arrays; None where there is none."""
-    if not view.reference_count:
-        return None
-    return {"time": view.time, **{
-        name: lent(owner, getattr(view, name), dtype, (getattr(view, f"{name}_count"), *([columns] * (columns > 0))))
-        for name, (dtype, columns) in REFERENCE_ARRAYS.items()}}
 
 
 class WrinkleMeshReport(c.WrinkleMeshReport):

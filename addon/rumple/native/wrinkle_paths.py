@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 
 from . import c
-from .arrays import FLOAT, INT, fill, lent
+from .arrays import FLOAT, INT, fill, lent, lent_all
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice, chosen
-from .surface import (FramePose, FrameState, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan,
-                      stored_array, stored_number)
-from .wrinkle_mesh import reference_arrays
+from .surface import (FramePose, FrameState, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fill_stored,
+                      fine_plan, reference_arrays, stored_number)
 
 
 class WrinklePathsModel(Model):
@@ -94,17 +93,15 @@ class WrinklePathsState(FrameState):
         view = c.WrinklePathsStateView()
         fill_reference(view.reference, arrays)
         view.next_id = stored_number(arrays, "next_id", int)
-        for name, (dtype, columns) in self.ARRAYS.items():
-            fill(view, name, stored_array(arrays, name), dtype, columns)
+        fill_stored(view, arrays, self.ARRAYS)
         self._filled(self, lib.rumple_wrinkle_paths_state_build, model, view)
 
     @property
     def arrays(self) -> dict[str, Any]:
         """A dict of plain arrays that the same state can be made of, to the bit."""
         view = self.view
-        return {**(reference_arrays(self, view.reference) or {}), "next_id": view.next_id, **{
-            name: lent(self, getattr(view, name), dtype, (getattr(view, f"{name}_count"), *([columns] * (columns > 0))))
-            for name, (dtype, columns) in self.ARRAYS.items()}}
+        return {**(reference_arrays(self, view.reference) or {}), "next_id": view.next_id,
+                **lent_all(self, view, self.ARRAYS)}
 
     @classmethod
     def of(cls, model: WrinklePathsModel, arrays: dict[str, Any]) -> "WrinklePathsState":
