@@ -94,7 +94,7 @@ class PaintedRigid:
         core = np.flatnonzero(self.rigid >= CORE)
         self._core = [rows if len(rows) else np.flatnonzero(self.patch == number) for number in range(self.count)
                       for rows in (core[self.patch[core] == number],)]
-        self._on: dict[int, tuple[object, _OnShown]] = {}  # by native mesh that is shown
+        self._on: dict[kernels.ShownMesh, _OnShown] = {}  # by native mesh that is shown
 
     @property
     def count(self) -> int:
@@ -149,10 +149,9 @@ class PaintedRigid:
                                      np.ascontiguousarray(after[rows], np.float32))
 
     def _on_shown(self, mesh: ShownMesh) -> _OnShown:
-        known = self._on.get(id(mesh.shown))
-        if known is None or known[0] is not mesh.shown:
-            known = self._on[id(mesh.shown)] = (mesh.shown, self._made_for(mesh))
-        return known[1]
+        if mesh.shown not in self._on:
+            self._on[mesh.shown] = self._made_for(mesh)
+        return self._on[mesh.shown]
 
     def _made_for(self, mesh: ShownMesh) -> _OnShown:
         shown = mesh.shown
