@@ -15,7 +15,8 @@ def cross(one: np.ndarray, two: np.ndarray) -> np.ndarray:
 
 def unit(vectors: np.ndarray) -> np.ndarray:
     """(m, 3) of length 1; zero stays zero."""
-    lengths = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))[:, None]
+    x, y, z = (vectors[:, k] for k in range(3))
+    lengths = np.sqrt(x * x + y * y + z * z)[:, None]  # einsum adds in another order on another processor
     return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
 
 
