@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from typing import Any, Callable
+
 import numpy as np
 
 from ..native import kernels

@@ -87,7 +87,7 @@ def smoothstep(share: np.ndarray) -> np.ndarray:
 
 
 def gradient(distance: np.ndarray, most: float, smooth: bool) -> np.ndarray:
-    """0 at a distance of 0, 1 from `most` on. smooth: as smoothstep() has it, else t = distance / most."""
+    """0 at a distance of 0, 1 from `most` on. smooth: by smoothstep(), else evenly."""
     share = np.clip(distance / most, 0.0, 1.0) if most > 0.0 else (distance > 0.0).astype(np.float32)
     return (smoothstep(share) if smooth else share).astype(np.float32)
 

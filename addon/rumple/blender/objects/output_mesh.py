@@ -142,8 +142,7 @@ def write_proxy(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
     mesh.update()
 
 
-def _write_attributes(mesh: bpy.types.Mesh, result: FrameResult,
-                      attributes: tuple[Attribute, ...]) -> None:
+def _write_attributes(mesh: bpy.types.Mesh, result: FrameResult, attributes: tuple[Attribute, ...]) -> None:
     for a in attributes:
         compat.write_attribute(mesh, a.name, a.data_type, a.domain, result.attributes[a.name])
 
