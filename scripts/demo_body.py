@@ -13,6 +13,7 @@ from typing import Callable
 import numpy as np
 
 Array = np.ndarray
+Key = tuple[str, int, int]  # a vertex of a garment: part, row or ring, column
 
 # Joints of the left half, rest pose.
 SHOULDER = np.array([0.176, 0.012, 1.402])
@@ -199,6 +200,15 @@ def neighbour_average(points: Array, edges: Array, weights: Array | None = None)
     total = np.stack([np.bincount(ends, both * points[others, k], len(points))
                       for k in range(3)], axis=1)
     return total / np.bincount(ends, both, len(points))[:, None]
+
+
+def number_vertices(cells: list[list[Key]], vertex_name: Callable[[Key], Key]) -> tuple[dict[Key, int], Array]:
+    """Vertices of a garment, numbered in the order in which its cells name them; and the cells in these numbers."""
+    number: dict[Key, int] = {}
+    for cell in cells:
+        for key in cell:
+            number.setdefault(vertex_name(key), len(number))
+    return number, np.array([[number[vertex_name(key)] for key in cell] for cell in cells])
 
 
 def edges_of_quads(quads: Array) -> Array:

@@ -22,7 +22,7 @@ from typing import Callable
 import numpy as np
 
 import demo_body as body
-from demo_body import Array
+from demo_body import Array, Key
 
 HALF_COLUMNS = 7  # columns of a panel from its centre to the side seam
 ARMPIT_ROW = 11
@@ -53,8 +53,6 @@ SHIRT_TORSO = np.array([
     [1.475, 0.114, 0.090, 0.021],
     [1.52, 0.072, 0.074, 0.021],
 ])
-
-Key = tuple  # (part, row, column)
 
 
 @dataclass
@@ -252,12 +250,8 @@ def relax(points: Array, edges: Array, fixed: Array, hem: Array) -> Array:
 def build_shirt() -> ShirtMesh:
     """Topology, relaxed positions, UVs, materials and seams of the shirt."""
     cells = all_cells()
-    number: dict[Key, int] = {}
-    for cell in cells:
-        for key in cell:
-            number.setdefault(vertex_name(key), len(number))
+    number, quads = body.number_vertices(cells, vertex_name)
     points = np.array([initial_point(key) for key in number])
-    quads = np.array([[number[vertex_name(key)] for key in cell] for cell in cells])
     for j, key in enumerate(TUBES["collar"][0]):
         points[number[canonical(key)]] = collar_point(0, 2.0 * np.pi * j / len(neck_hole()))
     for sign in (1, -1):

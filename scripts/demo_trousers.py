@@ -3,7 +3,8 @@
 
 Pure NumPy, no Blender; space as in demo_body. A tube of rings goes from the waistband down to the crotch. There a
 strip between the middle of the front and the middle of the back, CROTCH edges long, closes the first ring of each
-leg. Only the two ends of that strip are irregular (valence 5 and more).
+leg. Only the two ends of that strip are irregular (valence 5 and more). Parts of a Key: hips, left, right, and crotch
+for the strip's own vertices.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import demo_body as body
-from demo_body import Array
+from demo_body import Array, Key
 
 HALF = 14  # edges from the middle of the back over one side to the middle of the front
 CROTCH = 4  # edges of the strip between the legs
@@ -39,8 +40,6 @@ LEG = np.array([
     [0.640, 0.095, 0.004, 0.091],
     [0.765, 0.092, 0.014, 0.102],
 ])
-
-Key = tuple[str, int, int]  # (part, ring, column); parts: hips, left, right
 
 
 @dataclass
@@ -121,12 +120,8 @@ def away_from_body(points: Array) -> Array:
 def build_trousers() -> TrousersMesh:
     """Topology, relaxed positions and UVs."""
     cells = all_cells()
-    number: dict[Key, int] = {}
-    for cell in cells:
-        for key in cell:
-            number.setdefault(vertex_name(key), len(number))
+    number, quads = body.number_vertices(cells, vertex_name)
     points = np.array([initial_point(key) for key in number])
-    quads = np.array([[number[vertex_name(key)] for key in cell] for cell in cells])
     fixed = np.array([key[0] == "crotch" or (key[1] < 4 if key[0] == "hips" else key[1] >= 4) for key in number])
     points = np.round(relax(points, body.edges_of_quads(quads), fixed), 6)
     return TrousersMesh(points, quads, cell_uvs(cells, points, number))

@@ -17,10 +17,11 @@ from rumple.blender import handlers, scheduler
 from rumple.blender.bake import clip, operators, playback
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import modifier, runtimes
-from rumple.core import clip_folder, clip_lock, engine
+from rumple.core import clip_folder, clip_lock
+from rumple.core.frame_result import COMMON_ATTRIBUTES
 from support import sleeve, vanilla_blender
 
-ATTRIBUTES = tuple(attribute.name for attribute in engine.COMMON_ATTRIBUTES)
+ATTRIBUTES = tuple(attribute.name for attribute in COMMON_ATTRIBUTES)
 
 
 class Baked(unittest.TestCase):
@@ -182,7 +183,7 @@ class Baked(unittest.TestCase):
             seen = self.attributes(19)
         finally:
             handlers.register()
-        for attribute in engine.COMMON_ATTRIBUTES:
+        for attribute in COMMON_ATTRIBUTES:
             np.testing.assert_array_equal(seen[attribute.name], attribute.rest)
 
     def test_a_clip_of_another_fine_mesh_is_not_shown(self) -> None:

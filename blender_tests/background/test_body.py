@@ -106,7 +106,7 @@ class Places(Worn):
         for place in (0.0, 0.1, 0.1, 0.0):
             self.body.location.y = place
             sleeve.at(8)
-            seen.append(runtimes.of(self.obj).evaluator.frame_cache.get(8.0).inputs)
+            seen.append(runtimes.of(self.obj).evaluator.frame_cache.get(8.0).input_digest)
         self.assertEqual(seen[1], seen[2])
         self.assertEqual(seen[0], seen[3])
         self.assertNotEqual(seen[0], seen[1])

@@ -11,7 +11,7 @@ import numpy as np
 from mathutils import Euler, Matrix
 from rumple.blender import compat
 from rumple.blender.maps import hidden_meshes as maps_meshes, modifier as maps_modifier
-from rumple.blender.nodes import maps_shader
+from rumple.blender.nodes import maps_mask_tree, maps_shader
 from support import face, sleeve
 
 ROUNDING = 1e-4  # of a mask: bones of a head in single precision
@@ -66,6 +66,15 @@ class Masks(face.TwoPoses, unittest.TestCase):
         bpy.context.view_layer.update()
         evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
         np.testing.assert_array_equal(compat.positions(evaluated.data), with_maps)
+
+    def test_masks_are_there_while_the_modifier_is_shown(self) -> None:
+        scene = bpy.context.scene
+        for shown in (False, True):
+            maps_modifier.find(self.obj).show_viewport = shown
+            scene.frame_set(scene.frame_end)
+            evaluated = self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            for pose in self.settings.poses:
+                self.assertEqual(maps_mask_tree.MASK.format(pose.name) in evaluated.data.attributes, shown)
 
     def test_animated_bones_in_any_order_of_frames(self) -> None:
         face.animate(self.rig)

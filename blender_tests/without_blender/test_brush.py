@@ -7,11 +7,10 @@ import unittest
 
 import numpy as np
 from rumple.core.base_mesh import BaseMesh
-from rumple.core.brush import LEAST_SPACING, LONGEST, Easel, Hand
+from rumple.core.brush import LEAST_SPACING, Easel, Hand
 from rumple.core.engine import UserError
 from rumple.core.settings import FieldSettings
 from rumple.core.wrinkle_field import WrinkleField
-from rumple.native import load
 from support.meshes import rotated, sheet, tube
 
 ABOVE = dict(normal=(0.0, 0.0, 1.0), view=(0.0, 0.0, -1.0))
@@ -117,9 +116,6 @@ class EaselLaws(unittest.TestCase):
             easel.pose(bad[:80])
         with self.assertRaisesRegex(UserError, "Sheet: density"):
             easel.scatter(0, 2.0, 0.1, 0.5)
-
-    def test_the_longest_vector_is_the_kernels(self) -> None:
-        self.assertAlmostEqual(load().LONGEST_PAINTED, LONGEST, places=6)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from rumple.core.base_mesh import BaseMesh
-from rumple.core.fold_guides import GUIDES, KNIFE, PLEATS, PUCKER, TUCKS, profile
+from rumple.core.fold_guides import DIRECTION, GUIDES, KNIFE, PLEATS, PUCKER, TUCKS, profile
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
@@ -172,6 +172,17 @@ class OnATube(unittest.TestCase):
                 far = mesh.shown.positions_rest[:, 2] > 0.15 + 3.0 * SPACING
                 self.assertGreater(moved[~far].max(), 0.5 * DEPTH)
                 self.assertLess(np.percentile(moved[far], 99), 1e-4)
+
+    def test_vertices_without_a_face_change_nothing(self) -> None:
+        """They are loose, or those of a rigid part. Here they lie on the guide, and beside the garment."""
+        loose = np.array([(0.06, 0.0, 0.25), (0.07, 0.0, 0.25)], np.float32)
+        more = replace(self.base, positions=np.concatenate([self.base.positions, loose]))
+        for name, (system, settings) in {**SYSTEMS, "waves": (WrinkleField, FieldSettings(wavelength=SPACING))}.items():
+            for kind in (PLEATS, DIRECTION):
+                with self.subTest(f"{name} {kind}"):
+                    one, two = (solved(base, system, settings, guide(self.line, kind),
+                                       compressed(base.positions, 0.8))[1] for base in (self.base, more))
+                    np.testing.assert_array_equal(two.positions[:len(one.positions)], one.positions)
 
     def test_what_is_asked_to_stay_between_them_stays(self) -> None:
         posed = compressed(self.base.positions, 0.8)

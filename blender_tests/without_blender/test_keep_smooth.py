@@ -7,8 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from rumple.core.keep_smooth import SMOOTH, on_shown, share_of_folds
+from rumple.core.keep_smooth import SMOOTH, share_of_folds
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.triangles import on_shown
 from rumple.core.wrinkle_field import WEIGHT, WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from rumple.core.wrinkle_paths import WrinklePaths

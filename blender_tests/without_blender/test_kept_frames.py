@@ -97,7 +97,7 @@ class KeptOnDisk(unittest.TestCase):
                 _, kept, played = self.played(kind)
                 kept.write()
                 for path in self.files():  # so that the frames behind the jump are solved
-                    if path.name not in {kept._name(float(5), cached.inputs)  # pylint: disable=protected-access
+                    if path.name not in {kept._name(float(5), cached.input_digest)  # pylint: disable=protected-access
                                          for frame, cached in kept.evaluator.frame_cache.final_frames() if frame == 5}:
                         path.unlink()
                 fine, _ = self.opened(kind)

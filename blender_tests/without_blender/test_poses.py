@@ -168,7 +168,7 @@ class Frames(unittest.TestCase):
             self.assertTrue((masks.pose[-1] == 1.0).all())
 
     def test_what_the_nodes_compute_with_gives_the_same_masks(self) -> None:
-        """blender/maps_mask_tree.py in NumPy: slopes, shares, the table of weights in rows of four, lifts."""
+        """blender/nodes/maps_mask_tree.py in NumPy: slopes, shares, the table of weights in rows of four, lifts."""
         random = np.random.default_rng(3)
         for bones, groups, entries in ((5, "", 1), (12, "ab", 9), (30, "abc", 23)):
             rig = face(4, bones, bones)

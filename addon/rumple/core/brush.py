@@ -18,7 +18,7 @@ from .wrinkle_field import WrinkleField
 SPACING = 0.25  # of the brush's radius, from dab to dab
 LEAST_SPACING = 8.0  # pixels: less says too little about the direction of a hand that moves by whole pixels
 DEFAULT_LENGTH = 0.7
-LONGEST = 0.99  # kLongestPainted of the native side
+LONGEST = kernels.LONGEST_PAINTED
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Easel:
 
     def triangles(self) -> np.ndarray:
         """(t, 3) vertices of the triangles that `positions` are of."""
-        return self.field.base.corner_vertex[self.field.base.triangle_corner]
+        return self.field.base.triangles
 
     def pose(self, positions: np.ndarray) -> bool:
         """Take another pose, (n, 3). True when it is another. Raises UserError."""

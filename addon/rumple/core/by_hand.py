@@ -4,10 +4,11 @@ imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Callable
+from typing import Callable
 
 import numpy as np
 
+from ..native import kernels
 from .base_mesh import BaseMesh
 from .fold_guides import ALONG, DIRECTION, GUIDES, KIND, GuidedFolds, directions
 from .frame_result import FrameResult
@@ -24,7 +25,7 @@ class ByHand:
     guides: np.ndarray | None = None  # as fold_guides.py has them
     rigid: PaintedRigid | None = None
     said: list[str] = field(default_factory=list)  # of guides that are directions
-    _folds: dict[int, tuple[Any, GuidedFolds]] = field(default_factory=dict)  # by native mesh that is shown
+    _folds: dict[kernels.ShownMesh, GuidedFolds] = field(default_factory=dict)  # by native mesh that is shown
 
     @classmethod
     def taken(cls, paint: dict[str, np.ndarray], base: BaseMesh, height_paint: str, solved: dict[str, np.ndarray],
@@ -62,7 +63,7 @@ class ByHand:
         if self.rigid is not None:
             self.rigid.add_to(result, mesh, base, over, heights)
 
-    def _fold(self, result: FrameResult, shown: Any, base: np.ndarray, heights: tuple[str, ...]) -> None:
+    def _fold(self, result: FrameResult, shown: kernels.ShownMesh, base: np.ndarray, heights: tuple[str, ...]) -> None:
         """Take folds away, and add those along guides."""
         folds = None if self.guides is None else self._folds_on(shown)
         left = np.ones(len(result.positions), np.float32) if self.smooth is None else left_on_shown(self.smooth, shown)
@@ -82,12 +83,11 @@ class ByHand:
 
     def notes(self, name: str) -> list[str]:
         """What is to be said of the guides, for the artist. name: of the object."""
-        notes = [note for _, folds in list(self._folds.values())[:1] for note in folds.notes]
+        notes = [note for folds in list(self._folds.values())[:1] for note in folds.notes]
         return [f"{name}: {note}" for note in self.said + notes]
 
-    def _folds_on(self, shown: Any) -> GuidedFolds:
-        known = self._folds.get(id(shown))
-        if known is None or known[0] is not shown:
+    def _folds_on(self, shown: kernels.ShownMesh) -> GuidedFolds:
+        if shown not in self._folds:
             assert self.guides is not None
-            known = self._folds[id(shown)] = (shown, GuidedFolds(self.guides, shown))
-        return known[1]
+            self._folds[shown] = GuidedFolds(self.guides, shown)
+        return self._folds[shown]

@@ -17,7 +17,7 @@ from ..native import kernels
 from .cloth import ClothFrame, SwingInput
 from .engine import Wrinkles
 from .frame_cache import CachedFrame
-from .on_cloth import OnCloth
+from .on_cloth import OnCloth, State
 
 _BASE = ("positions", "gap", "body_hint")  # of a ClothFrame
 _SWING = ("seconds", "world_from_object", "location")  # of a SwingInput
@@ -38,12 +38,12 @@ class Checkpoint:
     @classmethod
     def of(cls, sample: int, cached: CachedFrame) -> "Checkpoint":
         """Of a frame that was solved."""
-        about = {"inputs": _bytes(cached.inputs), "chosen": _bytes(cached.chosen), "final": np.uint8(cached.final),
-                 "chain": _bytes(cached.chain)}
+        about = {"inputs": _bytes(cached.input_digest), "chosen": _bytes(cached.settings_digest),
+                 "final": np.uint8(cached.final), "chain": _bytes(cached.chain)}
         return cls(sample, {**about, **_state_arrays(cached.state)})
 
     @property
-    def inputs(self) -> bytes:
+    def input_digest(self) -> bytes:
         """What the frame was solved for."""
         return self._array("inputs").tobytes()
 
@@ -51,8 +51,8 @@ class Checkpoint:
         """To go on from. Raises CannotGoOn."""
         try:
             state = _state_of(evaluator, self.arrays)
-            return CachedFrame.of(state, self.inputs, self._array("chosen").tobytes(), bool(self._array("final")), None,
-                                  self._array("chain").tobytes())
+            return CachedFrame.of(state, self.input_digest, self._array("chosen").tobytes(),
+                                  bool(self._array("final")), None, self._array("chain").tobytes())
         except (ValueError, TypeError, KeyError) as error:
             raise CannotGoOn(str(error)) from error
 
@@ -96,14 +96,14 @@ def _below(prefix: str, arrays: Arrays) -> Arrays:
     return {name[len(prefix) + 1:]: values for name, values in arrays.items() if name.startswith(f"{prefix}/")}
 
 
-def _state_arrays(state: Any) -> Arrays:
+def _state_arrays(state: State) -> Arrays:
     if not isinstance(state, OnCloth):
         return _named("wrinkles", state.arrays)
     cloth = state.cloth
     out = {**_named("wrinkles", state.wrinkles.arrays), **_named("cloth", cloth.state.arrays),
            **_named("base", {name: getattr(cloth, name) for name in _BASE})}
-    if cloth.frame_input is not None:
-        out.update(_named("swing", {name: getattr(cloth.frame_input, name) for name in _SWING}))
+    if cloth.swing_input is not None:
+        out.update(_named("swing", {name: getattr(cloth.swing_input, name) for name in _SWING}))
     if cloth.drape is not None:
         out.update(_named("drape", cloth.drape.arrays))
     return out
@@ -131,6 +131,6 @@ def _cloth_of(evaluator: Wrinkles, kept: Arrays, arrays: Arrays) -> ClothFrame:
             raise CannotGoOn(f"{name}: expected an array {shape} of {np.dtype(dtype)}")
     return ClothFrame(
         **base, state=kernels.BaseClothState.of(stage.cloth.model, kept), report=None,
-        frame_input=SwingInput(float(swing["seconds"]), swing["world_from_object"], swing["location"]) if swing
+        swing_input=SwingInput(float(swing["seconds"]), swing["world_from_object"], swing["location"]) if swing
         else None,
         drape=kernels.WrinkleLayersState.of(stage.drape.model, drape) if drape else None)

@@ -20,7 +20,7 @@ import numpy as np
 
 from . import clip_folder, clip_manifest
 from .clip_manifest import ClipFault, Manifest, stored_pose
-from .engine import Attribute, FrameResult
+from .frame_result import Attribute, FrameResult
 
 _HEADER = struct.Struct("<12siiffi")  # signature, version, points, start, step, samples
 HEADER_BYTES = _HEADER.size

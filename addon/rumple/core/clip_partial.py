@@ -21,7 +21,7 @@ from . import clip_file, clip_folder, clip_manifest
 from .checkpoint import Checkpoint
 from .clip_file import ClipWriter
 from .clip_manifest import ClipFault, Manifest
-from .engine import Attribute, FrameResult
+from .frame_result import Attribute, FrameResult
 
 _SAMPLES, _JOURNAL, _STATE = ".partial", ".journal", ".state"
 

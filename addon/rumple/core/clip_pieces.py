@@ -16,7 +16,7 @@ import numpy as np
 from . import clip_file, clip_folder, clip_manifest, clip_partial
 from .clip_file import SampleWriter
 from .clip_manifest import ClipFault, Manifest
-from .engine import Attribute, FrameResult
+from .frame_result import Attribute, FrameResult
 
 MOST = 1000  # pieces
 _NAME = re.compile(r".+\.piece-\d+-of-\d+")

@@ -41,10 +41,10 @@ class ClothFrame:
     positions: np.ndarray  # (n, 3) float32, object space
     gap: np.ndarray  # (n,) float32: height above what is worn under it, object units
     body_hint: np.ndarray  # (n,) int32: a triangle of the body near it, or -1; (0,) without a body
-    state: Any
-    report: Any
-    frame_input: "SwingInput | None" = None  # of cloth that swings
-    drape: Any = None  # native state of the wide folds that are in the positions: drape.py
+    state: kernels.BaseClothState
+    report: kernels.BaseClothReport | None  # None: it was read from a file
+    swing_input: "SwingInput | None" = None  # of cloth that swings
+    drape: kernels.WrinkleLayersState | None = None  # of the wide folds that are in the positions: drape.py
 
     @property
     def nbytes(self) -> int:
@@ -53,7 +53,7 @@ class ClothFrame:
 
     def activated(self) -> "ClothFrame | None":
         """For a solve with other settings: what hangs starts anew, what swings keeps its motion."""
-        if self.frame_input is None:
+        if self.swing_input is None:
             return None
         return replace(self, state=self.state.activated(), drape=None)
 
@@ -99,11 +99,11 @@ class BaseCloth:
                  before.state if before is not None else None)
         if settings.base_cloth != "SWING":
             return ClothFrame(*kernels.solve_base_cloth(self.model, options, *frame))
-        frame_input = SwingInput(seconds, world_from_object, np.array(surroundings.location, np.float64))
-        swing = self._swing(settings, object_from_world, frame_input, surroundings, before.frame_input if before
+        swing_input = SwingInput(seconds, world_from_object, np.array(surroundings.location, np.float64))
+        swing = self._swing(settings, object_from_world, swing_input, surroundings, before.swing_input if before
                             else None)
-        forces = self._forces(settings, object_from_world, frame_input, surroundings, positions, before)
-        return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame, forces), frame_input)
+        forces = self._forces(settings, object_from_world, swing_input, surroundings, positions, before)
+        return ClothFrame(*kernels.swing_base_cloth(self.model, options, swing, *frame, forces), swing_input)
 
     def collider(self, body: Body | None) -> Any:
         """The native collider of a body, built once for its triangles; None for none."""
@@ -149,8 +149,8 @@ class BaseCloth:
         """Of the force fields on every vertex, where it was in the frame before. None without fields."""
         if not surroundings.fields:
             return None
-        if before is not None and before.frame_input is not None:
-            positions, at = before.positions, before.frame_input
+        if before is not None and before.swing_input is not None:
+            positions, at = before.positions, before.swing_input
         else:
             at = now
         effects = surroundings.effects((_turned(at.world_from_object, positions) + at.location).astype(np.float32))

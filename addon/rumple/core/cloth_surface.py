@@ -80,9 +80,9 @@ def _rigid(base: BaseMesh, parts: np.ndarray, places: np.ndarray) -> np.ndarray:
     np.minimum.at(low, parts, base.positions)
     np.maximum.at(high, parts, base.positions)
     diagonal = np.linalg.norm(high - low, axis=1)
-    corners = base.positions[base.corner_vertex[base.triangle_corner]].astype(np.float64)
+    corners = base.positions[base.triangles].astype(np.float64)
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    area = np.bincount(parts[base.corner_vertex[base.triangle_corner[:, 0]]], areas, count)
+    area = np.bincount(parts[base.triangles[:, 0]], areas, count)
     size = diagonal.max(initial=0.0)
     limit = np.where(_closed(base, parts, count, places), SMALL_AND_CLOSED, SMALL) * size
     chosen = (diagonal <= limit) & (area > 0.0)
@@ -118,7 +118,7 @@ def _taken(base: BaseMesh, parts: np.ndarray, is_rigid: np.ndarray, corner_is_ri
     origin, corner_vertex = base.own_origin(), base.corner_vertex[corner_is_rigid]
     vertex, rows = np.unique(corner_vertex, return_inverse=True)
     sides = np.unique(np.sort(base.sides()[corner_is_rigid], axis=1), axis=0)
-    triangles = base.corner_vertex[base.triangle_corner[corner_is_rigid[base.triangle_corner[:, 0]]]]
+    triangles = base.triangles[corner_is_rigid[base.triangle_corner[:, 0]]]
     turned = np.concatenate([np.roll(triangles, -k, axis=1) for k in range(3)])
     place = np.unique(turned[:, 0], return_index=True)[1]  # every vertex of a polygon is in one of its triangles
     return RigidParts(np.unique(parts[vertex], return_inverse=True)[1].ravel().astype(np.int32),

@@ -12,6 +12,7 @@ from .cloth import BaseCloth, ClothFrame, bend_radius
 from .keep_smooth import share_of_folds
 from .layers import layer_settings
 from .settings import MeshSettings
+from .triangles import corner_weights
 
 
 class Drape:
@@ -21,9 +22,9 @@ class Drape:
         """cloth: of the garment."""
         self.metre = cloth.size_factor / cloth.unit_scale  # of clothes of people, object units
         self.model = kernels.build_wrinkle_layers(cloth.surface, 0, display_steps=0)
-        weights = self.model.shown.barycentric  # without subdivisions every vertex is a corner of its triangle
-        corner = np.column_stack([1.0 - weights.sum(axis=1), weights]).argmax(axis=1)
-        self._vertex = self.model.shown.triangle_vertex[np.arange(len(corner)), corner]
+        shown = self.model.shown
+        corner = corner_weights(shown).argmax(axis=1)  # without subdivisions every vertex is a corner of its triangle
+        self._vertex = shown.triangle_vertex[np.arange(len(corner)), corner]
 
     def add_to(self, frame: ClothFrame, settings: Any, world_from_object: np.ndarray | None, before: Any,
                contact: dict[str, Any], smooth: np.ndarray | None = None) -> None:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import functools
-import hashlib
-import math
 import time
 from dataclasses import replace
 from typing import Any, Callable
@@ -12,41 +10,40 @@ from typing import Any, Callable
 import numpy as np
 
 from ..native import kernels
+from ..native.surface import Model
 from . import wording
 from .base_mesh import BaseMesh
 from .body import Body
 from .by_hand import ByHand
+from .clip_labels import ClipLabels
 from .cloth import ClothFrame, suggested_follow
+from .digests import digest_of_paint, digest_of_settings
 from .fold_guides import GUIDES
-from .frame_cache import CachedFrame, FrameCache, chain_of, digest_of
-from .frame_input import FrameInput
-from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
-from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, cloth_of, system_state
+from .frame_cache import CachedFrame, FrameCache, chain_of
+from .frame_input import FrameInput, FrameRequest
+from .frame_result import FrameResult, PreviewFrame
+from .on_cloth import PAINTED, OnCloth, OnClothReport, Stage, State, cloth_of, system_state
+from .settings import SystemSettings
 from .shown_mesh import ShownMesh, ViewportMesh
 from .surroundings import Surroundings
+from .system_steps import Pose, SystemSteps
 
 MOST_VERTICES = 4_000_000
 UserError = wording.UserError  # for those who see the engine only
 TABLES = (PROFILE := "profile", GUIDES)  # paint that is not a value for each vertex
 
 
-class Wrinkles(ShownMesh):
+class Wrinkles(SystemSteps):
     """A shown mesh bound to a base, and the frames that were solved for it.
 
-    A system adds build() and the steps at the end of this class.
+    A system adds build() and the steps of SystemSteps.
     """
 
-    ATTRIBUTES: tuple[Attribute, ...] = COMMON_ATTRIBUTES
-    SUGGESTED = "wavelength"  # the setting that suits the mesh when wrinkles are added: see suggested_length()
-    HEIGHTS: tuple[str, ...] = ()  # attributes that say how high folds are, scaled with them
-    HEIGHT_PAINT = ""  # paint that keeps folds off: where empty, what is solved is made flat
-    HAS_CURVES = False  # whether curves() has something to say
-    previewed = True  # whether a preview that draws wrinkles by itself draws these as they are
     in_viewport: ViewportMesh | None = None  # what viewports show, where that has fewer vertices
-    _last_pose: tuple[Any, Any] = (None, None)  # positions, and the pose that was made of them
+    _last_pose: tuple[np.ndarray | None, Pose | None] = (None, None)  # positions, and what was made of them
 
-    def __init__(self, base: BaseMesh, source: BaseMesh, surface: Any, model: Any, warnings: list[str],
-                 unit_scale: float) -> None:
+    def __init__(self, base: BaseMesh, source: BaseMesh, surface: kernels.Surface, model: Model,
+                 warnings: list[str], unit_scale: float) -> None:
         """base, source: healed. surface: native, of the base."""
         self.name, self.base, self.source = base.name, base, source
         self.surface = surface
@@ -56,10 +53,9 @@ class Wrinkles(ShownMesh):
         self.warnings = warnings
         self.unit_scale = unit_scale  # metres per object unit
         self.frame_cache = FrameCache()
-        self.painted = b""  # digest of the paint of the last solve
-        self._last: dict[tuple[int, float], tuple[bytes, float]] = {}  # by timeline: digest of the settings, frame
-        self._clip: dict[float, tuple[bytes, np.ndarray]] = {}  # by frame: digest of the pose, labels
-        self.pose_mismatches: set[float] = set()  # frames that came with another pose than the clip that was looked at
+        self.paint_digest = b""  # of the paint of the last solve
+        self._last_settings: dict[tuple[int, float], tuple[bytes, float]] = {}  # by timeline: their digest, the frame
+        self._clip_labels = ClipLabels()
         self._paint: Any = None
         self._by_hand = ByHand()
         self._stage: Stage | None = None
@@ -79,81 +75,86 @@ class Wrinkles(ShownMesh):
         PreviewFrame is enough. body: what cloth stays outside of in this frame. surroundings: what cloth that swings
         meets. in_viewport: the result of the mesh `in_viewport`, where there is one. Raises UserError.
         """
-        if following is not None:
-            following = following[0], self.base.points(following[1])
+        in_viewport = in_viewport and self.in_viewport is not None
+        request = FrameRequest(frame, self.base.points(positions), settings, paint, start, world_from_object,
+                               frame_rate, following, for_preview, body, surroundings, in_viewport)
         try:
-            return self._solve_frame(frame, self.base.points(positions), settings, paint, start, world_from_object,
-                                     frame_rate, following if settings.sees_ahead and body is None else None,
-                                     for_preview, body, surroundings,
-                                     in_viewport and self.in_viewport is not None)
+            return self._solve_frame(request)
         except ValueError as error:
             self.frame_cache.refuse(frame)
             raise wording.user_error(self.name, error) from error
 
-    def _solve_frame(self, frame: float, positions: np.ndarray, settings: Any, paint: dict[str, np.ndarray],
-                     start: int, world_from_object: np.ndarray | None, frame_rate: float,
-                     following: tuple[float, np.ndarray] | None, for_preview: bool, body: Body | None,
-                     surroundings: Surroundings, in_viewport: bool) -> FrameResult | PreviewFrame:
-        timed = settings.swings or self._reads_time(settings)
-        chosen = self._take_inputs(frame, settings, paint, start, frame_rate if timed else 0.0)
-        world = (self._reads_world(settings) or settings.base_cloth != "OFF") and world_from_object is not None
-        matrix = np.ascontiguousarray(world_from_object, np.float32) if world else None
-        labels = self._seen(frame, positions) if body is None else None
-        coming = (0.0, None) if following is None or labels is not None else (following[0] / frame_rate, following[1])
-        frame_input = FrameInput(frame, frame / frame_rate, matrix, positions, labels, *coming, body,
-                                 surroundings=surroundings if settings.swings else Surroundings(),
-                                 in_viewport=in_viewport)
+    def _solve_frame(self, request: FrameRequest) -> FrameResult | PreviewFrame:
+        settings_digest = self._take_inputs(request)
+        frame_input = self._frame_input(request)
         began = time.perf_counter()
-        cached, replayed, pose = self._stored(settings, chosen, start, frame_input, for_preview)
-        if for_preview and cached.waits:
+        cached, replayed, pose = self._find_or_solve(request, settings_digest, frame_input)
+        if request.for_preview and cached.waits:
             return PreviewFrame(replayed=replayed)
         solved = time.perf_counter()
-        make = functools.partial(self._result_of, settings, cached, pose,
-                                 replace(frame_input, cloth=cloth_of(cached.state)), for_preview)
-        result = self.frame_cache.picture(cached, in_viewport, make) if replayed and not for_preview else make()
+        make = functools.partial(self._result_of, request, cached, pose,
+                                 replace(frame_input, cloth=cloth_of(cached.state)))
+        is_kept = replayed and not request.for_preview
+        result = self.frame_cache.picture(cached, request.in_viewport, make) if is_kept else make()
         spent = dict(solve=1e3 * (solved - began), show=1e3 * (time.perf_counter() - solved))
         return replace(result, report=cached.report, replayed=replayed, milliseconds=spent,
-                       unplayed=settings.swings and not cached.final)
+                       unplayed=request.settings.swings and not cached.final)
 
-    def _stored(self, settings: Any, chosen: bytes, start: int, frame_input: FrameInput,
-                for_preview: bool) -> tuple[CachedFrame, bool, Any]:
+    def _frame_input(self, request: FrameRequest) -> FrameInput:
+        """What of it counts."""
+        settings, rate = request.settings, request.frame_rate
+        matrix, labels, following = None, None, None
+        if request.world_from_object is not None and (self._reads_world(settings) or settings.base_cloth != "OFF"):
+            matrix = np.ascontiguousarray(request.world_from_object, np.float32)
+        if request.body is None:
+            labels = self._clip_labels.at(request.frame, request.positions)
+            following = request.following if settings.sees_ahead and labels is None else None
+        coming = (0.0, None) if following is None else (following[0] / rate, self.base.points(following[1]))
+        return FrameInput(request.frame, request.frame / rate, matrix, request.positions, labels, *coming, request.body,
+                          surroundings=request.surroundings if settings.swings else Surroundings(),
+                          in_viewport=request.in_viewport)
+
+    def _find_or_solve(self, request: FrameRequest, settings_digest: bytes,
+                       frame_input: FrameInput) -> tuple[CachedFrame, bool, Pose | None]:
         """The entry of a frame, which is solved and stored where it was not; whether it was; and the pose that it was
-        solved in now. chosen: digest of the settings."""
-        frame, digest = frame_input.frame, frame_input.digest(chosen, settings.swings)
-        before = None if settings.stateless or frame <= start else self.frame_cache.before(frame)
-        final = settings.stateless or frame <= start or (before is not None and before.final)
-        cached = self.frame_cache.find(frame, digest, final, before)
+        solved in now."""
+        settings, frame = request.settings, request.frame
+        input_digest = frame_input.digest(settings_digest, settings.swings)
+        begins = settings.stateless or frame <= request.start
+        before = None if begins else self.frame_cache.before(frame)
+        final = begins or (before is not None and before.final)
+        cached = self.frame_cache.find(frame, input_digest, final, before)
         if cached is not None:
             return cached, True, None
-        chain = chain_of(digest, before)
-        same_settings, pose = before is not None and before.chosen == chosen, None
-        if for_preview and before is not None and self._may_wait(settings, frame_input):
+        chain = chain_of(input_digest, before)
+        same_settings, pose = before is not None and before.settings_digest == settings_digest, None
+        if request.for_preview and before is not None and self._may_wait(settings, frame_input):
             kept = replace(frame_input, animated=frame_input.animated.copy())
-            cached = CachedFrame.waiting(before, digest, chosen, final, lambda state: self._solve_over(
+            cached = CachedFrame.waiting(before, input_digest, settings_digest, final, lambda state: self._solve_over(
                 settings, state, same_settings, kept)[:2], chain)
         else:
             state, report, pose = self._solve_over(settings, before.state if before is not None else None,
                                                    same_settings, frame_input)
-            cached = CachedFrame.of(state, digest, chosen, final, report, chain)
+            cached = CachedFrame.of(state, input_digest, settings_digest, final, report, chain)
         self.frame_cache.put(frame, cached)
         return cached, False, pose
 
-    def _result_of(self, settings: Any, cached: CachedFrame, pose: Any, frame_input: FrameInput,
-                   for_preview: bool) -> FrameResult | PreviewFrame:
+    def _result_of(self, request: FrameRequest, cached: CachedFrame, pose: Pose | None,
+                   frame_input: FrameInput) -> FrameResult | PreviewFrame:
         """What is shown of a solved frame. pose: that it was solved in now, or None."""
-        show: Callable[..., Any] = self._preview if for_preview else self._show
-        over = self._over(frame_input.frame, frame_input.animated)
+        show: Callable[..., Any] = self._preview if request.for_preview else self._show
+        over = self._solved_over(frame_input.frame, frame_input.animated)
         if pose is None:
             pose = self._pose(over, frame_input)
         self._last_pose = (over.copy(), pose)
-        result: FrameResult | PreviewFrame = show(settings, over, pose, system_state(cached.state), frame_input)
+        result: FrameResult | PreviewFrame = show(request.settings, over, pose, system_state(cached.state), frame_input)
         mesh = frame_input.in_viewport and self.in_viewport or self
         if isinstance(result, FrameResult):
             self._by_hand.add_to(result, mesh, frame_input.animated, over, self.HEIGHTS)
         self._add_rigid_parts(result, frame_input.animated, over, mesh)
         return result
 
-    def state_of(self, frame: float) -> Any:
+    def state_of(self, frame: float) -> State | None:
         """The stored state of a frame, or None. With a base cloth: an OnCloth."""
         cached = self.frame_cache.get(frame)
         return cached.state if cached is not None else None
@@ -165,9 +166,9 @@ class Wrinkles(ShownMesh):
     def solved_over(self, frame: float, positions: np.ndarray) -> np.ndarray:
         """Object space, of `base`, whose first vertices are the coarse ones: what the wrinkles of a stored frame lie
         on, the base cloth. Without one: the animated positions, which are given."""
-        return self._over(frame, self.base.points(positions))
+        return self._solved_over(frame, self.base.points(positions))
 
-    def _over(self, frame: float, positions: np.ndarray) -> np.ndarray:
+    def _solved_over(self, frame: float, positions: np.ndarray) -> np.ndarray:
         """The same. positions: of `base`."""
         cloth = self._cloth_at(frame)
         return positions if cloth is None else cloth.positions
@@ -178,8 +179,8 @@ class Wrinkles(ShownMesh):
         return None if cached is None or cached.waits else cloth_of(cached.state)
 
     # --- the base cloth
-    def _solve_over(self, settings: Any, before: Any, same_settings: bool,
-                    frame_input: FrameInput) -> tuple[Any, Any, Any]:
+    def _solve_over(self, settings: SystemSettings, before: State | None, same_settings: bool,
+                    frame_input: FrameInput) -> tuple[State, Any, Pose]:
         """The base cloth, or the animated mesh out of a body, then the system over it. Everything as _solve() has it;
         and the pose that it was solved in."""
         positions, own = self._positions_solved(frame_input.animated), system_state(before)
@@ -197,10 +198,12 @@ class Wrinkles(ShownMesh):
         has_body, is_free = frame_input.body is not None, settings.base_cloth != "OFF"
         return OnCloth(cloth, state), OnClothReport(cloth.report, report, has_body, is_free), pose
 
-    def _pose_of(self, frame: float, positions: np.ndarray) -> Any:
-        """The pose of a stored frame, for who looks at it: the one that was made last, if it is of these positions."""
+    def _pose_at(self, frame: float, positions: np.ndarray) -> Any:
+        """The pose of a stored frame, for who looks at it: the one that was made last, if it is of these positions;
+        else what the library makes one of."""
         over = self.solved_over(frame, positions)
-        return self._last_pose[1] if np.array_equal(self._last_pose[0], over) else over
+        made_of, pose = self._last_pose
+        return pose if made_of is not None and np.array_equal(made_of, over) else over
 
     def base_cloth(self) -> Stage:
         """Built once."""
@@ -232,32 +235,41 @@ class Wrinkles(ShownMesh):
             inside = riders.parts.vertex < len(result.proxy_offset)  # not what healing has made
             result.proxy_offset[riders.parts.vertex[inside]] = riders.displacements(animated, over)[inside]
 
-    def _take_inputs(self, frame: float, settings: Any, paint: dict[str, np.ndarray], start: int,
-                     frame_rate: float) -> bytes:
-        """A digest of the settings. Forgets stored frames when the artist changed them, or the paint.
+    # --- what changes
+    def _take_inputs(self, request: FrameRequest) -> bytes:
+        """A digest of the settings. Stored frames are forgotten when the artist changed them, or the paint."""
+        timed = request.settings.swings or self._reads_time(request.settings)
+        timeline = (request.start, request.frame_rate if timed else 0.0)
+        settings_digest = digest_of_settings(request.settings, *timeline)
+        repainted = self._take_painted(request.paint)
+        self._forget_changed(timeline, request.frame, settings_digest, repainted)
+        return settings_digest
 
-        Settings that differ at another frame are animated: then every frame has its own, and stays stored.
+    def _take_painted(self, paint: dict[str, np.ndarray]) -> bool:
+        """Whether it is another paint than before."""
+        digest = digest_of_paint(paint)
+        if self._paint is not None and digest == self.paint_digest:
+            return False
+        solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
+                  for name, values in paint.items()}
+        self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
+        self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved, self._where_solved)
+        self._paint = self._take_paint(solved)
+        self.paint_digest = digest
+        return True
+
+    def _forget_changed(self, timeline: tuple[int, float], frame: float, settings_digest: bytes,
+                        repainted: bool) -> None:
+        """Settings that differ at another frame are animated: then every frame has its own, and stays stored.
+
+        timeline: first frame and frame rate. Of another, frames are other ones: each scene has its own.
         """
-        painted = hashlib.blake2b(digest_size=16)
-        for key in sorted(paint):
-            painted.update(key.encode())
-            painted.update(np.ascontiguousarray(paint[key], np.float32).data)
-        chosen = hashlib.blake2b(repr((settings, start, frame_rate)).encode(), digest_size=16).digest()
-        repainted = self._paint is None or painted.digest() != self.painted
-        if repainted:
-            solved = {name: values if name in TABLES else self._where_solved(self.base.points(values))
-                      for name, values in paint.items()}
-            self._cloth_paint = {name: solved.pop(name) for name in PAINTED if name in solved}
-            self._by_hand = ByHand.taken(paint, self.base, self.HEIGHT_PAINT, solved, self._where_solved)
-            self._paint = self._take_paint(solved)
-        timeline = (start, frame_rate)  # of another, frames are other ones: each scene has its own
         self.frame_cache.follow(timeline)
-        last, at = self._last.get(timeline, (chosen, frame))
-        if repainted or (chosen != last and frame == at):
+        last, at = self._last_settings.get(timeline, (settings_digest, frame))
+        if repainted or (settings_digest != last and frame == at):
             self.frame_cache.clear()
-            self._last.clear()
-        self.painted, self._last[timeline] = painted.digest(), (chosen, frame)
-        return chosen
+            self._last_settings.clear()
+        self._last_settings[timeline] = settings_digest, frame
 
     # --- seeing ahead
     def analyze_clip(self, clip: dict[float, np.ndarray], settings: Any, *, frame_rate: float = 24.0) -> None:
@@ -270,45 +282,27 @@ class Wrinkles(ShownMesh):
         1,000 triangles about 1 ms; half a megabyte while it is cut, at most 250; a kilobyte afterwards.
         """
         self.frame_cache.clear()
-        self._clip, self.pose_mismatches = {}, set()
+        self._clip_labels = ClipLabels()
         if not clip or not settings.sees_ahead:
             return
-        times = np.array([frame / frame_rate for frame in clip], np.float64)
+        clip = {frame: self.base.points(positions) for frame, positions in clip.items()}
         try:
-            labels = kernels.label_clip(self.model, self._native_settings(settings), times,
-                                        np.concatenate([self.base.points(positions) for positions in clip.values()]))
+            self._clip_labels = ClipLabels.of(self.model, self._native_settings(settings), clip, frame_rate)
         except ValueError as error:
             raise wording.user_error(self.name, error) from error
-        self._clip = {frame: (digest_of(b"", self.base.points(positions)), row)
-                      for (frame, positions), row in zip(clip.items(), labels)}
 
-    def _seen(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
-        """The labels of a frame from the clip that was looked at."""
-        digest, labels = self._clip.get(float(math.ceil(frame)), (b"", None))
-        if labels is None or frame != math.ceil(frame):
-            return labels
-        if digest != digest_of(b"", positions):
-            self.pose_mismatches.add(frame)
-            return None
-        self.pose_mismatches.discard(frame)  # an object that follows another comes as it was looked at in a second pass
-        return labels
+    @property
+    def pose_mismatches(self) -> set[float]:
+        """Frames that came with another pose than the clip that was looked at."""
+        return self._clip_labels.pose_mismatches
 
-    # --- what a system says
-    @staticmethod
-    def suggested_length(base: BaseMesh, unit_scale: float) -> float:
-        """Value of the setting SUGGESTED, in metres, that suits a mesh as it is; unit_scale: metres per object unit."""
-        raise NotImplementedError
-
+    # --- what others ask
     @classmethod
     def build(cls, base: BaseMesh, settings: Any, *, unit_scale: float = 1.0,
               most_vertices: int = MOST_VERTICES) -> "Wrinkles":
         """Make the shown mesh and bind it. unit_scale: metres per object unit. most_vertices: folds become no finer
         than they allow. Raises UserError."""
         raise NotImplementedError
-
-    def measure_frame(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
-        """What a system can say of a stored frame in numbers; None where there is nothing."""
-        return None
 
     def status(self, result: FrameResult | PreviewFrame) -> list[str]:
         """How the solve of a picture went, in lines for the artist."""
@@ -321,10 +315,6 @@ class Wrinkles(ShownMesh):
             return [*self._status(report), *parts]
         return [*self._status(report.wrinkles), *report.lines(self.name, self.unit_scale), *parts]
 
-    def _status(self, report: Any) -> list[str]:
-        """Of what the system reports."""
-        raise NotImplementedError
-
     def unplayed_message(self, frame: float, start: int) -> str:
         """What to say of a picture that is `unplayed`."""
         return (f"{self.name}: frame {frame:g} was reached by a jump, so its cloth hangs and does not swing: play from "
@@ -336,62 +326,3 @@ class Wrinkles(ShownMesh):
         if cloth is None:
             return None
         return Body(cloth.positions, self.base.triangles)
-
-    def curves(self, frame: float, positions: np.ndarray, settings: Any) -> Any:
-        """The folds of a solved frame as curves (see curve_rows.py). positions: as they were solved."""
-        raise NotImplementedError
-
-    def curve_points(self, settings: Any) -> float:
-        """About how many points its curves have when it is folded all over."""
-        raise NotImplementedError
-
-    def _may_wait(self, settings: Any, frame_input: FrameInput) -> bool:
-        """Whether a preview shows the frame without its state."""
-        return False
-
-    def _keeps_off_bodies(self) -> bool:
-        """Whether it sees itself to what is worn under the base cloth."""
-        return False
-
-    def _where_solved(self, values: np.ndarray) -> np.ndarray:
-        """(n,) of the base's vertices -> of the vertices that are solved on."""
-        return values
-
-    def _positions_solved(self, positions: np.ndarray) -> np.ndarray:
-        """(n, 3) float32 of the deformed base -> of the vertices that are solved on."""
-        return positions
-
-    def _reads_world(self, settings: Any) -> bool:
-        """Whether the solve depends on where the object stands in the world."""
-        return False
-
-    def _reads_time(self, settings: Any) -> bool:
-        """Whether the solve depends on the frame rate."""
-        return False
-
-    def _native_settings(self, settings: Any) -> Any:
-        """As native solves take them."""
-        raise NotImplementedError
-
-    def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
-        """The native paint."""
-        raise NotImplementedError
-
-    def _pose(self, positions: np.ndarray, frame_input: FrameInput) -> Any:
-        """What the system makes of the positions that the wrinkles lie on: made once a frame, for all that follows."""
-        raise NotImplementedError
-
-    def _solve(self, settings: Any, pose: Any, before: Any, same_settings: bool,
-               frame_input: FrameInput) -> tuple[Any, Any]:
-        """(state, report) from the state of the frame before; same_settings: it was solved with these."""
-        raise NotImplementedError
-
-    def _show(self, settings: Any, positions: np.ndarray, pose: Any, state: Any,
-              frame_input: FrameInput) -> FrameResult:
-        """positions: what the pose was made of."""
-        raise NotImplementedError
-
-    def _preview(self, settings: Any, positions: np.ndarray, pose: Any, state: Any,
-                 frame_input: FrameInput) -> FrameResult | PreviewFrame:
-        """Where the viewport can draw frames by itself."""
-        raise NotImplementedError

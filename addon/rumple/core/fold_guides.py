@@ -9,17 +9,17 @@ guided_strain.h in native/).
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from .keep_smooth import cross, unit
+from .paint_maps import smoothstep
+from .triangles import cross, unit
 
 GUIDES = "guides"  # the paint
 ALONG = "along"  # the paint that directions become: (n, 3) of the base's vertices, of length 0..1, either sign
-# Place; factor of the depth, or of the direction; number of the line; place in KINDS; how many folds; from fold to fold
-# (of a direction, how far it reaches to each side), and from valley to crest, all object units; share of the other
-# folds that stays between them, or as it is.
+# Of the paint: a row for each point of each guide, which has all that Guide says, and the number of its line.
 COLUMNS = ("x", "y", "z", "factor", "line", "kind", "count", "spacing", "depth", "others")
 KINDS = (
     ("PLEATS", "Pleats", "Round folds along the curve"),
@@ -28,13 +28,42 @@ KINDS = (
     ("PUCKER", "Pucker", "Short folds across the curve, as along a tight seam"),
     ("DIRECTION", "Direction", "Adds no fold: the folds that motion makes run along the curve"),
 )
-KIND = COLUMNS.index("kind")
+LINE, KIND = COLUMNS.index("line"), COLUMNS.index("kind")
 PLEATS, KNIFE, TUCKS, PUCKER, DIRECTION = range(5)
 LEAN = 0.75  # where the crest of a knife pleat stands between its two valleys
 TUCK = 0.5  # share of the spacing that a tuck takes
 STEPS = 4.0  # points of a line in the spacing of its folds
 FINEST = 0.25  # of the spacing: the longest edges that show a fold
 TOO_FAR = "a guide is too far from the garment at rest: move it onto the surface"
+
+
+@dataclass(frozen=True)
+class Guide:
+    """One line of k points. Lengths are object units."""
+
+    points: np.ndarray  # (k, 3)
+    factor: np.ndarray  # (k,) of the depth, or of the direction
+    kind: int  # place in KINDS
+    count: float  # folds
+    spacing: float  # from fold to fold; of a direction, how far it reaches to each side
+    depth: float  # from valley to crest
+    others: float  # share of the other folds that stays between them; of a direction, that stays as it is
+
+    @classmethod
+    def all_of(cls, table: np.ndarray) -> list["Guide"]:
+        """Of the paint, by the numbers of their lines. float64."""
+        return [cls._of(table[table[:, LINE] == line].astype(np.float64)) for line in np.unique(table[:, LINE])]
+
+    @classmethod
+    def _of(cls, rows: np.ndarray) -> "Guide":
+        first = dict(zip(COLUMNS, rows[0].tolist()))
+        return cls(rows[:, :3], rows[:, COLUMNS.index("factor")], int(first["kind"]),
+                   *(first[name] for name in ("count", "spacing", "depth", "others")))
+
+    def rows(self, line: int) -> np.ndarray:
+        """(k, 10) float32 of the paint. line: its number."""
+        about = (line, self.kind, self.count, self.spacing, self.depth, self.others)
+        return np.column_stack([self.points, self.factor, np.tile(about, (len(self.points), 1))]).astype(np.float32)
 
 
 def crest(share: np.ndarray) -> np.ndarray:
@@ -46,7 +75,7 @@ def profile(kind: int, across: np.ndarray, along: np.ndarray, count: float, spac
     """Heights, 0 to 1, by the distances across and along the line."""
     half = 0.5 * count * spacing
     if kind == PUCKER:
-        return crest(along / spacing) * _smoothstep(1.0 - np.abs(across) / half)
+        return crest(along / spacing) * smoothstep(1.0 - np.abs(across) / half)
     share = np.mod((across + half) / spacing, 1.0)
     if kind == KNIFE:
         share = np.where(share < LEAN, 0.5 * share / LEAN, 0.5 + 0.5 * (share - LEAN) / (1.0 - LEAN))
@@ -64,7 +93,7 @@ def directions(table: np.ndarray, positions: np.ndarray, polygon_start: np.ndarr
         return None, []
     surface = _AtRest(positions, polygon_start, corner_vertex)
     found, lines = np.zeros((len(positions), 3)), np.zeros(len(positions), np.int64)
-    asked = [surface.direction(table[table[:, 4] == line].astype(np.float64)) for line in np.unique(table[:, 4])]
+    asked = [surface.direction(guide) for guide in Guide.all_of(table)]
     for rows, along in asked:
         found[rows] = along
         lines[rows] += 1
@@ -92,17 +121,19 @@ class _AtRest:
                                  corners[np.where(place == first, last, place - 1)]])
         # What stands at one place on two sides of a seam moves as one.
         steps = np.round((self._rest - self._rest.min(axis=0)) / (1e-6 * np.ptp(self._rest, axis=0).max()))
-        _, self._place = np.unique(steps.astype(np.int64) @ np.array([1 << 42, 1 << 21, 1]), return_inverse=True)
-        self._normals = _normals(self._rest, self._corner, self._place[corners])[self._place]
+        used, self._place = np.unique(steps.astype(np.int64) @ np.array([1 << 42, 1 << 21, 1]), return_inverse=True)
+        self._normals = _normals(self._rest, self._corner, self._place[corners], len(used))[self._place]
+        self._has_face = np.zeros(len(self._rest), bool)  # not what is loose, or belongs to a rigid part
+        self._has_face[corners] = True
         self.notes: list[str] = []
 
-    def direction(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def direction(self, guide: Guide) -> tuple[np.ndarray, np.ndarray]:
         """Of one guide: vertices, and ALONG there: whole within half of its reach, nothing behind it."""
-        reach, others = float(rows[0, 7]), float(rows[0, 9])
+        reach = guide.spacing
         nothing = np.zeros(0, np.int64), np.zeros((0, 3))
-        if len(rows) < 2 or not 0.0 < reach < math.inf:
+        if len(guide.points) < 2 or not 0.0 < reach < math.inf:
             return nothing
-        line, factor = _resampled(rows[:, :3], rows[:, 3], reach / STEPS)
+        line, factor = _resampled(guide.points, guide.factor, reach / STEPS)
         near = self._near(line, reach)
         if not len(near):
             self.notes.append(TOO_FAR)
@@ -111,14 +142,14 @@ class _AtRest:
         across, _along, beyond, strength, tangent = self._measured(near, foot, normal, factor)
         distance = np.hypot(across, beyond) / reach
         chosen = self._connected(near, (distance < 1.0) | np.isin(near, seeds), seeds)
-        weight = (1.0 - others) * np.clip(strength, 0.0, 1.0) * _smoothstep(2.0 - 2.0 * distance)
+        weight = (1.0 - guide.others) * np.clip(strength, 0.0, 1.0) * smoothstep(2.0 - 2.0 * distance)
         normals = self._normals[near]
         tangent = unit(tangent - (tangent * normals).sum(axis=1)[:, None] * normals)
         return near[chosen], (weight[:, None] * tangent)[chosen]
 
     def _near(self, line: np.ndarray, reach: float) -> np.ndarray:
         low, high = line.min(axis=0) - reach, line.max(axis=0) + reach
-        return np.flatnonzero(((self._rest >= low) & (self._rest <= high)).all(axis=1))
+        return np.flatnonzero(((self._rest >= low) & (self._rest <= high)).all(axis=1) & self._has_face)
 
     def _on_surface(self, line: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The points of a line on the surface, the normals there, and the vertices beside them."""
@@ -180,8 +211,8 @@ class GuidedFolds(_AtRest):
     def __init__(self, table: np.ndarray, shown: Any) -> None:
         super().__init__(shown.positions_rest, shown.polygon_start, shown.corner_vertex)
         heights, left = np.zeros(len(self._rest)), np.ones(len(self._rest))
-        for line in np.unique(table[:, 4]):
-            self._add(table[table[:, 4] == line].astype(np.float64), heights, left)
+        for guide in Guide.all_of(table):
+            self._add(guide, heights, left)
         self.rows = np.flatnonzero((heights != 0.0) | (left < 1.0))  # vertices that move
         self.left = left[self.rows].astype(np.float32)  # share of the other folds
         self._heights = heights[self.rows]
@@ -190,21 +221,20 @@ class GuidedFolds(_AtRest):
         self._corner = self._corner[:, beside[self._place[self._corner[0]]]]
         # Places are numbered anew: those that count only.
         used, numbers = np.unique(self._place[self._corner[0]], return_inverse=True)
-        self._at_corner = numbers
+        self._at_corner, self._places = numbers, len(used)
         self._at_row = np.searchsorted(used, self._place[self.rows])
         self._heights = self._heights.astype(np.float32)
 
     def ways(self, positions: np.ndarray) -> np.ndarray:
         """(rows, 3) from the shown mesh without them. positions: (d, 3)."""
-        return self._heights[:, None] * _normals(positions, self._corner, self._at_corner)[self._at_row]
+        return self._heights[:, None] * _normals(positions, self._corner, self._at_corner, self._places)[self._at_row]
 
     # --- one guide, at rest
-    def _add(self, rows: np.ndarray, heights: np.ndarray, left: np.ndarray) -> None:
-        kind, count, spacing, depth, others = int(rows[0, 5]), *rows[0, 6:10]
-        half = 0.5 * count * spacing
-        if len(rows) < 2 or not 0.0 < half < math.inf:
+    def _add(self, guide: Guide, heights: np.ndarray, left: np.ndarray) -> None:
+        spacing, half = guide.spacing, 0.5 * guide.count * guide.spacing
+        if len(guide.points) < 2 or not 0.0 < half < math.inf:
             return
-        line, factor = _resampled(rows[:, :3], rows[:, 3], spacing / STEPS)
+        line, factor = _resampled(guide.points, guide.factor, spacing / STEPS)
         near = self._near(line, half + spacing)
         if not len(near):
             self.notes.append(TOO_FAR)
@@ -215,13 +245,13 @@ class GuidedFolds(_AtRest):
         near_enough |= np.isin(near, seeds)
         chosen = self._connected(near, near_enough, seeds)
         rows_of = near[chosen]
-        fade = _smoothstep(1.0 - beyond[chosen] / spacing)
+        fade = smoothstep(1.0 - beyond[chosen] / spacing)
         inside = np.abs(across[chosen]) < half
-        shape = profile(kind, across[chosen], along[chosen], count, spacing)
-        heights[rows_of] += np.where(inside, depth * depth_factor[chosen] * fade * shape, 0.0)
-        share = fade * _smoothstep(np.clip((half - np.abs(across[chosen])) / (0.5 * spacing), 0.0, 1.0))
-        left[rows_of] *= 1.0 - (1.0 - others) * share
-        self._note_edges(rows_of, spacing * (TUCK if kind == TUCKS else 1.0))
+        shape = profile(guide.kind, across[chosen], along[chosen], guide.count, spacing)
+        heights[rows_of] += np.where(inside, guide.depth * depth_factor[chosen] * fade * shape, 0.0)
+        share = fade * smoothstep((half - np.abs(across[chosen])) / (0.5 * spacing))
+        left[rows_of] *= 1.0 - (1.0 - guide.others) * share
+        self._note_edges(rows_of, spacing * (TUCK if guide.kind == TUCKS else 1.0))
 
     def _note_edges(self, rows: np.ndarray, width: float) -> None:
         is_row = np.zeros(len(self._rest), bool)
@@ -234,12 +264,12 @@ class GuidedFolds(_AtRest):
                               "wider")
 
 
-def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """(places, 3) unit normals. corner: (3, c) vertices of corners, with the next and the one before; at: (c,) places.
-    """
+def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray, places: int) -> np.ndarray:
+    """(places, 3) unit normals; zero where there is no face. corner: (3, c) vertices of corners, with the next and the
+    one before; at: (c,) places."""
     here, after, before = (positions[vertices] for vertices in corner)
     turned = cross(after - here, before - here)
-    sums = [np.bincount(at, turned[:, k]) for k in range(3)]
+    sums = [np.bincount(at, turned[:, k], places) for k in range(3)]
     return unit(np.stack(sums, axis=1).astype(positions.dtype))
 
 
@@ -251,11 +281,6 @@ def _nearest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
     rows = max(1_000_000 // len(others), 1)  # at a time
     return np.concatenate([(half_squares - (points[begin:begin + rows] - middle) @ others.T).argmin(axis=1)
                            for begin in range(0, len(points), rows)])
-
-
-def _smoothstep(share: np.ndarray) -> np.ndarray:
-    share = np.clip(share, 0.0, 1.0)
-    return share * share * (3.0 - 2.0 * share)
 
 
 def _resampled(line: np.ndarray, factor: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:

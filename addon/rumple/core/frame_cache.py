@@ -12,8 +12,6 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, Callable, Hashable, Iterable, Protocol
 
-import numpy as np
-
 from .frame_result import FrameResult
 
 MOST_TIMELINES = 4  # kept of one object
@@ -27,8 +25,8 @@ class CachedFrame:
     A frame that nobody needs yet waits: it is solved when its state or its report is asked for, to the same bits.
     """
 
-    inputs: bytes  # digest of the settings and the deformed base positions (and matrix, if the solve reads it)
-    chosen: bytes  # digest of the settings alone
+    input_digest: bytes  # of the settings and the deformed base positions (and matrix, if the solve reads it)
+    settings_digest: bytes  # of the settings alone
     final: bool
     nbytes: int  # memory of the state
     _solved: tuple[Any, Any] = (None, None)  # state, report
@@ -39,17 +37,17 @@ class CachedFrame:
     was_replayed: bool = False
 
     @classmethod
-    def of(cls, state: Any, inputs: bytes, chosen: bytes, final: bool, report: Any,
+    def of(cls, state: Any, input_digest: bytes, settings_digest: bytes, final: bool, report: Any,
            chain: bytes = b"") -> "CachedFrame":
         """A solved frame."""
-        return cls(inputs, chosen, final, state.nbytes, (state, report), chain=chain)
+        return cls(input_digest, settings_digest, final, state.nbytes, (state, report), chain=chain)
 
     @classmethod
-    def waiting(cls, before: "CachedFrame", inputs: bytes, chosen: bytes, final: bool,
+    def waiting(cls, before: "CachedFrame", input_digest: bytes, settings_digest: bytes, final: bool,
                 solve: Callable[[Any], tuple[Any, Any]], chain: bytes = b"") -> "CachedFrame":
         """A frame whose state takes as much memory as that of the frame before it. When too many in a row wait, the
         first of them is solved."""
-        frame = cls(inputs, chosen, final, before.nbytes, _before=before, _solve=solve, chain=chain)
+        frame = cls(input_digest, settings_digest, final, before.nbytes, _before=before, _solve=solve, chain=chain)
         row = frame._row()
         if len(row) > MOST_WAITING or len(row) * frame.nbytes > MOST_WAITING_BYTES:
             row[-1]._settle()
@@ -93,15 +91,15 @@ class CachedFrame:
         self._solve = self._before = None
 
 
-def chain_of(inputs: bytes, before: CachedFrame | None) -> bytes:
+def chain_of(input_digest: bytes, before: CachedFrame | None) -> bytes:
     """The chain of a frame that goes on from another one, or from nothing."""
-    return hashlib.blake2b(inputs + (b"" if before is None else before.chain), digest_size=16).digest()
+    return hashlib.blake2b(input_digest + (b"" if before is None else before.chain), digest_size=16).digest()
 
 
 class OnDisk(Protocol):
     """Where frames are kept outside of memory: kept_frames.py."""
 
-    def read(self, frame: float, inputs: bytes) -> CachedFrame | None:
+    def read(self, frame: float, input_digest: bytes) -> CachedFrame | None:
         """The final frame of these inputs."""
 
 
@@ -156,17 +154,17 @@ class FrameCache:
         """A frame that cannot be solved, as where a simulation explodes; until it is put."""
         self._refused.add((self._timeline, frame))
 
-    def find(self, frame: float, inputs: bytes, final: bool, before: CachedFrame | None) -> CachedFrame | None:
+    def find(self, frame: float, input_digest: bytes, final: bool, before: CachedFrame | None) -> CachedFrame | None:
         """The entry that may be replayed, from memory or disk: of these inputs, and where the frame would be final
         reached over the same inputs of the frames before it."""
         def fits(cached: CachedFrame | None) -> bool:
-            return (cached is not None and cached.inputs == inputs
-                    and (not final or (cached.final and cached.chain == chain_of(inputs, before))))
+            return (cached is not None and cached.input_digest == input_digest
+                    and (not final or (cached.final and cached.chain == chain_of(input_digest, before))))
 
         cached = self._entries.get(frame)
         if fits(cached) or self.on_disk is None:
             return cached if fits(cached) else None
-        kept = self.on_disk.read(frame, inputs)
+        kept = self.on_disk.read(frame, input_digest)
         if kept is None or not fits(kept):
             return None
         self.put(frame, kept)
@@ -236,14 +234,3 @@ class FrameCache:
             if self._bytes <= self.limit_bytes or frame == newest:
                 continue
             self._forget([self._entries.pop(frame)])
-
-
-def digest_of(chosen: bytes, positions: np.ndarray, *more: np.ndarray | None) -> bytes:
-    """What tells one frame's input from another. chosen: digest of the settings."""
-    digest = hashlib.blake2b(chosen, digest_size=16)
-    digest.update(positions.data)
-    for number, values in enumerate(more):
-        if values is not None:
-            digest.update(bytes([number]))
-            digest.update(np.ascontiguousarray(values).data)
-    return digest.digest()

@@ -44,9 +44,9 @@ class KeptFrames:
         self._damaged: set[str] = set()
 
     # --- reading
-    def read(self, frame: float, inputs: bytes) -> CachedFrame | None:
+    def read(self, frame: float, input_digest: bytes) -> CachedFrame | None:
         """The stored frame of these inputs, whole; None where there is none. Cost: that of reading its file."""
-        name = self._name(frame, inputs)
+        name = self._name(frame, input_digest)
         if name in self._damaged:
             return None
         try:
@@ -54,7 +54,7 @@ class KeptFrames:
         except (OSError, ValueError):
             return None  # the usual case: it is not there
         try:
-            cached = self._restored(data, inputs)
+            cached = self._restored(data, input_digest)
         except CannotGoOn:
             self._damaged.add(name)
             self.note = (f"{self.evaluator.name}: a stored frame on disk is damaged, or of something else: it is "
@@ -63,12 +63,12 @@ class KeptFrames:
         self._done.add(name)
         return cached
 
-    def _restored(self, data: bytes, inputs: bytes) -> CachedFrame:
+    def _restored(self, data: bytes, input_digest: bytes) -> CachedFrame:
         head, digest, content = (data[:len(_HEAD)], data[len(_HEAD):len(_HEAD) + _DIGEST], data[len(_HEAD) + _DIGEST:])
         if head != _HEAD or digest != _digest(content):
             raise CannotGoOn("its digest is another one")
         kept = Checkpoint.read(io.BytesIO(content), self._identity())
-        if kept is None or kept.inputs != inputs:
+        if kept is None or kept.input_digest != input_digest:
             raise CannotGoOn("it is of something else")
         return kept.restored(self.evaluator)
 
@@ -81,7 +81,7 @@ class KeptFrames:
         ends, wrote, more = time.perf_counter() + seconds, False, False
         try:
             for frame, cached in self.evaluator.frame_cache.final_frames():
-                name = self._name(frame, cached.inputs)
+                name = self._name(frame, cached.input_digest)
                 if name in self._done:
                     continue
                 if wrote and time.perf_counter() > ends:
@@ -146,10 +146,10 @@ class KeptFrames:
 
     def _identity(self) -> str:
         """With the paint, which may have changed since."""
-        return f"{self.identity} {self.evaluator.painted.hex()}"
+        return f"{self.identity} {self.evaluator.paint_digest.hex()}"
 
-    def _name(self, frame: float, inputs: bytes) -> str:
-        return _digest(f"{self._identity()} {frame!r}".encode(), inputs).hex() + SUFFIX
+    def _name(self, frame: float, input_digest: bytes) -> str:
+        return _digest(f"{self._identity()} {frame!r}".encode(), input_digest).hex() + SUFFIX
 
 
 def _digest(*parts: bytes) -> bytes:

@@ -9,11 +9,12 @@ from typing import Any, Callable
 import numpy as np
 
 from ..native import kernels
+from ..native.surface import FrameState
 from .body import Body
 from .cloth import BaseCloth, ClothFrame
 from .cloth_settings import ClothSettings
+from .digests import digest_of
 from .drape import Drape
-from .frame_cache import digest_of
 from .keep_smooth import SMOOTH, share_of_folds
 from .surroundings import Surroundings
 
@@ -26,11 +27,14 @@ class OnCloth:
     """The state of a frame that has a base cloth."""
 
     cloth: ClothFrame
-    wrinkles: Any  # of the system
+    wrinkles: FrameState
 
     @property
     def nbytes(self) -> int:
         return self.cloth.nbytes + self.wrinkles.nbytes
+
+
+State = FrameState | OnCloth  # of a frame
 
 
 @dataclass
@@ -59,12 +63,12 @@ class OnClothReport:
         return lines
 
 
-def system_state(state: Any) -> Any:
+def system_state(state: State | None) -> FrameState | None:
     """A system's own part of a stored state, or None."""
     return state.wrinkles if isinstance(state, OnCloth) else state
 
 
-def cloth_of(state: Any) -> ClothFrame | None:
+def cloth_of(state: State | None) -> ClothFrame | None:
     """The base cloth of a stored state; None where it has none."""
     return state.cloth if isinstance(state, OnCloth) else None
 
@@ -75,10 +79,10 @@ def _digest_of_start(settings: ClothSettings, paint: dict[str, np.ndarray], posi
     """What tells one frame of a base cloth that has none before it from another."""
     own = [getattr(settings, one.name) for one in fields(ClothSettings)]
     has_time = settings.base_cloth == "SWING"  # of frames on their own as well: a frame says when it is
-    chosen = repr((own, settings if settings.draped else None, settings.swings, covers, sorted(paint), body is None,
-                   seconds if has_time else None))
+    about = repr((own, settings if settings.draped else None, settings.swings, covers, sorted(paint), body is None,
+                  seconds if has_time else None))
     arrays = (world_from_object, *(paint[name] for name in sorted(paint)), *(body.arrays() if body else ()))
-    return digest_of(chosen.encode(), np.ascontiguousarray(positions), *arrays,
+    return digest_of(about.encode(), np.ascontiguousarray(positions), *arrays,
                      surroundings.array() if has_time else None)
 
 

@@ -80,10 +80,16 @@ def border_distance(positions: np.ndarray, edges: np.ndarray, border: np.ndarray
     return distance.astype(np.float32)
 
 
+def smoothstep(share: np.ndarray) -> np.ndarray:
+    """3 t^2 - 2 t^3 of what is clamped to 0..1: flat at both ends."""
+    share = np.clip(share, 0.0, 1.0)
+    return share * share * (3.0 - 2.0 * share)
+
+
 def gradient(distance: np.ndarray, most: float, smooth: bool) -> np.ndarray:
-    """0 at a distance of 0, 1 from `most` on. smooth: with flat ends, 3 t^2 - 2 t^3, else t = distance / most."""
+    """0 at a distance of 0, 1 from `most` on. smooth: by smoothstep(), else evenly."""
     share = np.clip(distance / most, 0.0, 1.0) if most > 0.0 else (distance > 0.0).astype(np.float32)
-    return (share * share * (3.0 - 2.0 * share) if smooth else share).astype(np.float32)
+    return (smoothstep(share) if smooth else share).astype(np.float32)
 
 
 def _neighbours(count: int, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -15,8 +15,8 @@ from .base_mesh import BaseMesh
 from .connected import lowest_connected, places, spokes
 from .frame_result import FrameResult
 from .keep_smooth import move
-from .rigid_parts import columnwise, frames_of, rowwise
 from .shown_mesh import ShownMesh
+from .triangles import columnwise, corner_weights, frames_of, rowwise
 
 RIGID = "rigid"  # the paint: 1 where a patch is rigid, 0 as if nothing were painted
 WHOLE = 0.999  # a loose part of the mesh whose vertices all have so much is no cloth at all
@@ -94,7 +94,7 @@ class PaintedRigid:
         core = np.flatnonzero(self.rigid >= CORE)
         self._core = [rows if len(rows) else np.flatnonzero(self.patch == number) for number in range(self.count)
                       for rows in (core[self.patch[core] == number],)]
-        self._on: dict[int, tuple[object, _OnShown]] = {}  # by native mesh that is shown
+        self._on: dict[kernels.ShownMesh, _OnShown] = {}  # by native mesh that is shown
 
     @property
     def count(self) -> int:
@@ -149,14 +149,13 @@ class PaintedRigid:
                                      np.ascontiguousarray(after[rows], np.float32))
 
     def _on_shown(self, mesh: ShownMesh) -> _OnShown:
-        known = self._on.get(id(mesh.shown))
-        if known is None or known[0] is not mesh.shown:
-            known = self._on[id(mesh.shown)] = (mesh.shown, self._made_for(mesh))
-        return known[1]
+        if mesh.shown not in self._on:
+            self._on[mesh.shown] = self._made_for(mesh)
+        return self._on[mesh.shown]
 
     def _made_for(self, mesh: ShownMesh) -> _OnShown:
         shown = mesh.shown
-        weights = np.concatenate([1.0 - shown.barycentric.sum(1, keepdims=True), shown.barycentric], 1)
+        weights = corner_weights(shown)
         shares = (weights * self.rigid[shown.triangle_vertex]).astype(np.float32)
         rows = np.flatnonzero(shares.max(1, initial=0.0) > 0.0)
         corners, weights, shares = shown.triangle_vertex[rows], weights[rows, :, None], shares[rows, :, None]

@@ -19,7 +19,7 @@ FORMAT, FORMAT_VERSION = "rumple-wrinkle-maps", 1
 KEYS_VERSION = 2  # of files with shape keys: engines that know bones only are to refuse them
 TRACKED = ("HEAD", "TAIL", "BOTH")
 MAPS = ("WRINKLES", "WHOLE")
-MOST_POSES = 16  # as the native module
+MOST_POSES = kernels.MOST_POSES
 _UNTRACKED = dict(HEAD=slice(3, 6), TAIL=slice(0, 3), KEY=slice(1, 6))
 PACKED = 3  # masks in one vector attribute: EEVEE takes 14 attributes a material, a rig may have 16 poses
 ROW = 4  # skin weights in a row of the table that the nodes read: most vertices need no second one

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..native import kernels
 from .frame_result import Attribute, FrameResult
+from .triangles import columnwise, corner_weights, frames_of, rowwise
 
 FAR = 0.02  # of the diagonal of the cloth: what is so far from the cloth is not fixed to it
 FEWEST_ANCHORS, MOST_ANCHORS = 8, 64
@@ -47,8 +48,8 @@ class Riders:
                  for part in range(parts.count)]
         self._starts = np.cumsum([0, *(len(anchors) for anchors in found)], dtype=np.int32)
         self._anchors = np.concatenate(found)
-        self._corners, weights = shown.triangle_vertex[self._anchors], shown.barycentric[self._anchors]
-        self._weights = np.concatenate([1.0 - weights.sum(1, keepdims=True), weights], 1)[:, :, None]
+        self._corners = shown.triangle_vertex[self._anchors]
+        self._weights = corner_weights(shown)[self._anchors, :, None]
         # Where the anchors are from the flat triangles of the coarse mesh: as far as that they are in every pose.
         frames, points = self._embedded(positions)
         self._from_base = rowwise(frames, shown.positions_rest[self._anchors] - points)
@@ -101,26 +102,3 @@ def _anchors(part: np.ndarray, cloth: np.ndarray, size: float) -> np.ndarray:
         return order[:0]
     near = max(int(np.searchsorted(distance[order], distance[order[0]] + radius)), FEWEST_ANCHORS)
     return order[:near]
-
-
-def frames_of(positions: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """(k, 3, 3) float32: rows t, b, n of triangles, as the node tree has them; zeros where a triangle collapsed."""
-    origin = positions[corners[:, 0]]
-    side = positions[corners[:, 1]] - origin
-    t, n = _unit(side), _unit(np.cross(side, positions[corners[:, 2]] - origin))
-    return np.stack([t, np.cross(n, t), n], 1)
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    length = np.sqrt((vectors * vectors).sum(1, keepdims=True))
-    return vectors / np.where(length > 0.0, length, 1.0)
-
-
-def rowwise(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(k, 3): M x. Not by a library for matrices: those give other bits on other processors."""
-    return (matrices * vectors[:, None, :]).sum(2)
-
-
-def columnwise(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(k, 3): the transposed M times x."""
-    return (matrices * vectors[:, :, None]).sum(1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything an artist can set: default, range, unit and tooltip, once.
 
-The Blender properties are made from these fields (blender/properties.py) and the native settings are
+The Blender properties are made from these fields (blender/objects/properties.py) and the native settings are
 filled from them (core/wrinkle_mesh.py and the other systems), so a setting is written in one place.
 """
 from __future__ import annotations
@@ -323,3 +323,6 @@ class PathsSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     def structural(self) -> dict[str, Any]:
         """The settings that the shown mesh is made from."""
         return {f.name: getattr(self, f.name) for f in fields(self) if f.metadata["affects"] == "MESH"}
+
+
+SystemSettings = MeshSettings | FieldSettings | PathsSettings

@@ -54,6 +54,7 @@ class WrinkleField(Wrinkles):
         *(Attribute(name, True, "CORNER") for name in VECTORS),
         Attribute(U_GRADIENT, True, "CORNER"), Attribute(V_GRADIENT, True, "CORNER"))
 
+    model: kernels.WrinkleFieldModel
     HEIGHT_PAINT = "mask"
     suggested_length = staticmethod(suggested_wavelength)
 

@@ -15,8 +15,10 @@ from .body import Body
 from .cloth import bend_radius, size_factor
 from .cloth_settings import ClothSettings
 from .cloth_surface import checked_surface
-from .engine import MOST_VERTICES, FrameInput, FrameResult, Wrinkles
+from .engine import MOST_VERTICES, Wrinkles
 from .fold_guides import ALONG
+from .frame_input import FrameInput
+from .frame_result import FrameResult
 from .layers import layer_settings, layer_words, native_settings
 from .on_cloth import OnCloth
 from .paint_maps import WIDTH, fold_width
@@ -132,6 +134,7 @@ class WrinkleMesh(Wrinkles):
 
     suggested_length = staticmethod(suggested_wavelength)
 
+    model: Any  # native: of one mesh, or of layers
     edge_mean: float  # of the fine mesh, metres
     level: int  # its subdivisions
     finest_share: float  # of the strength of the last layer that is not for painted widths

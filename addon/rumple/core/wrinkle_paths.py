@@ -11,7 +11,9 @@ from .base_mesh import BaseMesh
 from .cloth import bend_radius, size_factor
 from .cloth_surface import checked_surface
 from .curve_rows import CurvePoints
-from .engine import COMMON_ATTRIBUTES, MOST_VERTICES, Attribute, FrameInput, FrameResult, PreviewFrame, Wrinkles
+from .engine import MOST_VERTICES, Wrinkles
+from .frame_input import FrameInput
+from .frame_result import COMMON_ATTRIBUTES, Attribute, FrameResult, PreviewFrame
 from .on_cloth import cloth_of
 from .paint_maps import WIDTH, fold_width
 from .settings import PathsSettings
@@ -46,6 +48,7 @@ class WrinklePaths(Wrinkles):
     """Folds traced over the base, on a fine mesh."""
 
     ATTRIBUTES = (*COMMON_ATTRIBUTES, Attribute("rumple_height"))
+    model: kernels.WrinklePathsModel
     SUGGESTED = "width"
     HEIGHTS = ("rumple_height",)
     HAS_CURVES = True
@@ -81,20 +84,20 @@ class WrinklePaths(Wrinkles):
     def curves(self, frame: float, positions: np.ndarray, settings: PathsSettings) -> Any:
         animated = None if cloth_of(self.state_of(frame)) is None else self.base.points(positions)
         riding = kernels.ride_wrinkle_paths(self.model, self._native_settings(settings),
-                                            self._pose_of(frame, positions), self.wrinkles_of(frame), animated)
+                                            self._pose_at(frame, positions), self.wrinkles_of(frame), animated)
         return CurvePoints.of(riding, self.base.origin)
 
     def labels_and_ellipses(self, frame: float, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What paths go by in a solved frame: corners (t, 3, 3) of the triangles, labels (t,) uint8 (0 compressed,
         1 at rest, 2 stretched) and ellipses (t, 9): centre and two semi-axes. Object space."""
-        state, pose = self.wrinkles_of(frame), self._pose_of(frame, positions)
-        corners = self.solved_over(frame, positions)[self.base.corner_vertex[self.base.triangle_corner]]
+        state, pose = self.wrinkles_of(frame), self._pose_at(frame, positions)
+        corners = self.solved_over(frame, positions)[self.base.triangles]
         return corners, state.labels, kernels.wrinkle_path_ellipses(self.model, pose, state)
 
     def curve_points(self, settings: PathsSettings) -> float:
         """Folds side by side; on the way across a triangle a fold has two points, and two in each width."""
         base = self.base
-        a, b, c = (base.positions[base.corner_vertex[base.triangle_corner[:, k]]] for k in range(3))
+        a, b, c = (base.positions[base.triangles[:, k]] for k in range(3))
         area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) * self.unit_scale**2
         edge = max(base.mean_edge() * self.unit_scale, 1e-6)
         apart = max(settings.spacing, 1.0) * settings.width

@@ -11,6 +11,7 @@ from .struct import put
 
 FLOAT, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
 INT, BYTE = np.dtype(np.int32), np.dtype(np.uint8)
+Shapes = dict[str, tuple[np.dtype, int]]  # of arrays by name: type, and columns or 0
 
 
 def checked(array: Any, name: str, dtype: np.dtype, columns: int = 0) -> np.ndarray:
@@ -73,3 +74,12 @@ def lent(owner: Any, place: int | None, dtype: np.dtype, shape: tuple[int, ...])
         array = np.ndarray(shape, dtype, memory)
     array.setflags(write=False)
     return array
+
+
+def lent_all(owner: Any, view: Any, shapes: Shapes) -> dict[str, np.ndarray]:
+    """lent() of arrays of a view, by name; it has the rows of each beside it, in `name`_count."""
+    found = {}
+    for name, (dtype, columns) in shapes.items():
+        rows = getattr(view, f"{name}_count")
+        found[name] = lent(owner, getattr(view, name), dtype, (rows, columns) if columns else (rows,))
+    return found

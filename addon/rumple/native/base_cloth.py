@@ -7,11 +7,11 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 
 from . import c
-from .arrays import FLOAT, INT, address, checked, fill, given, lent, new
+from .arrays import FLOAT, INT, address, checked, fill, given, lent_all, new
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Vector, put
-from .surface import Surface, stored_array
+from .surface import Surface, fill_stored, stored_array
 
 
 class Collider(Handle):
@@ -134,17 +134,14 @@ class BaseClothState(Handle):
         kept = c.BaseClothKept()
         lib.rumple_base_cloth_state_get_kept(self, kept)
         return {**{name: np.float32(getattr(kept, name)) for name in self.NUMBERS},
-                **{name: np.array(getattr(kept, name), FLOAT) for name in self.VECTORS}, **{
-                    name: lent(self, getattr(kept, name), dtype,
-                               (getattr(kept, f"{name}_count"), *([columns] * (columns > 0))))
-                    for name, (dtype, columns) in self.ARRAYS.items()}}
+                **{name: np.array(getattr(kept, name), FLOAT) for name in self.VECTORS},
+                **lent_all(self, kept, self.ARRAYS)}
 
     @classmethod
     def of(cls, model: BaseClothModel, arrays: dict[str, Any]) -> "BaseClothState":
         """From what `arrays` gave."""
         kept = c.BaseClothKept()
-        for name, (dtype, columns) in cls.ARRAYS.items():
-            fill(kept, name, stored_array(arrays, name), dtype, columns)
+        fill_stored(kept, arrays, cls.ARRAYS)
         for name in cls.NUMBERS:
             put(kept, name, float(stored_array(arrays, name)))
         for name in cls.VECTORS:

@@ -8,7 +8,7 @@ from typing import Any, Callable, Sequence, TypeVar
 import numpy as np
 
 from . import c
-from .arrays import BYTE, DOUBLE, FLOAT, INT, address, checked, fill, given, new
+from .arrays import BYTE, DOUBLE, FLOAT, INT, Shapes, address, checked, fill, given, lent_all, new
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice, Within, chosen, put
@@ -304,6 +304,18 @@ class FramePose(Handle):
         return cls.made(getattr(lib, cls.BUILD), model, pose(positions, *others))
 
 
+class FrameState(Handle):
+    """What a system keeps from one frame to the next. Its class makes the same state, to the bit, of the arrays."""
+
+    __slots__ = ()
+    nbytes = Number("memory of the state", "bytes")
+
+    @property
+    def arrays(self) -> dict[str, Any]:
+        """A dict of plain arrays."""
+        raise NotImplementedError
+
+
 class ReferenceSettings:
     """The settings of the reference triangles among those of a system."""
 
@@ -315,7 +327,7 @@ class ReferenceSettings:
     reference = Choice(c.REFERENCE, "what compression is measured against", outer="rest")
 
 
-REFERENCE_ARRAYS: dict[str, tuple[np.dtype, int]] = {
+REFERENCE_ARRAYS: Shapes = {
     "labels": (BYTE, 0), "reference": (FLOAT, 3), "past_times": (DOUBLE, 0), "past_positions": (FLOAT, 3)}
 
 
@@ -337,11 +349,21 @@ def stored_number(arrays: dict[str, Any], name: str, kind: Callable[[Any], N]) -
         raise ValueError(f"state: expected a number {name}, got {arrays.get(name, 'none')!r}") from None
 
 
+def fill_stored(view: Any, arrays: dict[str, Any], shapes: Shapes) -> None:
+    """Puts plain arrays into a view, by name. They must outlive it. Raises ValueError where one is missing or wrong."""
+    for name, (dtype, columns) in shapes.items():
+        fill(view, name, stored_array(arrays, name), dtype, columns)
+
+
 def fill_reference(view: Any, arrays: dict[str, Any]) -> None:
     """The state of the reference triangles, from plain arrays. They must outlive it."""
     view.time = stored_number(arrays, "time", float)
-    for name, (dtype, columns) in REFERENCE_ARRAYS.items():
-        fill(view, name, stored_array(arrays, name), dtype, columns)
+    fill_stored(view, arrays, REFERENCE_ARRAYS)
+
+
+def reference_arrays(owner: Handle, view: Any) -> dict[str, Any] | None:
+    """The state of the reference triangles in a handle as plain arrays; None where there is none."""
+    return {"time": view.time, **lent_all(owner, view, REFERENCE_ARRAYS)} if view.reference_count else None
 
 
 def label_clip(model: Any, settings: Any, times: np.ndarray, positions: np.ndarray, raw: bool = False) -> np.ndarray:

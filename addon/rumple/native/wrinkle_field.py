@@ -12,8 +12,8 @@ from .arrays import FLOAT, INT, checked, fill, given, optional
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import chosen
-from .surface import FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan, stored_array
-from .wrinkle_mesh import reference_arrays
+from .surface import (FramePose, FrameState, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan,
+                      reference_arrays, stored_array)
 
 PROFILE_INTERVALS = c.PROFILE_INTERVALS
 
@@ -176,7 +176,7 @@ class WrinkleFieldPose(FramePose):
         return made
 
 
-class WrinkleFieldState(Handle):
+class WrinkleFieldState(FrameState):
     """What is kept from frame to frame."""
 
     __slots__ = ()
@@ -186,7 +186,6 @@ class WrinkleFieldState(Handle):
     phase = Array("(w,) float32, radians", FLOAT, "phase_count")
     direction = Array("(w, 2) float32, rest frame", FLOAT, "direction_count", 2)
     solved_offset = Array("(neighbours,) float32, radians: when it was last relaxed", FLOAT, "solved_offset_count")
-    nbytes = Number("memory of the state", "bytes")
 
     def __init__(self, model: WrinkleFieldModel, phase: np.ndarray, direction: np.ndarray, solved_offset: np.ndarray,
                  reference: dict[str, Any] | None = None) -> None:

@@ -8,11 +8,11 @@ from typing import Any, Sequence
 import numpy as np
 
 from . import c
-from .arrays import FLOAT, INT, checked, fill, given, lent
+from .arrays import FLOAT, INT, checked, fill, given, lent, lent_all
 from .base_cloth import Collider, bodies
 from .handle import Array, Handle, Number
 from .library import lib
-from .surface import CoarseMesh, ShownFrame, SteppedModel, Surface, stored_array
+from .surface import CoarseMesh, FrameState, ShownFrame, SteppedModel, Surface, stored_array
 from .wrinkle_mesh import PAINTED, WrinkleMeshReport, WrinkleMeshSettings, painted_factors
 
 
@@ -72,15 +72,16 @@ class WrinkleLayersPaint(Handle):
         self._filled(self, lib.rumple_wrinkle_layers_paint_build, model, values)
 
 
-class WrinkleLayersState(Handle):
+class WrinkleLayersState(FrameState):
     """What is kept from frame to frame."""
 
     __slots__ = ()
     POINTER, FREE = c.WrinkleLayersStatePointer, "rumple_wrinkle_layers_state_free"
     VIEW, LOOK = c.WrinkleLayersStateView, "rumple_wrinkle_layers_state_get_view"
 
+    OF_A_LAYER = {"offset": (FLOAT, 3), "solved_length": (FLOAT, 0)}
+
     solved = Array("(v, 3) float32: the finest layer, object space", FLOAT, "solved_count", 3)
-    nbytes = Number("memory of the state", "bytes")
 
     def offset(self, layer: int) -> np.ndarray:
         """(v, 3) float32 of a layer."""
@@ -96,8 +97,7 @@ class WrinkleLayersState(Handle):
         for layer in range(self.view.layer_count):
             view = c.WrinkleMeshStateView()
             lib.rumple_wrinkle_layers_state_get_layer(self, layer, view)
-            out[f"{layer}.offset"] = lent(self, view.offset, FLOAT, (view.offset_count, 3))
-            out[f"{layer}.solved_length"] = lent(self, view.solved_length, FLOAT, (view.solved_length_count,))
+            out.update({f"{layer}.{name}": values for name, values in lent_all(self, view, self.OF_A_LAYER).items()})
         return out
 
     @classmethod
@@ -105,8 +105,8 @@ class WrinkleLayersState(Handle):
         """From what `arrays` gave."""
         views = (c.WrinkleMeshStateView * model.count)()
         for layer, view in enumerate(views):
-            fill(view, "offset", stored_array(arrays, f"{layer}.offset"), FLOAT, 3)
-            fill(view, "solved_length", stored_array(arrays, f"{layer}.solved_length"), FLOAT)
+            for name, (dtype, columns) in cls.OF_A_LAYER.items():
+                fill(view, name, stored_array(arrays, f"{layer}.{name}"), dtype, columns)
         return cls.made(lib.rumple_wrinkle_layers_state_build, model, views, len(views),
                         *given(stored_array(arrays, "solved"), "solved", FLOAT, 3))
 

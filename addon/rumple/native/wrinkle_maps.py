@@ -30,8 +30,8 @@ class WrinkleMapsModel(Handle):
     unbound = Number("vertices without any weight")
     moves = Array("(b, o) uint8: 1 where a bone moves in a pose; elsewhere its influence is 0, alone", BYTE,
                   "bone_count", "pose_count")
-    reach = Array("(n, o) float32: sum of the weights of the bones that move in a pose, 0..1", FLOAT, "vertex_count",
-                  "pose_count")
+    reach = Array("(n, o) float32: sum of the weights of what moves in a pose, 0 or more; above 1 with shape keys only",
+                  FLOAT, "vertex_count", "pose_count")
     weight_start = Array("(n + 1,) int32", INT, "vertex_count", more=1)
     weight_bone = Array("int32", INT, "weight_count")
     weight = Array("float32", FLOAT, "weight_count")

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from . import c
-from .arrays import BYTE, FLOAT, address, checked, fill, lent, new
+from .arrays import BYTE, FLOAT, address, checked, fill, new
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice
-from .surface import (REFERENCE_ARRAYS, FramePose, ReferenceSettings, ShownFrame, SteppedModel, Surface, fill_reference,
-                      fine_plan, stored_array)
+from .surface import (FramePose, FrameState, ReferenceSettings, ShownFrame, SteppedModel, Surface, fill_reference,
+                      fine_plan, reference_arrays, stored_array)
 
 PAINTED = ("radius", "prestretch", "bending", "inside")
 ALONG = "along"  # (n, 3): where folds are to run, a direction at rest, its length how much
@@ -104,7 +104,7 @@ class WrinkleMeshPose(FramePose):
     BUILD = "rumple_wrinkle_mesh_pose_build"
 
 
-class WrinkleMeshState(Handle):
+class WrinkleMeshState(FrameState):
     """What is kept from frame to frame."""
 
     __slots__ = ()
@@ -113,7 +113,6 @@ class WrinkleMeshState(Handle):
 
     offset = Array("(v, 3) float32", FLOAT, "offset_count", 3)
     solved_length = Array("(pairs,) float32, when it was last solved", FLOAT, "solved_length_count")
-    nbytes = Number("memory of the state", "bytes")
 
     def __init__(self, model: WrinkleMeshModel, offset: np.ndarray, solved_length: np.ndarray,
                  reference: dict[str, Any] | None = None) -> None:
@@ -144,15 +143,6 @@ class WrinkleMeshState(Handle):
     def activated(self) -> "WrinkleMeshState":
         """The same offsets with no vertex held: for a solve with other settings."""
         return WrinkleMeshState.made(lib.rumple_wrinkle_mesh_state_activated, self)
-
-
-def reference_arrays(owner: Handle, view: Any) -> dict[str, Any] | None:
-    """The state of the reference triangles in a handle as plain arrays; None where there is none."""
-    if not view.reference_count:
-        return None
-    return {"time": view.time, **{
-        name: lent(owner, getattr(view, name), dtype, (getattr(view, f"{name}_count"), *([columns] * (columns > 0))))
-        for name, (dtype, columns) in REFERENCE_ARRAYS.items()}}
 
 
 class WrinkleMeshReport(c.WrinkleMeshReport):

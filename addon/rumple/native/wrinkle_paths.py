@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 
 from . import c
-from .arrays import FLOAT, INT, fill, lent
+from .arrays import FLOAT, INT, fill, lent, lent_all
 from .handle import Array, Handle, Number
 from .library import lib
 from .struct import Choice, chosen
-from .surface import (FramePose, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fine_plan,
-                      stored_array, stored_number)
-from .wrinkle_mesh import reference_arrays
+from .surface import (FramePose, FrameState, Model, ReferenceSettings, ShownFrame, Surface, fill_reference, fill_stored,
+                      fine_plan, reference_arrays, stored_number)
 
 
 class WrinklePathsModel(Model):
@@ -78,7 +77,7 @@ class WrinklePathsPose(FramePose):
     BUILD = "rumple_wrinkle_paths_pose_build"
 
 
-class WrinklePathsState(Handle):
+class WrinklePathsState(FrameState):
     """What is kept from frame to frame."""
 
     __slots__ = ()
@@ -88,24 +87,21 @@ class WrinklePathsState(Handle):
               "path_fade": (FLOAT, 0), "path_start": (INT, 0), "point_triangle_edge": (INT, 2), "point_at": (FLOAT, 2)}
 
     path_count = Number("paths", "path_id_count")
-    nbytes = Number("memory of the state", "bytes")
 
     def __init__(self, model: WrinklePathsModel, arrays: dict[str, Any]) -> None:
         """From what `arrays` gave."""
         view = c.WrinklePathsStateView()
         fill_reference(view.reference, arrays)
         view.next_id = stored_number(arrays, "next_id", int)
-        for name, (dtype, columns) in self.ARRAYS.items():
-            fill(view, name, stored_array(arrays, name), dtype, columns)
+        fill_stored(view, arrays, self.ARRAYS)
         self._filled(self, lib.rumple_wrinkle_paths_state_build, model, view)
 
     @property
     def arrays(self) -> dict[str, Any]:
         """A dict of plain arrays that the same state can be made of, to the bit."""
         view = self.view
-        return {**(reference_arrays(self, view.reference) or {}), "next_id": view.next_id, **{
-            name: lent(self, getattr(view, name), dtype, (getattr(view, f"{name}_count"), *([columns] * (columns > 0))))
-            for name, (dtype, columns) in self.ARRAYS.items()}}
+        return {**(reference_arrays(self, view.reference) or {}), "next_id": view.next_id,
+                **lent_all(self, view, self.ARRAYS)}
 
     @classmethod
     def of(cls, model: WrinklePathsModel, arrays: dict[str, Any]) -> "WrinklePathsState":

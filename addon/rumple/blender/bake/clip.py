@@ -11,9 +11,10 @@ from typing import Iterator
 
 import bpy
 
-from ...core import clip_file, clip_folder, engine
+from ...core import clip_file, clip_folder
 from ...core.clip_lock import Lock
 from ...core.clip_manifest import ClipFault, Manifest
+from ...core.frame_result import Attribute, FrameResult
 from .. import compat, scheduler
 from ..frame import clip_status, path_curves
 from ..objects import clip_place, messages, modifier, output_mesh, runtimes
@@ -56,7 +57,7 @@ def attach(obj: bpy.types.Object, manifest: Manifest, clip: Path) -> None:
 def make_cache_object(obj: bpy.types.Object, shown: bpy.types.Mesh) -> bpy.types.Object:
     """A hidden object with the points of a clip, at rest: that is what shows where the clip cannot be read."""
     attributes = modifier.system(modifier.find(obj)).wrinkles.ATTRIBUTES
-    rest = engine.FrameResult.at_rest(compat.positions(shown), len(shown.loops), attributes)
+    rest = FrameResult.at_rest(compat.positions(shown), len(shown.loops), attributes)
     points = clip_file.points_of(rest, attributes)
     mesh = bpy.data.meshes.new(obj.name + SUFFIX)
     mesh.vertices.add(len(points))
@@ -162,7 +163,7 @@ class ClipBake:
         self.writer = self._make_writer(path, manifest, fine.ATTRIBUTES)
 
     def _make_writer(self, path: Path, manifest: Manifest,
-                     attributes: tuple[engine.Attribute, ...]) -> clip_file.ClipWriter:
+                     attributes: tuple[Attribute, ...]) -> clip_file.ClipWriter:
         return clip_file.ClipWriter(path, manifest, attributes)
 
     @contextmanager

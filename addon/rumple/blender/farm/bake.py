@@ -14,7 +14,7 @@ from ...core.checkpoint import CannotGoOn, Checkpoint
 from ...core.clip_lock import Held, Lock
 from ...core.clip_manifest import ClipFault, Manifest
 from ...core.clip_partial import PartialWriter
-from ...core.engine import Attribute
+from ...core.frame_result import Attribute
 from ..bake import clip
 from ..bake.playback import BakeError
 from ..frame import clip_status, path_curves
@@ -127,7 +127,7 @@ class FarmBake(clip.ClipBake):
         runtime, frame = runtimes.of(self.obj), self._frame(state.sample)
         solved = runtime.evaluator.frame_cache.get(frame)
         try:
-            if solved is None or solved.inputs != state.inputs:
+            if solved is None or solved.input_digest != state.input_digest:
                 return False
             restored = state.restored(runtime.evaluator)
         except CannotGoOn:

@@ -12,7 +12,7 @@ from ...core import clip_file, clip_pieces
 from ...core.clip_lock import Lock
 from ...core.clip_manifest import ClipFault, Manifest
 from ...core.clip_pieces import Piece, PieceWriter
-from ...core.engine import Attribute
+from ...core.frame_result import Attribute
 from ..bake import clip
 from ..bake.playback import BakeError, Playback
 from ..frame import clip_status, path_curves

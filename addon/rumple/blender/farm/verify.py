@@ -11,6 +11,7 @@ import numpy as np
 
 from ...core import clip_file, clip_partial
 from ...core.clip_manifest import Manifest
+from ...core.frame_result import FrameResult
 from ..bake import clip
 from ..bake.playback import BakeError, Playback
 from ..objects import modifier
@@ -75,7 +76,7 @@ def _compare(playback: Playback, obj: bpy.types.Object, path: clip.Path, manifes
     return Verified(compared)
 
 
-def _solved(playback: Playback, manifest: Manifest, wanted: list[int]) -> Iterator[tuple[int, clip.engine.FrameResult]]:
+def _solved(playback: Playback, manifest: Manifest, wanted: list[int]) -> Iterator[tuple[int, FrameResult]]:
     if playback.is_independent:
         for sample in wanted:
             yield sample, playback.solve_sample(sample)[0]

@@ -36,7 +36,7 @@ from __future__ import annotations
 import bpy
 
 from ...core import clip_file
-from ...core.engine import Attribute
+from ...core.frame_result import Attribute
 from ...core.systems import SYSTEMS, System
 from .. import compat
 from .builder import GeometryNodes, empty_modifier_group

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from mathutils.geometry import interpolate_bezier
 
-from ...core.fold_guides import DIRECTION, KINDS, PUCKER
+from ...core.fold_guides import DIRECTION, KINDS, PUCKER, Guide
 from .. import compat, scheduler
 from . import incoming_mesh, runtimes, units
 
@@ -97,20 +97,17 @@ def read(garment: bpy.types.Object, rest_of: Callable[[], np.ndarray]) -> np.nda
         for points in _lines(guide.data):
             points[:, :3] = points[:, :3] @ matrix[:3, :3].T + matrix[:3, 3]
             spacing = about.reach if kind == DIRECTION else about.spacing
-            rows.append(_rows(points, len(rows), kind, about.count, scale * spacing, scale * about.depth,
-                              about.others))
+            line = Guide(points[:, :3], points[:, 3], kind, about.count, scale * spacing, scale * about.depth,
+                         about.others)
+            rows.append(line.rows(len(rows)))
     about = garment.rumple_guide
     if about.seam_depth > 0.0 and about.seam_spacing > 0.0:
         rest = rest_of()
         for chain in _seams(incoming_mesh.of(garment)):
-            points = np.column_stack([rest[chain], np.ones(len(chain))])
-            rows.append(_rows(points, len(rows), PUCKER, SEAM_RINGS, scale * about.seam_spacing,
-                              scale * about.seam_depth, 1.0))
+            line = Guide(rest[chain], np.ones(len(chain)), PUCKER, SEAM_RINGS, scale * about.seam_spacing,
+                         scale * about.seam_depth, 1.0)
+            rows.append(line.rows(len(rows)))
     return np.concatenate(rows) if rows else None
-
-
-def _rows(points: np.ndarray, *about: float) -> np.ndarray:
-    return np.column_stack([points, np.tile(np.array(about), (len(points), 1))]).astype(np.float32)
 
 
 def _lines(curve: bpy.types.Curve) -> Iterator[np.ndarray]:

@@ -14,8 +14,9 @@ import json
 import bpy
 import numpy as np
 
-from ...core import engine
+from ...core.frame_result import Attribute, FrameResult
 from ...core.shown_mesh import ShownMesh
+from ...core.triangles import on_shown
 from .. import compat
 from ..nodes import wrinkle_tree
 from . import incoming_mesh, mesh_reader
@@ -98,7 +99,7 @@ def write_embedding(mesh: bpy.types.Mesh, fine: ShownMesh) -> None:
     compat.write_attribute(mesh, wrinkle_tree.BARYCENTRIC, "FLOAT_VECTOR", "POINT", weights)
     compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", np.zeros((count, 3), np.float32))
     compat.write_attribute(mesh, wrinkle_tree.BASE_INDEX, "INT", "POINT", np.arange(count, dtype=np.int32))
-    rest = engine.FrameResult.at_rest(fine.positions_rest, len(fine.corner_vertex), fine.ATTRIBUTES)
+    rest = FrameResult.at_rest(fine.positions_rest, len(fine.corner_vertex), fine.ATTRIBUTES)
     _write_attributes(mesh, rest, fine.ATTRIBUTES)
 
 
@@ -118,7 +119,7 @@ def is_embedding_of(mesh: bpy.types.Mesh, fine: ShownMesh) -> bool:
             and np.array_equal(weights[:, :2], fine.barycentric, equal_nan=True))
 
 
-def write_result(mesh: bpy.types.Mesh, result: engine.FrameResult, attributes: tuple[engine.Attribute, ...]) -> None:
+def write_result(mesh: bpy.types.Mesh, result: FrameResult, attributes: tuple[Attribute, ...]) -> None:
     """One frame's result. The only thing that handlers write."""
     compat.write_attribute(mesh, wrinkle_tree.LOCAL_OFFSET, "FLOAT_VECTOR", "POINT", result.local_offset)
     _write_attributes(mesh, result, attributes)
@@ -141,8 +142,7 @@ def write_proxy(mesh: bpy.types.Mesh, ways: np.ndarray | None) -> None:
     mesh.update()
 
 
-def _write_attributes(mesh: bpy.types.Mesh, result: engine.FrameResult,
-                      attributes: tuple[engine.Attribute, ...]) -> None:
+def _write_attributes(mesh: bpy.types.Mesh, result: FrameResult, attributes: tuple[Attribute, ...]) -> None:
     for a in attributes:
         compat.write_attribute(mesh, a.name, a.data_type, a.domain, result.attributes[a.name])
 
@@ -265,17 +265,10 @@ def carry_vertex_groups(output: bpy.types.Object, fine: ShownMesh, inherited: In
         write_steps(output.vertex_groups[name], steps[:, column], np.zeros(len(steps), np.int32))
 
 
-def _from_base(fine: ShownMesh, values: np.ndarray) -> np.ndarray:
-    """Point values of the coarse mesh through the embedding: an own mesh has other points than carry_points() takes."""
-    weight_1, weight_2 = fine.barycentric[:, :1], fine.barycentric[:, 1:]
-    corner_0, corner_1, corner_2 = (values[fine.triangle_vertex[:, corner]] for corner in range(3))
-    return (1.0 - weight_1 - weight_2) * corner_0 + weight_1 * corner_1 + weight_2 * corner_2
-
-
 def weight_steps(fine: ShownMesh, weights: np.ndarray) -> np.ndarray:
     """(n, groups) weights of the coarse mesh -> (m, groups) of the fine one, in steps that nobody sees: 0 where a
     point is in no group, else 1 to WEIGHT_STEPS."""
-    spread = _from_base(fine, weights)
+    spread = on_shown(weights, fine)  # an own mesh has other points than carry_points() takes
     return np.where(spread > 0.0, np.maximum(np.rint(spread * WEIGHT_STEPS), 1.0), 0.0).astype(np.int32)
 
 

@@ -92,11 +92,12 @@ class GpuField:
     def begin(self, phase: np.ndarray, direction: np.ndarray, solved_offset: np.ndarray | None = None) -> None:
         """The state of the frame before, as a WrinkleFieldState has it. Without solved_offset no vertex is held."""
         self._start_phase, self._start_direction = upload(phase[:, None]), upload(direction)
-        self.measure_activity()
-        if solved_offset is not None:
+        if solved_offset is None:
+            self.hold_none()
+        else:
             self._start_solved = upload(solved_offset[:, None])
 
-    def measure_activity(self) -> None:
+    def hold_none(self) -> None:
         """Let no vertex be held in the next frame."""
         self._start_solved = upload(np.full((self._links[0].count, 1), _NEVER, np.float32))
 
@@ -224,7 +225,7 @@ class Drawing:
                 return False
             self.waves.begin(state.phase, state.direction, state.solved_offset)
         elif before.settings != inputs.settings:
-            self.waves.measure_activity()
+            self.waves.hold_none()
         state = fine.wrinkles_of(inputs.frame) if inputs.settings.adapts else None
         positions = fine.solved_over(inputs.frame, inputs.positions)
         welded, normals = self._model.weld_pose(positions)

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Labels that were cut for a whole clip before its frames are solved, for rest shapes that adapt. Never imports bpy."""
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..native import kernels
+from .digests import digest_of
+
+
+class ClipLabels:
+    """Those of the clip that was looked at last; at first of none."""
+
+    def __init__(self) -> None:
+        self._by_frame: dict[float, tuple[bytes, np.ndarray]] = {}  # digest of the positions, labels
+        self.pose_mismatches: set[float] = set()  # frames that came with other positions
+
+    @classmethod
+    def of(cls, model: Any, native_settings: Any, clip: dict[float, np.ndarray], frame_rate: float) -> "ClipLabels":
+        """clip: (n, 3) float32 positions of the base by whole frame, ascending. Raises ValueError."""
+        times = np.array([frame / frame_rate for frame in clip], np.float64)
+        cut = kernels.label_clip(model, native_settings, times, np.concatenate(list(clip.values())))
+        labels = cls()
+        labels._by_frame = {frame: (digest_of(b"", positions), row)
+                            for (frame, positions), row in zip(clip.items(), cut)}
+        return labels
+
+    def at(self, frame: float, positions: np.ndarray) -> np.ndarray | None:
+        """Those of a frame, (t,) uint8; None where it was not looked at, or comes with other positions. A subframe has
+        those of the whole frame that it leads to."""
+        digest, labels = self._by_frame.get(float(math.ceil(frame)), (b"", None))
+        if labels is None or frame != math.ceil(frame):
+            return labels
+        if digest != digest_of(b"", positions):
+            self.pose_mismatches.add(frame)
+            return None
+        self.pose_mismatches.discard(frame)  # an object that follows another comes as it was looked at in a second pass
+        return labels
