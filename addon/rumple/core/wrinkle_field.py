@@ -142,7 +142,8 @@ class WrinkleField(Wrinkles):
 
     def _native_settings(self, settings: FieldSettings) -> Any:
         options = kernels.WrinkleFieldSettings()
-        for name in ("strength", "buckling_threshold", "rate", "rounds", "start_rounds", "irregularity", "seed", "keep_length", "dissolve"):
+        for name in ("strength", "buckling_threshold", "rate", "rounds", "start_rounds", "irregularity", "seed",
+                     "keep_length", "dissolve"):
             setattr(options, name, getattr(settings, name))
         options.aligned_start = settings.start == "ALIGNED"
         options.wavelength = settings.wavelength / self.unit_scale
