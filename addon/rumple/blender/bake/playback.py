@@ -11,7 +11,7 @@ import numpy as np
 from ...core import engine
 from .. import scheduler
 from ..frame import clip_status, first_pass
-from ..objects import modifier, runtimes, viewport_mesh
+from ..objects import modifier, runtimes, units, viewport_mesh
 
 
 MOST_FRAME = 1_048_574  # of Blender, on both sides of 0: what is asked for beyond it is never reached
@@ -33,7 +33,7 @@ class Playback:
         self.scene, self.obj, self.name, self.file = context.scene, obj, obj.name, scheduler.file_number()
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
-        self.pre_roll = range(min(self.scene.frame_start, start), start)
+        self.pre_roll = range(min(units.first_frame(obj, self.scene), start), start)
         self.seen = range(self.pre_roll.start, end + 1)  # by a look at the whole clip
         self.is_part = False
         self.analyzes = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)

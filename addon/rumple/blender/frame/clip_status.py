@@ -52,7 +52,7 @@ def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame."""
     digest = hashlib.sha1(evaluator.sources(obj).shape.encode())
     settings = properties.settings_of(obj, scene)
-    digest.update(repr((settings, scene.frame_start)).encode())
+    digest.update(repr((settings, units.first_frame(obj, scene))).encode())
     if sees_ahead(obj, scene):
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
     for key, weights in sorted(mesh_reader.paint(obj, settings).items()):

@@ -177,10 +177,11 @@ def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, s
                     runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene, mode: str, clip_fault: str) -> bool:
     """True when an output object was written: `shown`."""
     disk_frames.follow(obj, runtime)
-    result = _solve(runtime, inputs, scene, inputs.uses_proxy, inputs.in_viewport)
+    first = units.first_frame(obj, scene)
+    result = _solve(runtime, inputs, first, inputs.uses_proxy, inputs.in_viewport)
     runtime.inputs = inputs
     messages.set_frame_error(runtime, clip_fault)
-    unplayed = runtime.evaluator.unplayed_message(inputs.frame, scene.frame_start) if result.unplayed else ""
+    unplayed = runtime.evaluator.unplayed_message(inputs.frame, first) if result.unplayed else ""
     messages.note_unplayed(runtime, unplayed, mode == "RENDER")
     if runtime.evaluator.HAS_CURVES:
         path_curves.write(obj, runtime)
@@ -193,10 +194,10 @@ def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, s
     return written
 
 
-def _solve(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene, for_preview: bool,
+def _solve(runtime: Runtime, inputs: Inputs, first_frame: int, for_preview: bool,
            in_viewport: bool) -> engine.FrameResult | engine.PreviewFrame:
     return runtime.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
-                                         start=scene.frame_start, world_from_object=inputs.world_from_object,
+                                         start=first_frame, world_from_object=inputs.world_from_object,
                                          frame_rate=inputs.frame_rate, for_preview=for_preview, body=inputs.body,
                                          surroundings=inputs.surroundings, in_viewport=in_viewport)
 
@@ -215,7 +216,8 @@ def show_fine_meshes() -> None:
                                                             or not first_pass.is_shown(nodes_mod)):
                 continue
             try:
-                result = _solve(runtime, inputs, units.scene_of(obj), for_preview=False, in_viewport=False)
+                result = _solve(runtime, inputs, units.first_frame(obj, units.scene_of(obj)), for_preview=False,
+                                in_viewport=False)
                 assert isinstance(result, engine.FrameResult)
                 output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
                 modifier.move_hidden(output_obj, "x", 0.0)  # a bake under way puts it away again

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene that counts for an object, and its length unit in metres."""
+"""The scene that counts for an object, its length unit in metres, and the first frame of the clip."""
 from __future__ import annotations
 
 import bpy
@@ -8,6 +8,12 @@ import bpy
 def scene_of(obj: bpy.types.Object) -> bpy.types.Scene:
     """The scene whose units and frames count for an object."""
     return next(iter(obj.users_scene), None) or bpy.context.scene
+
+
+def first_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int:
+    """The frame of the clip that needs none before it. Not the scene's Start alone: that one is moved to render a part
+    again, and a bake may begin before it."""
+    return min(scene.frame_start, obj.rumple.bake_start)
 
 
 def metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
