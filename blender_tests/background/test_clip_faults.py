@@ -264,6 +264,42 @@ class OneName(Case):
         np.testing.assert_array_equal(sleeve.shown(self.obj), before)
         self.assertEqual(self.obj.rumple.message, "")
 
+    def test_a_renamed_object_keeps_its_clip(self) -> None:
+        """A clip is named after its object, so one with a former name of another was baked over the clip of that."""
+        self.bake()
+        first = self.clip(), self.clip().read_bytes()
+        sleeve.at(8)
+        before = sleeve.shown(self.obj)
+        self.obj.name = "Sleeve_old"
+        bpy.ops.object.duplicate()
+        other = bpy.context.object
+        scheduler.sync_all()
+        other.name = "Sleeve"
+        other.rumple.mesh.radius = 3.0
+        for _ in range(2):  # the second bake goes where the first went
+            bpy.ops.object.rumple_bake()
+            self.assertEqual(first[0].read_bytes(), first[1])
+            sleeve.at(8)
+            np.testing.assert_array_equal(sleeve.shown(self.obj), before)
+        self.assertEqual((self.obj.rumple.message, other.rumple.message), ("", ""))
+        self.assertEqual(len(os.listdir(first[0].parent)), 2)
+        place = clip_status.clip_path(other)
+        sleeve.make_active(self.obj)
+        bpy.ops.object.rumple_bake()  # to its present name: its former one is free
+        self.assertEqual(clip_bake.new_clip_path(other), place)
+
+    def test_a_duplicate_keeps_the_clip_that_both_play(self) -> None:
+        self.bake()
+        first = self.clip(), self.clip().read_bytes()
+        bpy.ops.object.duplicate()
+        scheduler.sync_all()
+        copy = bpy.context.object
+        sleeve.make_active(self.obj)
+        self.obj.rumple.mesh.radius = 3.0
+        bpy.ops.object.rumple_bake()
+        self.assertNotEqual(self.clip(), first[0])
+        self.assertEqual((clip_status.clip_path(copy), first[0].read_bytes()), first)
+
     def test_two_versions_of_a_file_never_share_a_clip(self) -> None:
         # Baking shot_v002 destroyed the bake of shot_v001.
         self.bake()

@@ -23,8 +23,17 @@ SUFFIX = ".clip"
 
 
 def new_clip_path(obj: bpy.types.Object) -> Path:
-    """Where the clip of an object belongs: of a file that was never saved, into a folder that Blender deletes."""
-    return clip_place.of(obj) or clip_place.until_saved(obj)
+    """Where the clip of an object belongs: of a file that was never saved, into a folder that Blender deletes. Never a
+    file that others play, as one that was renamed, or a duplicate: then a number is added."""
+    place, own = clip_place.of(obj) or clip_place.until_saved(obj), clip_status.clip_path(obj)
+    taken = [clip_status.clip_path(other) for other in _others_baked(obj)]
+    paths = [place, *(place.with_name(f"{place.stem}-{number}{place.suffix}") for number in range(2, len(taken) + 2))]
+    free = [path for path in paths if path not in taken]
+    return own if own is not None and own in free else free[0]
+
+
+def _others_baked(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    return [other for other, nodes_mod in modifier.wrinkled_objects() if other != obj and modifier.is_baked(nodes_mod)]
 
 
 def _file_name() -> str:
@@ -87,8 +96,7 @@ def free(obj: bpy.types.Object, delete_file: bool) -> str:
 
 def _delete(obj: bpy.types.Object, clip: Path) -> str:
     """The file of a freed clip, unless another object or file plays it. Why not, else empty."""
-    players = [other.name for other, nodes_mod in modifier.wrinkled_objects()
-               if other != obj and modifier.is_baked(nodes_mod) and clip_status.clip_path(other) == clip]
+    players = [other.name for other in _others_baked(obj) if clip_status.clip_path(other) == clip]
     about = clip_status.manifest(clip)
     if players:
         return f"{obj.name}: {clip.name} is kept, {players[0]} plays it too"
