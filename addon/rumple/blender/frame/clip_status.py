@@ -9,7 +9,8 @@ import bpy
 
 from ...core import clip_file
 from ...core.clip_manifest import ClipFault, Manifest
-from ..objects import bodies, clip_place, coarse_copy, evaluator, mesh_reader, messages, modifier, properties, units
+from ..objects import (bodies, clip_place, coarse_copy, evaluator, mesh_reader, messages, modifier, properties,
+                       runtimes, units)
 from ..objects.runtimes import Runtime
 from . import path_curves
 
@@ -193,12 +194,20 @@ def late_in_renders(obj: bpy.types.Object) -> str:
     return f"{obj.name}: it follows {other.name}, wrinkled too: renders show its folds one frame late. Bake it"
 
 
+def _not_made_yet(obj: bpy.types.Object) -> str:
+    """What the next structural work would mend."""
+    runtime = runtimes.known(obj)
+    if runtime is None or not runtime.stale:
+        return ""
+    return f"{obj.name}: it was changed, and its folds are not made anew yet: the former ones are shown, or none"
+
+
 def check_before_render() -> None:
     """Say on the console what is missing, stale or late, before hours are spent on it."""
     for obj, nodes_mod in modifier.wrinkled_objects():
         with messages.console_errors(obj.name):
             output_obj = modifier.output_object(nodes_mod)
             text = "" if output_obj is None else check(obj, output_obj) if modifier.is_baked(nodes_mod) else \
-                late_in_renders(obj)
+                _not_made_yet(obj) or late_in_renders(obj)
             if text:
                 print(f"Rumple: before rendering: {text}")
