@@ -41,14 +41,15 @@ def _file_name() -> str:
 
 
 def stored_path(path: Path) -> str:
-    """How the file is written into the blend file: relative where possible, with forward slashes on any system."""
+    """How the file is written into the blend file: relative where possible, with forward slashes on any system. A share
+    of Windows keeps its two backslashes: what begins with two slashes is beside the blend file, for Blender."""
     text = str(path)
     if bpy.data.filepath:
         try:
             text = bpy.path.relpath(text)
         except ValueError:
             pass  # another drive on Windows
-    return text.replace("\\", "/")
+    return text if text.startswith("\\\\") else text.replace("\\", "/")
 
 
 def attach(obj: bpy.types.Object, manifest: Manifest, clip: Path) -> None:
