@@ -30,6 +30,10 @@ class Playback:
                 raise BakeError(f"{obj.name}: Blender has no frame {frame}: change the first or the last frame")
         if end < start:
             raise BakeError(f"{obj.name}: the last frame ({end}) is before the first ({start}): change one of them")
+        old, new = context.scene.render.frame_map_old, context.scene.render.frame_map_new
+        if old != new:
+            raise BakeError(f"{obj.name}: Time Stretching is on ({old} to {new}): bake with both the same; the clip is "
+                            "stretched when it is on again")
         self.scene, self.obj, self.name, self.file = context.scene, obj, obj.name, scheduler.file_number()
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe

@@ -245,8 +245,8 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
     for_viewport = depsgraph.mode == "VIEWPORT"
     uses_proxy = for_viewport and preview.uses_proxy(obj, nodes_mod)
-    return Inputs(float(scene.frame_current_final), settings, positions, world, runtime.paint,
-                  scene.render.fps / scene.render.fps_base, uses_proxy,
+    return Inputs(units.frame_of(scene), settings, positions, world, runtime.paint,
+                  units.frame_rate(scene), uses_proxy,
                   for_viewport and viewport_mesh.is_shown(nodes_mod),
                   for_viewport and weight_paint.needs_coarse(obj), body,
                   wind.surroundings(evaluated, depsgraph, settings))
