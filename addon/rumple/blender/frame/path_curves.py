@@ -16,7 +16,7 @@ import numpy as np
 
 from ...core import clip_file
 from ...core.clip_manifest import Manifest
-from ...core.curve_rows import ROWS, capacity_for, rows_of
+from ...core.curve_rows import ROWS, CurvePoints, capacity_for, rows_of
 from .. import compat, scheduler
 from ..nodes import path_curves_tree
 from ..objects import messages, modifier, properties, runtimes, units
@@ -189,7 +189,8 @@ class Recorder:
         if self.wanted:
             runtime = runtimes.of(self.garment)
             inputs = runtime.inputs
-            self.curves.append(runtime.evaluator.curves(inputs.frame, inputs.positions, inputs.settings))
+            self.curves.append(CurvePoints.none() if inputs is None else
+                               runtime.evaluator.curves(inputs.frame, inputs.positions, inputs.settings))
 
     def seal(self, manifest: Manifest, clip: Path) -> int:
         """Write the clip that commit() moves beside that of the garment; its checksum. Raises ClipFault."""

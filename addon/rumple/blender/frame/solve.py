@@ -14,7 +14,7 @@ import numpy as np
 from ...core import engine
 from .. import compat, scheduler
 from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
-                       properties, runtimes, units, viewport_mesh, weight_paint, wind)
+                       properties, runtimes, units, viewport_mesh, visibility, weight_paint, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -90,7 +90,7 @@ def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
 def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
     """Coarse positions of this frame, from the tree or, where it passed the coarse mesh through, from that."""
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or mesh_reader.is_busy(obj):
+    if not evaluated.is_evaluated or mesh_reader.is_busy(obj) or visibility.is_skipped(obj, depsgraph):
         return None
     count = len(incoming_mesh.of(obj).vertices)
     try:
@@ -124,7 +124,7 @@ def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
 def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj: bpy.types.Object, runtime: Runtime,
              scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or mesh_reader.is_busy(obj):
+    if not evaluated.is_evaluated or mesh_reader.is_busy(obj) or visibility.is_skipped(obj, depsgraph):
         return False
     clip_fault = ""
     if modifier.is_baked(nodes_mod):
