@@ -78,6 +78,22 @@ class FirstFrame(unittest.TestCase):
         np.testing.assert_array_equal(self.baked(start=10, first=1), expected)
         self.assertGreater(np.abs(self.baked(start=4, first=4)[0] - expected[3]).max(), 1e-4)  # they differ at all
 
+    def test_a_bake_in_another_scene_is_not_wrong(self) -> None:
+        """It was compared with what the first scene by name would make of the clip."""
+        self.opened(start=1)
+        there = bpy.data.scenes.new("Zweite")
+        for each in (self.obj, bpy.data.objects["Arm"]):
+            there.collection.objects.link(each)
+        there.frame_start, there.frame_end, there.unit_settings.scale_length = -2, 12, 0.5
+        self.obj.rumple.bake_end = 12
+        with bpy.context.temp_override(scene=there, view_layer=there.view_layers[0], object=self.obj,
+                                       active_object=self.obj):
+            bpy.ops.object.rumple_bake()
+        output = modifier.output_object(modifier.find(self.obj))
+        self.assertEqual(clip_status.check(self.obj, output), "")
+        self.obj.rumple.mesh.radius = 3.0
+        self.assertIn("bake again", clip_status.check(self.obj, output))
+
     def test_another_start_does_not_make_a_bake_wrong(self) -> None:
         self.baked(start=1, first=1)
         output = modifier.output_object(modifier.find(self.obj))

@@ -50,9 +50,10 @@ def is_simulated_in_front(obj: bpy.types.Object) -> bool:
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame."""
+    """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame.
+    scene: that it is played in."""
     digest = hashlib.sha1(evaluator.sources(obj).shape.encode())
-    settings = properties.settings_of(obj, scene)
+    settings = properties.settings_of(obj, units.scene_of(obj))
     digest.update(repr((settings, units.first_frame(obj, scene))).encode())
     if sees_ahead(obj, scene):
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
@@ -158,7 +159,7 @@ def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
                "baked from: bake again"
     if clip_place.is_temporary(clip) and bpy.data.filepath:
         return f"{obj.name}: the clip was baked before the file was saved, and goes when Blender quits: bake again"
-    if about.inputs != inputs_fingerprint(obj, units.scene_of(obj)):
+    if all(about.inputs != inputs_fingerprint(obj, scene) for scene in obj.users_scene or (units.scene_of(obj),)):
         return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
     return ""
 
