@@ -144,7 +144,7 @@ class ClipBake:
 
     def _start(self, context: bpy.types.Context, path: Path) -> None:
         obj = self.obj
-        self.curves = path_curves.Recorder(obj)
+        self.curves = path_curves.Recorder(obj, path)
         self.playback = self._make_playback(context)
         try:
             with self._faults():
@@ -206,7 +206,7 @@ class ClipBake:
             if self.lock is not None:
                 self.lock.check()
             about = self.writer.manifest
-            about.curves = self.curves.seal(about, self.writer.clip)
+            about.curves = self.curves.seal(about)
             self.writer.seal()
             modifier.find(self.obj).name  # while it can still be given up
             self.curves.commit(stored_path)

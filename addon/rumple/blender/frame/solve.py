@@ -183,11 +183,11 @@ def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, s
     messages.set_frame_error(runtime, clip_fault)
     unplayed = runtime.evaluator.unplayed_message(inputs.frame, first) if result.unplayed else ""
     messages.note_unplayed(runtime, unplayed, mode == "RENDER")
-    if runtime.evaluator.HAS_CURVES:
-        path_curves.write(obj, runtime)
     if not first_pass.is_shown(nodes_mod):
         runtime.result = result
         return False
+    if runtime.evaluator.HAS_CURVES:
+        path_curves.write(obj, runtime)
     written = _show(shown, runtime, result, mode == "VIEWPORT")
     if written:
         runtime.written_at = compat.session_key(scene), inputs.frame
