@@ -7,7 +7,7 @@ import os
 import struct
 import tempfile
 import unittest
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import Any
 from unittest import mock
 
@@ -221,6 +221,16 @@ class Baked(unittest.TestCase):
         bpy.ops.object.rumple_remove()
         self.assertEqual(sleeve.names(bpy.data.objects), ["Arm", "Sleeve"])
         self.assertEqual(sleeve.names(bpy.data.meshes), ["Sleeve"])
+
+    def test_a_share_of_windows_is_not_taken_for_a_folder_beside_the_file(self) -> None:
+        """Its backslashes became slashes, and Blender reads // as the folder of the blend file."""
+        share, drive = PureWindowsPath(r"\\server\share\a.pc2"), PureWindowsPath(r"D:\clips\a.pc2")
+        with mock.patch.object(bpy.path, "relpath", side_effect=ValueError):  # as where the blend file is on a drive
+            self.assertEqual(clip.stored_path(share), str(share))
+            self.assertEqual(clip.stored_path(drive), "D:/clips/a.pc2")
+        self.assertEqual(bpy.path.abspath(str(share)), str(share))
+        sleeve.empty_file()
+        self.assertEqual(clip.stored_path(share), str(share))
 
     def test_the_path_is_relative_and_the_file_is_a_whole_pc2(self) -> None:
         bpy.ops.object.rumple_bake()

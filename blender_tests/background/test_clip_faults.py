@@ -246,53 +246,6 @@ class Outside(Case):
         self.assertTrue(self.plays_at(4))
 
 
-class OneName(Case):
-
-    def test_two_objects_never_share_a_clip(self) -> None:
-        self.obj.name = "A.001"
-        bpy.ops.object.rumple_bake()
-        sleeve.at(8)
-        before = sleeve.shown(self.obj)
-        bpy.ops.object.duplicate()
-        other = bpy.context.object
-        scheduler.sync_all()
-        other.name = "A_001"
-        other.rumple.mesh.radius = 3.0
-        bpy.ops.object.rumple_bake()
-        self.assertNotEqual(clip_status.clip_path(other), clip_status.clip_path(self.obj))
-        sleeve.at(8)
-        np.testing.assert_array_equal(sleeve.shown(self.obj), before)
-        self.assertEqual(self.obj.rumple.message, "")
-
-    def test_two_versions_of_a_file_never_share_a_clip(self) -> None:
-        # Baking shot_v002 destroyed the bake of shot_v001.
-        self.bake()
-        first = self.clip().read_bytes(), self.clip()
-        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "shot_v002.blend"))
-        self.obj.rumple.mesh.radius = 3.0
-        bpy.ops.object.rumple_bake()
-        self.assertNotEqual(self.clip(), first[1])
-        self.assertEqual(first[1].read_bytes(), first[0])
-        self.reopen()
-        sleeve.at(3)
-        self.assertEqual((self.obj.rumple.message, self.clip()), ("", first[1]))
-
-    def test_freeing_deletes_no_clip_of_others(self) -> None:
-        self.bake()
-        clip = self.clip()
-        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "shot_v002.blend"))
-        bpy.ops.object.rumple_bake_free(delete_file=True)
-        self.assertTrue(clip.is_file(), "it is the bake of shot_v001")
-        self.reopen()
-        bpy.ops.object.duplicate()
-        scheduler.sync_all()
-        bpy.ops.object.rumple_bake_free(delete_file=True)
-        self.assertTrue(clip.is_file(), "the original plays it")
-        sleeve.make_active(self.obj)
-        bpy.ops.object.rumple_bake_free(delete_file=True)
-        self.assertFalse(clip.is_file())
-
-
 class Disturbed(Case):
 
     def whole(self, before: Any) -> None:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
 import bpy
 import numpy as np
-from rumple.blender.maps import export as maps_export
+from rumple.blender.maps import bake, bake_apart, export as maps_export
 from rumple.core import poses_json
 from support import face, maps_renders
 
@@ -57,6 +58,35 @@ class Bake(unittest.TestCase):
             self.assertLess((lean[:, far] ** 2).mean(), 0.05 * (lean[:, near] ** 2).mean(), pose)
         image = self.settings.poses["Left"].image
         self.assertTrue(image.packed_file is not None and image.colorspace_settings.is_data)
+
+    def test_a_second_blender_runs_the_scripts_of_a_trusted_file(self) -> None:
+        """Drivers that call functions stood still there, so it baked another pose, and said nothing."""
+        text = bpy.data.texts.new("rig.py")
+        text.from_string("import bpy\nbpy.app.driver_namespace['rumple_lift'] = lambda: -0.012\n")
+        text.use_module = True
+        jaw = self.rig.pose.bones["jaw"].driver_add("location", 2)
+        jaw.driver.expression = "rumple_lift()"
+        self.settings.bake_size = 64
+        for trusted in (True, False):
+            with tempfile.TemporaryDirectory() as folder:
+                path = os.path.join(folder, "face.blend")
+                bpy.ops.wm.save_as_mainfile(filepath=path)
+                bpy.ops.wm.open_mainfile(filepath=path, use_scripts=trusted)
+                self.addCleanup(bpy.app.driver_namespace.pop, "rumple_lift", None)
+                obj = bpy.data.objects["Face"]
+                bpy.context.view_layer.objects.active = obj
+                self.assertEqual(bpy.app.autoexec_fail, not trusted)
+                jaw = bpy.data.objects["Rig"].pose.bones["jaw"]
+                self.assertAlmostEqual(jaw.matrix_basis.translation.z, -0.012 if trusted else 0.0, 5)
+                bpy.ops.rumple.maps_bake()
+                here = texels(obj.rumple_maps.poses[obj.rumple_maps.active].image)
+                apart = bake_apart.ApartBake(bake.MapBake(bpy.context, obj, [obj.rumple_maps.active]))
+                try:
+                    for _ in apart.steps():
+                        time.sleep(0.1)
+                finally:
+                    apart.close()
+                np.testing.assert_array_equal(texels(obj.rumple_maps.poses[obj.rumple_maps.active].image), here)
 
     def test_the_artists_scene_and_pose_stay(self) -> None:
         basis = {bone.name: bone.matrix_basis.copy() for bone in self.rig.pose.bones}

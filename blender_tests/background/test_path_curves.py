@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from mathutils.bvhtree import BVHTree
 from rumple.blender import compat, handlers, scheduler
+from rumple.blender.bake import clip as clip_bake
 from rumple.blender.frame import clip_status, path_curves
 from rumple.blender.nodes import path_curves_tree
 from rumple.blender.objects import modifier, runtimes
@@ -283,6 +284,33 @@ class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
         sleeve.at(18)
         self.assertFalse(np.array_equal(curve_edges.seen(child)[1], before), "baked again")
         self.assertEqual([m.type for m in child.modifiers].count("MESH_CACHE"), 1)
+
+    def test_a_bake_keeps_the_curves_of_its_samples_in_a_file(self) -> None:
+        """They stayed in memory up to its end: gigabytes of a long clip."""
+        obj, _child = curved()
+        self.save()
+        for end in ("finish", "cancel"):
+            bake = clip_bake.ClipBake(bpy.context, obj)
+            while bake.step():
+                pass
+            waiting = [path for path in (self.folder / "rumple").iterdir() if ".curves.pc2." in path.name]
+            self.assertEqual(len(waiting), 1)
+            self.assertGreater(waiting[0].stat().st_size, 0)
+            getattr(bake, end)()
+            self.assertEqual(len(list((self.folder / "rumple").iterdir())), 2)  # the clip and its curves
+
+    def test_a_bake_needs_no_room_in_the_mesh_that_shows_curves(self) -> None:
+        """In a window, where handlers make no room, it broke off: play the clip through before you render it."""
+        obj, child = curved()
+        self.save()
+        sleeve.play()
+        expected = len(curve_edges.seen(child)[0])
+        path_curves._set_capacity(child.data, 16)
+        with (mock.patch.object(scheduler, "allowed_now", return_value=False),
+              mock.patch.object(path_curves, "_wanted_capacity", return_value=16)):
+            self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+        sleeve.at(sleeve.LAST)
+        self.assertEqual(len(curve_edges.seen(child)[0]), expected)
 
     def test_curves_that_are_damaged_or_of_another_bake_are_said(self) -> None:
         obj, _child = curved()

@@ -9,6 +9,7 @@ from typing import Iterator
 import bpy
 import numpy as np
 from rumple.blender.bake import clip
+from rumple.blender.frame import first_pass
 from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import modifier, runtimes
 from support import sleeve
@@ -195,6 +196,32 @@ class Viewport(WindowCase):
         sleeve.at(20)
         yield 0.2
         self.assertEqual(obj.rumple.message, "")
+
+    def test_a_bake_whose_window_is_closed_ends_and_leaves_nothing(self) -> Iterator[float]:
+        """Nobody ended it: every garment stayed bare, and the clip locked."""
+        obj = self.make()
+        own = tempfile.TemporaryDirectory()
+        self.addCleanup(own.cleanup)
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.join(own.name, "window_bake.blend"))
+        obj.rumple.bake_end = 5000
+        folder, frame = clip.new_clip_path(obj).parent, bpy.context.scene.frame_current
+        with sleeve.context():
+            bpy.ops.wm.window_new()
+        yield 0.5
+        second = bpy.context.window_manager.windows[-1]
+        with sleeve.context(window=second, area=second.screen.areas[0]):
+            self.assertEqual(bpy.ops.object.rumple_bake("INVOKE_DEFAULT"), {"RUNNING_MODAL"})
+        yield from self.until(lambda: bpy.context.scene.frame_current > frame + 2)
+        self.assertEqual(len(os.listdir(folder)), 2)  # the clip that is written, and its lock
+        with sleeve.context(window=second):
+            bpy.ops.wm.window_close()
+        yield 0.5
+        self.assertEqual(len(bpy.context.window_manager.windows), 1)
+        self.assertEqual(os.listdir(folder) if folder.is_dir() else [], [])
+        self.assertEqual((first_pass._needed, bpy.context.scene.frame_current), (None, frame))
+        sleeve.at(5)
+        yield 0.2
+        self.assertTrue(sleeve.is_fine(obj))
 
     def test_a_bake_whose_object_is_deleted_ends_and_leaves_nothing(self) -> Iterator[float]:
         """ReferenceError escaped its timer: this went on for ever, and the file that was being written stayed."""

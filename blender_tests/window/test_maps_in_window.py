@@ -180,3 +180,20 @@ class MapsInWindow(WindowCase):
         self.assertIs(self.settings.poses[1].image, former[1])
         self.assertEqual(sorted(obj.name for obj in bpy.data.objects), objects)
         self.assertEqual(len(list(maps_modifier.mapped_objects())), 1)
+
+    def test_a_bake_whose_window_is_closed_ends(self) -> Iterator[float]:
+        """The second Blender went on, and its folder stayed."""
+        self.make()
+        with sleeve.context():
+            bpy.ops.wm.window_new()
+        yield 0.5
+        second = bpy.context.window_manager.windows[-1]
+        with sleeve.context(window=second, area=second.screen.areas[0]):
+            bpy.ops.rumple.maps_bake("INVOKE_DEFAULT", every=True)
+        folders = Path(bpy.app.tempdir)
+        yield from self.until(lambda: list(folders.glob("rumple_maps_*/log")))
+        self.assertEqual(len(list(folders.glob("rumple_maps_*/log"))), 1)
+        with sleeve.context(window=second):
+            bpy.ops.wm.window_close()
+        yield 0.5
+        self.assertEqual(list(folders.glob("rumple_maps_*")), [])

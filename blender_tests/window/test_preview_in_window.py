@@ -102,7 +102,7 @@ class Drawn(PreviewCase):
         yield from self.make()
         field = self.obj.rumple.field
         field.rest_shape, field.reference = "ADAPTIVE", "FIRST_FRAME"
-        bpy.context.scene.frame_start = 10  # bent already
+        bpy.context.scene.frame_start = self.obj.rumple.bake_start = 10  # bent already
         yield from self.until(lambda: runtimes.of(self.obj).inputs is not None
                               and runtimes.of(self.obj).inputs.settings.adapts)
         for frame in (10, 11, 12, 18):

@@ -7,10 +7,13 @@ import os
 import tempfile
 from pathlib import Path
 from typing import Iterator
+from unittest import mock
 
 import bpy
 import numpy as np
-from rumple.blender import scheduler
+from rumple.blender import handlers, scheduler
+from rumple.blender.frame import clip_status
+from rumple.blender.objects import runtimes
 from support import reference_solve, render_cases, sleeve, small_renders
 from support.window_case import WindowCase
 
@@ -82,17 +85,59 @@ class RenderJob(WindowCase):
             self.assertEqual(bpy.context.scene.frame_current, 15)
             np.testing.assert_array_equal(sleeve.shown(self.obj), seen)
 
-    def test_a_job_takes_what_is_there_and_what_is_pending_waits_for_its_end(self) -> Iterator[float]:
+    def test_a_job_waits_for_what_was_changed_just_before(self) -> Iterator[float]:
+        """It took what was there, and after an edit nothing: what was pending waited for the end of the job."""
+        self.obj = small_renders.stage("CYCLES")
+        yield from self.until(self.settled)
+        count = self.vertices()
+        yield from self.pictures(just_before=functools.partial(setattr, self.obj.rumple.mesh, "level", 2),
+                                 write_still=True)
+        self.assertGreater(self.vertices(), 3 * count)
+        (name, picture), = self.found.items()
+        right, = reference_solve.expected(self.obj, [bpy.context.scene.frame_current])
+        self.assertLessEqual(reference_solve.unlike(picture, right), render_cases.STRAY, name)
+
+    def test_a_job_waits_for_an_edited_mesh(self) -> Iterator[float]:
+        self.obj = small_renders.stage("CYCLES")
+        yield from self.until(self.settled)
+        seen: list[int] = []
+
+        def note(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+            if depsgraph.mode == "RENDER":
+                seen.append(len(self.obj.evaluated_get(depsgraph).data.vertices))
+
+        bpy.app.handlers.frame_change_post.append(note)
+        self.addCleanup(bpy.app.handlers.frame_change_post.remove, note)
+        with sleeve.context():
+            sleeve.make_active(self.obj)
+            bpy.ops.object.mode_set(mode="EDIT")
+            bpy.ops.mesh.select_all(action="SELECT")
+            bpy.ops.mesh.subdivide()
+            bpy.ops.object.mode_set(mode="OBJECT")
+        bpy.context.view_layer.update()
+        self.assertTrue(runtimes.of(self.obj).stale)
+        coarse = len(self.obj.data.vertices)
+        yield from self.pictures(animation=True)
+        self.assertEqual(len(seen), 5)
+        self.assertGreater(min(seen), 2 * coarse)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_a_job_does_not_wait_for_ever_and_says_what_it_lacks(self) -> Iterator[float]:
         # Nothing may be rebuilt in the thread of a job: the window draws what would be removed.
         self.obj = small_renders.stage("CYCLES")
         yield from self.until(self.settled)
-        before, count = small_renders.still(15), self.vertices()
+        before, count, said = small_renders.still(15), self.vertices(), []
         self.addCleanup(setattr, scheduler, "DELAY", scheduler.DELAY)
-        scheduler.DELAY = 5.0  # a busy machine may take longer than it to start the job
+        scheduler.DELAY = 8.0  # a busy machine may take longer than it to start the job
+        for module, name, value in ((handlers, "_PATIENCE", 0.2), (clip_status, "print", said.append)):
+            patch = mock.patch.object(module, name, value, create=True)
+            patch.start()
+            self.addCleanup(patch.stop)
         finer = functools.partial(setattr, self.obj.rumple.mesh, "level", 2)
         yield from self.pictures(just_before=finer, write_still=True)
         (name, picture), = self.found.items()
         self.assertLessEqual(reference_solve.unlike(picture, before), render_cases.STRAY, name)
+        self.assertRegex("\n".join(said), "before rendering: .*: it was changed, and its folds are not made anew yet")
         yield from self.until(lambda: self.vertices() > 3 * count)
         self.assertGreater(self.vertices(), 3 * count)
 

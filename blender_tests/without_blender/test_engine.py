@@ -12,6 +12,7 @@ from rumple.core import frame_cache
 from rumple.core.base_mesh import BaseMesh
 from rumple.core.body import Body
 from rumple.core.engine import UserError
+from rumple.core.frame_cache import CachedFrame, FrameCache
 from rumple.core.presets import MESH_PRESETS
 from rumple.core.settings import MeshSettings
 from rumple.core.wrinkle_mesh import WrinkleMesh, suggested_wavelength, level_for, wavelength_of
@@ -155,6 +156,20 @@ class FrameLaws(unittest.TestCase):
         for frame in (1, 2, 3):
             self.solve(frame)
         self.assertEqual(self.mesh.frame_cache.frames(), [(1.0, True), (2.0, True), (3.0, True)])
+
+    def test_a_small_memory_limit_leaves_what_a_frame_or_subframe_goes_on_from(self) -> None:
+        """Those farthest from the newest went first: the frame before its own subframes."""
+        size = 20 << 20
+        samples = [frame + part / 4 for frame in FRAMES for part in range(4)]
+        blurred = [frame + part for frame in FRAMES for part in (0.0, 0.25, -0.25)]  # as Cycles asks
+        for order in (samples, blurred):
+            for limit in (16, 64):
+                cache = FrameCache(limit << 20)
+                for frame in order:
+                    if frame > 1.0:
+                        self.assertIsNotNone(cache.before(frame), (frame, limit))
+                    cache.put(frame, CachedFrame(b"", b"", True, size))
+                    self.assertLessEqual(cache.bytes, 4 * size)
 
     def test_frames_of_another_first_frame_are_kept_beside_and_go_first(self) -> None:
         self.solve(1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import threading
+import time
 from typing import Any, Callable
 
 import bpy
@@ -15,6 +16,8 @@ from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild a
                    runtimes as maps_runtimes, solve as maps_solve)
 from .objects import bodies, changes, kept_lists, messages, modifier, runtimes
 
+
+_PATIENCE = 30.0  # seconds that a render waits for what was edited just before
 
 _RUNTIMES = (runtimes, maps_runtimes)
 
@@ -104,13 +107,24 @@ def _on_undo(*_arguments: object) -> None:
     scheduler.request()
 
 
+def _let_timers_work() -> None:
+    """In the thread of an F12 job: the window's timers go on meanwhile, and make what was edited just before. When the
+    render has begun they may not."""
+    ends = time.monotonic() + _PATIENCE
+    while scheduler.work_is_due() and time.monotonic() < ends:
+        time.sleep(scheduler.POLL)
+
+
 @_handler
 def _on_render_start(*_arguments: object) -> None:
     # A script may have changed things since the last update, and the timer had no turn. Not in the thread of an F12
     # job: the window draws meanwhile, and data-blocks must not come and go under it. What a timer has begun ends first.
+    in_main_thread = threading.get_ident() == threading.main_thread().ident
+    if not in_main_thread:
+        _let_timers_work()
     with scheduler.LOCK:
         try:
-            if threading.get_ident() == threading.main_thread().ident:
+            if in_main_thread:
                 scheduler.sync_all()
             kept_lists.forget_all()
             clip_status.check_before_render()

@@ -167,6 +167,12 @@ def sync_all() -> None:
             worker()
 
 
+def work_is_due() -> bool:
+    """Whether the timer has something to do. Waits for the end of what it is doing."""
+    with LOCK:
+        return _wanted or bool(_awaited)
+
+
 def may_wait() -> bool:
     """Whether structural work may be left for later, while a thread makes what it needs."""
     return _may_wait

@@ -38,6 +38,12 @@ class CurvePoints:
     positions: np.ndarray  # (p, 3) object space, on the mesh as it was solved
 
     @classmethod
+    def none(cls) -> "CurvePoints":
+        """Of a frame in which nothing is solved."""
+        one, two, three = (np.zeros((0, count), np.float32) for count in (1, 2, 3))
+        return cls(np.zeros(1, np.int32), np.zeros(0, np.int32), three, two, three, one[:, 0], one[:, 0], three)
+
+    @classmethod
     def of(cls, riding: Any, origin: Origin | None) -> "CurvePoints":
         """riding: native. origin: of the base that it rides on."""
         corners = riding.corners if origin is None else origin.vertex[riding.corners]

@@ -108,7 +108,7 @@ class FrameCache:
 
     Scenes with another first frame or frame rate have entries of their own, see follow(). limit_bytes: of all together;
     when exceeded, pictures are dropped, then those of other scenes, then entries farthest from the newest, provisional
-    ones first.
+    ones first. What the next frame goes on from stays, whatever the limit.
     """
 
     def __init__(self, limit_bytes: int = 512 * 2**20) -> None:
@@ -220,6 +220,8 @@ class FrameCache:
         return [(frame, self._entries[frame].final) for frame in sorted(self._entries)]
 
     def _evict(self, newest: float) -> None:
+        """Never the whole frames around the newest, nor the one before: the next one goes on from one of these, or a
+        subframe does, as where a shutter opens."""
         if self._bytes + self._picture_bytes > self.limit_bytes:
             for _, cached in self._all():
                 cached.pictures = {}
@@ -229,8 +231,9 @@ class FrameCache:
                 self._drop(other)
         if self._bytes <= self.limit_bytes:
             return
+        needed = newest, math.floor(newest) - 1, math.floor(newest), math.ceil(newest)
         order = sorted(self._entries, key=lambda f: (self._entries[f].final, -abs(f - newest)))
         for frame in order:
-            if self._bytes <= self.limit_bytes or frame == newest:
+            if self._bytes <= self.limit_bytes or frame in needed:
                 continue
             self._forget([self._entries.pop(frame)])

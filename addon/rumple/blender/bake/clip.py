@@ -24,8 +24,17 @@ SUFFIX = ".clip"
 
 
 def new_clip_path(obj: bpy.types.Object) -> Path:
-    """Where the clip of an object belongs: of a file that was never saved, into a folder that Blender deletes."""
-    return clip_place.of(obj) or clip_place.until_saved(obj)
+    """Where the clip of an object belongs: of a file that was never saved, into a folder that Blender deletes. Never a
+    file that others play, as one that was renamed, or a duplicate: then a number is added."""
+    place, own = clip_place.of(obj) or clip_place.until_saved(obj), clip_status.clip_path(obj)
+    taken = [clip_status.clip_path(other) for other in _others_baked(obj)]
+    paths = [place, *(place.with_name(f"{place.stem}-{number}{place.suffix}") for number in range(2, len(taken) + 2))]
+    free = [path for path in paths if path not in taken]
+    return own if own is not None and own in free else free[0]
+
+
+def _others_baked(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    return [other for other, nodes_mod in modifier.wrinkled_objects() if other != obj and modifier.is_baked(nodes_mod)]
 
 
 def _file_name() -> str:
@@ -33,14 +42,15 @@ def _file_name() -> str:
 
 
 def stored_path(path: Path) -> str:
-    """How the file is written into the blend file: relative where possible, with forward slashes on any system."""
+    """How the file is written into the blend file: relative where possible, with forward slashes on any system. A share
+    of Windows keeps its two backslashes: what begins with two slashes is beside the blend file, for Blender."""
     text = str(path)
     if bpy.data.filepath:
         try:
             text = bpy.path.relpath(text)
         except ValueError:
             pass  # another drive on Windows
-    return text.replace("\\", "/")
+    return text if text.startswith("\\\\") else text.replace("\\", "/")
 
 
 def attach(obj: bpy.types.Object, manifest: Manifest, clip: Path) -> None:
@@ -88,8 +98,7 @@ def free(obj: bpy.types.Object, delete_file: bool) -> str:
 
 def _delete(obj: bpy.types.Object, clip: Path) -> str:
     """The file of a freed clip, unless another object or file plays it. Why not, else empty."""
-    players = [other.name for other, nodes_mod in modifier.wrinkled_objects()
-               if other != obj and modifier.is_baked(nodes_mod) and clip_status.clip_path(other) == clip]
+    players = [other.name for other in _others_baked(obj) if clip_status.clip_path(other) == clip]
     about = clip_status.manifest(clip)
     if players:
         return f"{obj.name}: {clip.name} is kept, {players[0]} plays it too"
@@ -136,7 +145,7 @@ class ClipBake:
 
     def _start(self, context: bpy.types.Context, path: Path) -> None:
         obj = self.obj
-        self.curves = path_curves.Recorder(obj)
+        self.curves = path_curves.Recorder(obj, path)
         self.playback = self._make_playback(context)
         try:
             with self._faults():
@@ -198,7 +207,7 @@ class ClipBake:
             if self.lock is not None:
                 self.lock.check()
             about = self.writer.manifest
-            about.curves = self.curves.seal(about, self.writer.clip)
+            about.curves = self.curves.seal(about)
             self.writer.seal()
             modifier.find(self.obj).name  # while it can still be given up
             self.curves.commit(stored_path)

@@ -96,6 +96,12 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
         self._show_progress(context)
         return {"RUNNING_MODAL"}
 
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Another file, or the window is closed."""
+        self._end_modal(context)
+        if self._running is not None:
+            self._running.cancel()
+
     def _show_progress(self, context: bpy.types.Context) -> None:
         done, count = self._running.done, self._running.playback.count
         context.window_manager.progress_update(done * PARTS // max(count, 1))

@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 
 from ...core import engine
-from .. import scheduler
+from .. import compat, scheduler
 from ..frame import clip_status, first_pass
-from ..objects import modifier, runtimes, viewport_mesh
+from ..objects import incoming_mesh, modifier, runtimes, units, viewport_mesh, visibility
 
 
 MOST_FRAME = 1_048_574  # of Blender, on both sides of 0: what is asked for beyond it is never reached
@@ -30,12 +30,17 @@ class Playback:
                 raise BakeError(f"{obj.name}: Blender has no frame {frame}: change the first or the last frame")
         if end < start:
             raise BakeError(f"{obj.name}: the last frame ({end}) is before the first ({start}): change one of them")
+        old, new = context.scene.render.frame_map_old, context.scene.render.frame_map_new
+        if old != new:
+            raise BakeError(f"{obj.name}: Time Stretching is on ({old} to {new}): bake with both the same; the clip is "
+                            "stretched when it is on again")
         self.scene, self.obj, self.name, self.file = context.scene, obj, obj.name, scheduler.file_number()
         self.start, self.end, self.samples = start, end, samples
         self.now = self.scene.frame_current, self.scene.frame_subframe
-        self.pre_roll = range(min(self.scene.frame_start, start), start)
+        self.pre_roll = range(min(units.first_frame(obj, self.scene), start), start)
         self.seen = range(self.pre_roll.start, end + 1)  # by a look at the whole clip
         self.is_part = False
+        self._held: tuple[engine.FrameResult, np.ndarray] | None = None  # what was shown last
         self.analyzes = obj.rumple.bake_whole_clip and clip_status.sees_ahead(obj, context.scene)
         self._count_steps()
         nodes_mod = modifier.find(obj)
@@ -102,11 +107,14 @@ class Playback:
         runtime.analyzing = True
         for frame in self.seen:
             self.visit(frame, 0.0)
-            if runtime.analyzed is None or runtime.analyzed.frame != frame:
-                raise BakeError(f"{self.obj.name}: nothing is seen at frame {frame}: is the modifier off?")
-            clip[float(frame)] = runtime.analyzed.positions
+            if not self._is_skipped():
+                if runtime.analyzed is None or runtime.analyzed.frame != frame:
+                    raise BakeError(f"{self.obj.name}: nothing is seen at frame {frame}: is the modifier off?")
+                clip[float(frame)] = runtime.analyzed.positions
             yield
         runtime.analyzing = False
+        if not clip:
+            return
         try:
             runtime.evaluator.analyze_clip(clip, runtime.analyzed.settings, frame_rate=runtime.analyzed.frame_rate)
         except engine.UserError as error:
@@ -130,12 +138,29 @@ class Playback:
         return runtime
 
     def solve_at(self, frame: int, subframe: float) -> tuple[engine.FrameResult, np.ndarray]:
-        """The same at any time."""
+        """The same at any time. Where keyed visibility hides it: what was shown last, and before that the rest."""
         runtime = self.visit(frame, subframe)
+        if self._is_skipped() and runtime.evaluator is not None:
+            return self._held or self._at_rest(runtime)
         if (not isinstance(runtime.result, engine.FrameResult) or runtime.inputs is None
                 or abs(runtime.inputs.frame - frame - subframe) > 1e-3):
+            if not self.obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated:
+                raise BakeError(f"{self.name}: nothing is solved at frame {frame + subframe:g}, it is hidden: show it")
             raise BakeError(f"{self.obj.name}: nothing is solved at frame {frame + subframe:g}: is the modifier off?")
-        return runtime.result, runtime.inputs.positions
+        self._held = runtime.result, runtime.inputs.positions
+        return self._held
+
+    def _is_skipped(self) -> bool:
+        """Whether keyed visibility hides it in this frame."""
+        return visibility.is_keyed(self.obj) and visibility.is_skipped(self.obj, bpy.context.evaluated_depsgraph_get())
+
+    def _at_rest(self, runtime: runtimes.Runtime) -> tuple[engine.FrameResult, np.ndarray]:
+        """(picture, coarse positions) of a frame that nothing is solved in."""
+        runtime.invalidate_output()  # what was looked at before the bake is no part of it
+        fine = runtime.evaluator
+        rest = np.ascontiguousarray(fine.positions_rest, np.float32)
+        return (engine.FrameResult.at_rest(rest, len(fine.corner_vertex), fine.ATTRIBUTES),
+                compat.positions(incoming_mesh.of(self.obj)))
 
     def note(self) -> str:
         """What is odd about what was solved, for the report; empty when nothing is."""

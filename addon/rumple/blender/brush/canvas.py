@@ -11,7 +11,7 @@ from ...core.brush import Easel
 from ...core.engine import UserError
 from ...core.wrinkle_field import WrinkleField
 from .. import compat
-from ..objects import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes
+from ..objects import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes, units
 
 
 class Canvas:
@@ -33,7 +33,7 @@ class Canvas:
             positions = mesh_reader.plain_positions(evaluated, count)
         if positions is None:
             raise UserError(f"{obj.name}: its wrinkles do not show: switch the modifier on in the viewport first")
-        positions = self.easel.field.solved_over(float(depsgraph.scene.frame_current_final), positions)
+        positions = self.easel.field.solved_over(units.frame_of(depsgraph.scene), positions)
         matrix = np.array(evaluated.matrix_world, np.float32)
         if self.easel.pose(positions @ matrix[:3, :3].T + matrix[:3, 3]):
             self._tree = None

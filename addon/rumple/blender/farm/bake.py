@@ -58,7 +58,7 @@ class Options:
 class FarmBake(clip.ClipBake):
     """A ClipBake that another one can go on with."""
 
-    behind_a_jump = False  # its frames are final only where they were played from the scene's first one
+    behind_a_jump = False  # its frames are final only where they were played from the clip's first one
 
     def __init__(self, context: bpy.types.Context, obj: bpy.types.Object, digest: str, resume: bool,
                  checkpoint: float = CHECKPOINT) -> None:

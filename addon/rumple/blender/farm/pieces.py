@@ -16,7 +16,7 @@ from ...core.frame_result import Attribute
 from ..bake import clip
 from ..bake.playback import BakeError, Playback
 from ..frame import clip_status, path_curves
-from ..objects import modifier, properties
+from ..objects import modifier, properties, units
 from . import bake, source
 from .bake import Baked, Options, Say
 
@@ -57,7 +57,7 @@ def pre_roll_of(obj: bpy.types.Object, asked: int) -> int:
 def keep_to(playback: Playback, start: int, first: int, last: int, pre_roll: int) -> None:
     """Let a playback solve one piece of a clip that begins at `start`: behind no frame that is not played for all of
     it."""
-    begin = min(playback.scene.frame_start, start)
+    begin = min(units.first_frame(playback.obj, playback.scene), start)
     played = first == start and pre_roll > 0
     playback.keep_to(first, last, range(begin if played else max(first - pre_roll, begin), first))
 

@@ -9,7 +9,8 @@ import bpy
 
 from ...core import clip_file
 from ...core.clip_manifest import ClipFault, Manifest
-from ..objects import bodies, clip_place, coarse_copy, evaluator, mesh_reader, messages, modifier, properties, units
+from ..objects import (bodies, clip_place, coarse_copy, evaluator, mesh_reader, messages, modifier, properties,
+                       runtimes, units)
 from ..objects.runtimes import Runtime
 from . import path_curves
 
@@ -49,10 +50,11 @@ def is_simulated_in_front(obj: bpy.types.Object) -> bool:
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame."""
+    """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame.
+    scene: that it is played in."""
     digest = hashlib.sha1(evaluator.sources(obj).shape.encode())
-    settings = properties.settings_of(obj, scene)
-    digest.update(repr((settings, scene.frame_start)).encode())
+    settings = properties.settings_of(obj, units.scene_of(obj))
+    digest.update(repr((settings, units.first_frame(obj, scene))).encode())
     if sees_ahead(obj, scene):
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
     for key, weights in sorted(mesh_reader.paint(obj, settings).items()):
@@ -157,7 +159,7 @@ def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
                "baked from: bake again"
     if clip_place.is_temporary(clip) and bpy.data.filepath:
         return f"{obj.name}: the clip was baked before the file was saved, and goes when Blender quits: bake again"
-    if about.inputs != inputs_fingerprint(obj, units.scene_of(obj)):
+    if all(about.inputs != inputs_fingerprint(obj, scene) for scene in obj.users_scene or (units.scene_of(obj),)):
         return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
     return ""
 
@@ -193,12 +195,20 @@ def late_in_renders(obj: bpy.types.Object) -> str:
     return f"{obj.name}: it follows {other.name}, wrinkled too: renders show its folds one frame late. Bake it"
 
 
+def _not_made_yet(obj: bpy.types.Object) -> str:
+    """What the next structural work would mend."""
+    runtime = runtimes.known(obj)
+    if runtime is None or not runtime.stale:
+        return ""
+    return f"{obj.name}: it was changed, and its folds are not made anew yet: the former ones are shown, or none"
+
+
 def check_before_render() -> None:
     """Say on the console what is missing, stale or late, before hours are spent on it."""
     for obj, nodes_mod in modifier.wrinkled_objects():
         with messages.console_errors(obj.name):
             output_obj = modifier.output_object(nodes_mod)
             text = "" if output_obj is None else check(obj, output_obj) if modifier.is_baked(nodes_mod) else \
-                late_in_renders(obj)
+                _not_made_yet(obj) or late_in_renders(obj)
             if text:
                 print(f"Rumple: before rendering: {text}")

@@ -16,7 +16,7 @@ from __future__ import annotations
 import bpy
 
 from .. import compat, scheduler
-from ..objects import bodies, coarse_copy, modifier, runtimes, viewport_mesh
+from ..objects import bodies, coarse_copy, modifier, runtimes, units, viewport_mesh
 
 AWAY = 1.0  # x of the output object while the coarse mesh is handed on; wrinkle_tree.py compares with a half
 
@@ -80,7 +80,7 @@ def show_fine(scene: bpy.types.Scene) -> None:
         away = False
         for obj, nodes_mod in modifier.wrinkled_objects():
             runtime, output = runtimes.known(obj), modifier.output_object(nodes_mod)
-            if runtime is not None and runtime.written_at == (compat.session_key(scene), scene.frame_current_final):
+            if runtime is not None and runtime.written_at == (compat.session_key(scene), units.frame_of(scene)):
                 runtime.moved_in = compat.session_key(scene)
             elif runtime is not None and runtime.moved_in == compat.session_key(scene):
                 runtime.moved_in = 0

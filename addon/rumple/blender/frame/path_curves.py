@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Iterator
+from typing import Any, BinaryIO, Iterator
 
 import bpy
 import numpy as np
 
-from ...core import clip_file
-from ...core.clip_manifest import Manifest
-from ...core.curve_rows import ROWS, capacity_for, rows_of
+from ...core import clip_file, clip_folder
+from ...core.clip_manifest import ClipFault, Manifest
+from ...core.curve_rows import MOST_ROOM, ROWS, CurvePoints, capacity_for, rows_of
 from .. import compat, scheduler
 from ..nodes import path_curves_tree
 from ..objects import messages, modifier, properties, runtimes, units
@@ -176,35 +176,73 @@ def _is_left_over(child: bpy.types.Object, garment: bpy.types.Object | None,
 
 # ---------------------------------------------------------------- baked
 class Recorder:
-    """Takes the curves of a garment sample by sample while it is baked, and lets its children play them."""
+    """Takes the curves of a garment sample by sample while it is baked, and lets its children play them. They wait in a
+    file beside the clip: how much room the longest sample needs is known behind the last."""
 
-    def __init__(self, garment: bpy.types.Object) -> None:
-        self.garment = garment
-        self.curves: list[Any] = []
+    def __init__(self, garment: bpy.types.Object, clip: Path) -> None:
+        """clip: of the garment."""
+        self.garment, self.clip = garment, clip_path(clip)
+        self.points: list[int] = []  # of every sample
+        self.waiting: BinaryIO | None = None
         self.wanted = bool(of(garment))
         self.writer: clip_file.SampleWriter | None = None
 
     def add(self) -> None:
-        """The sample that was solved last."""
-        if self.wanted:
-            runtime = runtimes.of(self.garment)
-            inputs = runtime.inputs
-            self.curves.append(runtime.evaluator.curves(inputs.frame, inputs.positions, inputs.settings))
-
-    def seal(self, manifest: Manifest, clip: Path) -> int:
-        """Write the clip that commit() moves beside that of the garment; its checksum. Raises ClipFault."""
+        """The sample that was solved last. Raises ClipFault."""
         if not self.wanted:
+            return
+        runtime = runtimes.of(self.garment)
+        inputs = runtime.inputs
+        curves = CurvePoints.none() if inputs is None else runtime.evaluator.curves(inputs.frame, inputs.positions,
+                                                                                    inputs.settings)
+        points = min(len(curves.width), MOST_ROOM)
+        try:
+            if self.waiting is None:
+                self.waiting = open(clip_folder.temporary(self.clip), "w+b")
+            self.waiting.write(rows_of(curves, points)[0].tobytes())
+        except OSError as error:
+            raise ClipFault(clip_folder.in_words(error, self.clip.parent)) from error
+        self.points.append(points)
+
+    def seal(self, manifest: Manifest) -> int:
+        """Write the clip that commit() moves beside that of the garment; its checksum. Raises ClipFault."""
+        if not self.wanted or self.waiting is None:
             return 0
-        points = ROWS * capacity_for(max(len(curves.width) for curves in self.curves))
-        about = replace(manifest, vertices=points, points=points, checksums=[])
-        self.writer = clip_file.SampleWriter(clip_path(clip), about)
-        for curves in self.curves:
-            self.writer.add_points(rows_of(curves, points // ROWS)[0])
+        room = capacity_for(max(self.points))
+        about = replace(manifest, vertices=ROWS * room, points=ROWS * room, checksums=[])
+        self.writer = clip_file.SampleWriter(self.clip, about)
+        try:
+            self.waiting.seek(0)
+            for points in self.points:
+                self.writer.add_points(self._read(points, room))
+        except OSError as error:
+            raise ClipFault(clip_folder.in_words(error, self.clip.parent)) from error
         self.writer.seal()
+        self._forget_waiting()
         return clip_file.checksum(about)
+
+    def _read(self, points: int, room: int) -> np.ndarray:
+        """The rows of the next sample, in so much room."""
+        assert self.waiting is not None
+        rows = np.zeros((ROWS, room, 3), np.float32)
+        data = self.waiting.read(ROWS * points * 3 * rows.itemsize)
+        rows[:, :points] = np.ndarray((ROWS, points, 3), np.float32, data)
+        return rows.reshape(-1, 3)
+
+    def _forget_waiting(self) -> None:
+        """Never raises: what is buffered may not fit on the disk."""
+        if self.waiting is None:
+            return
+        try:
+            self.waiting.close()
+        except OSError:
+            pass
+        clip_folder.discard(Path(self.waiting.name))
+        self.waiting = None
 
     def discard(self) -> None:
         """Leave the former clip."""
+        self._forget_waiting()
         if self.writer is not None:
             self.writer.discard()
 

@@ -14,7 +14,7 @@ import numpy as np
 from ...core import engine
 from .. import compat, scheduler
 from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
-                       properties, runtimes, units, viewport_mesh, weight_paint, wind)
+                       properties, runtimes, units, viewport_mesh, visibility, weight_paint, wind)
 from ..objects.runtimes import Inputs, Runtime
 from ..scheduler import LOCK
 from ..viewport import preview
@@ -90,7 +90,7 @@ def _rebuild_here(objects: list, depsgraph: bpy.types.Depsgraph) -> None:
 def _posed(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
     """Coarse positions of this frame, from the tree or, where it passed the coarse mesh through, from that."""
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or mesh_reader.is_busy(obj):
+    if not evaluated.is_evaluated or mesh_reader.is_busy(obj) or visibility.is_skipped(obj, depsgraph):
         return None
     count = len(incoming_mesh.of(obj).vertices)
     try:
@@ -124,7 +124,7 @@ def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
 def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj: bpy.types.Object, runtime: Runtime,
              scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
     evaluated = obj.evaluated_get(depsgraph)
-    if not evaluated.is_evaluated or mesh_reader.is_busy(obj):
+    if not evaluated.is_evaluated or mesh_reader.is_busy(obj) or visibility.is_skipped(obj, depsgraph):
         return False
     clip_fault = ""
     if modifier.is_baked(nodes_mod):
@@ -177,26 +177,27 @@ def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, s
                     runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene, mode: str, clip_fault: str) -> bool:
     """True when an output object was written: `shown`."""
     disk_frames.follow(obj, runtime)
-    result = _solve(runtime, inputs, scene, inputs.uses_proxy, inputs.in_viewport)
+    first = units.first_frame(obj, scene)
+    result = _solve(runtime, inputs, first, inputs.uses_proxy, inputs.in_viewport)
     runtime.inputs = inputs
     messages.set_frame_error(runtime, clip_fault)
-    unplayed = runtime.evaluator.unplayed_message(inputs.frame, scene.frame_start) if result.unplayed else ""
+    unplayed = runtime.evaluator.unplayed_message(inputs.frame, first) if result.unplayed else ""
     messages.note_unplayed(runtime, unplayed, mode == "RENDER")
-    if runtime.evaluator.HAS_CURVES:
-        path_curves.write(obj, runtime)
     if not first_pass.is_shown(nodes_mod):
         runtime.result = result
         return False
+    if runtime.evaluator.HAS_CURVES:
+        path_curves.write(obj, runtime)
     written = _show(shown, runtime, result, mode == "VIEWPORT")
     if written:
         runtime.written_at = compat.session_key(scene), inputs.frame
     return written
 
 
-def _solve(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene, for_preview: bool,
+def _solve(runtime: Runtime, inputs: Inputs, first_frame: int, for_preview: bool,
            in_viewport: bool) -> engine.FrameResult | engine.PreviewFrame:
     return runtime.evaluator.solve_frame(inputs.frame, inputs.positions, inputs.settings, inputs.paint,
-                                         start=scene.frame_start, world_from_object=inputs.world_from_object,
+                                         start=first_frame, world_from_object=inputs.world_from_object,
                                          frame_rate=inputs.frame_rate, for_preview=for_preview, body=inputs.body,
                                          surroundings=inputs.surroundings, in_viewport=in_viewport)
 
@@ -215,7 +216,8 @@ def show_fine_meshes() -> None:
                                                             or not first_pass.is_shown(nodes_mod)):
                 continue
             try:
-                result = _solve(runtime, inputs, units.scene_of(obj), for_preview=False, in_viewport=False)
+                result = _solve(runtime, inputs, units.first_frame(obj, units.scene_of(obj)), for_preview=False,
+                                in_viewport=False)
                 assert isinstance(result, engine.FrameResult)
                 output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
                 modifier.move_hidden(output_obj, "x", 0.0)  # a bake under way puts it away again
@@ -243,8 +245,8 @@ def _inputs(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: 
     world = np.array(evaluated.matrix_world.to_3x3(), np.float32)
     for_viewport = depsgraph.mode == "VIEWPORT"
     uses_proxy = for_viewport and preview.uses_proxy(obj, nodes_mod)
-    return Inputs(float(scene.frame_current_final), settings, positions, world, runtime.paint,
-                  scene.render.fps / scene.render.fps_base, uses_proxy,
+    return Inputs(units.frame_of(scene), settings, positions, world, runtime.paint,
+                  units.frame_rate(scene), uses_proxy,
                   for_viewport and viewport_mesh.is_shown(nodes_mod),
                   for_viewport and weight_paint.needs_coarse(obj), body,
                   wind.surroundings(evaluated, depsgraph, settings))

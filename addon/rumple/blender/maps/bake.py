@@ -314,6 +314,10 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
                 said(f"{text} ({self._running.done} of {self._running.count}). Esc cancels"))
         return {"RUNNING_MODAL"}
 
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Another file, or the window is closed."""
+        self._end_modal(context)
+
     def _begin(self, context: bpy.types.Context) -> MapBake:
         obj = maps_operators.target(context)
         settings = obj.rumple_maps

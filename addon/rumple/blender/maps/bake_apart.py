@@ -41,7 +41,8 @@ class ApartBake:
         yield "Saving a copy of the file"
         blend, log = self.folder / "copy.blend", self.folder / "log"
         bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
-        order = json.dumps(dict(object=self.plan.obj.name_full, poses=self.plan.poses, folder=str(self.folder)))
+        order = json.dumps(dict(object=self.plan.obj.name_full, poses=self.plan.poses, folder=str(self.folder),
+                                scripts=not bpy.app.autoexec_fail))  # those that were kept from running here stay so
         with open(log, "w", encoding="utf-8") as printed:
             self._process = subprocess.Popen(
                 [bpy.app.binary_path, "-b", "--factory-startup", str(blend), "--python-exit-code", "1", "--python",
@@ -76,19 +77,20 @@ class ApartBake:
 
 
 # ---------------------------------------------------------------- in the second Blender
-def _load_addon() -> Any:
-    """This add-on, wherever it is installed. Files know its properties only while it is on: so open the file again."""
+def _load_addon(scripts: bool) -> None:
+    """This add-on, wherever it is installed. Files know its properties only while it is on: so open the file again.
+    scripts: whether drivers and texts of the file run, as a rig may need them."""
     spec = importlib.util.spec_from_file_location("rumple", ADDON / "__init__.py",
                                                   submodule_search_locations=[str(ADDON)])
     rumple = importlib.util.module_from_spec(spec)
     sys.modules["rumple"] = rumple
     spec.loader.exec_module(rumple)
     rumple.register()
-    bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath)
+    bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath, use_scripts=scripts)
 
 
 def _main(order: dict[str, Any]) -> None:
-    _load_addon()
+    _load_addon(order["scripts"])
     folder, obj = Path(order["folder"]), bpy.data.objects[order["object"]]
     bpy.context.view_layer.objects.active = obj
     about = obj.rumple_maps

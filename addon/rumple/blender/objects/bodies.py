@@ -17,7 +17,7 @@ from ...core import engine
 from ...core.body import Body, digest_of_triangles, facing_outwards
 from .. import compat
 from ..nodes import path_curves_tree
-from . import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes
+from . import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes, units
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
@@ -164,7 +164,7 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
              depsgraph: bpy.types.Depsgraph) -> Body:
     """One body in the object space of the garment. Raises engine.UserError."""
     worn = body.evaluated_get(depsgraph)
-    surface = _folded(body, float(depsgraph.scene.frame_current_final)) or _plain(obj, body, worn, depsgraph)
+    surface = _folded(body, units.frame_of(depsgraph.scene)) or _plain(obj, body, worn, depsgraph)
     if not np.isfinite(surface.positions).all():
         first = int(np.isfinite(surface.positions).all(axis=1).argmin())
         raise engine.UserError(f"{obj.name}: vertex {first} of its body {body.name} has no valid position in this "

@@ -12,7 +12,7 @@ import gpu
 import numpy as np
 
 from ...core.wrinkle_field import WrinkleField
-from ..objects import runtimes
+from ..objects import runtimes, units
 from . import glsl, gpu_arrays
 from .gpu_arrays import Pass, Target, read, upload
 
@@ -218,7 +218,7 @@ class Drawing:
         if before is None or before.settings != inputs.settings or before.paint is not inputs.paint:
             self.waves.set_wave_parameters(*fine.wave_parameters(inputs.settings))
         goes_on = (before is not None and before.paint is inputs.paint and not inputs.settings.stateless
-                   and inputs.frame == before.frame + 1.0 > bpy.context.scene.frame_start)
+                   and inputs.frame == before.frame + 1.0 > units.first_frame(obj, bpy.context.scene))
         if not goes_on:
             state = fine.wrinkles_of(inputs.frame)
             if state is None:

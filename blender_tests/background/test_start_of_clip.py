@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which frame needs none before it: the first of the clip, wherever the scene's Start is moved to."""
+from __future__ import annotations
+
+import os
+import tempfile
+import unittest
+
+import bpy
+import numpy as np
+from rumple.blender.frame import clip_status
+from rumple.blender.objects import modifier, runtimes
+from rumple.core import clip_file
+from support import sleeve
+
+JUMPED = "reached by a jump"
+
+
+class FirstFrame(unittest.TestCase):
+    """The scene's Start was taken for it, which an artist moves to render a part again, and a farm for its chunks."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.path = os.path.join(folder.name, "shot.blend")
+        self.obj = sleeve.scene(wrinkles=False)
+        mesh = self.obj.rumple.mesh
+        mesh.density, mesh.level, mesh.display_steps, mesh.base_cloth = "LEVEL", 1, 0, "SWING"
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.bend_until(8)
+        bpy.ops.wm.save_as_mainfile(filepath=self.path)
+
+    def opened(self, start: int) -> None:
+        bpy.ops.wm.open_mainfile(filepath=self.path)
+        self.obj = bpy.data.objects["Sleeve"]
+        sleeve.make_active(self.obj)
+        bpy.context.scene.frame_start = start
+
+    def baked(self, start: int, first: int) -> np.ndarray:
+        """The samples of a clip from `first` to 12."""
+        self.opened(start)
+        self.obj.rumple.bake_start, self.obj.rumple.bake_end = first, 12
+        bpy.ops.object.rumple_bake()
+        path = clip_status.clip_path(self.obj)
+        about = clip_file.read_manifest(path)
+        points = np.frombuffer(path.read_bytes(), np.float32, 3 * about.points * about.sample_count, offset=32)
+        return points.reshape(about.sample_count, -1)
+
+    def test_a_part_that_is_rendered_again_shows_what_was_played(self) -> None:
+        sleeve.play(1, 10)
+        sleeve.at(8)
+        played = sleeve.shown(self.obj)
+        bpy.context.scene.frame_start = 8
+        sleeve.at(9)
+        sleeve.at(8)
+        np.testing.assert_array_equal(sleeve.shown(self.obj), played)
+        self.assertTrue(sleeve.picture(self.obj).replayed)
+        self.assertEqual(runtimes.of(self.obj).unplayed, "")
+
+    def test_a_chunk_of_a_farm_is_a_jump_and_says_so(self) -> None:
+        self.opened(start=8)  # as blender -s 8 does
+        sleeve.at(8)
+        self.assertIn("play from frame 1", runtimes.of(self.obj).unplayed)
+        self.assertIn(JUMPED, runtimes.of(self.obj).unplayed)
+
+    def test_the_first_frame_is_no_jump(self) -> None:
+        for start, first in ((1, 1), (4, 6), (6, 4)):
+            self.opened(start)
+            self.obj.rumple.bake_start = first
+            sleeve.at(min(start, first))
+            self.assertEqual(runtimes.of(self.obj).unplayed, "")
+            sleeve.at(min(start, first) + 2)
+            self.assertIn(JUMPED, runtimes.of(self.obj).unplayed)
+
+    def test_a_bake_goes_on_from_its_frames_before_start(self) -> None:
+        """Each of them was solved alone, and the cloth came to Start without having moved."""
+        expected = self.baked(start=1, first=1)
+        np.testing.assert_array_equal(self.baked(start=10, first=1), expected)
+        self.assertGreater(np.abs(self.baked(start=4, first=4)[0] - expected[3]).max(), 1e-4)  # they differ at all
+
+    def test_a_bake_in_another_scene_is_not_wrong(self) -> None:
+        """It was compared with what the first scene by name would make of the clip."""
+        self.opened(start=1)
+        there = bpy.data.scenes.new("Zweite")
+        for each in (self.obj, bpy.data.objects["Arm"]):
+            there.collection.objects.link(each)
+        there.frame_start, there.frame_end, there.unit_settings.scale_length = -2, 12, 0.5
+        self.obj.rumple.bake_end = 12
+        with bpy.context.temp_override(scene=there, view_layer=there.view_layers[0], object=self.obj,
+                                       active_object=self.obj):
+            bpy.ops.object.rumple_bake()
+        output = modifier.output_object(modifier.find(self.obj))
+        self.assertEqual(clip_status.check(self.obj, output), "")
+        self.obj.rumple.mesh.radius = 3.0
+        self.assertIn("bake again", clip_status.check(self.obj, output))
+
+    def test_another_start_does_not_make_a_bake_wrong(self) -> None:
+        self.baked(start=1, first=1)
+        output = modifier.output_object(modifier.find(self.obj))
+        self.assertEqual(clip_status.check(self.obj, output), "")
+        bpy.context.scene.frame_start = 8
+        self.assertEqual(clip_status.check(self.obj, output), "")
+        bpy.context.scene.frame_start = 0  # played from there, it would be another clip
+        self.assertIn("bake again", clip_status.check(self.obj, output))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Garments that keyed visibility hides: Blender does not evaluate them there, and says that it does."""
+from __future__ import annotations
+
+import os
+import tempfile
+import unittest
+
+import bpy
+import numpy as np
+from rumple.blender.frame import path_curves
+from rumple.blender.objects import modifier, runtimes
+from support import sleeve
+
+
+def key(obj: bpy.types.Object, hidden: dict[int, bool]) -> None:
+    """From these frames on."""
+    for frame, value in hidden.items():
+        obj.hide_viewport = obj.hide_render = value
+        for name in ("hide_viewport", "hide_render"):
+            obj.keyframe_insert(name, frame=frame)
+
+
+class Hidden(unittest.TestCase):
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.obj = sleeve.scene()
+        self.path = os.path.join(folder.name, "shot.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=self.path)
+
+    def frames(self) -> list[tuple[float, bool]]:
+        return runtimes.of(self.obj).evaluator.frame_cache.frames()
+
+    def test_hidden_frames_are_not_solved(self) -> None:
+        """Each was solved in the pose of the last frame that showed it, and stored as final."""
+        runtimes.of(self.obj).evaluator.frame_cache.clear()
+        key(self.obj, {1: False, 4: True, 9: False})
+        sleeve.play(1, 9)
+        self.assertEqual(self.frames(), [(1.0, True), (2.0, True), (3.0, True), (9.0, False)])
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_one_that_is_worn_under_another_is_solved(self) -> None:
+        """Blender evaluates it for that one's sake."""
+        over = sleeve.another("Coat", 1.3)
+        over.rumple.body = self.obj
+        sleeve.at(2)
+        runtimes.of(self.obj).evaluator.frame_cache.clear()
+        key(self.obj, {1: False, 4: True, 9: False})
+        sleeve.play(1, 9)
+        self.assertEqual(self.frames(), [(float(frame), True) for frame in range(1, 10)])
+
+    def test_a_bake_that_begins_hidden(self) -> None:
+        """It broke off: nothing is solved at frame 1: is the modifier off?"""
+        sleeve.play(6, 10)
+        live = sleeve.shown(self.obj)
+        key(self.obj, {1: True, 6: False})
+        self.obj.rumple.bake_end = 10
+        bpy.ops.object.rumple_bake()
+        for frame in range(1, 11):
+            sleeve.at(frame)
+            self.assertEqual(self.obj.rumple.message, "")
+        self.assertTrue(modifier.plays_clip(modifier.find(self.obj)))
+        np.testing.assert_allclose(sleeve.shown(self.obj), live, atol=1e-6)
+
+    def test_a_clip_stands_still_where_it_is_hidden(self) -> None:
+        """A shutter that closes behind the last frame that shows it sees it where it was."""
+        key(self.obj, {1: False, 4: True, 9: False})
+        self.obj.rumple.bake_end = 10
+        bpy.ops.object.rumple_bake()
+        self.obj.animation_data_clear()
+        self.obj.hide_viewport = False
+        cache = modifier.cache_object(modifier.find(self.obj))
+        seen = {}
+        for frame in (3, 5, 8, 9):
+            sleeve.at(frame)
+            seen[frame] = sleeve.shown(cache)
+        np.testing.assert_array_equal(seen[5], seen[3])
+        np.testing.assert_array_equal(seen[8], seen[3])
+        self.assertGreater(np.abs(seen[9] - seen[3]).max(), 1e-2)
+
+    def test_curves_of_paths_too(self) -> None:
+        self.obj = sleeve.scene(wrinkles=False)
+        self.obj.rumple.paths.detail = 2
+        bpy.ops.object.rumple_add(method="PATHS")
+        bpy.ops.object.rumple_curves_add()
+        bpy.ops.wm.save_as_mainfile(filepath=self.path)
+        key(self.obj, {1: True, 6: False})
+        self.obj.rumple.bake_end = 10
+        self.assertEqual(bpy.ops.object.rumple_bake(), {"FINISHED"})
+        self.assertIsNotNone(modifier.mesh_cache(path_curves.of(self.obj)[0]))
+
+    def test_a_bake_of_one_that_is_not_shown_at_all_says_so(self) -> None:
+        self.obj.hide_viewport = True
+        with self.assertRaisesRegex(RuntimeError, "Sleeve: nothing is solved at frame [0-9]+, it is hidden: show it"):
+            bpy.ops.object.rumple_bake()
+
+
+if __name__ == "__main__":
+    unittest.main()
