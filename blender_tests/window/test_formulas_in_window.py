@@ -243,7 +243,8 @@ def crumpled(count: int, seed: int) -> tuple:
 
 
 class Stages(WindowCase):
-    """The whole pipeline, on a sheet with everything on: paint, irregularity, a threshold, a collapsed corner, a loose vertex."""
+    """The whole pipeline, on a sheet with everything on: paint, irregularity, a threshold, a collapsed corner, a loose
+    vertex."""
 
     # Radians. A phase that would move by less than 1e-4 stays, and rounding decides when: once a round.
     ROUND = 2e-4
