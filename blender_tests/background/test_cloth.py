@@ -26,6 +26,7 @@ class FirstClick(Cloth):
     def unset(self) -> None:
         for name in ("base_cloth", "layers"):
             self.obj.rumple.mesh.property_unset(name)
+        self.obj.rumple.field.property_unset("base_cloth")
 
     def click(self, method: str = "MESH") -> tuple[str, str]:
         sleeve.make_active(self.obj)

@@ -206,7 +206,7 @@ class FieldSettings(AdaptiveRest, Draped, ClothSettings, Parts):
     strength: float = setting(1.0, "Strength", "Height of the folds. 1 keeps the length of the cloth", low=0.0,
                               high=10.0, soft=2.0)
     buckling_threshold: float = setting(0.0, "Buckling Limit", "Share of its length by which cloth may be compressed "
-                                        "before waves form. What is painted stays", low=0.0, high=0.99, soft=0.1,
+                                        "before waves form. What is painted stays", low=0.0, high=0.9, soft=0.1,
                                         unit="FACTOR")
     keep_length: bool = setting(True, "Keep Length", "Geometry only: limits the height, so that the cloth across the "
                                 "folds is no longer than at rest")
