@@ -13,8 +13,8 @@ from support import sleeve
 from support.artist import Artist
 
 DEFAULT_WIDTH = 333  # of the properties editor, with Blender's own layout on a screen of 1920 x 1080
-TIPS = {"Wrinkle Mesh": "Geometry: a fine mesh", "Wrinkle Field": "Shading: waves",
-        "Wrinkle Paths": "Geometry: crisp folds"}
+TIPS = {"Wrinkle Mesh": "Geometry: the garment becomes", "Wrinkle Field": "Shading or geometry: parallel",
+        "Wrinkle Paths": "Geometry: single crisp folds"}
 
 
 class Found(Artist):
