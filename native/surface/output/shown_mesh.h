@@ -8,8 +8,8 @@
 
 #include "surface/mesh/topology.h"
 #include "surface/output/attachments.h"
-#include "surface/strain/deformation.h"
 #include "surface/refine/refinement.h"
+#include "surface/strain/deformation.h"
 
 namespace rumple {
 

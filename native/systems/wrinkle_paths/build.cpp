@@ -42,6 +42,7 @@ SparseRows limit_of_all_vertices(const Surface& surface) {
 // Of the welded vertices, over the edges of the triangles.
 std::vector<Index> rings_over(const Surface& surface, const TriangleNet& net) {
     std::vector<std::array<Index, 2>> edges;
+    edges.reserve(net.vertex.size());
     for (Index h = 0; h < Index(net.vertex.size()); ++h)
         edges.push_back({net.vertex[h], net.vertex[next_in_triangle(h)]});
     return border_rings(edges, surface.boundary_vertex);
