@@ -26,7 +26,7 @@ void main() {
     }
     if (adaptive) m = restretched(m, TEXEL(stretches, v).xyz);
     vec4 wanted = TEXEL(wave_parameters, v);
-    WaveEstimate estimate = estimate_wave(m, wanted.xy, TEXEL(before, v).xy, wanted.zw, threshold);
+    WaveEstimate estimate = estimate_wave(m, wanted.xy, TEXEL(before, v).xy, wanted.zw, buckling_limit);
     float fullness = estimate.fullness * own.w;
     out_waves.xyz = (kTwoPi / own.z) * (estimate.k_deformed.x * t + estimate.k_deformed.y * b);
     out_waves.w = 0.25 * own.z * strength * fullness;  // equation (2)

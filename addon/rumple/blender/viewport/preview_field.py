@@ -29,7 +29,7 @@ class Passes:
         self.estimate_waves = Pass(
             source("estimate_waves"),
             ("vertices", "wave_parameters", "neighbours", "positions", "normals", "before", "stretches"),
-            ("out_waves", "out_estimate"), (("FLOAT", "strength"), ("FLOAT", "threshold"), ("BOOL", "true_lengths"),
+            ("out_waves", "out_estimate"), (("FLOAT", "strength"), ("FLOAT", "buckling_limit"), ("BOOL", "true_lengths"),
                                               ("BOOL", "adaptive")))
         self.edge_offsets = Pass(source("edge_offsets"), ("neighbours", "waves", "estimate", "positions", "solved"),
                                  ("out_link", "out_solved"))
@@ -119,7 +119,7 @@ class GpuField:
             "before": before,
             "positions": self._positions, "normals": self._normals,
             "stretches": self._stretches or self._positions},
-            strength=self._strength, threshold=self._threshold, true_lengths=self._true_lengths,
+            strength=self._strength, buckling_limit=self._threshold, true_lengths=self._true_lengths,
             adaptive=self._stretches is not None)
         waves, estimate = self._waves[0].textures
         solved = self._start_solved or self._links[0].textures[1]
