@@ -19,6 +19,7 @@ from ...core.clip_manifest import ClipFault, Manifest
 from ...core.curve_rows import MOST_ROOM, ROWS, CurvePoints, capacity_for, rows_of
 from .. import compat, scheduler
 from ..nodes import path_curves_tree
+from ..nodes.modifier_inputs import get_input, set_input
 from ..objects import messages, modifier, properties, runtimes, units
 from ..objects.kept_lists import ModifiedObjects
 from ..objects.runtimes import Runtime
@@ -41,17 +42,13 @@ def all_curves() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier]]:
 
 
 def garment_of(nodes_mod: bpy.types.NodesModifier) -> bpy.types.Object | None:
-    found = compat.modifier_input(nodes_mod, _input(nodes_mod, path_curves_tree.GARMENT))
+    found = get_input(nodes_mod, path_curves_tree.GARMENT)
     return found if isinstance(found, bpy.types.Object) else None
 
 
 def of(garment: bpy.types.Object) -> list[bpy.types.Object]:
     """The curves of a garment."""
     return [obj for obj, nodes_mod in all_curves() if garment_of(nodes_mod) == garment]
-
-
-def _input(nodes_mod: bpy.types.NodesModifier, name: str) -> str:
-    return compat.group_sockets(nodes_mod.node_group, "INPUT")[name]
 
 
 # ---------------------------------------------------------------- adding and removing
@@ -66,7 +63,7 @@ def add(garment: bpy.types.Object) -> bpy.types.Object:
     nodes_mod = child.modifiers.new("Path Curves", "NODES")
     nodes_mod.node_group = path_curves_tree.ensure()
     _CURVES.forget()
-    compat.set_modifier_input(nodes_mod, _input(nodes_mod, path_curves_tree.GARMENT), garment)
+    set_input(nodes_mod, path_curves_tree.GARMENT, garment)
     nodes_mod.node_group = nodes_mod.node_group  # as in modifier.set_output_object()
     _write_again(garment)
     return child
@@ -75,7 +72,7 @@ def add(garment: bpy.types.Object) -> bpy.types.Object:
 def remove(child: bpy.types.Object) -> None:
     """A child, its mesh, and the node group when it was the last."""
     group = find(child).node_group
-    compat.set_modifier_input(find(child), _input(find(child), path_curves_tree.GARMENT), None)
+    set_input(find(child), path_curves_tree.GARMENT, None)
     modifier.delete_hidden(child)
     _CURVES.forget()
     if group.users == 0 and compat.is_editable(group):

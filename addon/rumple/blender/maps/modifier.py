@@ -14,7 +14,9 @@ import bpy
 
 from .. import compat
 from ..nodes import maps_mask_tree
+from ..nodes.builder import empty_modifier_group
 from ..nodes.maps_mask_tree import BONES, COUNT, SKIN, WRINKLES, Shape
+from ..nodes.modifier_inputs import get_input, set_input
 from ..objects import modifier
 from ..objects.kept_lists import ModifiedObjects
 
@@ -43,7 +45,6 @@ def mapped_objects() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier
 def new_tree(name: str) -> bpy.types.NodeTree:
     group = bpy.data.node_groups.new(f"Rumple {NAME} {name}", "GeometryNodeTree")
     group[KEY] = ""
-    compat.mark_as_modifier(group)
     fill(group, Shape())
     return group
 
@@ -52,13 +53,7 @@ def fill(group: bpy.types.NodeTree, shape: Shape) -> None:
     """Make the nodes, unless they are there; sockets that an older file lacks, too."""
     if group[KEY] == repr(shape):
         return
-    present = compat.group_sockets(group, "INPUT")
-    for name, kind in maps_mask_tree.INPUTS:
-        if name not in present:
-            compat.new_group_socket(group, name, "INPUT", kind)
-    if not compat.group_sockets(group, "OUTPUT"):
-        compat.new_group_socket(group, "Geometry", "OUTPUT", "NodeSocketGeometry")
-    group.nodes.clear()
+    empty_modifier_group(group, maps_mask_tree.INPUTS)
     maps_mask_tree.Builder(group, shape).build()
     group[KEY] = repr(shape)
 
@@ -82,30 +77,15 @@ def remove(obj: bpy.types.Object) -> None:
     nodes_mod = find(obj)
     if nodes_mod is None:
         return
-    group, hidden_objs = nodes_mod.node_group, hidden(nodes_mod)
-    for name in (SKIN, BONES, WRINKLES):
-        if _get(nodes_mod, name) is not None:
-            _set(nodes_mod, name, None)
-    obj.modifiers.remove(nodes_mod)
-    _MAPPED.forget()
-    if group.users == 0 and compat.is_editable(group):
-        bpy.data.node_groups.remove(group)
+    hidden_objs = hidden(nodes_mod)
+    _MAPPED.remove(obj, nodes_mod, (SKIN, BONES, WRINKLES))
     still_hidden = {other for _, another in mapped_objects() for other in hidden(another)}
     for former in hidden_objs - still_hidden:
         modifier.delete_hidden(former)
 
 
-def _set(nodes_mod: bpy.types.NodesModifier, name: str, value: object) -> None:
-    compat.set_modifier_input(nodes_mod, compat.group_sockets(nodes_mod.node_group, "INPUT")[name], value)
-
-
-def _get(nodes_mod: bpy.types.NodesModifier, name: str) -> object:
-    identifier = compat.group_sockets(nodes_mod.node_group, "INPUT").get(name)
-    return compat.modifier_input(nodes_mod, identifier) if identifier else None
-
-
 def _mesh_object(nodes_mod: bpy.types.NodesModifier, name: str) -> bpy.types.Object | None:
-    found = _get(nodes_mod, name)
+    found = get_input(nodes_mod, name)
     return found if isinstance(found, bpy.types.Object) and found.type == "MESH" else None
 
 
@@ -137,10 +117,10 @@ def connect(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, new_skin:
     """
     count, former = len(obj.data.vertices), hidden(nodes_mod)
     wanted = {SKIN: new_skin, BONES: new_skeleton, WRINKLES: wrinkles, COUNT: count}
-    if all((_get(nodes_mod, name) or None) == (value or None) for name, value in wanted.items()):
+    if all((get_input(nodes_mod, name) or None) == (value or None) for name, value in wanted.items()):
         return
     for name, value in wanted.items():
-        _set(nodes_mod, name, value)
+        set_input(nodes_mod, name, value)
     # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
     nodes_mod.node_group = nodes_mod.node_group
     obj.update_tag()

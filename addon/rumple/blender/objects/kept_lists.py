@@ -7,9 +7,12 @@ handlers.py lets go of the lists then.
 """
 from __future__ import annotations
 
-from typing import Callable, Iterator
+from typing import Callable, Iterable, Iterator
 
 import bpy
+
+from .. import compat
+from ..nodes.modifier_inputs import get_input, set_input
 
 Found = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
@@ -30,6 +33,18 @@ class ModifiedObjects:
     def forget(self) -> None:
         """Search again."""
         self._names = None
+
+    def remove(self, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, inputs: Iterable[str]) -> None:
+        """Take the modifier away, and its node group when it was the last. inputs: names of those that hold
+        data-blocks, which lose a user."""
+        group = nodes_mod.node_group
+        for name in inputs:
+            if get_input(nodes_mod, name) is not None:
+                set_input(nodes_mod, name, None)
+        obj.modifiers.remove(nodes_mod)
+        self.forget()
+        if group.users == 0 and compat.is_editable(group):
+            bpy.data.node_groups.remove(group)
 
     def __iter__(self) -> Iterator[Found]:
         found = self._looked_up()

@@ -2,7 +2,7 @@
 """The modifier, "Wrinkle Mesh" or another system: adding, finding and removing it, and its output object."""
 from __future__ import annotations
 
-from typing import Any, Iterator
+from typing import Iterator
 
 import bpy
 
@@ -10,6 +10,7 @@ from ...core.clip_manifest import Manifest
 from ...core.systems import SYSTEMS, System
 from .. import compat
 from ..nodes import wrinkle_tree
+from ..nodes.modifier_inputs import get_input, set_input
 from .kept_lists import ModifiedObjects
 
 CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the cache object of a baked clip
@@ -124,26 +125,16 @@ def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
     return find(obj)
 
 
-def _set(modifier: bpy.types.NodesModifier, name: str, value: object) -> None:
-    identifier = compat.group_sockets(modifier.node_group, "INPUT")[name]
-    compat.set_modifier_input(modifier, identifier, value)
-
-
-def _get(modifier: bpy.types.NodesModifier, name: str) -> Any:
-    identifier = compat.group_sockets(modifier.node_group, "INPUT").get(name)
-    return compat.modifier_input(modifier, identifier) if identifier else None
-
-
 def output_object(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object whose mesh the modifier shows."""
-    found = _get(modifier, wrinkle_tree.OUTPUT)
+    found = get_input(modifier, wrinkle_tree.OUTPUT)
     return found if isinstance(found, bpy.types.Object) else None
 
 
 def set_output_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None, coarse_vertices: int) -> None:
     """Point the modifier to an output object for a coarse mesh of that many vertices."""
-    _set(modifier, wrinkle_tree.OUTPUT, new)
-    _set(modifier, wrinkle_tree.COUNT, coarse_vertices)
+    set_input(modifier, wrinkle_tree.OUTPUT, new)
+    set_input(modifier, wrinkle_tree.COUNT, coarse_vertices)
     # An input set from Python does not tell the dependency graph about the new relation; setting the group does.
     modifier.node_group = modifier.node_group
     modifier.id_data.update_tag()
@@ -151,7 +142,7 @@ def set_output_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object |
 
 def viewport_output(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object whose mesh the modifier shows in viewports, where that is another one."""
-    found = _get(modifier, wrinkle_tree.VIEWPORT_OUTPUT)
+    found = get_input(modifier, wrinkle_tree.VIEWPORT_OUTPUT)
     return found if isinstance(found, bpy.types.Object) else None
 
 
@@ -164,7 +155,7 @@ def set_viewport_output(modifier: bpy.types.NodesModifier, new: bpy.types.Object
     """None: viewports show what renders show."""
     if new == viewport_output(modifier):
         return
-    _set(modifier, wrinkle_tree.VIEWPORT_OUTPUT, new)
+    set_input(modifier, wrinkle_tree.VIEWPORT_OUTPUT, new)
     modifier.node_group = modifier.node_group  # as in set_output_object()
     modifier.id_data.update_tag()
 
@@ -176,29 +167,29 @@ def outputs(modifier: bpy.types.NodesModifier) -> list[bpy.types.Object]:
 
 def coarse_vertices(modifier: bpy.types.NodesModifier) -> int:
     """The number of incoming vertices that the output object was made for."""
-    return int(_get(modifier, wrinkle_tree.COUNT) or 0)
+    return int(get_input(modifier, wrinkle_tree.COUNT) or 0)
 
 
 def cache_object(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     """The hidden object whose points play the baked clip."""
-    found = _get(modifier, wrinkle_tree.CACHE)
+    found = get_input(modifier, wrinkle_tree.CACHE)
     return found if isinstance(found, bpy.types.Object) else None
 
 
 def set_cache_object(modifier: bpy.types.NodesModifier, new: bpy.types.Object | None) -> None:
-    _set(modifier, wrinkle_tree.CACHE, new)
+    set_input(modifier, wrinkle_tree.CACHE, new)
     modifier.node_group = modifier.node_group  # as in set_output_object()
     modifier.id_data.update_tag()
 
 
 def set_baked(modifier: bpy.types.NodesModifier, baked: bool) -> None:
     """Show what the cache object has instead of embedding the output object."""
-    _set(modifier, wrinkle_tree.BAKED, baked)
+    set_input(modifier, wrinkle_tree.BAKED, baked)
     modifier.id_data.update_tag()
 
 
 def is_baked(modifier: bpy.types.NodesModifier) -> bool:
-    return bool(_get(modifier, wrinkle_tree.BAKED))
+    return bool(get_input(modifier, wrinkle_tree.BAKED))
 
 
 def move_hidden(output: bpy.types.Object, axis: str, value: float) -> bool:
@@ -231,7 +222,7 @@ def plays_clip(modifier: bpy.types.NodesModifier) -> bool:
 
 def bodies(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:
     """What Blender evaluates before the garment."""
-    return _get(modifier, wrinkle_tree.BODY) or None, _get(modifier, wrinkle_tree.BODIES) or None
+    return get_input(modifier, wrinkle_tree.BODY) or None, get_input(modifier, wrinkle_tree.BODIES) or None
 
 
 def can_name_bodies(modifier: bpy.types.NodesModifier) -> bool:
@@ -242,8 +233,8 @@ def can_name_bodies(modifier: bpy.types.NodesModifier) -> bool:
 def set_bodies(modifier: bpy.types.NodesModifier, body: bpy.types.Object | None,
                collection: bpy.types.Collection | None) -> None:
     """Let Blender evaluate these before the garment."""
-    _set(modifier, wrinkle_tree.BODY, body)
-    _set(modifier, wrinkle_tree.BODIES, collection)
+    set_input(modifier, wrinkle_tree.BODY, body)
+    set_input(modifier, wrinkle_tree.BODIES, collection)
     modifier.node_group = modifier.node_group  # as in set_output_object()
     modifier.id_data.update_tag()
 
@@ -280,12 +271,5 @@ def remove(obj: bpy.types.Object) -> None:
     modifier = find(obj)
     if modifier is None:
         return
-    group = modifier.node_group
-    for name in (wrinkle_tree.OUTPUT, wrinkle_tree.VIEWPORT_OUTPUT, wrinkle_tree.CACHE, wrinkle_tree.BODY,
-                 wrinkle_tree.BODIES):
-        if _get(modifier, name) is not None:
-            _set(modifier, name, None)
-    obj.modifiers.remove(modifier)
-    _WRINKLED.forget()
-    if group.users == 0 and compat.is_editable(group):
-        bpy.data.node_groups.remove(group)
+    _WRINKLED.remove(obj, modifier, (wrinkle_tree.OUTPUT, wrinkle_tree.VIEWPORT_OUTPUT, wrinkle_tree.CACHE,
+                                     wrinkle_tree.BODY, wrinkle_tree.BODIES))
