@@ -293,6 +293,7 @@ class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
             bake = clip_bake.ClipBake(bpy.context, obj)
             while bake.step():
                 pass
+            bake.curves.waiting.flush()
             waiting = [path for path in (self.folder / "rumple").iterdir() if ".curves.pc2." in path.name]
             self.assertEqual(len(waiting), 1)
             self.assertGreater(waiting[0].stat().st_size, 0)
