@@ -29,8 +29,8 @@ class Passes:
         self.estimate_waves = Pass(
             source("estimate_waves"),
             ("vertices", "wave_parameters", "neighbours", "positions", "normals", "before", "stretches"),
-            ("out_waves", "out_estimate"), (("FLOAT", "strength"), ("FLOAT", "buckling_limit"), ("BOOL", "true_lengths"),
-                                              ("BOOL", "adaptive")))
+            ("out_waves", "out_estimate"), (("FLOAT", "strength"), ("FLOAT", "buckling_limit"),
+                                            ("BOOL", "true_lengths"), ("BOOL", "adaptive")))
         self.edge_offsets = Pass(source("edge_offsets"), ("neighbours", "waves", "estimate", "positions", "solved"),
                                  ("out_link", "out_solved"))
         self.activity = Pass(source("activity"), ("vertices", "solved"), ("out_activity",))
