@@ -14,6 +14,8 @@ from . import incoming_mesh, mesh_reader, modifier, properties, runtimes, units
 
 # Their result is cloth already: its small compressions are the simulation's own.
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
+SIMULATED_DEFAULTS: dict[str, dict[str, Any]] = {
+    "MESH": wrinkle_mesh.SIMULATED_DEFAULTS, "FIELD": wrinkle_field.SIMULATED_DEFAULTS}
 CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "threshold")  # what is no length
 STEPS = 20  # of the weights that a group starts from
 
@@ -37,7 +39,7 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
     """Settings by what moves the object; none for what is neither skinned nor simulated."""
     method = obj.rumple.method
     if is_simulated(obj):
-        return {"MESH": wrinkle_mesh.SIMULATED_DEFAULTS, "FIELD": wrinkle_field.SIMULATED_DEFAULTS}.get(method, {})
+        return SIMULATED_DEFAULTS.get(method, {})
     if not is_skinned(obj):
         return {}
     base = mesh_reader.base_mesh(obj, "REST_POSE", "")
