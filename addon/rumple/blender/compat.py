@@ -140,6 +140,17 @@ def new_curves(data_block: bpy.types.ID, name: str) -> bpy.types.bpy_prop_collec
     return action.layers.new("Layer").strips.new(type="KEYFRAME").channelbag(slot, ensure=True).fcurves
 
 
+def find_curve(about: bpy.types.AnimData, path: str, index: int = 0) -> bpy.types.FCurve | None:
+    """What an action keys for one of its users: from 4.4 on others may have curves in it, too."""
+    slot = getattr(about, "action_slot", None)
+    if about.action is None:
+        return None
+    if slot is None:
+        return about.action.fcurves.find(path, index=index) if hasattr(about.action, "fcurves") else None
+    bags = [strip.channelbag(slot) for layer in about.action.layers for strip in layer.strips]
+    return next((bag.fcurves.find(path, index=index) for bag in bags if bag is not None), None)
+
+
 # ---------------------------------------------------------------- words
 def translated_report(text: str) -> str:
     """A message in Blender's language, where messages are to be translated."""

@@ -126,6 +126,8 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
     evaluated = obj.evaluated_get(depsgraph)
     if not evaluated.is_evaluated or mesh_reader.is_busy(obj) or visibility.is_skipped(obj, depsgraph):
         return False
+    if depsgraph.mode == "VIEWPORT":
+        evaluator.note_scale(obj, runtime)
     clip_fault = ""
     if modifier.is_baked(nodes_mod):
         clip_fault, is_played = _play_clip(obj, nodes_mod, output_obj, runtime, depsgraph,

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core import engine
 from ...core.settings import FieldSettings, MeshSettings
-from .. import compat
+from .. import compat, scheduler
 from . import incoming_mesh, mesh_reader, messages, modifier, properties, subdivision_behind, units
 from .building import PATIENCE, Building
 from .runtimes import Runtime
@@ -51,6 +51,7 @@ def sources(obj: bpy.types.Object) -> Sources:
 def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     """Make entry.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.UserError."""
     now = sources(obj)
+    runtime.scale = _rounded(now.unit_scale)
     wanted = _wanted(obj, now)
     begun, runtime.building = runtime.building, None
     if runtime.evaluator is not None and runtime.shape == wanted:
@@ -74,6 +75,22 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     if compat.has_custom_normals(incoming_mesh.of(obj)):
         runtime.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
     runtime.evaluator.frame_cache.limit_bytes = obj.rumple.memory_limit << 20
+
+
+def note_scale(obj: bpy.types.Object, runtime: Runtime) -> None:
+    """Scaling an object, or what it is parented to, edits no mesh."""
+    if not units.scale_is_known(obj):
+        return
+    found = _rounded(units.metres_per_unit(obj, units.scene_of(obj)))
+    if runtime.scale not in ("", found):
+        runtime.stale = True
+        scheduler.request(scheduler.DELAY)
+    runtime.scale = found
+
+
+def _rounded(unit_scale: float) -> str:
+    """As it counts: what is less is rounding."""
+    return f"{unit_scale:.4g}"
 
 
 def begin(obj: bpy.types.Object, runtime: Runtime) -> Building | None:
@@ -176,5 +193,5 @@ def _shape_fingerprint(base: engine.BaseMesh, own: engine.BaseMesh | None, attac
     if own is not None:
         digest.update(mesh_reader.shape_fingerprint(own).encode())
         digest.update(b"" if attached is None else attached.tobytes())
-    digest.update(repr((settings.structural(), f"{unit_scale:.4g}")).encode())
+    digest.update(repr((settings.structural(), _rounded(unit_scale))).encode())
     return digest.hexdigest()

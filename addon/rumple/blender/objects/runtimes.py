@@ -50,6 +50,7 @@ class Runtime(RuntimeBase):
     shape: tuple[str, int, int] | None = None  # fingerprint of what `evaluator` was made from, and its limits
     refused: tuple[str, int, int, int] | None = None  # of what could not be made: not tried again until it changes
     building: Building | None = None  # what takes the evaluator's place when it is ready
+    scale: str = ""  # of an object unit in metres, when the fine mesh was last looked at
     built_with: dict[str, Any] = field(default_factory=dict)  # the properties that `evaluator` was made with
     paint: dict[str, np.ndarray] | None = None  # None: read again
     painted_steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # of what: weight_paint.py

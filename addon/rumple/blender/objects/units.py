@@ -2,8 +2,15 @@
 """The scene that counts for an object, its length unit in metres, and the first frame of the clip."""
 from __future__ import annotations
 
+from typing import Iterator
+
 import bpy
 import numpy as np
+from mathutils import Matrix, Vector
+
+from .. import compat
+
+SCALES = [(name, axis) for name in ("scale", "delta_scale") for axis in range(3)]
 
 
 def scene_of(obj: bpy.types.Object) -> bpy.types.Scene:
@@ -30,14 +37,55 @@ def frame_rate(scene: bpy.types.Scene) -> float:
 
 
 def metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
-    """Mean absolute scale of an object times the scene's unit scale.
+    """Mean absolute scale of an object times the scene's unit scale. A keyed scale counts as it is in the clip's first
+    frame, whichever is shown.
 
     From the parents' own transforms, not from matrix_world: that one is not there yet after loading a file.
     """
-    matrix, parent = obj.matrix_basis.copy(), obj.parent
+    first = first_frame(obj, scene)
+    matrix, parent = _basis_at(obj, first), obj.parent
     inverse = obj.matrix_parent_inverse
     while parent is not None:
-        matrix = parent.matrix_basis @ inverse @ matrix
+        matrix = _basis_at(parent, first) @ inverse @ matrix
         inverse, parent = parent.matrix_parent_inverse, parent.parent
     scale = matrix.to_scale()
-    return sum(abs(s) for s in scale) / 3.0 * scene.unit_settings.scale_length
+    mean = sum(abs(s) for s in scale) / 3.0
+    if any(_scale_curves(one) for one in _with_parents(obj)):
+        mean = float(f"{mean:.5g}")  # a part of what is shown is rounded otherwise in each frame
+    return mean * scene.unit_settings.scale_length
+
+
+def scale_is_known(obj: bpy.types.Object) -> bool:
+    """Whether metres_per_unit() is the same in all frames, as long as nobody changes it: not of drivers and strips."""
+    return not any(_scales_otherwise(one.animation_data) for one in _with_parents(obj)
+                   if one.animation_data is not None)
+
+
+def _scales_otherwise(about: bpy.types.AnimData) -> bool:
+    return (any(track.strips for track in about.nla_tracks)
+            or any(about.drivers.find(name, index=axis) is not None for name, axis in SCALES))
+
+
+def _with_parents(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    one: bpy.types.Object | None = obj
+    while one is not None:
+        yield one
+        one = one.parent
+
+
+def _scale_curves(obj: bpy.types.Object) -> list[bpy.types.FCurve]:
+    about = obj.animation_data
+    found = [] if about is None else [compat.find_curve(about, *place) for place in SCALES]
+    return [curve for curve in found if curve is not None]
+
+
+def _basis_at(obj: bpy.types.Object, frame: int) -> Matrix:
+    """Its own transform, with the scale that is keyed for a frame."""
+    curves = _scale_curves(obj)
+    if not curves:
+        return obj.matrix_basis.copy()
+    scale = {name: list(getattr(obj, name)) for name in ("scale", "delta_scale")}
+    for curve in curves:
+        scale[curve.data_path][curve.array_index] = curve.evaluate(frame)
+    place, turn, _ = obj.matrix_basis.decompose()
+    return Matrix.LocRotScale(place, turn, Vector([own * more for own, more in zip(*scale.values())]))

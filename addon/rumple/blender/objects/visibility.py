@@ -23,8 +23,8 @@ def is_keyed(obj: bpy.types.Object) -> bool:
     about = obj.animation_data
     if about is None:
         return False
-    curves = [*about.drivers, *(compat.action_curves(about.action) if about.action is not None else ())]
-    return any(curve.data_path in HIDES for curve in curves) or any(track.strips for track in about.nla_tracks)
+    return (any(compat.find_curve(about, name) is not None or about.drivers.find(name) is not None for name in HIDES)
+            or any(track.strips for track in about.nla_tracks))
 
 
 def _is_needed(obj: bpy.types.Object) -> bool:

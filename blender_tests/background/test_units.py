@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scale of an object, which says how long its lengths in metres are."""
+from __future__ import annotations
+
+import unittest
+
+import bpy
+from rumple.blender import scheduler
+from rumple.blender.objects import runtimes, units
+from support import sleeve
+
+
+class Scale(unittest.TestCase):
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene()
+        sleeve.at(1)
+
+    def scale_built(self) -> float:
+        return runtimes.of(self.obj).evaluator.unit_scale
+
+    def keyed(self, first: float, last: float) -> None:
+        for frame, size in ((1, first), (sleeve.LAST, last)):
+            self.obj.scale = (size,) * 3
+            self.obj.keyframe_insert("scale", frame=frame)
+
+    def test_scaling_makes_the_folds_anew(self) -> None:
+        """It edits no mesh: the former folds stayed until something else was changed, or the file was opened again."""
+        self.assertAlmostEqual(self.scale_built(), 1.0, 5)
+        self.obj.scale *= 2.0
+        for _ in range(2):
+            bpy.context.view_layer.update()
+        sleeve.at(2)
+        self.assertAlmostEqual(self.scale_built(), 2.0, 5)
+        bpy.data.objects["Arm"].scale = (3.0,) * 3
+        self.obj.parent = bpy.data.objects["Arm"]
+        for _ in range(2):
+            bpy.context.view_layer.update()
+        sleeve.at(3)
+        self.assertAlmostEqual(self.scale_built(), 6.0, 4)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_a_keyed_scale_is_that_of_the_first_frame(self) -> None:
+        """It was that of the frame in which the fine mesh was made: a farm's chunk had other folds."""
+        self.keyed(1.0, 3.0)
+        shapes = []
+        for frame in (1, 20, 7):
+            sleeve.at(frame)
+            runtimes.of(self.obj).stale = True
+            scheduler.sync_all()
+            shapes.append((runtimes.of(self.obj).shape, self.scale_built()))
+        self.assertEqual(shapes, [(shapes[0][0], 1.0)] * 3)
+        sleeve.play()
+        self.assertFalse(runtimes.of(self.obj).stale)
+        self.assertAlmostEqual(units.metres_per_unit(self.obj, bpy.context.scene), 1.0)
+
+    def test_a_driven_scale_makes_nothing_anew_in_each_frame(self) -> None:
+        for axis in range(3):
+            self.obj.driver_add("scale", axis).driver.expression = "1 + frame / 10"
+        sleeve.at(2)
+        evaluator = runtimes.of(self.obj).evaluator
+        sleeve.play()
+        self.assertIs(runtimes.of(self.obj).evaluator, evaluator)
+
+
+if __name__ == "__main__":
+    unittest.main()
