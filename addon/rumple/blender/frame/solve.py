@@ -21,6 +21,9 @@ from ..viewport import preview
 from . import clip_status, disk_frames, first_pass, path_curves
 
 
+TWO_SCENES = "Two windows show this object in two scenes: both have the folds of the one that changed last"
+
+
 def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Solve what this depsgraph shows. Never raises."""
     if not scheduler.may_process(depsgraph):
@@ -155,7 +158,26 @@ def _process(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_o
         messages.set_frame_error(runtime, clip_fault)  # what was wrong in between is as it was before
         messages.note_unplayed(runtime, runtime.unplayed, depsgraph.mode == "RENDER")
         return False
+    if depsgraph.mode == "VIEWPORT" and _gave_way(runtime, inputs, scene):
+        messages.note_unplayed(runtime, TWO_SCENES, rendering=False)
+        return False
     return _solve_and_show(obj, nodes_mod, shown, runtime, inputs, scene, depsgraph.mode, clip_fault)
+
+
+def _gave_way(runtime: Runtime, inputs: Inputs, scene: bpy.types.Scene) -> bool:
+    """Whether nothing changed in this scene but that another one, in another window, wrote the mesh that both show: to
+    write it back would let that one write again, and so on for ever."""
+    if bpy.app.background:
+        return False
+    scenes = {compat.session_key(window.scene) for window in bpy.context.window_manager.windows}
+    if len(scenes) < 2:
+        runtime.written_for.clear()
+        return False
+    key = compat.session_key(scene)
+    if inputs.same_as(runtime.written_for.get(key)):
+        return True
+    runtime.written_for[key] = inputs
+    return False
 
 
 def _play_clip(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, output_obj: bpy.types.Object,

@@ -65,6 +65,7 @@ class Runtime(RuntimeBase):
     result: engine.FrameResult | engine.PreviewFrame | None = None  # what the mesh of output_key holds
     fitting: tuple[int, ...] = ()  # the output meshes that were compared with what is solved
     written_at: tuple[int, float] | None = None  # the scene and its frame that wrote the output object last
+    written_for: dict[int, Inputs] = field(default_factory=dict)  # what each of the scenes in windows wrote it from
     moved_in: int = 0  # the scene whose last frame wrote the output object: its next one will
     analyzing: bool = False  # a bake plays the clip through to see it: frames are read, not solved ...
     analyzed: Inputs | None = None  # ... and this is what was read
@@ -76,6 +77,7 @@ class Runtime(RuntimeBase):
     def invalidate_output(self) -> None:
         self.inputs = self.result = None
         self.fitting = ()
+        self.written_for.clear()
         super().invalidate_output()
 
     def invalidate(self) -> None:
