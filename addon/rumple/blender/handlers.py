@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import threading
 import time
 from typing import Any, Callable
 
@@ -62,9 +61,10 @@ def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 def _follow(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     kept_lists.forget_all()
+    scheduler.note_thread()
     # All updates are read before anything is made again: the depsgraph goes on listing the copy of a mesh that was
     # removed since, and what it is the copy of is freed memory then.
-    for system in (changes, maps_changes):
+    for system in (changes, maps_changes) if scheduler.in_main_thread() else ():  # a job's depsgraph updates everything
         with messages.console_errors("changes"):
             system.note_updates(depsgraph)
     for system in (solve, maps_solve):
@@ -119,12 +119,11 @@ def _let_timers_work() -> None:
 def _on_render_start(*_arguments: object) -> None:
     # A script may have changed things since the last update, and the timer had no turn. Not in the thread of an F12
     # job: the window draws meanwhile, and data-blocks must not come and go under it. What a timer has begun ends first.
-    in_main_thread = threading.get_ident() == threading.main_thread().ident
-    if not in_main_thread:
+    if not scheduler.in_main_thread():
         _let_timers_work()
     with scheduler.LOCK:
         try:
-            if in_main_thread:
+            if scheduler.in_main_thread():
                 scheduler.sync_all()
             kept_lists.forget_all()
             clip_status.check_before_render()

@@ -7,7 +7,9 @@ handlers.py names when the add-on registers.
 """
 from __future__ import annotations
 
+import math
 import threading
+import time
 from contextlib import contextmanager
 from typing import Callable, Iterator, Protocol
 
@@ -17,6 +19,7 @@ import bpy
 # that would drop a frame.
 LOCK = threading.RLock()
 POLL = 0.05  # seconds between two looks at what threads make
+JOB = 1.0  # seconds after the last frame that the job of an export evaluated
 DELAY = 0.25  # seconds without another change before a dragged slider or a brush stroke is rebuilt
 
 
@@ -32,6 +35,7 @@ class Awaited(Protocol):
 
 
 _render_running = False
+_job_seen = -math.inf  # when a handler was called in the thread of a job that is no render
 _wanted = False
 _suspended = False
 _files = 0  # that were opened
@@ -72,6 +76,21 @@ def set_rendering(running: bool) -> None:
         request()
 
 
+def in_main_thread() -> bool:
+    """Jobs (F12, Alembic, Cycles' Bake) evaluate the file in threads of their own, and call the handlers there."""
+    return threading.current_thread() is threading.main_thread()
+
+
+def note_thread() -> None:
+    """Called by every handler of a frame. While the job of an export runs no data-block may come or go: Blender says
+    nothing of its end, so what is wanted waits until its last frame is a second old."""
+    global _job_seen
+    if not in_main_thread():
+        _job_seen = time.monotonic()
+    elif _wanted and not bpy.app.timers.is_registered(_on_timer):
+        request()  # in the thread no timer could be started
+
+
 def allowed_now() -> bool:
     """In background mode there are no timers: structural work is done on the spot unless a render runs."""
     return bpy.app.background and not _render_running
@@ -100,8 +119,9 @@ def may_process(depsgraph: bpy.types.Depsgraph) -> bool:
 
 
 def may_prepare_frame() -> bool:
-    """Whether something may be written before a frame is evaluated: while a window renders, nobody knows for whom."""
-    return not _suspended and (bpy.app.background or not _render_running)
+    """Whether something may be written before a frame is evaluated: while a window renders or exports, nobody knows for
+    whom."""
+    return not _suspended and (bpy.app.background or (in_main_thread() and not _render_running))
 
 
 # ---------------------------------------------------------------- structural work
@@ -110,8 +130,8 @@ def request(delay: float = 0.0, until_released: bool = True) -> None:
     mouse to be let go."""
     global _wanted, _may_be_held
     _wanted, _may_be_held = True, delay > 0.0 and until_released
-    if bpy.app.background or _render_running:
-        return  # the next handler in background, or the end of the render, sees to it
+    if bpy.app.background or _render_running or not in_main_thread():
+        return  # the next handler in background and after a job, or the end of the render, sees to it
     timers = bpy.app.timers
     if timers.is_registered(_on_timer):  # not a flag of our own: loading a file kills timers
         if delay == 0.0:
@@ -122,7 +142,7 @@ def request(delay: float = 0.0, until_released: bool = True) -> None:
 
 def _on_timer() -> float | None:
     with LOCK:  # a render job that starts now waits for what is begun here
-        if _render_running:
+        if _render_running or time.monotonic() < _job_seen + JOB:
             return 0.5
         if _may_be_held and _is_held():
             return POLL
@@ -204,7 +224,7 @@ def tell_waiting(function: Callable[[], None]) -> None:
 def redraw_panels_soon() -> None:
     """What panels say has changed. Never while a render job runs: where an engine ends within the drawing of a panel,
     Blender 3.4 and 4.3 forbid Python to write for good."""
-    if bpy.app.background or threading.current_thread() is not threading.main_thread():
+    if bpy.app.background or not in_main_thread():
         return
     if not bpy.app.timers.is_registered(_redraw_panels):
         bpy.app.timers.register(_redraw_panels, first_interval=0.1)

@@ -95,8 +95,9 @@ def clear(obj: bpy.types.Object) -> None:
 def _request() -> None:
     global _due
     _due = time.monotonic() + _IDLE
-    if not bpy.app.background and not bpy.app.timers.is_registered(_on_timer):
-        bpy.app.timers.register(_on_timer, first_interval=_IDLE)
+    if bpy.app.background or not scheduler.in_main_thread() or bpy.app.timers.is_registered(_on_timer):
+        return  # timers are started by the main thread alone: its next frame does
+    bpy.app.timers.register(_on_timer, first_interval=_IDLE)
 
 
 def _on_timer() -> float | None:

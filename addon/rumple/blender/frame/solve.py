@@ -47,9 +47,10 @@ def process(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 def _tag_dependents(written: list[bpy.types.Object], wrinkled: list[bpy.types.Object]) -> None:
     """Wrinkled objects that lean on a written one saw its last picture: let them be evaluated once more.
 
-    In background and in renders nothing can be tagged in time: they are one solve late there (clip_status.py says so).
+    In background, in renders and in exports nothing can be tagged in time: they are one solve late there
+    (clip_status.py says so).
     """
-    if bpy.app.background or scheduler.rendering():
+    if bpy.app.background or scheduler.rendering() or not scheduler.in_main_thread():
         return
     scheduler.tag_soon({obj.name for obj in wrinkled if obj.library is None and modifier.depends_on(obj, written)})
 
