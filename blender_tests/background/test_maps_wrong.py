@@ -13,7 +13,7 @@ import numpy as np
 from rumple.blender import scheduler
 from rumple.blender.maps import changes as maps_changes, hidden_meshes as maps_meshes, modifier as maps_modifier
 from rumple.blender.nodes import maps_shader
-from rumple.blender.objects import modifier
+from rumple.blender.objects import messages, modifier
 from support import face, sleeve
 
 
@@ -89,6 +89,15 @@ class Wrong(face.TwoPoses, unittest.TestCase):
         self.settle()
         self.assertIn("Surprise is read as a colour", face.notes(self.obj))
         self.assertIn("Anger of pose Anger cannot be found: //not_there.png", face.notes(self.obj))
+
+    def test_adding_a_pose_says_nothing_of_one_that_is_half_made(self) -> None:
+        """It was evaluated with no name and no bones: 'pose  was stored without the root bone'."""
+        obj, rig = face.scene()
+        rig.pose.bones["jaw"].location.z = 0.02  # nothing has evaluated it when the button is pressed
+        with unittest.mock.patch.object(messages, "_print_new") as said:
+            bpy.ops.rumple.pose_add(name="Open")
+        self.assertEqual([call.args[0] for call in said.call_args_list if call.args[0]], [])
+        self.assertEqual([pose.name for pose in obj.rumple_maps.poses], ["Open"])
 
     def test_other_vertices_get_other_masks(self) -> None:
         mesh = face.sheet()

@@ -48,8 +48,9 @@ class RUMPLE_OT_pose_add(OnMaps, bpy.types.Operator):
         if not settings.bones and not settings.keys:
             maps_rig.choose_by_default(obj)
         name = unused_name(self.name, [pose.name for pose in settings.poses])
+        depsgraph = context.evaluated_depsgraph_get()  # in background that compares all poses: none may be half made
         pose = settings.poses.add()
-        _store(context, obj, stored_poses.of_pose(pose))
+        stored_poses.store(stored_poses.of_pose(pose), obj, depsgraph)
         pose.name = name
         try:
             _refuse_bad(obj)
