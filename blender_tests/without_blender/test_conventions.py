@@ -50,7 +50,7 @@ class Conventions(unittest.TestCase):
         self.assertGreaterEqual(named, 8)
 
     def test_what_one_blender_alone_tests_is_in_a_file_that_it_runs(self) -> None:
-        """With three Blenders the first runs two thirds of the files: scripts/test, run_suite.py."""
+        """With three Blenders the first runs a third of the files: scripts/test, run_suite.py."""
         thirds = re.search(r'background,"\$\{versions\[0\]\}"\) echo (\S+)', (ROOT / "scripts" / "test").read_text())
         files = sorted((ROOT / "blender_tests" / "background").glob("test_*.py"))
         left = [path.name for number, path in enumerate(files) if str(1 + number % 3) not in thirds.group(1)]
