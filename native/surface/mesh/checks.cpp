@@ -105,19 +105,29 @@ void check_creases(const SurfaceInput& input) {
 }  // namespace
 
 std::vector<EdgeUse> collect_edge_uses(const PolygonMesh& mesh) {
-    std::vector<EdgeUse> uses;
-    uses.reserve(mesh.corner_vertex.size());
+    std::vector<EdgeUse> found;
+    found.reserve(mesh.corner_vertex.size());
+    std::vector<Index> begin_of(mesh.vertex_count + 1, 0);  // of the uses whose lower vertex it is
     for (Index p = 0; p < mesh.polygons(); ++p) {
         const Index begin = mesh.polygon_start[p], end = mesh.polygon_start[p + 1];
         for (Index c = begin; c < end; ++c) {
             const Index from = mesh.corner_vertex[c];
             const Index to = mesh.corner_vertex[c + 1 < end ? c + 1 : begin];
-            uses.push_back({std::min(from, to), std::max(from, to), p, c, from < to});
+            found.push_back({std::min(from, to), std::max(from, to), p, c, from < to});
+            ++begin_of[found.back().a + 1];
         }
     }
-    std::sort(uses.begin(), uses.end(), [](const EdgeUse& x, const EdgeUse& y) {
-        return std::tie(x.a, x.b, x.corner) < std::tie(y.a, y.b, y.corner);
-    });
+    std::partial_sum(begin_of.begin(), begin_of.end(), begin_of.begin());
+    // A vertex has few uses: put beside one another they are sorted in no time, all of them at once are not.
+    std::vector<EdgeUse> uses(found.size());
+    std::vector<Index> next(begin_of.begin(), begin_of.end() - 1);
+    for (const EdgeUse& use : found) uses[next[use.a]++] = use;
+    for (Index v = 0; v < mesh.vertex_count; ++v) {
+        std::sort(uses.begin() + begin_of[v], uses.begin() + begin_of[v + 1],
+                  [](const EdgeUse& x, const EdgeUse& y) {
+                      return std::tie(x.b, x.corner) < std::tie(y.b, y.corner);
+                  });
+    }
     return uses;
 }
 
