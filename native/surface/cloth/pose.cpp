@@ -60,11 +60,6 @@ void place_facets(const Surface& surface, Pose& pose) {
 }
 
 // ---------------------------------------------------------------- contact
-template <typename Vector>
-Vector mixed(const Vector& w, const Vector& a, const Vector& b, const Vector& c) {
-    return w.x * a + w.y * b + w.z * c;
-}
-
 // Four facets at a time: those of a list from a place on. The last one stands for those beyond its end.
 class FourFacets {
   public:

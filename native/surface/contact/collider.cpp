@@ -97,15 +97,13 @@ bool PosedCollider::on_border(Index triangle, const Vec3& weights) const {
 
 Vec3 PosedCollider::point_of(const Best& best) const {
     const auto& t = collider_.triangles_[best.triangle];
-    const Vec3& w = best.weights;
-    return w.x * positions_[t[0]].vec() + w.y * positions_[t[1]].vec() + w.z * positions_[t[2]].vec();
+    return mixed(best.weights, positions_[t[0]].vec(), positions_[t[1]].vec(), positions_[t[2]].vec());
 }
 
 Vec3 PosedCollider::normal_of(const Best& best) const {
     const auto& t = collider_.triangles_[best.triangle];
-    const Vec3& w = best.weights;
     const std::vector<Row>& normal = normals_.of_vertex;
-    return unit_or_zero(w.x * normal[t[0]].vec() + w.y * normal[t[1]].vec() + w.z * normal[t[2]].vec());
+    return unit_or_zero(mixed(best.weights, normal[t[0]].vec(), normal[t[1]].vec(), normal[t[2]].vec()));
 }
 
 // Takes what is nearer than the best, among equals the lowest triangle: so the order of looking does not

@@ -47,4 +47,10 @@ Vector closest_weights(const Vector& p, const Vector& a, const Vector& b, const 
     return {1.0f - v - w, v, w};
 }
 
+// Three corners by such weights.
+template <typename Vector>
+Vector mixed(const Vector& weights, const Vector& a, const Vector& b, const Vector& c) {
+    return weights.x * a + weights.y * b + weights.z * c;
+}
+
 }  // namespace rumple

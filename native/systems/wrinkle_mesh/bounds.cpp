@@ -10,8 +10,7 @@ namespace rumple::wrinkle_mesh {
 namespace {
 
 Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3 w = closest_weights(p, a, b, c);
-    return w.x * a + w.y * b + w.z * c;
+    return mixed(closest_weights(p, a, b, c), a, b, c);
 }
 
 // Secants from a vertex below its floor to the attachment: one where the floor is flat.
