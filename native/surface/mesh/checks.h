@@ -16,7 +16,8 @@ struct EdgeUse {
     bool forward;
 };
 
-// All uses of all edges, sorted by (a, b, polygon, corner). Linear in the corners, where vertices have few edges.
+// All uses of all edges, sorted by (a, b, polygon, corner). Linear in the corners, where vertices have few
+// edges.
 std::vector<EdgeUse> collect_edge_uses(const PolygonMesh& mesh);
 
 // The end of the run of uses that share the edge of uses[begin].
