@@ -79,6 +79,12 @@ class FrameLaws(unittest.TestCase):
         self.play()
         self.assertTrue(all(final for _, final in self.mesh.frame_cache.frames()))
 
+    def test_play_goes_on_through_a_frame_that_was_looked_at(self) -> None:
+        other, _ = WrinkleMesh.build(self.base, SETTINGS), self.solve(5)
+        for frame in (3, 4, 5):
+            np.testing.assert_array_equal(self.solve(frame).positions, self.solve(frame, other).positions)
+        self.assertTrue(all(self.solve(frame).replayed for frame in (4, 3, 5)))
+
     def test_independent_frames_do_not_know_their_neighbours(self) -> None:
         alone = replace(SETTINGS, stateless=True)
         forward = [self.solve(f, settings=alone).positions for f in FRAMES]

@@ -2,8 +2,8 @@
 """Solved frames kept in memory, so that the picture of a frame does not depend on how one got there.
 
 A frame is *final* when it was solved from a final frame before it (or is the first frame, or needs no
-frame before it). A frame solved after a jump is provisional: it is replayed as it is until the frame
-before it becomes final, then it is solved once more and stays.
+frame before it). A frame solved after a jump is provisional: it is replayed as it is until it is reached over more
+frames than before, then it is solved once more; when the frame before it is final, for the last time.
 """
 from __future__ import annotations
 
@@ -33,6 +33,7 @@ class CachedFrame:
     _before: "CachedFrame | None" = None  # while it waits: the frame that it goes on from ...
     _solve: Callable[[Any], tuple[Any, Any]] | None = None  # ... and the state of that -> state, report
     chain: bytes = b""  # of a final frame: digest of its inputs and those of all frames that it goes on from
+    run: int = 0  # how many frames it goes on from: put()
     pictures: dict[bool, FrameResult] = field(default_factory=dict)  # by whether they are of what viewports show
     was_replayed: bool = False
 
@@ -156,10 +157,13 @@ class FrameCache:
 
     def find(self, frame: float, input_digest: bytes, final: bool, before: CachedFrame | None) -> CachedFrame | None:
         """The entry that may be replayed, from memory or disk: of these inputs, and where the frame would be final
-        reached over the same inputs of the frames before it."""
+        reached over the same inputs of the frames before it, else over as many frames at least."""
         def fits(cached: CachedFrame | None) -> bool:
-            return (cached is not None and cached.input_digest == input_digest
-                    and (not final or (cached.final and cached.chain == chain_of(input_digest, before))))
+            if cached is None or cached.input_digest != input_digest:
+                return False
+            if final:
+                return cached.final and cached.chain == chain_of(input_digest, before)
+            return cached.final or before is None or before.run < cached.run
 
         cached = self._entries.get(frame)
         if fits(cached) or self.on_disk is None:
@@ -187,6 +191,8 @@ class FrameCache:
             for later, other in self._entries.items():
                 if later > frame:
                     other.final = False
+        before = self.before(frame)
+        cached.run = 0 if before is None else before.run + 1
         self._entries[frame] = cached
         self._bytes += cached.nbytes
         self._evict(frame)
