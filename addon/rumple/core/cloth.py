@@ -9,6 +9,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ..native import kernels
+from . import transforms
 from .body import Body, same_triangles
 from .cloth_settings import ClothSettings
 from .fabrics import GRAVITY
@@ -91,7 +92,7 @@ class BaseCloth:
         of gravity; None: the identity. before: the frame before, or None. seconds: since frame 0; surroundings: both
         are read where it swings. Raises ValueError."""
         world_from_object = _invertible(world_from_object)
-        object_from_world = np.linalg.inv(world_from_object)
+        object_from_world = transforms.inverse(world_from_object)
         if paint is not self._painted or settings.up != self._up:
             self._take_paint(paint, settings.up)
         options = self._native_settings(settings, world_from_object)
@@ -140,8 +141,9 @@ class BaseCloth:
         options.seconds = max(now.seconds - before.seconds, 0.0)
         if not (np.array_equal(before.world_from_object, now.world_from_object)
                 and np.array_equal(before.location, now.location)):
-            shift = object_from_world @ (before.location - now.location)
-            options.place((object_from_world @ before.world_from_object).tolist(), shift.tolist())
+            shift = transforms.turned_one(object_from_world, before.location - now.location)
+            turn = transforms.product(object_from_world, before.world_from_object)
+            options.place(turn.tolist(), shift.tolist())
         return options
 
     def _forces(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,
@@ -153,7 +155,8 @@ class BaseCloth:
             positions, at = before.positions, before.swing_input
         else:
             at = now
-        effects = surroundings.effects((_turned(at.world_from_object, positions) + at.location).astype(np.float32))
+        in_world = transforms.turned(at.world_from_object, positions) + at.location
+        effects = surroundings.effects(in_world.astype(np.float32))
         to_scale, of_mass = self.size_factor / self.unit_scale, FIELD / settings.mass
         return kernels.VertexForces(
             to_scale * _all_into_object(object_from_world, effects.air),
@@ -194,8 +197,8 @@ class BaseCloth:
 
 def downwards(world_from_object: np.ndarray | None) -> np.ndarray:
     """(3,) unit: where things fall, in object space. world_from_object: (3, 3); None: the identity."""
-    down = np.linalg.inv(_invertible(world_from_object)) @ np.array((0.0, 0.0, -1.0))
-    length = float(np.linalg.norm(down))
+    down = transforms.turned_one(transforms.inverse(_invertible(world_from_object)), np.array((0.0, 0.0, -1.0)))
+    length = transforms.length(down)
     return down / length if length > 0.0 else down
 
 
@@ -230,27 +233,22 @@ def bend_radius(settings: ClothSettings, wavelength: float, unit_scale: float) -
 
 def _invertible(world_from_object: np.ndarray | None) -> np.ndarray:
     """(3, 3) float64; that of an object without a size is the identity."""
-    if world_from_object is None or abs(np.linalg.det(world_from_object)) < 1e-12:
+    if world_from_object is None or abs(transforms.determinant(world_from_object)) < 1e-12:
         return np.eye(3)
     return world_from_object.astype(np.float64)
 
 
 def _into_object(object_from_world: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """(3,) in the direction that a vector of the world has in object space, as long as it was."""
-    turned = object_from_world @ vector
-    length = float(np.linalg.norm(turned))
-    return turned * (np.linalg.norm(vector) / length) if length > 0.0 else np.zeros(3)
-
-
-def _turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(n, 3) float64. Term by term: how BLAS adds differs from machine to machine."""
-    return vectors[:, :1] * matrix[:, 0] + vectors[:, 1:2] * matrix[:, 1] + vectors[:, 2:] * matrix[:, 2]
+    turned = transforms.turned_one(object_from_world, vector)
+    length = transforms.length(turned)
+    return turned * (transforms.length(vector) / length) if length > 0.0 else np.zeros(3)
 
 
 def _all_into_object(object_from_world: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """As _into_object(), of (n, 3), none longer than MOST. float32."""
     vectors = vectors.astype(np.float64)
-    turned = _turned(object_from_world, vectors)
+    turned = transforms.turned(object_from_world, vectors)
     length, longest = _lengths(turned), np.minimum(_lengths(vectors), MOST)
     return (turned * (longest / np.maximum(length, 1e-300))).astype(np.float32)
 

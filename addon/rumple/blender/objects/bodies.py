@@ -13,7 +13,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from ...core import engine
+from ...core import engine, transforms
 from ...core.body import Body, digest_of_triangles, facing_outwards
 from .. import compat
 from ..nodes import path_curves_tree
@@ -174,7 +174,7 @@ def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types
     if into.determinant() < 0.0:  # mirrored: the other way round is counter-clockwise now
         triangles = triangles[:, ::-1]
     matrix = np.array(into, np.float32)
-    return Body(np.ascontiguousarray(surface.positions @ matrix[:3, :3].T + matrix[:3, 3]),
+    return Body(np.ascontiguousarray(transforms.placed(matrix, surface.positions)),
                 np.ascontiguousarray(triangles))  # the same array, where it was not turned
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
+from ...core import transforms
 from ...core.healing import TURNED
 from .. import compat
 from . import bodies, incoming_mesh, mesh_reader, modifier
@@ -75,8 +76,8 @@ def _is_worn(cloth: _Cloth, others: list[BVHTree]) -> bool:
 
 def _rest(obj: bpy.types.Object) -> np.ndarray:
     """Vertices at rest in world space, (n, 3) float32."""
-    matrix = np.array(obj.matrix_world, np.float32)
-    return mesh_reader.rest_positions(obj, "REST_POSE", "") @ matrix[:3, :3].T + matrix[:3, 3]
+    rest = mesh_reader.rest_positions(obj, "REST_POSE", "")
+    return transforms.placed(np.array(obj.matrix_world, np.float32), rest)
 
 
 def _cloth(obj: bpy.types.Object) -> _Cloth:

@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 from mathutils.geometry import interpolate_bezier
 
+from ...core import transforms
 from ...core.fold_guides import DIRECTION, KINDS, PUCKER, Guide
 from .. import compat, scheduler
 from . import incoming_mesh, runtimes, units
@@ -95,7 +96,7 @@ def read(garment: bpy.types.Object, rest_of: Callable[[], np.ndarray]) -> np.nda
         about, matrix = guide.rumple_guide, np.array(guide.matrix_parent_inverse @ guide.matrix_basis)
         kind = [identifier for identifier, *_ in KINDS].index(about.kind)
         for points in _lines(guide.data):
-            points[:, :3] = points[:, :3] @ matrix[:3, :3].T + matrix[:3, 3]
+            points[:, :3] = transforms.placed(matrix, points[:, :3])
             spacing = about.reach if kind == DIRECTION else about.spacing
             line = Guide(points[:, :3], points[:, 3], kind, about.count, scale * spacing, scale * about.depth,
                          about.others)

@@ -8,7 +8,7 @@ from typing import Union
 import bpy
 import numpy as np
 
-from ...core import engine
+from ...core import engine, transforms
 from ...core.fold_guides import DIRECTION, GUIDES, KIND
 from ...core.keep_smooth import SMOOTH
 from ...core.on_cloth import PAINTED
@@ -92,8 +92,7 @@ def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
     mesh = own.data
     mesh.calc_loop_triangles()
     into = np.array(obj.matrix_world.inverted_safe() @ own.matrix_world, np.float32)
-    positions = basis_positions(mesh) @ into[:3, :3].T + into[:3, 3]
-    return _flat_mesh(own.name, mesh, positions)
+    return _flat_mesh(own.name, mesh, transforms.placed(into, basis_positions(mesh)))
 
 
 def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine.BaseMesh:

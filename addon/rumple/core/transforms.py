@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Turning vectors by a matrix of three rows, term by term. NumPy leaves `@` and `linalg` to libraries that add in
+another order, or round less often, on another processor: machines of a farm would not agree to the bit. Never imports
+bpy."""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+
+def turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """(n, 3) of (n, 3): each is M x. matrix: (3, 3)."""
+    return vectors[:, :1] * matrix[:, 0] + vectors[:, 1:2] * matrix[:, 1] + vectors[:, 2:] * matrix[:, 2]
+
+
+def turned_one(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """(3,): M x."""
+    return turned(matrix, vector[None, :])[0]
+
+
+def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """(3, 3)"""
+    return turned(left, right.T).T
+
+
+def placed(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(n, 3) points in the space that a matrix of four rows, or three, leads to."""
+    return turned(matrix[:3, :3], points) + matrix[:3, 3]
+
+
+def determinant(matrix: np.ndarray) -> float:
+    """Of (3, 3)."""
+    return sum(float(matrix[0, k] * _cofactors(matrix)[0, k]) for k in range(3))
+
+
+def inverse(matrix: np.ndarray) -> np.ndarray:
+    """(3, 3) float64, of one whose determinant is not 0."""
+    return (_cofactors(matrix) / determinant(matrix)).T
+
+
+def length(vector: np.ndarray) -> float:
+    """Of (3,)."""
+    x, y, z = map(float, vector)
+    return math.sqrt(x * x + y * y + z * z)
+
+
+def _cofactors(matrix: np.ndarray) -> np.ndarray:
+    """(3, 3): row k is the cross product of the other two rows, in their order."""
+    a = matrix.astype(np.float64)
+    return np.array([[a[i, k] * a[j, m] - a[i, m] * a[j, k] for k, m in ((1, 2), (2, 0), (0, 1))]
+                     for i, j in ((1, 2), (2, 0), (0, 1))])

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Turning vectors term by term: what linear algebra says, and the same bits on every processor."""
+from __future__ import annotations
+
+import re
+import unittest
+from pathlib import Path
+
+import numpy as np
+from rumple.core import transforms
+
+ADDON = Path(transforms.__file__).parents[1]
+# What a frame is solved from goes through these. Guides are measured once, when they are drawn.
+SOLVED_FROM = ("core/cloth.py", "core/on_cloth.py", "core/body.py", "core/surroundings.py", "core/triangles.py",
+               "core/rigid_parts.py", "blender/objects/bodies.py", "blender/objects/mesh_reader.py",
+               "blender/objects/coarse_copy.py", "blender/objects/wind.py", "blender/objects/guide_curves.py")
+
+
+class Transforms(unittest.TestCase):
+
+    def setUp(self) -> None:
+        random = np.random.default_rng(4)
+        self.matrix, self.other = random.normal(size=(2, 3, 3))
+        self.points = random.normal(size=(50, 3))
+
+    def test_it_is_linear_algebra(self) -> None:
+        near = dict(rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(transforms.turned(self.matrix, self.points), self.points @ self.matrix.T, **near)
+        np.testing.assert_allclose(transforms.product(self.matrix, self.other), self.matrix @ self.other, **near)
+        np.testing.assert_allclose(transforms.inverse(self.matrix), np.linalg.inv(self.matrix), **near)
+        self.assertAlmostEqual(transforms.determinant(self.matrix), np.linalg.det(self.matrix), 12)
+        self.assertAlmostEqual(transforms.length(self.points[0]), np.linalg.norm(self.points[0]), 12)
+
+    def test_worked_by_hand(self) -> None:
+        """A quarter turn about Z, twice as large, and mirrored: (1, 0, 0) goes to (0, 2, 0)."""
+        matrix = np.array([[0.0, -2.0, 0.0, 5.0], [2.0, 0.0, 0.0, 6.0], [0.0, 0.0, -2.0, 7.0]])
+        np.testing.assert_array_equal(transforms.placed(matrix, np.eye(3)[:1]), [[5.0, 8.0, 7.0]])
+        self.assertEqual(transforms.determinant(matrix[:, :3]), -8.0)
+        np.testing.assert_array_equal(transforms.inverse(matrix[:, :3]), [[0, 0.5, 0], [-0.5, 0, 0], [0, 0, -0.5]])
+
+    def test_single_precision_stays_single(self) -> None:
+        matrix, points = self.matrix.astype(np.float32), self.points.astype(np.float32)
+        found = transforms.turned(matrix, points)
+        self.assertEqual(found.dtype, np.float32)
+        exact = [[(p[0] * m[0] + p[1] * m[1]) + p[2] * m[2] for m in matrix] for p in points]  # each rounded
+        np.testing.assert_array_equal(found, np.array(exact, np.float32))
+
+    def test_nothing_that_frames_are_solved_from_is_left_to_a_library_for_matrices(self) -> None:
+        """Machines of a farm agree to the bit: products of matrices and vectors of mathutils are Blender's own."""
+        for name in SOLVED_FROM:
+            for line in (ADDON / name).read_text(encoding="utf-8").splitlines():
+                code = line.split("#")[0]
+                if "matrix_world" in code or "matrix_basis" in code or "norm(" in code and "axis=1" in code:
+                    continue
+                self.assertIsNone(re.search(r"[\w)\]] @ |linalg|np\.dot|einsum|matmul", code), f"{name}: {line}")
+
+
+if __name__ == "__main__":
+    unittest.main()
