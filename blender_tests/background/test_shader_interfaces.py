@@ -17,6 +17,7 @@ from unittest import mock
 
 from mathutils import Matrix
 from rumple.blender.viewport import glsl, gpu_arrays, preview, preview_field, preview_paths, studio_light
+from rumple.core.engine import UserError
 from support import sleeve
 
 SHADERS = Path(__file__).resolve().parents[2] / "shaders" / "preview"
@@ -76,6 +77,15 @@ def block_members() -> list[tuple[str, int]]:
     body = re.search(r"\{(.*)\}", without_comments(glsl.text("preview/preview_block")), re.S)
     assert body
     return [(kind.upper(), int(count or 1)) for kind, count in re.findall(r"(\w+)\s+\w+(?:\[(\d+)\])?;", body[1])]
+
+
+class Older(Recorder):
+    """Blender 4.3 and before: a shader that writes depth cannot be told from others."""
+
+    def __getattr__(self, word: str) -> Any:
+        if word == "depth_write":
+            raise AttributeError(word)
+        return super().__getattr__(word)
 
 
 class Interfaces(unittest.TestCase):
@@ -144,14 +154,25 @@ class Interfaces(unittest.TestCase):
     def test_depth_is_written_where_blender_has_no_word_for_it(self) -> None:
         """Blender 4.3 declares every gl_FragDepth as layout(depth_unchanged). Software GL writes it all the same; on an
         NVIDIA card what stood before the folds did not hide them."""
-        class Older(Recorder):
-            def __getattr__(self, word: str) -> Any:
-                if word == "depth_write":
-                    raise AttributeError(word)
-                return super().__getattr__(word)
-
         writing = [shader for shader in recorded(Older) if "gl_FragDepth" in shader.text("fragment")]
         self.assertEqual([shader.all("define") for shader in writing], [[("depth_unchanged", "depth_any")]])
+
+    def test_metal_refuses_it_in_words_there(self) -> None:
+        """It declares gl_FragDepth only where that was said: the shader did not compile on any Mac with 4.3."""
+        with mock.patch.object(gpu_arrays, "backend", return_value="METAL"), \
+                self.assertRaisesRegex(UserError, "needs a later Blender on macOS"):
+            recorded(Older)
+
+    def test_vulkan_reads_overlays_that_are_linear(self) -> None:
+        """It makes them so while it reads, OpenGL and Metal do not: their colours were made linear twice."""
+        for backend, form in (("OPENGL", "RGBA8"), ("METAL", "RGBA8"), ("VULKAN", "RGBA16F")):
+            with mock.patch.object(gpu_arrays, "gpu") as fake:
+                fake.state.viewport_get.return_value = (0, 0, 400, 300)
+                fake.platform.backend_type_get.return_value = backend
+                over, shader = gpu_arrays.overlays((3, 4, 20, 10)), mock.MagicMock()
+                over.bind(shader)
+                self.assertEqual(fake.types.GPUTexture.call_args.kwargs["format"], form)
+            shader.uniform_int.assert_called_with("overlays_are_linear", backend == "VULKAN")
 
     def test_nothing_is_declared_in_the_text(self) -> None:
         for shader in self.shaders:
@@ -215,7 +236,8 @@ def for_metal(shader: Recorder, stage: str, name: str) -> str:
         f"struct uniforms_{name} {{", *(f"{kind.lower()} {word};" for kind, word in constants), "};",
         f"struct {name} {{", *(without_comments(types) for (types,) in shader.all("typedef_source")),
         f"uniforms_{name} *global_uniforms;",
-        "vec4 gl_Position, gl_FragCoord; float gl_FragDepth; bool gl_FrontFacing;",
+        "vec4 gl_Position, gl_FragCoord; bool gl_FrontFacing;",
+        "float gl_FragDepth;" if shader.all("depth_write") else "",
         *(f"{kind} {word};" for kind, word in members), *(f"#define {word} {meant}" for word, meant in macros.items()),
         text, "};", *(f"#undef {word}" for word in (*macros, "FORMULA", "TEXEL", "THIS_TEXEL")), ""])
 

@@ -124,7 +124,7 @@ class Pictures(FoldsCase):
         yield from self.until(lambda: len(preview._on_gpu) == 2)
         yield from self.shot()
         self.assertEqual(len(preview._on_gpu), 2)
-        self.assertEqual([held.refused for held in preview._on_gpu.values()], [False, False])
+        self.assertEqual([held.refusal for held in preview._on_gpu.values()], ["", ""])
         for obj, _ours in modifier.wrinkled_objects():
             self.assertTrue(runtimes.of(obj).inputs.uses_proxy)
 
@@ -261,7 +261,7 @@ class Meshes(FoldsCase):
             sleeve.at(sleeve.LAST)
             yield from self.settled()
             yield from self.shot()
-            self.assertEqual([held.refused for held in preview._on_gpu.values()], [False])
+            self.assertEqual([held.refusal for held in preview._on_gpu.values()], [""])
 
 
 class Refusals(FoldsCase):

@@ -12,6 +12,7 @@ import numpy as np
 import rumple_native as native
 from mathutils import Matrix
 from rumple.blender.objects import modifier, runtimes
+from rumple.blender.ui import panels
 from rumple.blender.viewport import gpu_arrays, preview, preview_field
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, V_GRADIENT, VECTORS, WEIGHT
 from support import sleeve, small_renders
@@ -109,7 +110,7 @@ class Drawn(PreviewCase):
             sleeve.at(frame)
             self.area.tag_redraw()
             yield from self.until_drawn(frame)
-            self.assertFalse(self.held().refused)  # drawn while it was made anew
+            self.assertFalse(self.held().refusal)  # drawn while it was made anew
             runtime = runtimes.of(self.obj)
             expected = native.estimate_waves_wrinkle_field(
                 runtime.evaluator.model, runtime.evaluator._native_settings(runtime.inputs.settings),
@@ -303,8 +304,7 @@ def image_of_itself() -> bpy.types.Material:
     """A material with an image of floats: red is u, green is v."""
     image = bpy.data.images.new("Places", 256, 256, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
-    line = (np.arange(256, dtype=np.float32) + 0.5) / 256
-    u, v = np.meshgrid(line, line)
+    u, v = np.meshgrid(*[(np.arange(256, dtype=np.float32) + 0.5) / 256] * 2)
     image.pixels.foreach_set(np.stack((u, v, 0 * u, 0 * u + 1), 2).astype(np.float32).ravel())
     image.update()
     material = bpy.data.materials.new("Places")
@@ -327,7 +327,7 @@ class Manners(PreviewCase):
         yield from self.shot()
         yield from self.shot()
         np.testing.assert_array_equal(self.seen, plain)
-        self.assertEqual(len(tried), 1)
+        self.assertEqual((len(tried), panels.status_lines(self.obj)[-1]), (1, (preview.REFUSED, "INFO")))
 
     def test_never_in_a_render(self) -> Iterator[float]:
         obj = small_renders.stage("BLENDER_WORKBENCH")

@@ -21,5 +21,5 @@ class RandomWalk(WindowCase):
             for _ in garment_walk.Walk(seed, os.environ["RUMPLE_OUT"]).steps(45):
                 yield 0.05
                 drawn += len(preview._on_gpu)
-                self.assertFalse([held for held in preview._on_gpu.values() if held.refused])
+                self.assertFalse([held for held in preview._on_gpu.values() if held.refusal])
         self.assertGreater(drawn, 10)

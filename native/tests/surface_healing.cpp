@@ -248,6 +248,11 @@ TEST(Healing, WhatIsNoMeshIsRefused) {
     EXPECT_THROW(heal(mesh), InvalidInput);
     MeshData none;
     EXPECT_THROW(heal(none), InvalidInput);
+    // The difference of two starts may need more than 32 bits: a long has no more on Windows.
+    MeshData wrapped = grid(2, 2, 1.0f);
+    const Index corners = wrapped.polygon_start.back(), lowest = std::numeric_limits<Index>::min();
+    wrapped.polygon_start = {0, 5, lowest, -5, corners};
+    EXPECT_THROW(heal(wrapped), InvalidInput);
 }
 
 }  // namespace

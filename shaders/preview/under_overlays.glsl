@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What Blender has drawn over the scene by now stays over what is drawn here: bones, outlines, wires, empties.
-// overlays: its pixels as they are stored, scene linear, multiplied by alpha, then in sRGB.
+// overlays: its pixels, multiplied by alpha, then in sRGB unless overlays_are_linear.
 float linear_of(float value) {
     return value < 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
 }
@@ -11,6 +11,8 @@ vec4 under_overlays(vec4 color, ivec2 at) {
     if (min(texel.x, texel.y) < 0 || texel.x >= size.x || texel.y >= size.y) return color;
     vec4 above = texelFetch(overlays, texel, 0);
     if (max(above.a, max(above.r, max(above.g, above.b))) <= 0.0) return color;
-    vec3 linear = vec3(linear_of(above.r), linear_of(above.g), linear_of(above.b));
+    vec3 linear = overlays_are_linear != 0
+        ? above.rgb
+        : vec3(linear_of(above.r), linear_of(above.g), linear_of(above.b));
     return vec4(linear + (1.0 - above.a) * clamp(color.rgb, 0.0, 1.0), 1.0);
 }

@@ -4,6 +4,7 @@
 #include <OpenMesh/Core/Mesh/PolyConnectivity.hh>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <tuple>
 
@@ -25,7 +26,7 @@ void check_polygon_start(std::span<const Index> start, std::size_t corners) {
     if (start.size() < 2) throw InvalidInput("polygon_start: the mesh has no faces");
     if (start[0] != 0) throw InvalidInput("polygon_start: must begin with 0, is " + std::to_string(start[0]));
     for (std::size_t p = 0; p + 1 < start.size(); ++p) {
-        const long size = static_cast<long>(start[p + 1]) - start[p];
+        const std::int64_t size = std::int64_t(start[p + 1]) - start[p];
         if (size < 3) {
             throw InvalidInput("polygon_start: face " + text(p) + " has " + std::to_string(size) +
                                " corners, at least 3 are needed");

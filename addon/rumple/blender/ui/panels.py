@@ -14,6 +14,7 @@ from ..nodes import field_profile, field_shader
 from ..objects import changes, clip_place, modifier, properties, runtimes, stack_notes
 from ..translation import OWN_CONTEXT, said
 from ..ui_base import Panel, draw_message, draw_note, draw_setting, named_paint, property_column, settings_column
+from ..viewport import preview
 from . import cloth_panel, guides_panel, healing, paint_panel, paths_panel, rest_panel, saved_settings, thumbnails
 
 ICONS = {"MESH": "MOD_CLOTH", "FIELD": "MOD_WAVE", "PATHS": "MOD_CURVE"}
@@ -279,7 +280,8 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         if times:
             lines.append((f"Milliseconds: {times}" + (" (stored frame)" if result.replayed else ""), "TIME"))
         lines += [(line, "BLANK1") for line in fine.status(result)]
-    notes = [*runtime.notes, clip_status.late_in_renders(obj), runtime.unplayed, *_fields_not_felt(runtime)]
+    notes = [*runtime.notes, clip_status.late_in_renders(obj), runtime.unplayed, preview.refusal(obj),
+             *_fields_not_felt(runtime)]
     return lines + [(note, "INFO") for note in notes if note]
 
 

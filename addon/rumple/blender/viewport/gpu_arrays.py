@@ -12,12 +12,14 @@ from typing import Any, Callable
 import gpu
 import numpy as np
 
+from ...core.engine import UserError
 from . import glsl
 
 _WIDTH = 1024  # texels in a row of an array; any number does
 _FORMAT = "RGBA32F"
 _MOST_SIZES = 4  # of viewports whose layers are kept
 _BUFFER_STEP = 1 << 20  # floats by which the buffer for overlays grows, 512 x 512 pixels
+OVERLAY_CONSTANTS = (("IVEC2", "overlays_corner"), ("INT", "overlays_are_linear"))  # of under_overlays.glsl
 _COMPOSED = ("layer", "layer_depth", "proxy_depth")
 
 
@@ -147,11 +149,18 @@ class Overlays:
 
     texture: gpu.types.GPUTexture
     corner: tuple[int, int] = (0, 0)  # pixel of the viewport that its first texel is
+    are_linear: bool = False  # else in sRGB
 
     def bind(self, shader: gpu.types.GPUShader) -> None:
         """Hand it to a shader that is bound."""
         shader.uniform_sampler("overlays", self.texture)
         shader.uniform_int("overlays_corner", self.corner)
+        shader.uniform_int("overlays_are_linear", int(self.are_linear))
+
+
+def backend() -> str:
+    """"OPENGL", "METAL" or "VULKAN". Blender 3.4 knows no word for it, and has the first only."""
+    return gpu.platform.backend_type_get() if hasattr(gpu.platform, "backend_type_get") else "OPENGL"
 
 
 def no_overlays() -> Overlays:
@@ -178,7 +187,9 @@ def overlays(box: tuple[int, int, int, int]) -> Overlays:
     from_left, from_bottom, _width, _height = gpu.state.viewport_get()
     colors = gpu.state.active_framebuffer_get().read_color(from_left + left, from_bottom + bottom, width, height, 4, 0,
                                                            "FLOAT", data=_read_buffer(4 * width * height))
-    return Overlays(gpu.types.GPUTexture((width, height), format="RGBA8", data=colors), (left, bottom))
+    are_linear = backend() == "VULKAN"  # reading makes them so; the others give what is stored
+    form = "RGBA16F" if are_linear else "RGBA8"  # eight bits are few for dark colours that are linear
+    return Overlays(gpu.types.GPUTexture((width, height), format=form, data=colors), (left, bottom), are_linear)
 
 
 # ---------------------------------------------------------------- shaders that draw
@@ -252,11 +263,14 @@ def _composite_shader() -> gpu.types.GPUShader:
     for slot, name in enumerate((*_COMPOSED, "overlays")):
         info.sampler(slot, "FLOAT_2D", name)
     info.push_constant("IVEC2", "origin")
-    info.push_constant("IVEC2", "overlays_corner")
+    for kind, name in OVERLAY_CONSTANTS:
+        info.push_constant(kind, name)
     info.vertex_in(0, "VEC2", "corner")
     info.fragment_out(0, "VEC4", "out_color")
     if hasattr(info, "depth_write"):
         info.depth_write("ANY")
+    elif backend() == "METAL":
+        raise UserError("GPU Preview of Wrinkle Paths needs a later Blender on macOS: the fine mesh is shown")
     else:  # 4.3 cannot be told, and declares that the shader leaves depth as it is: NVIDIA's driver goes by that
         info.define("depth_unchanged", "depth_any")
     info.vertex_source(glsl.source("preview/pass_vertex"))

@@ -21,6 +21,7 @@ import gpu
 import numpy as np
 from mathutils import Matrix
 
+from ...core.engine import UserError
 from .. import compat, scheduler
 from ..objects import bodies, incoming_mesh, messages, modifier, runtimes, viewport_mesh, weight_paint
 from . import gpu_arrays, preview_field, preview_paths, studio_light
@@ -73,9 +74,11 @@ class _OnGpu:
 
     model: Any  # that the rest is made for
     drawing: Drawing | None = None
-    refused: bool = False  # by the driver: not tried again
+    refusal: str = ""  # why it is not drawn, and not tried again
     inputs: runtimes.Inputs | None = None  # what the GPU holds
 
+
+REFUSED = "The graphics driver refuses the GPU Preview (the console says why): the fine mesh is shown"
 
 _on_gpu: dict[int, _OnGpu] = {}  # by session key
 
@@ -129,11 +132,17 @@ def uses_proxy(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> boo
             or _mesh_is_read(obj, nodes_mod)):
         return False
     on_gpu = _on_gpu.get(compat.session_key(obj))
-    if on_gpu is not None and on_gpu.refused:
+    if on_gpu is not None and on_gpu.refusal:
         return False
     views = [area.spaces.active for window in bpy.context.window_manager.windows for area in window.screen.areas
              if area.type == "VIEW_3D"]
     return bool(views) and all(_draws_in(space) for space in views)
+
+
+def refusal(obj: bpy.types.Object) -> str:
+    """Why the preview of an object is on and not drawn, or nothing."""
+    on_gpu = _on_gpu.get(compat.session_key(obj))
+    return on_gpu.refusal if on_gpu is not None else ""
 
 
 # ---------------------------------------------------------------- drawing
@@ -226,15 +235,16 @@ def _draw_guarded(obj: bpy.types.Object, runtime: runtimes.Runtime, key: int, sh
     on_gpu = _on_gpu.get(key)
     if on_gpu is None or on_gpu.model is not runtime.evaluator.model:
         on_gpu = _on_gpu[key] = _OnGpu(runtime.evaluator.model)
-    if on_gpu.refused:
+    if on_gpu.refusal:
         return
     blend, depth_test, depth_mask = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
     try:
         if _update(obj, runtime, on_gpu):
             _draw_object(obj, on_gpu, shading, over)
     except Exception as error:  # what a driver refuses, say: once in the console, and Blender's own picture stays
-        on_gpu.refused = True
+        on_gpu.refusal = str(error) if isinstance(error, UserError) else REFUSED
         scheduler.tag_soon({obj.name})
+        scheduler.redraw_panels_soon()
         print(f"Rumple: {messages.unexpected(obj, error)}")
     finally:
         gpu.state.blend_set(blend)

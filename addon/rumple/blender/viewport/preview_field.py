@@ -193,7 +193,7 @@ def _compile() -> gpu.types.GPUShader:
         between, (("IVEC3", "triangle"), ("INT", "corner"), ("INT", "fan"), ("VEC2", "uv")),
         ("positions", "normals", "waves", "phases", "u_slopes", "v_slopes", "profile", "image", "overlays"),
         ("preview/field_vertex",), (*glsl.FORMULAS, "preview/under_overlays", "preview/field_fragment"),
-        constants=(("IVEC2", "overlays_corner"),))
+        constants=gpu_arrays.OVERLAY_CONSTANTS)
 
 
 class Drawing:
