@@ -35,6 +35,18 @@ class Rendered(wave_shader_cases.Waves, unittest.TestCase):
 
     test_eevee = long_one(wave_shader_cases.Waves.test_eevee)
 
+    def test_a_face_that_is_folded_over_is_lit_as_those_around_it(self) -> None:
+        """Seen from behind Blender turns its normals round, which point away then: it was a black slit in the cloth.
+        All that is seen from behind, as the inside of a leg, stays as Blender has it."""
+        self.stage("CYCLES")
+        self.obj.rumple.field.strength = 0.0
+        bpy.context.view_layer.update()
+        faces = modifier.output_object(modifier.find(self.obj)).data.polygons
+        faces[len(faces) // 2].flip()
+        self.assertGreater(self.render("Normal", 0.4, 0.5)[:, 2].min(), 0.9)
+        self.camera.location.z, self.camera.rotation_euler.x = -3.0, np.pi
+        self.assertLess(self.render("Normal", 0.4, 0.5)[:, 2].max(), -0.9)
+
 
 class OneClick(unittest.TestCase):
     def test_waves_where_it_bends_and_nowhere_else(self) -> None:

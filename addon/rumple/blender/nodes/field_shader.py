@@ -23,7 +23,7 @@ from .. import compat
 from . import field_profile
 
 NAME = "Rumple Field"
-VERSION = 1  # raise it when the nodes change: groups in older files are then rebuilt in place
+VERSION = 2  # raise it when the nodes change: groups in older files are then rebuilt in place
 VERSION_KEY, PROFILE_KEY = "rumple_field_version", "rumple_field_profile"
 TWO_PI = 2.0 * np.pi
 HORIZON = 0.1  # of equation (10): how softly the parallax ends where one looks along the surface
@@ -128,7 +128,14 @@ class _Builder:
         """The normal that comes in, else that of the surface; object space, unit."""
         none = self.math("LESS_THAN", self.vector("LENGTH", given), 1e-6)
         world = self.vector("ADD", given, self.vector("SCALE", geometry.outputs["Normal"], none))
-        return self.vector("NORMALIZE", self.transform(world, "NORMAL", "OBJECT"))
+        return self.vector("NORMALIZE", self.transform(self.towards_viewer(world, geometry), "NORMAL", "OBJECT"))
+
+    def towards_viewer(self, normal: bpy.types.NodeSocket, geometry: bpy.types.Node) -> bpy.types.NodeSocket:
+        """The normal of a face that coarse cloth has folded over, seen from outside: what is seen from behind has its
+        normals turned round, and those of the faces around it face the viewer as they were. It was a black slit."""
+        away = self.math("LESS_THAN", self.vector("DOT_PRODUCT", normal, geometry.outputs["Incoming"]), 0.0)
+        turned = self.math("MULTIPLY", away, geometry.outputs["Backfacing"])
+        return self.vector("SCALE", normal, self.math("MULTIPLY_ADD", turned, -2.0, 1.0))
 
     def gradient(self, slopes: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Equation (8). slopes: h df/dphi of the three waves, weighted."""
