@@ -6,16 +6,16 @@ import errno
 import hashlib
 import itertools
 import os
-import platform
 import re
 import shutil
+import socket
 from pathlib import Path
 
 from . import windows_process
 from .clip_manifest import ClipFault
 
 LONGEST = 60  # letters of a file's or an object's name in the name of a clip
-HOST = re.sub(r"[^A-Za-z0-9]", "_", platform.node()) or "host"
+HOST = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "host"  # not platform.node(): Windows is slow to tell it
 _PART = re.compile(r"\..+\.(?P<host>[A-Za-z0-9_]+)\.(?P<process>\d+)-\d+\.part")
 _numbers = itertools.count()
 
