@@ -2,6 +2,7 @@
 """Where the files of an object belong: its baked clip, and its stored frames."""
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import bpy
@@ -18,7 +19,11 @@ def until_saved(obj: bpy.types.Object) -> Path:
 
 def is_temporary(clip: Path) -> bool:
     """Whether it goes when Blender quits."""
-    return Path(bpy.app.tempdir).resolve() in clip.resolve().parents
+    return Path(_whole(bpy.app.tempdir)) in Path(_whole(clip)).parents
+
+
+def _whole(path: str | Path) -> str:
+    return os.path.normcase(os.path.abspath(path))  # not resolve(): it fails on some drives of Windows
 
 
 def of(obj: bpy.types.Object) -> Path | None:
