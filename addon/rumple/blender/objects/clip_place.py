@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the files of an object belong: its baked clip, and its stored frames."""
+"""Where the files of an object belong: its baked clip, and its stored frames. How a blend file names a file."""
 from __future__ import annotations
 
 import os
@@ -34,3 +34,15 @@ def of(obj: bpy.types.Object) -> Path | None:
         return None
     place = "" if beside else str(Path(bpy.data.filepath).parent)  # files of one name in two folders share this one
     return Path(bpy.path.abspath(folder)) / clip_folder.clip_name(Path(bpy.data.filepath).stem, obj.name, place)
+
+
+def stored_path(path: Path) -> str:
+    """How the file is written into the blend file: relative where possible, with forward slashes on any system. A share
+    of Windows keeps its two backslashes: what begins with two slashes is beside the blend file, for Blender."""
+    text = str(path)
+    if bpy.data.filepath:
+        try:
+            text = bpy.path.relpath(text)
+        except ValueError:
+            pass  # another drive on Windows
+    return text if text.startswith("\\\\") else text.replace("\\", "/")
