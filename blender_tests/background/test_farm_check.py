@@ -6,7 +6,7 @@ import shutil
 from unittest import mock
 
 import bpy
-from rumple.blender.farm import check, commands
+from rumple.blender.farm import check, commands, source
 from rumple.blender.nodes import wrinkle_tree
 from support import farm_case, farm_scene
 
@@ -38,6 +38,30 @@ class Check(farm_case.Case):
         self.assertIn("rig.blend is missing: everything from it is too", found["linked"]["text"])
         self.assertFalse(found["image"]["lacks"])
         self.assertEqual(self.run_command("check"), 1)
+
+    def test_what_rests_on_a_file_counts_wherever_the_files_lie(self) -> None:
+        """They were put together by their paths, whose order another system may have otherwise: nothing was resumed."""
+        for name in ("a", "b"):
+            bpy.data.objects["Arm"].location.x = ord(name)
+            bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / f"{name}.blend"), copy=True)
+            with bpy.data.libraries.load(str(self.folder / f"{name}.blend"), link=True) as (_, here):
+                here.objects = ["Arm"]
+            bpy.context.scene.collection.objects.link(here.objects[0])
+        before = source.of_files()
+        (self.folder / "a.blend").rename(self.folder / "c.blend")
+        self.assertNotEqual(source.of_files(), before)
+        next(library for library in bpy.data.libraries if "a.blend" in library.filepath).filepath = "//c.blend"
+        self.assertEqual(source.of_files(), before)
+
+    def test_a_file_is_missing_once_however_its_path_is_written(self) -> None:
+        """Blender writes slashes where Python on Windows has backslashes."""
+        self.run_command("bake")
+        self.run_command("attach")
+        clip = self.clip(farm_scene.FREE)
+        clip.unlink()
+        with mock.patch.object(bpy.utils, "blend_paths", return_value=[f"{clip.parent}/./{clip.name}"]):
+            found = self.data("check")["findings"]
+        self.assertEqual([finding["kind"] for finding in found], ["clip"])
 
     def test_clips_that_are_stale_damaged_or_gone(self) -> None:
         self.run_command("bake")

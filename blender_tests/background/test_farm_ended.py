@@ -2,11 +2,13 @@
 """Bakes that are ended or killed go on, to the bit: behind what is kept where it is right, else from the start."""
 from __future__ import annotations
 
+import signal
+from contextlib import nullcontext
 from pathlib import Path
 from unittest import mock
 
 import bpy
-from rumple.blender.farm import bake, commands, source
+from rumple.blender.farm import bake, command, commands, source
 from rumple.core.checkpoint import Checkpoint
 from support import farm_scene, sleeve
 from support.farm_case import FRAMES, Case
@@ -158,6 +160,18 @@ class Ended(Case):
         self.assertEqual({path.suffix for path in self.clips.iterdir()}, {".partial", ".journal", ".state"})
         found = self.data("bake", "--resume", "--object", farm_scene.INNER)["garments"][farm_scene.INNER]
         self.assertEqual((found["resumed"], found["passed"]), (6, 6))
+
+    def test_windows_ends_a_bake_by_another_signal(self) -> None:
+        """What its SIGTERM ends is ended at once."""
+        for of_windows in (False, True):
+            with mock.patch.object(signal, "SIGBREAK", signal.SIGUSR1, create=True) if of_windows else nullcontext():
+                for number in (signal.SIGTERM, *([signal.SIGUSR1] if of_windows else [])):
+                    former = signal.getsignal(number)
+                    with command._ended_by_signal(), mock.patch.object(bake, "end_soon") as end_soon:
+                        self.assertIsNot(signal.getsignal(number), former)
+                        signal.raise_signal(number)
+                        self.assertEqual(end_soon.call_count, 1)
+                    self.assertIs(signal.getsignal(number), former)
 
     def test_independent_frames_are_not_solved_again(self) -> None:
         self.check_resumed(farm_scene.FREE, 5)

@@ -2,17 +2,21 @@
 """Maps baked from the object's own wrinkles, and what goes to a game engine."""
 from __future__ import annotations
 
+import functools
 import json
 import os
 import tempfile
 import time
 import unittest
 from pathlib import Path
+from typing import Iterator
+from unittest import mock
 
 import bpy
 import numpy as np
 from rumple.blender.maps import bake, bake_apart, export as maps_export
 from rumple.core import poses_json
+from rumple.core.engine import UserError
 from support import face, maps_renders
 
 
@@ -133,6 +137,37 @@ class Bake(unittest.TestCase):
                 self.assertTrue(path.is_file())
                 np.testing.assert_allclose(texels(image), before, atol=1 / 65535 if deep else 1 / 255)
                 self.assertTrue(image.packed_file is None and image.colorspace_settings.is_data)
+
+    def test_a_folder_on_another_drive_is_named_as_a_whole(self) -> None:
+        """On Windows there is no relative path to it: the bake broke off, and the map was gone with the file."""
+        with tempfile.TemporaryDirectory() as folder:
+            bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "face.blend"))
+            self.settings.bake_folder = os.path.join(folder, "maps")
+            with mock.patch.object(bpy.path, "relpath", side_effect=ValueError):
+                self.assertEqual(bpy.ops.rumple.maps_bake(every=True), {"FINISHED"})
+            for pose in self.settings.poses:
+                self.assertEqual(Path(pose.image.filepath).parent, Path(folder, "maps"))
+                self.assertTrue(Path(pose.image.filepath).is_file() and pose.image.has_data)
+            bpy.ops.rumple.maps_bake()
+            self.assertTrue(self.settings.poses[self.settings.active].image.filepath.startswith("//maps"))
+
+    def test_in_a_window_it_ends_whatever_goes_wrong(self) -> None:
+        """Its timer, its words in the status bar and the copy of the file stayed."""
+        for error, words in ((KeyError("a"), "Face: unexpected KeyError in test_maps_bake.py"), (UserError("b"), "b")):
+            def steps(error: Exception = error) -> Iterator[str]:
+                yield "begun"
+                raise error
+            cls, context, event = bake.RUMPLE_OT_maps_bake, mock.Mock(), mock.Mock(type="TIMER")
+            running = mock.Mock(done=0, count=3)
+            operator = mock.Mock(_steps=steps(), _running=running, _name="Face")
+            operator._end_modal = functools.partial(cls._end_modal, operator)
+            self.assertEqual(cls.modal(operator, context, event), {"RUNNING_MODAL"})
+            self.assertFalse(running.close.called)
+            self.assertEqual(cls.modal(operator, context, event), {"CANCELLED"})
+            running.close.assert_called_once_with()
+            context.window_manager.event_timer_remove.assert_called_once_with(operator._timer)
+            context.workspace.status_text_set.assert_called_with(None)
+            self.assertTrue(operator.report.call_args.args[1].startswith(words), operator.report.call_args)
 
     def test_without_uv_map_it_is_refused(self) -> None:
         self.obj.data.uv_layers.remove(self.obj.data.uv_layers[0])

@@ -8,6 +8,7 @@ import unittest
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 from rumple.core.body import Body
@@ -118,6 +119,17 @@ class Checkpoints(unittest.TestCase):
                 played.solve(through, frame)
             expected = played.solve(through, KEPT + 1, other).positions
             np.testing.assert_array_equal(played.solve(played.go_on(checkpoint), KEPT + 1, other).positions, expected)
+
+    def test_whole_numbers_have_64_bits_on_every_system(self) -> None:
+        """With NumPy 1 a whole number has 32 bits on Windows where nobody says how many: the bytes were others."""
+        real = np.asarray
+
+        def on_windows(values: Any, dtype: Any = None) -> np.ndarray:
+            return real(values, np.int32 if dtype is None and isinstance(values, int) else dtype)
+        for system in (real, on_windows):
+            with mock.patch.object(np, "asarray", system):
+                checkpoint, _ = Played("paths").kept()
+            self.assertEqual(checkpoint.arrays["wrinkles/next_id"].dtype, np.int64)
 
     def test_what_is_not_whole_is_not_read(self) -> None:
         checkpoint, _ = Played("draped field").kept()

@@ -2,18 +2,68 @@
 """The lock of a clip: one holder, whoever is gone gives it up, and what came to nothing leaves nothing."""
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import tempfile
 import threading
 import time
 import unittest
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from typing import Any, Iterator
 from unittest import mock
 
+from rumple.core import clip_folder
 from rumple.core.clip_lock import Held, Holder, Lock
 from rumple.core.clip_manifest import ClipFault
+
+
+class Kernel:
+    """What Windows says of a process: refused is the error of opening it, else is_over says whether it has ended."""
+
+    def __init__(self, refused: int = 0, is_over: bool = False, made: int = 7) -> None:
+        self.closed: list[int] = []
+        self.OpenProcess = mock.Mock(return_value=None if refused else 1 << 40)
+        self.WaitForSingleObject = mock.Mock(return_value=0 if is_over else 0x102)
+        self.GetProcessTimes = mock.Mock(side_effect=lambda _handle, at, *_others: self._tell(at, made))
+        self.CloseHandle = mock.Mock(side_effect=self.closed.append)
+        self.error = refused
+
+    @staticmethod
+    def _tell(at: Any, made: int) -> bool:
+        at._obj.value = made
+        return True
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """As if this were Windows. No path can be made meanwhile."""
+        kernel32 = dict(WinDLL=mock.Mock(return_value=self), get_last_error=mock.Mock(return_value=self.error))
+        with mock.patch.multiple(ctypes, create=True, **kernel32), mock.patch.object(os, "name", "nt"):
+            yield
+
+
+class OnWindows(unittest.TestCase):
+
+    def test_a_process_that_is_over_does_not_run_and_one_that_may_not_be_opened_does(self) -> None:
+        """What crashed counted as running while a queue had its handle, and a process of another user as gone."""
+        for kernel, is_running in ((Kernel(), True), (Kernel(is_over=True), False), (Kernel(refused=87), False),
+                                   (Kernel(refused=5), True)):  # 87: there is none of that number
+            with kernel.running():
+                self.assertEqual(clip_folder.is_running(4711), is_running)
+            self.assertEqual(len(kernel.closed), 0 if kernel.error else 1)
+
+    def test_of_a_holder_that_is_gone_the_lock_is_taken_over(self) -> None:
+        for kernel, is_gone in ((Kernel(), False), (Kernel(is_over=True), True), (Kernel(refused=87), True),
+                                (Kernel(refused=5), False), (Kernel(made=8), True)):  # its number came again
+            with kernel.running():
+                holder = Holder(clip_folder.HOST, 4711, "7", "")
+                self.assertEqual(holder.is_gone(), is_gone)
+            self.assertEqual(len(kernel.closed), 0 if kernel.error else kernel.OpenProcess.call_count)
+
+    def test_a_lock_says_when_its_process_was_made(self) -> None:
+        with Kernel(made=1 << 60).running():
+            self.assertEqual(Holder.here().started, str(1 << 60))
 
 
 class Case(unittest.TestCase):

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
+import platform
+import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
 
+from rumple.core import clip_folder
 from rumple.native import library, platforms
 from rumple.native.library import Library, lib
 
@@ -27,10 +32,24 @@ print(library.lib.path, library.lib.rumple_version().decode())
 
 class Names(unittest.TestCase):
     def test_a_platform_is_named_as_blender_does(self) -> None:
-        for system, machine, name in (("Windows", "AMD64", "windows-x64"), ("Darwin", "arm64", "macos-arm64"),
-                                      ("Darwin", "x86_64", "macos-x64"), ("Linux", "x86_64", "linux-x64"),
-                                      ("Linux", "aarch64", "linux-arm64"), ("FreeBSD", "amd64", "freebsd-x64")):
+        for system, machine, name in (("win32", "amd64", "windows-x64"), ("darwin", "arm64", "macos-arm64"),
+                                      ("darwin", "x86_64", "macos-x64"), ("linux", "x86_64", "linux-x64"),
+                                      ("linux", "aarch64", "linux-arm64"), ("freebsd14", "amd64", "freebsd14-x64")):
             self.assertEqual(platforms.here(system, machine), name)
+
+    def test_windows_is_asked_for_nothing_that_is_slow_and_a_process_counts_as_what_it_was_made_for(self) -> None:
+        """A Blender for x64 runs on ARM, too: there was no Rumple for it. All of `platform` goes through uname()."""
+        of_process = (("win-amd64", "windows-x64"), ("win-arm64", "windows-arm64"), ("win32", "windows-win32"))
+        for told, name in of_process:
+            with mock.patch.object(platform, "uname", side_effect=AssertionError), \
+                    mock.patch.object(sys, "platform", "win32"), \
+                    mock.patch.object(sysconfig, "get_platform", return_value=told):
+                self.assertEqual(platforms.here(), name)
+        with mock.patch.object(platform, "uname", side_effect=AssertionError):
+            again = importlib.util.module_from_spec(clip_folder.__spec__)
+            clip_folder.__spec__.loader.exec_module(again)
+        self.assertEqual(again.HOST, clip_folder.HOST)
+        self.assertTrue(platform.node() and clip_folder.HOST == re.sub("[^A-Za-z0-9]", "_", platform.node()))
 
     def test_every_platform_has_its_own_file(self) -> None:
         self.assertEqual([platforms.file_name(name) for name in ("windows-x64", "macos-arm64", "linux-x64")],

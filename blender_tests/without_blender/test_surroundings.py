@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import unittest
 from dataclasses import replace
+from typing import Any
+from unittest import mock
 
 import numpy as np
 from rumple.core.cloth import FIELD, BaseCloth
@@ -110,6 +112,19 @@ class WhatCounts(unittest.TestCase):
         seen = {bytes(Surroundings(AT, fields=(field,)).array()) for field in fields}
         seen |= {bytes(Surroundings(AT, fields=(FORCE,), frame=5).array()), bytes(plain.array())}
         self.assertEqual(len(seen), len(fields) + 2)
+
+    def test_a_digest_is_of_as_many_bytes_on_every_system(self) -> None:
+        """With NumPy 1 a whole number has 32 bits on Windows where nobody says how many."""
+        real = np.array
+
+        def on_windows(values: Any, dtype: Any = None) -> np.ndarray:
+            found = real(values, dtype)
+            return found.astype(np.int32) if dtype is None and found.dtype == np.int64 else found
+        for system in (real, on_windows):
+            with mock.patch.object(np, "array", system):
+                found = Surroundings(AT, fields=(FORCE,), frame=5).array()
+            self.assertEqual(bytes(found[48:56]), (5).to_bytes(8, "little"))  # behind place and wind
+            self.assertEqual(bytes(found[56:]), bytes(FORCE.array()))
 
 
 class OnCloth(unittest.TestCase):

@@ -7,6 +7,7 @@ said() translates them where they are shown. In the files {0}, {1}, ... stand fo
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 
@@ -14,7 +15,7 @@ import bpy
 
 from . import compat
 
-FOLDER = Path(__file__).resolve().parents[1] / "translations"
+FOLDER = Path(os.path.abspath(__file__)).parents[1] / "translations"
 OWN_CONTEXT = "Rumple"  # of words that Blender's own translation takes for something else: a panel of Waves
 CONTEXTS = ("*", "Operator", OWN_CONTEXT)
 _ALSO_CALLED = {"zh_HANS": ("zh_CN",)}  # until Blender 4.0

@@ -88,7 +88,9 @@ def _bytes(data: bytes) -> np.ndarray:
 
 # ---------------------------------------------------------------- states
 def _named(prefix: str, arrays: Arrays) -> Arrays:
-    return {f"{prefix}/{name}": np.asarray(values) for name, values in arrays.items()}
+    """As arrays. NumPy 1 takes a whole number for one of 32 bits on Windows: the file is to be the same everywhere."""
+    return {f"{prefix}/{name}": np.asarray(values, np.int64 if type(values) is int else None)
+            for name, values in arrays.items()}
 
 
 def _below(prefix: str, arrays: Arrays) -> Arrays:

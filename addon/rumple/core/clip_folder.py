@@ -2,20 +2,20 @@
 """The folder of baked clips: names that no two clips share, temporary files, and its faults in words. No bpy here."""
 from __future__ import annotations
 
-import ctypes
 import errno
 import hashlib
 import itertools
 import os
-import platform
 import re
 import shutil
+import socket
 from pathlib import Path
 
+from . import windows_process
 from .clip_manifest import ClipFault
 
 LONGEST = 60  # letters of a file's or an object's name in the name of a clip
-HOST = re.sub(r"[^A-Za-z0-9]", "_", platform.node()) or "host"
+HOST = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "host"  # not platform.node(): Windows is slow to tell it
 _PART = re.compile(r"\..+\.(?P<host>[A-Za-z0-9_]+)\.(?P<process>\d+)-\d+\.part")
 _numbers = itertools.count()
 
@@ -79,11 +79,7 @@ def replace_folder(new: Path, place: Path) -> None:
 def is_running(process: int) -> bool:
     """Whether this machine has a process of that number."""
     if os.name == "nt":  # os.kill(process, 0) would end it there
-        kernel = ctypes.windll.kernel32  # type: ignore[attr-defined]
-        handle = kernel.OpenProcess(0x1000, False, process)  # PROCESS_QUERY_LIMITED_INFORMATION
-        if handle:
-            kernel.CloseHandle(handle)
-        return bool(handle)
+        return windows_process.is_running(process)
     try:
         os.kill(process, 0)
     except ProcessLookupError:

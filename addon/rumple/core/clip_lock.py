@@ -15,7 +15,7 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from . import clip_folder
+from . import clip_folder, windows_process
 from .clip_manifest import ClipFault
 
 OLDEST = 600.0  # seconds without a touch, for a lock of another host
@@ -54,13 +54,16 @@ class Holder:
         here = Holder.here()
         if self.host != here.host:
             return self.task != "" and self.task == here.task
-        return not clip_folder.is_running(self.process) or _started(self.process) != self.started
+        started = _started(self.process)  # empty: of another user, say, whose number is not known to have come again
+        return not clip_folder.is_running(self.process) or started not in ("", self.started)
 
     def in_words(self) -> str:
         return f"process {self.process} on {self.host}" + (f" (task {self.task})" if self.task else "")
 
 
 def _started(process: int) -> str:
+    if os.name == "nt":
+        return windows_process.started(process)
     try:
         return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[19]
     except (OSError, IndexError):

@@ -2,11 +2,12 @@
 """Where docs/user_guide.md describes what: settings, buttons and messages, by the headings of that page."""
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
 WEBSITE = ""  # of the site that scripts/site makes; empty while there is none. The manifest says the same
-_ADDON = Path(__file__).resolve().parents[1]
+_ADDON = Path(os.path.abspath(__file__)).parents[1]
 FOLDERS = (_ADDON / "guide", _ADDON.parents[1] / "out" / "site")  # packages have the one, scripts/site makes the other
 PAGE = "user_guide.html"
 

@@ -92,7 +92,7 @@ class Surroundings:
         place = np.array((self.location, self.wind), np.float64)
         if not self.fields:
             return place
-        return np.concatenate([place.view(np.uint8).ravel(), np.array([self.frame]).view(np.uint8),
+        return np.concatenate([place.view(np.uint8).ravel(), np.array([self.frame], np.int64).view(np.uint8),
                                *(field.array() for field in self.fields)])
 
     def effects(self, positions: np.ndarray) -> kernels.FieldEffects:

@@ -7,11 +7,12 @@ import os
 import platform
 import shutil
 import sys
+import sysconfig
 import tempfile
 from pathlib import Path
 
 FILES = {"windows": "rumple.dll", "macos": "librumple.dylib", "linux": "librumple.so"}
-SYSTEMS = {"Windows": "windows", "Darwin": "macos"}
+SYSTEMS = {"win32": "windows", "darwin": "macos"}  # as sys.platform has them
 MADE_FOR = frozenset(("linux-x64", "windows-x64", "macos-arm64", "macos-x64"))
 PROCESSORS = {"amd64": "x64", "x86_64": "x64", "aarch64": "arm64", "arm64": "arm64"}
 
@@ -34,8 +35,14 @@ REFUSALS = (
 
 def here(system: str | None = None, machine: str | None = None) -> str:
     """This system as packages name it: "windows-x64". Unknown ones keep their own names."""
-    system, machine = system or platform.system(), machine or platform.machine()
-    return f"{SYSTEMS.get(system, system.lower())}-{PROCESSORS.get(machine.lower(), machine.lower())}"
+    system, machine = system or sys.platform, machine or _machine()
+    return f"{SYSTEMS.get(system, system)}-{PROCESSORS.get(machine.lower(), machine.lower())}"
+
+
+def _machine() -> str:
+    """What this process is made for. On Windows platform.machine() asks a service, which may be slow or forbidden, and
+    tells the computer's processor: on ARM a Blender for x64 runs, too."""
+    return sysconfig.get_platform().rpartition("-")[2] if sys.platform == "win32" else platform.machine()
 
 
 def file_name(of: str) -> str:

@@ -18,6 +18,7 @@ from ...core.frame_result import Attribute, FrameResult
 from .. import compat, scheduler
 from ..frame import clip_status, path_curves
 from ..objects import clip_place, messages, modifier, output_mesh, runtimes
+from ..objects.clip_place import stored_path
 from .playback import BakeError, Playback
 
 SUFFIX = ".clip"
@@ -39,18 +40,6 @@ def _others_baked(obj: bpy.types.Object) -> list[bpy.types.Object]:
 
 def _file_name() -> str:
     return Path(bpy.data.filepath).stem
-
-
-def stored_path(path: Path) -> str:
-    """How the file is written into the blend file: relative where possible, with forward slashes on any system. A share
-    of Windows keeps its two backslashes: what begins with two slashes is beside the blend file, for Blender."""
-    text = str(path)
-    if bpy.data.filepath:
-        try:
-            text = bpy.path.relpath(text)
-        except ValueError:
-            pass  # another drive on Windows
-    return text if text.startswith("\\\\") else text.replace("\\", "/")
 
 
 def attach(obj: bpy.types.Object, manifest: Manifest, clip: Path) -> None:

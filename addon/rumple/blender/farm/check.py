@@ -64,10 +64,10 @@ def _files() -> Iterator[Finding]:
                if not Path(bpy.path.abspath(library.filepath)).is_file()}
     for path in sorted(missing):
         yield Finding("linked", f"the linked file {path} is missing: everything from it is too")
-    clips = {str(path) for path in map(clip_status.clip_path, (obj for obj, _ in modifier.wrinkled_objects())) if path}
-    caches = set(source.caches())
+    clips = set(map(clip_status.clip_path, (obj for obj, _ in modifier.wrinkled_objects())))
+    caches, said = set(source.caches()), {Path(text) for text in missing}  # paths: Blender may write them otherwise
     for text in sorted(set(bpy.utils.blend_paths(absolute=True, packed=False, local=False))):
-        if text in missing or text in clips or _is_there(text):
+        if Path(text) in said | clips or _is_there(text):
             continue
         poses, image = Path(text) in caches, Path(text).suffix.lower() in bpy.path.extensions_image
         yield Finding("cache" if poses else "image" if image else "file", f"the file {text} is missing", lacks=poses)

@@ -190,11 +190,13 @@ def _bake(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> comma
 
 @contextmanager
 def _ended_by_signal() -> Iterator[None]:
-    former = signal.signal(signal.SIGTERM, lambda _signal, _frame: bake.end_soon())
+    numbers = {signal.SIGTERM, getattr(signal, "SIGBREAK", signal.SIGTERM)}  # Windows sends no SIGTERM, it only ends
+    former = {number: signal.signal(number, lambda _signal, _frame: bake.end_soon()) for number in numbers}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, former)
+        for number, handler in former.items():
+            signal.signal(number, handler)
 
 
 def _verify(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> commands.Outcome:

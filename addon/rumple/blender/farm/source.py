@@ -17,17 +17,19 @@ from . import plan
 
 
 def of_files() -> str:
-    """Of the saved blend file and those linked from it by what they hold, of caches by size and time."""
-    digest = hashlib.blake2b(digest_size=16)
-    for file in (bpy.data.filepath, *sorted(bpy.path.abspath(library.filepath) for library in bpy.data.libraries)):
-        digest.update(_content(Path(file)))
-    for cache in sorted(set(caches())):
-        try:
-            now = cache.stat()
-            digest.update(repr((cache.name, now.st_size, now.st_mtime_ns)).encode("utf-8", "surrogatepass"))
-        except OSError:
-            digest.update(b"none")
-    return digest.hexdigest()
+    """Of the saved blend file and those linked from it by what they hold, of caches by size and time. Where they lie
+    does not count, nor for their order: drives and slashes differ from system to system."""
+    libraries = sorted(_content(Path(bpy.path.abspath(library.filepath))) for library in bpy.data.libraries)
+    parts = [_content(Path(bpy.data.filepath)), *libraries, *sorted(map(_size_and_time, set(caches())))]
+    return hashlib.blake2b(b"".join(parts), digest_size=16).hexdigest()
+
+
+def _size_and_time(cache: Path) -> bytes:
+    try:
+        now = cache.stat()
+    except OSError:
+        return b"none"
+    return repr((cache.name, now.st_size, now.st_mtime_ns)).encode("utf-8", "surrogatepass")
 
 
 def of_garment(obj: bpy.types.Object, files: str) -> str:

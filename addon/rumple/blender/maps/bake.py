@@ -20,7 +20,7 @@ from ...core.presets import SKIN_OF_MAPS
 from .. import compat, scheduler
 from ..frame import rebuild
 from ..nodes import maps_shader
-from ..objects import cloth_defaults, modifier, properties, runtimes, units
+from ..objects import cloth_defaults, messages, modifier, properties, runtimes, units
 from ..translation import said
 from . import (bake_apart, changes as maps_changes, export as maps_export, keys as maps_keys, modifier as maps_modifier,
                operators as maps_operators, rig as maps_rig, stored_poses)
@@ -285,7 +285,7 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         except UserError as error:
             self.report({"ERROR"}, said(str(error)))
             return {"CANCELLED"}
-        self._steps = self._running.steps()
+        self._name, self._steps = maps_operators.target(context).name, self._running.steps()
         manager = context.window_manager
         manager.progress_begin(0, self._running.count)
         self._timer = manager.event_timer_add(0.05, window=context.window)
@@ -304,9 +304,10 @@ class RUMPLE_OT_maps_bake(maps_operators.OnPose, bpy.types.Operator):
         except StopIteration:
             self._end_modal(context)
             return self._finished(self._running)
-        except UserError as error:
+        except Exception as error:  # also what nobody foresaw: else Blender goes on to call it
             self._end_modal(context)
-            self.report({"ERROR"}, said(str(error)))
+            text = str(error) if isinstance(error, UserError) else messages.unexpected(self._name, error)
+            self.report({"ERROR"}, said(text))
             return {"CANCELLED"}
         context.window_manager.progress_update(self._running.done)
         if context.workspace is not None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -18,7 +19,7 @@ from typing import Any, Generator
 import bpy
 import numpy as np
 
-ADDON = Path(__file__).resolve().parents[2]
+ADDON = Path(os.path.abspath(__file__)).parents[2]
 STEP = "Rumple bakes: "  # before the name of a pose, in what it prints
 
 

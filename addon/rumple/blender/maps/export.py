@@ -16,6 +16,7 @@ from ...core.engine import UserError
 from ...core.poses import PoseComparison, PoseRig, SkinWeights
 from ...core.poses_json import from_json
 from ..nodes import maps_mask_tree, maps_shader
+from ..objects.clip_place import stored_path
 from ..translation import said
 from . import modifier as maps_modifier, operators as maps_operators, rig as maps_rig
 
@@ -27,7 +28,7 @@ def save_image(image: bpy.types.Image, folder: Path, deep: bool) -> Path:
     _write_png(image, path, deep)
     if image.packed_file is not None:
         image.unpack(method="REMOVE")
-    image.source, image.filepath = "FILE", bpy.path.relpath(str(path)) if bpy.data.filepath else str(path)
+    image.source, image.filepath = "FILE", stored_path(path)
     image.reload()
     return path
 

@@ -97,9 +97,9 @@ def console_errors(what: str) -> Iterator[None]:
 _said: set[str] = set()
 
 
-def unexpected(obj: bpy.types.Object, error: Exception) -> str:
-    """A mistake of ours in one line, with the place for the report."""
-    return _in_one_line(obj.name, error)
+def unexpected(obj: bpy.types.Object | str, error: Exception) -> str:
+    """A mistake of ours in one line, with the place for the report. obj: its name, where it may be gone."""
+    return _in_one_line(obj if isinstance(obj, str) else obj.name, error)
 
 
 def _in_one_line(what: str, error: Exception) -> str:

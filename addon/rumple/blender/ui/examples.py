@@ -2,6 +2,7 @@
 """Scenes to open and play. Packages have them; in a checkout scripts/examples makes them."""
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import bpy
@@ -10,7 +11,7 @@ from mathutils import Vector
 
 from ..translation import said
 
-FOLDER = Path(__file__).resolve().parents[2] / "examples"
+FOLDER = Path(os.path.abspath(__file__)).parents[2] / "examples"
 VIEW_DISTANCE = 0.85  # from its middle, in diagonals of the scene: all of it is seen, with a margin
 
 

@@ -6,6 +6,7 @@ words.
 """
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from ...core.systems import SYSTEMS
 from ..objects import modifier, properties
 from ..translation import said
 
-FOLDER = Path(__file__).resolve().parents[2] / "thumbnails"
+FOLDER = Path(os.path.abspath(__file__)).parents[2] / "thumbnails"
 CHOICE = "rumple_fabric"  # of the window manager: files do not have it
 SCALE, SCALE_IN_POPUP, SCALE_IN_MENU = 2.5, 5.0, 3.0
 OF_SYSTEMS = {"MESH": "COTTON", "PATHS": "COTTON"}  # preset whose picture stands for one that has presets

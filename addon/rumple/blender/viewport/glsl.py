@@ -2,11 +2,12 @@
 """GLSL of the folder shaders/: read from the package, joined in Python (Blender's GLSL has no #include of ours)."""
 from __future__ import annotations
 
+import os
 from functools import lru_cache
 from pathlib import Path
 
 # Beside the add-on's modules in what artists install, at the top of the source tree.
-_FOLDERS = (Path(__file__).resolve().parents[2] / "shaders", Path(__file__).resolve().parents[4] / "shaders")
+_FOLDERS = tuple(Path(os.path.abspath(__file__)).parents[up] / "shaders" for up in (2, 4))
 FORMULAS = ("shared/tangents", "shared/wrinkle_field")  # of the Wrinkle Field
 FOLDS = ("shared/pn_triangle", "shared/wrinkle_paths")  # of the Wrinkle Paths
 
