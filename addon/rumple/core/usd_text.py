@@ -124,7 +124,7 @@ class StageWriter:
                 self._write(file)
                 file.flush()
                 os.fsync(file.fileno())
-            os.replace(self.temporary, self.path)
+            clip_folder.put(self.temporary, self.path)
         except OSError as error:
             raise ClipFault(clip_folder.in_words(error, self.path.parent)) from error
         finally:
