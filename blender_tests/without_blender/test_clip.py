@@ -215,6 +215,13 @@ class Writing(OnDisk):
                 clip_file.SampleWriter(folder / "a.pc2", manifest())
             self.assertNotIn("Errno", str(caught.exception))
 
+    def test_names_in_files_are_plain_and_no_two_are_the_same(self) -> None:
+        names = ["Shirt", "Coat.001", "A.001", "A_001", "a_001", "x" * 60, "x" * 61]
+        found = [clip_folder.readable_beside(name, [other for other in names if other != name]) for name in names]
+        self.assertEqual(found[:2], ["Shirt", "Coat_001"])  # where nothing else is like it, as they always were
+        self.assertEqual(len({name.casefold() for name in found}), len(names))
+        self.assertNotEqual(clip_folder.readable_beside("A", ["A"]), clip_folder.readable_beside("A", ["A"], "//b.blend"))
+
     def test_what_windows_refuses_is_said_with_its_own_reasons(self) -> None:
         deep, plain = Path("C:/" + "d" * 250), Path("C:/clips")
         away = FileNotFoundError(errno.ENOENT, "")

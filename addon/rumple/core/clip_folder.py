@@ -30,13 +30,27 @@ def clip_name(file: str, obj: str, place: str = "") -> str:
 
     file: name of the blend file, without suffix. place: what else tells files of that name apart.
     """
-    digest = hashlib.blake2b(repr((file, obj, place)).encode("utf-8", "surrogatepass"), digest_size=4).hexdigest()
-    return f"{readable(file)}-{readable(obj)}-{digest}.pc2"
+    return f"{readable(file)}-{readable(obj)}-{_digest(file, obj, place)}.pc2"
 
 
 def readable(name: str) -> str:
     """A part of a file name."""
     return re.sub(r"[^\w-]", "_", name, flags=re.ASCII)[:LONGEST]
+
+
+def readable_beside(name: str, others: list[str], about: str = "") -> str:
+    """As readable(), but for no two objects of a file the same, also on disks that do not tell "A" from "a".
+
+    others: the names of the other objects. about: what tells objects of one name apart.
+    """
+    plain = readable(name)
+    if plain.casefold() not in [readable(other).casefold() for other in others]:
+        return plain
+    return f"{plain}-{_digest(name, about)}"
+
+
+def _digest(*parts: str) -> str:
+    return hashlib.blake2b(repr(parts).encode("utf-8", "surrogatepass"), digest_size=4).hexdigest()
 
 
 # ---------------------------------------------------------------- temporary files

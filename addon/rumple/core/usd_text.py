@@ -173,8 +173,8 @@ class StageWriter:
 
 
 def stem(file: str, obj: str, source: str, start: int, end: int) -> str:
-    """Of the name of a file: file, object, version by what it was made from, frames."""
-    return f"{clip_folder.readable(file)}-{clip_folder.readable(obj)}-{source[:8] or 'window'}-{start}-{end}"
+    """Of the name of a file: file, object (as clip_folder.readable_beside), version by what it was made from, frames."""
+    return f"{clip_folder.readable(file)}-{obj}-{source[:8] or 'window'}-{start}-{end}"
 
 
 def about(**entries: Any) -> dict[str, str]:
