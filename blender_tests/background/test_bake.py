@@ -6,10 +6,10 @@ import json
 import os
 import struct
 import tempfile
-import time
 import unittest
 from functools import partial
 from pathlib import Path, PureWindowsPath
+from time import perf_counter
 from typing import Any
 from unittest import mock
 
@@ -119,7 +119,7 @@ class Baked(unittest.TestCase):
             getattr(window, name).side_effect = partial(function, window)
 
         def step() -> None:
-            operators.OBJECT_OT_rumple_bake._step_until(window, bpy.context, time.perf_counter() + 1e6)
+            operators.OBJECT_OT_rumple_bake._step_until(window, bpy.context, perf_counter() + 1e6)
         with mock.patch("os.replace", side_effect=PermissionError(13, "in use")):
             for _ in range(2):
                 step()

@@ -220,7 +220,8 @@ class Writing(OnDisk):
         found = [clip_folder.readable_beside(name, [other for other in names if other != name]) for name in names]
         self.assertEqual(found[:2], ["Shirt", "Coat_001"])  # where nothing else is like it, as they always were
         self.assertEqual(len({name.casefold() for name in found}), len(names))
-        self.assertNotEqual(clip_folder.readable_beside("A", ["A"]), clip_folder.readable_beside("A", ["A"], "//b.blend"))
+        of_library = clip_folder.readable_beside("A", ["A"], "//b.blend")
+        self.assertNotEqual(clip_folder.readable_beside("A", ["A"]), of_library)
 
     def test_what_windows_refuses_is_said_with_its_own_reasons(self) -> None:
         deep, plain = Path("C:/" + "d" * 250), Path("C:/clips")

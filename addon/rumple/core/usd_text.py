@@ -173,7 +173,7 @@ class StageWriter:
 
 
 def stem(file: str, obj: str, source: str, start: int, end: int) -> str:
-    """Of the name of a file: file, object (as clip_folder.readable_beside), version by what it was made from, frames."""
+    """Of the name of a file: file, object, version by what it was made from, frames. obj: of readable_beside()."""
     return f"{clip_folder.readable(file)}-{obj}-{source[:8] or 'window'}-{start}-{end}"
 
 

@@ -70,7 +70,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
             self._next(context)
 
     def _wait(self, context: bpy.types.Context, error: clip.NotInPlace) -> None:
-        """What was solved, perhaps for hours, is not given up for a file that another program has open: Esc does that."""
+        """What was solved, perhaps for hours, is not given up for a file that another program has open. Esc does so."""
         text = said(f"The baked clip waits until it can be put in place, Esc gives it up: {error}")
         if self._again_at == 0.0:
             self.report({"WARNING"}, text)

@@ -83,7 +83,8 @@ def frames(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest
 
 def stem(obj: bpy.types.Object, manifest: Manifest) -> str:
     """How its files are named: file, object, version by what it was made from, frames."""
-    return usd_text.stem(Path(bpy.data.filepath).stem, name_in_files(obj), manifest.source, manifest.start, manifest.end)
+    file = Path(bpy.data.filepath).stem
+    return usd_text.stem(file, name_in_files(obj), manifest.source, manifest.start, manifest.end)
 
 
 def name_in_files(obj: bpy.types.Object) -> str:
