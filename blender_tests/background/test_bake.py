@@ -7,7 +7,9 @@ import os
 import struct
 import tempfile
 import unittest
+from functools import partial
 from pathlib import Path, PureWindowsPath
+from time import perf_counter
 from typing import Any
 from unittest import mock
 
@@ -107,6 +109,28 @@ class Baked(unittest.TestCase):
             running.cancel()
             self.assertEqual([file.name for file in path.parent.iterdir()], [lock.name])
             lock.unlink()
+
+    def test_a_window_waits_until_the_clip_can_be_put_in_place(self) -> None:
+        """Another program has the former one open: what was solved was thrown away."""
+        window = mock.Mock(spec=operators.OBJECT_OT_rumple_bake, every=False, report=mock.Mock(), _baked=0, _waiting=[],
+                           _again_at=0.0, _running=clip.ClipBake(bpy.context, self.obj))
+        for name in ("_wait", "_finish", "_next"):
+            function = getattr(operators.OBJECT_OT_rumple_bake, name)
+            getattr(window, name).side_effect = partial(function, window)
+
+        def step() -> None:
+            operators.OBJECT_OT_rumple_bake._step_until(window, bpy.context, perf_counter() + 1e6)
+        with mock.patch("os.replace", side_effect=PermissionError(13, "in use")):
+            for _ in range(2):
+                step()
+                self.assertIsNotNone(window._running)
+        self.assertEqual([call.args[0] for call in window.report.mock_calls], [{"WARNING"}])  # said once
+        self.assertRegex(window.report.mock_calls[0].args[1], "Esc gives it up: Sleeve: nothing can be written to")
+        step()
+        self.assertIsNone(window._running)
+        self.assertEqual([file.name for file in self.clip().parent.iterdir()], [self.clip().name])
+        sleeve.at(5)
+        self.assertEqual(self.obj.rumple.message, "")
 
     def test_is_the_played_through_clip_and_needs_no_handlers(self) -> None:
         sleeve.play()

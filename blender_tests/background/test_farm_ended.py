@@ -5,11 +5,14 @@ from __future__ import annotations
 import signal
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import bpy
 from rumple.blender.farm import bake, command, commands, source
+from rumple.core import clip_file, clip_lock
 from rumple.core.checkpoint import Checkpoint
+from rumple.core.clip_manifest import ClipFault
 from support import farm_scene, sleeve
 from support.farm_case import FRAMES, Case
 
@@ -79,6 +82,35 @@ class Ended(Case):
 
     def test_frames_that_depend_on_one_another(self) -> None:
         self.check_resumed(farm_scene.OUTER, 5, 0)  # the state is of a sample that is not whole
+
+    def test_where_the_clip_cannot_be_put_in_place_what_is_solved_is_kept(self) -> None:
+        """A file that another program has open. It was thrown away, and solved anew."""
+        for name in (farm_scene.INNER, farm_scene.OUTER):
+            self.assertEqual(self.run_command("bake", "--resume", "--object", name), 0)
+        whole = self.clip(farm_scene.OUTER).read_bytes()
+        self.clip(farm_scene.OUTER).unlink()
+        with mock.patch.object(clip_file.ClipWriter, "commit", side_effect=ClipFault("in use")):
+            self.assertEqual(self.run_command("bake", "--object", farm_scene.OUTER), 1)
+        self.assertIn("in use", self.err)
+        found = self.data("bake", "--resume", "--object", farm_scene.OUTER)["garments"][farm_scene.OUTER]
+        self.assertEqual(found["resumed"], FRAMES)
+        self.assertTrue(self.clip(farm_scene.OUTER).read_bytes() == whole)
+
+    def test_where_the_lock_cannot_be_reached_for_long_what_is_solved_is_kept(self) -> None:
+        """A share that is away. It was taken for the lock of another one."""
+        opened = Path.open
+
+        def away(path: Path, *arguments: Any, **named: Any) -> Any:
+            if path.suffix == ".lock":
+                raise OSError(5, "the share is away")
+            return opened(path, *arguments, **named)
+        with mock.patch.object(clip_lock, "_TOUCHED", -1.0), mock.patch.object(clip_lock, "_MOST_MISSED", 4), \
+                mock.patch.object(Path, "open", away):
+            self.assertEqual(self.run_command("bake", "--object", farm_scene.INNER), 1)
+        self.assertIn("connect its disk", self.err)
+        next(self.clips.glob(".*.lock")).unlink()
+        found = self.data("bake", "--resume", "--object", farm_scene.INNER)["garments"][farm_scene.INNER]
+        self.assertEqual(found["resumed"], 5)
 
     def test_after_a_kill_it_goes_on_behind_the_last_state(self) -> None:
         self.check_goes_on(farm_scene.OUTER, 6, 4, 4)

@@ -33,6 +33,18 @@ class Publish(farm_case.Case):
         self.assertIn('subdivisionScheme = "catmullClark"', text)
         self.assertNotIn("normals", text)
 
+    def test_two_garments_never_share_a_file(self) -> None:
+        """No file name has the dot of an object's, and many disks do not tell "A" from "a"."""
+        for name, other in ((farm_scene.INNER, "A.001"), (farm_scene.OUTER, "A_001"), (farm_scene.FREE, "a_001")):
+            bpy.data.objects[name].name = other
+        farm_scene.save(self.blend)
+        self.run_command("bake", "--frames", "2-3")
+        self.assertEqual(self.run_command("publish", "--to", str(self.folder / "out")), 0, self.err)
+        files = list((self.folder / "out").iterdir())
+        self.assertEqual(len({file.name.casefold() for file in files}), 3)
+        self.assertEqual(sorted(name for name in ("A.001", "A_001", "a_001") for file in files
+                                if f'rumple_object = "{name}"' in file.read_text()), ["A.001", "A_001", "a_001"])
+
     def test_no_two_uv_maps_have_one_name(self) -> None:
         self.assertEqual(usd_text.uv_names(["UV.1", "UV_1", "st", "UV 1"]), ["st", "UV_1", "st_1", "UV_1_1"])
 

@@ -228,3 +228,19 @@ class Export(face.TwoPoses, unittest.TestCase):
     def test_where_nothing_can_be_written_it_is_said(self) -> None:
         with self.assertRaisesRegex(RuntimeError, "not_there"):
             bpy.ops.rumple.maps_export(filepath="/not_there/face.json")
+
+    def test_two_maps_never_share_a_file(self) -> None:
+        """Many disks do not tell "Smile" from "smile", and no file name has the dot of a pose's: one was written over
+        the other."""
+        for number in range(2):
+            self.settings.poses[number].image = bpy.data.images.new(f"Lines {number}", 8, 8, is_data=True)
+        for first, second in (("Surprise", "surprise"), ("A.B", "A B"), ("Anger", "Neutral")):
+            self.settings.poses[0].name, self.settings.poses[1].name = first, second
+            if second == "Neutral":
+                self.obj.material_slots[0].material = maps_renders.material("Pores", bpy.data.images.new("Pores", 8, 8))
+                bpy.ops.rumple.maps_show()
+                first = "Pores"
+            with tempfile.TemporaryDirectory() as folder:
+                with self.assertRaisesRegex(RuntimeError, f"the maps of {first} and {second} would be one file"):
+                    bpy.ops.rumple.maps_export(filepath=os.path.join(folder, "face.json"))
+                self.assertEqual(os.listdir(folder), [])

@@ -17,6 +17,7 @@ from rumple.blender.nodes import path_curves_tree
 from rumple.blender.objects import modifier, runtimes
 from rumple.core import clip_file
 from rumple.core import curve_rows
+from rumple.core.clip_manifest import ClipFault
 from support import curve_edges, sleeve, small_renders, vanilla_blender
 
 
@@ -284,6 +285,27 @@ class ElseWhere(vanilla_blender.InAFolder, unittest.TestCase):
         sleeve.at(18)
         self.assertFalse(np.array_equal(curve_edges.seen(child)[1], before), "baked again")
         self.assertEqual([m.type for m in child.modifiers].count("MESH_CACHE"), 1)
+
+    def test_where_the_clip_cannot_be_put_in_place_its_curves_are_not_and_both_are_later(self) -> None:
+        """A file that another program has open: the curves of another bake were shown."""
+        obj, child = curved()
+        self.save()
+        for former in (False, True):
+            folder = self.folder / "rumple"
+            before = {path.name: path.read_bytes() for path in folder.iterdir()} if former else {}
+            obj.rumple.paths.seed += 1
+            bake = clip_bake.ClipBake(bpy.context, obj)
+            while bake.step():
+                pass
+            with mock.patch.object(clip_file.ClipWriter, "commit", side_effect=ClipFault("in use")):
+                with self.assertRaisesRegex(clip_bake.NotInPlace, "in use"):
+                    bake.finish()
+            there = {path.name: path.read_bytes() for path in folder.iterdir() if not path.name.startswith(".")}
+            self.assertTrue(there == before)
+            self.assertEqual(modifier.mesh_cache(child) is not None, former)
+            about = clip_file.read_manifest(bake.finish())
+            self.assertEqual(clip_file.checksum(clip_file.read_manifest(bake.curves.clip)), about.curves)
+            self.assertEqual(len(list(folder.iterdir())), 2)
 
     def test_a_bake_keeps_the_curves_of_its_samples_in_a_file(self) -> None:
         """They stayed in memory up to its end: gigabytes of a long clip."""

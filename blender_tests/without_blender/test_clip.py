@@ -215,6 +215,28 @@ class Writing(OnDisk):
                 clip_file.SampleWriter(folder / "a.pc2", manifest())
             self.assertNotIn("Errno", str(caught.exception))
 
+    def test_names_in_files_are_plain_and_no_two_are_the_same(self) -> None:
+        names = ["Shirt", "Coat.001", "A.001", "A_001", "a_001", "x" * 60, "x" * 61]
+        found = [clip_folder.readable_beside(name, [other for other in names if other != name]) for name in names]
+        self.assertEqual(found[:2], ["Shirt", "Coat_001"])  # where nothing else is like it, as they always were
+        self.assertEqual(len({name.casefold() for name in found}), len(names))
+        of_library = clip_folder.readable_beside("A", ["A"], "//b.blend")
+        self.assertNotEqual(clip_folder.readable_beside("A", ["A"]), of_library)
+
+    def test_what_windows_refuses_is_said_with_its_own_reasons(self) -> None:
+        deep, plain = Path("C:/" + "d" * 250), Path("C:/clips")
+        away = FileNotFoundError(errno.ENOENT, "")
+        away.winerror = 59  # type: ignore[attr-defined]
+        for error, folder, words in (
+                (FileNotFoundError(errno.ENOENT, ""), deep, "is too long for Windows"),
+                (FileNotFoundError(errno.ENOENT, "", str(plain / ("n" * 240))), plain, "is too long for Windows"),
+                (FileNotFoundError(errno.ENOENT, ""), plain, "connect its disk"),
+                (PermissionError(errno.EACCES, ""), plain, "close the program that has a file of it open, change its"),
+                (away, plain, "connect its disk"), (OSError(errno.ENOSPC, ""), deep, "is full")):
+            with mock.patch("rumple.native.platforms.ON_WINDOWS", True):
+                self.assertIn(words, clip_folder.in_words(error, folder))
+        self.assertNotIn("Windows", clip_folder.in_words(FileNotFoundError(errno.ENOENT, ""), deep))
+
     def test_a_folder_that_vanishes_while_it_is_written_is_said(self) -> None:
         writer = clip_file.SampleWriter(self.folder / "gone" / "a.pc2", manifest())
         for number in range(SAMPLES):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import errno
 import json
 import os
 import tempfile
@@ -14,7 +15,7 @@ from pathlib import Path
 from typing import Any, Iterator
 from unittest import mock
 
-from rumple.core import clip_folder
+from rumple.core import clip_folder, clip_lock
 from rumple.core.clip_lock import Held, Holder, Lock
 from rumple.core.clip_manifest import ClipFault
 
@@ -216,3 +217,107 @@ class Case(unittest.TestCase):
         with mock.patch.object(Path, "mkdir", gone_once):
             Lock(self.clip).release()
         self.assertEqual(list(self.root.iterdir()), [])
+
+    # --- a share that is away for a moment, a scanner
+    @contextmanager
+    def unreachable(self) -> Iterator[None]:
+        opened = Path.open
+
+        def away(path: Path, *arguments: Any, **named: Any) -> Any:
+            if path == self.path:
+                raise OSError(errno.EIO, "the share is away")
+            return opened(path, *arguments, **named)
+        with mock.patch.object(Path, "open", away):
+            yield
+
+    def touch(self, lock: Lock) -> None:
+        lock._touched -= 100.0
+        lock.touch()
+
+    def test_a_lock_that_cannot_be_reached_for_a_moment_is_not_lost(self) -> None:
+        lock = Lock(self.clip)
+        self.addCleanup(lock.release)
+        for _ in range(3 * clip_lock._MOST_MISSED):  # not in a row
+            with self.unreachable():
+                self.touch(lock)
+            self.touch(lock)
+        lock.check()
+
+    def test_one_that_cannot_be_reached_for_long_is_said_and_is_no_other_ones(self) -> None:
+        lock = Lock(self.clip)
+        self.addCleanup(lock.release)
+        with self.unreachable(), self.assertRaisesRegex(ClipFault, "is gone or cannot be made: connect") as caught:
+            for _ in range(100):
+                self.touch(lock)
+        self.assertNotIsInstance(caught.exception, Held)
+        with self.unreachable(), self.assertRaises(ClipFault) as caught:
+            lock.check()
+        self.assertNotIsInstance(caught.exception, Held)
+
+    def test_nor_is_one_whose_folder_is_away(self) -> None:
+        """As Windows says it of a share; a lock that is gone from its folder was taken over."""
+        lock = Lock(self.clip)
+        away = self.clip.parent.rename(self.root / "away")
+        self.touch(lock)
+        with self.assertRaises(ClipFault) as caught:
+            lock.check()
+        self.assertNotIsInstance(caught.exception, Held)
+        away.rename(self.clip.parent)
+        lock.check()
+        self.path.unlink()
+        self.assertRaisesRegex(Held, "taken over by somebody", lock.check)
+
+    def test_a_touch_is_by_the_clock_of_the_disk(self) -> None:
+        """os.utime() sends the worker's on Windows."""
+        lock, utime = Lock(self.clip), os.utime
+        self.addCleanup(lock.release)
+
+        def slow(path: Path) -> None:
+            utime(path, (time.time() - 700.0,) * 2)
+        with mock.patch("os.utime", slow):
+            self.touch(lock)
+        with mock.patch.object(Holder, "is_gone", return_value=False), self.assertRaises(Held):
+            Lock(self.clip)
+        lock.check()
+
+    def test_a_touch_is_never_written_into_the_lock_of_another_one(self) -> None:
+        """That takes it over between the look at it and the touch."""
+        lock, seek = Lock(self.clip), Holder.of
+
+        def late(text: bytes) -> Holder | None:
+            self.path.rename(self.path.with_name("aside"))
+            self.hold(process=13)
+            return seek(text)
+        with mock.patch.object(Holder, "of", late):
+            self.touch(lock)
+        self.assertEqual(json.loads(self.path.read_text())["process"], 13)
+
+    def test_temporary_files_that_cannot_be_removed_harm_nothing(self) -> None:
+        """A virus scanner has them open."""
+        unlink = Path.unlink
+
+        def scanned(path: Path, missing_ok: bool = False) -> None:
+            if path.suffix == ".part":
+                raise PermissionError(13, "in use")
+            unlink(path, missing_ok)
+        with mock.patch.object(Path, "unlink", scanned):
+            for age in (None, 1000.0):
+                if age is not None:
+                    self.hold(age)
+                lock = Lock(self.clip)
+                lock.check()
+                lock.release()
+                self.assertFalse(self.path.exists())
+            self.assertTrue(clip_folder.can_write(self.clip.parent))
+
+    def test_a_release_that_is_refused_for_a_moment_is_done(self) -> None:
+        lock, unlink, answers = Lock(self.clip), Path.unlink, [PermissionError(13, "in use")]
+
+        def scanned(path: Path, missing_ok: bool = False) -> None:
+            if answers:
+                raise answers.pop()
+            unlink(path, missing_ok)
+        with mock.patch.object(Path, "unlink", scanned), mock.patch("time.sleep"), \
+                mock.patch("rumple.native.platforms.ON_WINDOWS", True):
+            lock.release()
+        self.assertFalse(self.path.exists())

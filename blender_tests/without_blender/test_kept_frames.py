@@ -218,6 +218,30 @@ class KeptOnDisk(unittest.TestCase):
         self.assertIn("its stored frames are not kept", kept.note)
         self.assertEqual(self.folder.read_text(), "a file")
 
+    def test_a_rename_that_is_refused_is_tried_again(self) -> None:
+        """Windows refuses it while a virus scanner looks at the new file."""
+        _, kept, _ = self.played("one mesh")
+        replace, refused = os.replace, [True, False, True]
+
+        def scanned(source: Path, target: Path) -> None:
+            if refused and refused.pop():
+                raise PermissionError(13, "Permission denied")
+            replace(source, target)
+        with mock.patch("os.replace", scanned):
+            while kept.write(0.0):
+                pass
+        self.assertEqual((len(self.files()), len(os.listdir(self.folder)), kept.note), (LAST, LAST, ""))
+
+    def test_renames_that_are_always_refused_are_said(self) -> None:
+        _, kept, _ = self.played("one mesh")
+        tries = 0
+        with mock.patch("os.replace", side_effect=PermissionError(13, "Permission denied")):
+            while kept.write(0.0):
+                tries += 1
+        self.assertIn(tries, range(2, 10))
+        self.assertIn("Tube: its stored frames are not kept: nothing can be written", kept.note)
+        self.assertEqual(os.listdir(self.folder), [])
+
     # --- the limit
     def test_the_oldest_go_first(self) -> None:
         fine, kept, _ = self.played("one mesh")

@@ -2,6 +2,7 @@
 """Finding and opening the library on every system: what can be tested on one of them."""
 from __future__ import annotations
 
+import ctypes
 import hashlib
 import importlib.util
 import os
@@ -123,6 +124,44 @@ def lib_bytes() -> bytes:
     return lib.path.read_bytes()
 
 
+class Moved(unittest.TestCase):
+    """Windows refuses a rename while anybody looks at the file."""
+
+    def setUp(self) -> None:
+        self.home = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.waited: list[float] = []
+        self.enterContext(mock.patch("time.sleep", self.waited.append))
+        (self.home / "new").write_text("new")
+
+    def move(self, refusals: int, on_windows: bool) -> bool:
+        """Whether it came to its place."""
+        answers = [PermissionError(13, "in use")] * refusals
+        replace = os.replace
+
+        def scanned(source: Path, target: Path) -> None:
+            if answers:
+                raise answers.pop()
+            replace(source, target)
+        with mock.patch("os.replace", scanned), mock.patch.object(platforms, "ON_WINDOWS", on_windows):
+            try:
+                clip_folder.put(self.home / "new", self.home / "place")
+            except PermissionError:
+                return False
+        return (self.home / "place").read_text() == "new"
+
+    def test_it_is_tried_again_for_some_seconds(self) -> None:
+        self.assertTrue(self.move(2, True))
+        self.assertEqual(len(self.waited), 2)
+
+    def test_and_not_for_ever(self) -> None:
+        self.assertFalse(self.move(1000, True))
+        self.assertTrue(2.0 < sum(self.waited) < 5.0)
+
+    def test_other_systems_say_so_at_once(self) -> None:
+        self.assertFalse(self.move(1, False))
+        self.assertEqual(self.waited, [])
+
+
 class Folders(unittest.TestCase):
     """The add-on in folders as artists have them, each in a Python of its own."""
 
@@ -211,6 +250,36 @@ class Copies(unittest.TestCase):
     def test_without_a_place_for_copies_the_library_itself_is_loaded(self) -> None:
         self.copies.write_bytes(b"a file, no folder")
         self.assertEqual(platforms.copy_to_load(self.library, self.copies), self.library)
+
+    def test_a_copy_that_another_blender_made_meanwhile_is_loaded(self) -> None:
+        """It holds the copy already, so this one's rename is refused."""
+        def taken(source: Path, target: Path) -> None:
+            shutil.copy(source, target)
+            raise PermissionError(13, "[WinError 5] held")
+        with mock.patch("os.replace", taken):
+            copy = platforms.copy_to_load(self.library, self.copies)
+        self.assertNotEqual(copy, self.library)
+        self.assertEqual([file.name for file in copy.parent.iterdir()], ["rumple.dll"])
+
+    def test_a_copy_that_cannot_be_put_in_place_leaves_nothing(self) -> None:
+        with mock.patch("os.replace", side_effect=PermissionError(13, "[WinError 5] held")):
+            self.assertEqual(platforms.copy_to_load(self.library, self.copies), self.library)
+        self.assertEqual([file for file in self.copies.rglob("*") if file.is_file()], [])
+
+    def test_where_copies_may_not_be_loaded_the_installed_file_is(self) -> None:
+        """Rules of a studio forbid libraries in the folder for temporary files."""
+        lib.open()
+        load = ctypes.CDLL
+
+        def ruled(path: str) -> ctypes.CDLL:
+            if path.startswith(str(self.home)):
+                raise OSError("[WinError 1260] blocked by group policy")
+            return load(path)
+        with mock.patch.object(platforms, "is_locked_when_open", return_value=True), \
+                mock.patch("tempfile.gettempdir", return_value=str(self.home)), mock.patch("ctypes.CDLL", ruled):
+            second = Library()
+            second.open()
+        self.assertEqual(second.path, library.library_file())
 
     def test_a_library_loads_from_its_copy(self) -> None:
         lib.open()

@@ -154,7 +154,11 @@ class SampleWriter:
 
     def commit(self) -> None:
         """Move what was sealed into place."""
-        self._do(os.replace, self.temporary, self.clip)
+        self._do(clip_folder.put, self.temporary, self.clip)
+
+    def take_back(self) -> None:
+        """Undo commit(), so that it can be done again."""
+        self._do(clip_folder.put, self.clip, self.temporary)
 
     def discard(self) -> None:
         """Leave what stood there before. Never raises: what is buffered may not fit on the disk."""

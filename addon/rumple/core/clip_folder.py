@@ -9,11 +9,16 @@ import os
 import re
 import shutil
 import socket
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Iterator
 
+from ..native import platforms
 from . import windows_process
 from .clip_manifest import ClipFault
 
+_LONGEST_PATH = 240  # letters that every program may use on Windows: 260, without those of temporary names
+_AWAY = (55, 59, 64, 121, 1231)  # what Windows says of a share that is away, and Python has no other number for
 LONGEST = 60  # letters of a file's or an object's name in the name of a clip
 HOST = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "host"  # not platform.node(): Windows is slow to tell it
 _PART = re.compile(r"\..+\.(?P<host>[A-Za-z0-9_]+)\.(?P<process>\d+)-\d+\.part")
@@ -25,13 +30,27 @@ def clip_name(file: str, obj: str, place: str = "") -> str:
 
     file: name of the blend file, without suffix. place: what else tells files of that name apart.
     """
-    digest = hashlib.blake2b(repr((file, obj, place)).encode("utf-8", "surrogatepass"), digest_size=4).hexdigest()
-    return f"{readable(file)}-{readable(obj)}-{digest}.pc2"
+    return f"{readable(file)}-{readable(obj)}-{_digest(file, obj, place)}.pc2"
 
 
 def readable(name: str) -> str:
     """A part of a file name."""
     return re.sub(r"[^\w-]", "_", name, flags=re.ASCII)[:LONGEST]
+
+
+def readable_beside(name: str, others: list[str], about: str = "") -> str:
+    """As readable(), but for no two objects of a file the same, also on disks that do not tell "A" from "a".
+
+    others: the names of the other objects. about: what tells objects of one name apart.
+    """
+    plain = readable(name)
+    if plain.casefold() not in [readable(other).casefold() for other in others]:
+        return plain
+    return f"{plain}-{_digest(name, about)}"
+
+
+def _digest(*parts: str) -> str:
+    return hashlib.blake2b(repr(parts).encode("utf-8", "surrogatepass"), digest_size=4).hexdigest()
 
 
 # ---------------------------------------------------------------- temporary files
@@ -60,20 +79,33 @@ def discard(path: Path) -> None:
         pass
 
 
-def replace_folder(new: Path, place: Path) -> None:
-    """Put a whole folder in place of another one, or of none. Raises OSError; then the former one is there."""
+def put(new: Path, place: Path) -> None:
+    """Put a file in place of another one, or of none, by one rename. Raises OSError."""
+    platforms.tried_again(os.replace, new, place)
+
+
+@contextmanager
+def aside(place: Path) -> Iterator[None]:
+    """What stands at a place is out of the way meanwhile. Then it is removed, or is there again where something was
+    raised."""
     former = temporary(place)
     try:
-        os.replace(place, former)
+        put(place, former)
     except FileNotFoundError:
         pass
     try:
-        os.replace(new, place)
-    except OSError:
+        yield
+    except BaseException:
         if former.exists():
-            os.replace(former, place)
+            put(former, place)
         raise
     discard(former)
+
+
+def replace_folder(new: Path, place: Path) -> None:
+    """Put a whole folder in place of another one, or of none. Raises OSError; then the former one is there."""
+    with aside(place):
+        put(new, place)
 
 
 def is_running(process: int) -> bool:
@@ -108,9 +140,9 @@ def can_write(folder: Path) -> bool:
     probe = folder / f".{HOST}.{os.getpid()}-{next(_numbers)}.part"
     try:
         probe.touch()
-        probe.unlink()
     except OSError:
         return False
+    discard(probe)
     return True
 
 
@@ -122,6 +154,10 @@ def megabytes(count: int) -> str:
 def in_words(error: Exception, folder: Path) -> str:
     """What a folder refused, and what to do."""
     number = error.errno if isinstance(error, OSError) else None
+    if platforms.ON_WINDOWS:
+        text = _words_of_windows(error, number, folder)
+        if text:
+            return text
     if number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         return f"the disk of {folder} is full: make room, or choose another folder"
     if number in (errno.EACCES, errno.EPERM, errno.EROFS):
@@ -133,3 +169,16 @@ def in_words(error: Exception, folder: Path) -> str:
     if number in (errno.ENAMETOOLONG, errno.EINVAL) or number is None:
         return f"{str(folder)[:80]} cannot be the name of a folder: choose another folder"
     return f"{folder}: {os.strerror(number).lower()}: choose another folder"
+
+
+def _words_of_windows(error: Exception, number: int | None, folder: Path) -> str:
+    """Where its reasons are others; else empty."""
+    paths = [str(folder), *(str(getattr(error, name, None) or "") for name in ("filename", "filename2"))]
+    if number in (errno.ENOENT, errno.EINVAL, errno.ENAMETOOLONG) and max(map(len, paths)) > _LONGEST_PATH:
+        return f"the path {folder} is too long for Windows: choose another folder, or shorter names"
+    if number in (errno.EACCES, errno.EPERM):
+        return (f"nothing can be written to {folder}: close the program that has a file of it open, change its "
+                "permissions, or choose another folder")
+    if getattr(error, "winerror", None) in _AWAY:
+        return in_words(OSError(errno.ENODEV, ""), folder)
+    return ""

@@ -2,7 +2,8 @@
 """Who bakes a clip, a worker or a window: a file beside it, so that two of them do not harm one another. No bpy here.
 
 The file names host, process and, in a queue, the task ($RUMPLE_TASK: the same when a task is started again). Its holder
-touches it while it works: its age is what a file server says, since the clocks of two machines differ. A lock is
+writes it anew while it works: its age is what a file server says, since the clocks of two machines differ (a time that
+is set, as by os.utime, is the worker's on Windows). A lock is
 taken over where nobody holds it any more: its process is gone (same host), its task was started again on another host
 (a queue gives it up before it does that), or it was not touched for OLDEST seconds (another host). Whoever lost its
 lock so stops at its next sample; until then both write files of their own.
@@ -15,11 +16,13 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from ..native import platforms
 from . import clip_folder, windows_process
 from .clip_manifest import ClipFault
 
 OLDEST = 600.0  # seconds without a touch, for a lock of another host
 _TOUCHED = 5.0  # seconds between two touches
+_MOST_MISSED = 12  # touches, one after the other, that a share or a scanner may refuse
 
 
 class Held(ClipFault):
@@ -42,11 +45,19 @@ class Holder:
 
     @classmethod
     def read(cls, path: Path) -> "Holder | None":
-        """None where it cannot be read: half written, say."""
+        """None where it cannot be read."""
         try:
-            data = json.loads(path.read_bytes()[:4096])
+            return cls.of(path.read_bytes())
+        except OSError:
+            return None
+
+    @classmethod
+    def of(cls, text: bytes) -> "Holder | None":
+        """As a lock has it. None where it is damaged: half written, say."""
+        try:
+            data = json.loads(text[:4096])
             return cls(str(data["host"]), int(data["process"]), str(data["started"]), str(data["task"]))
-        except (OSError, ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError):
             return None
 
     def is_gone(self) -> bool:
@@ -75,7 +86,7 @@ class Lock:
 
     def __init__(self, clip: Path, oldest: float = OLDEST) -> None:
         self.path, self.clip, self.holder = clip.with_name(f".{clip.name}.lock"), clip, Holder.here()
-        self._touched = 0.0
+        self._touched, self._missed = 0.0, 0
         self._made: list[Path] = []  # folders, the innermost first
         try:
             self._take(oldest)
@@ -124,7 +135,7 @@ class Lock:
         except OSError:  # no links on this disk
             return self._create_plainly()
         finally:
-            own.unlink(missing_ok=True)
+            clip_folder.discard(own)
         self._touched = time.monotonic()
         return True
 
@@ -151,14 +162,14 @@ class Lock:
             raise Held(f"{self.clip.name} is being baked by {who}, last heard of {age:.0f} s ago: wait for it")
         aside = clip_folder.temporary(self.path)
         try:
-            os.rename(self.path, aside)
+            platforms.tried_again(os.rename, self.path, aside)
         except FileNotFoundError:
             return
         moved = aside.stat()
         if (moved.st_ino, moved.st_mtime_ns) != (before.st_ino, before.st_mtime_ns):  # another one's, made meanwhile
-            os.rename(aside, self.path)
+            platforms.tried_again(os.rename, aside, self.path)
             return
-        aside.unlink(missing_ok=True)
+        clip_folder.discard(aside)
 
     def _now(self) -> float:
         """By the clock of the disk."""
@@ -167,31 +178,52 @@ class Lock:
         try:
             return probe.stat().st_mtime
         finally:
-            probe.unlink(missing_ok=True)
+            clip_folder.discard(probe)
 
     def touch(self) -> None:
-        """To be called often while it is held. Raises Held where it was taken over."""
+        """To be called often while it is held. Raises Held where it was taken over, and ClipFault where it could not be
+        reached for some time: a share may be away for a moment."""
         if time.monotonic() - self._touched < _TOUCHED:
             return
         self._touched = time.monotonic()
-        self.check()
         try:
-            os.utime(self.path)
-        except OSError as error:
-            raise ClipFault(clip_folder.in_words(error, self.clip.parent)) from error
+            self._reach(anew=True)
+        except Held:
+            raise
+        except ClipFault:
+            self._missed += 1
+            if self._missed > _MOST_MISSED:
+                raise
+        else:
+            self._missed = 0
 
     def check(self) -> None:
-        """Raises Held where it was taken over."""
-        holder = Holder.read(self.path)
+        """Raises Held where it was taken over, and ClipFault where it cannot be read."""
+        self._reach(anew=False)
+
+    def _reach(self, anew: bool) -> None:
+        """As check() does. anew: write it, through the file that was read: never into that of who took it over."""
+        try:
+            with self.path.open("r+b" if anew else "rb") as file:
+                text = file.read()
+                holder = Holder.of(text)
+                if holder == self.holder and anew:
+                    file.seek(0)
+                    file.write(text)
+        except OSError as error:
+            if not isinstance(error, FileNotFoundError) or not self.path.parent.is_dir():
+                raise ClipFault(clip_folder.in_words(error, self.clip.parent)) from error
+            holder = None
         if holder != self.holder:
             who = holder.in_words() if holder is not None else "somebody"
             raise Held(f"{self.clip.name} was taken over by {who}: wait for it")
 
     def release(self) -> None:
         """Never raises."""
-        if Holder.read(self.path) == self.holder:
-            try:
-                self.path.unlink(missing_ok=True)
-            except OSError:
-                pass
-            self._remove_made()
+        try:
+            if Holder.of(platforms.tried_again(self.path.read_bytes)) != self.holder:
+                return
+            platforms.tried_again(self.path.unlink)
+        except OSError:
+            pass  # taken over, or left to the end of this process
+        self._remove_made()

@@ -168,7 +168,7 @@ class PartialWriter(ClipWriter):
                 state.write(checkpoint.to_bytes(_identity(self.manifest, self.made_by)))
                 state.flush()
                 os.fsync(state.fileno())
-            os.replace(path, _beside(self.temporary, _STATE))
+            clip_folder.put(path, _beside(self.temporary, _STATE))
         except (OSError, ValueError):  # ValueError: a file that is closed
             clip_folder.discard(path)
 

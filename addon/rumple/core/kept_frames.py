@@ -28,6 +28,11 @@ SUFFIX = ".frame"
 FORMAT = 3  # 2: without a hang along which cloth has no slack
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
+_MOST_REFUSED = 5  # renames, one after the other: a virus scanner has a new file open for a moment
+
+
+class _NotNow(OSError):
+    """A rename was refused, perhaps for a moment."""
 
 
 class KeptFrames:
@@ -40,6 +45,7 @@ class KeptFrames:
         self.identity = repr((FORMAT, c.VERSION, type(evaluator).__name__, evaluator.unit_scale, identity))
         self.note = ""
         self._is_stopped = False  # nothing can be written
+        self._refused = 0  # renames since the last that was done
         self._done: set[str] = set()  # names of files that were written, or found, or are too large
         self._damaged: set[str] = set()
 
@@ -87,16 +93,18 @@ class KeptFrames:
                 if wrote and time.perf_counter() > ends:
                     more = True
                     break
-                wrote = self._write(name, frame, cached) or wrote
+                wrote = self._write(name, frame, cached, math.isinf(seconds)) or wrote
             if wrote:
                 self._sweep()
+        except _NotNow:
+            return True
         except (OSError, ValueError) as error:
             self._is_stopped = True
             self.note = f"{self.evaluator.name}: its stored frames are not kept: {self._in_words(error)}"
             return False
         return more
 
-    def _write(self, name: str, frame: float, cached: CachedFrame) -> bool:
+    def _write(self, name: str, frame: float, cached: CachedFrame, may_wait: bool) -> bool:
         """True where it was written now."""
         self._done.add(name)
         path = self.folder / name
@@ -110,12 +118,27 @@ class KeptFrames:
         own = clip_folder.temporary(path)
         try:
             own.write_bytes(_HEAD + _digest(content) + content)
-            os.replace(own, path)
+            self._put(own, path, may_wait)
         except OSError:
             clip_folder.discard(own)
             raise
         self._damaged.discard(name)
         return True
+
+    def _put(self, own: Path, path: Path, may_wait: bool) -> None:
+        """Raises _NotNow where the next write() is to try it again: a window does not wait for that."""
+        try:
+            if may_wait:
+                clip_folder.put(own, path)
+            else:
+                os.replace(own, path)
+        except PermissionError as error:
+            self._refused += 1
+            if self._refused >= _MOST_REFUSED:
+                raise
+            self._done.discard(path.name)
+            raise _NotNow from error
+        self._refused = 0
 
     def _sweep(self) -> None:
         clip_folder.sweep(self.folder)
@@ -139,7 +162,7 @@ class KeptFrames:
             clip_folder.discard(path)
         self._done.clear()
         self._damaged.clear()
-        self.note, self._is_stopped = "", False
+        self.note, self._is_stopped, self._refused = "", False, 0
 
     def _in_words(self, error: Exception) -> str:
         return clip_folder.in_words(error, self.folder.parent)

@@ -117,7 +117,7 @@ def begin(folder: Path, wanted: PoseSet, mesh: dict[str, np.ndarray], resume: bo
             write_arrays(folder / "mesh.npz", mesh)
             temporary = clip_folder.temporary(path)
             temporary.write_text(text, "utf-8")
-            os.replace(temporary, path)
+            clip_folder.put(temporary, path)
     except (OSError, UnicodeDecodeError) as error:
         raise ClipFault(clip_folder.in_words(error, folder)) from error
 
@@ -140,7 +140,7 @@ def write_arrays(path: Path, arrays: dict[str, np.ndarray]) -> None:
             np.savez(file, **arrays)
             file.flush()
             os.fsync(file.fileno())
-        os.replace(temporary, path)
+        clip_folder.put(temporary, path)
     except OSError as error:
         raise ClipFault(clip_folder.in_words(error, path.parent)) from error
     finally:

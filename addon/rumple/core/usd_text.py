@@ -124,7 +124,7 @@ class StageWriter:
                 self._write(file)
                 file.flush()
                 os.fsync(file.fileno())
-            os.replace(self.temporary, self.path)
+            clip_folder.put(self.temporary, self.path)
         except OSError as error:
             raise ClipFault(clip_folder.in_words(error, self.path.parent)) from error
         finally:
@@ -173,8 +173,8 @@ class StageWriter:
 
 
 def stem(file: str, obj: str, source: str, start: int, end: int) -> str:
-    """Of the name of a file: file, object, version by what it was made from, frames."""
-    return f"{clip_folder.readable(file)}-{clip_folder.readable(obj)}-{source[:8] or 'window'}-{start}-{end}"
+    """Of the name of a file: file, object, version by what it was made from, frames. obj: of readable_beside()."""
+    return f"{clip_folder.readable(file)}-{obj}-{source[:8] or 'window'}-{start}-{end}"
 
 
 def about(**entries: Any) -> dict[str, str]:

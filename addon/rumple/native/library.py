@@ -49,9 +49,7 @@ class Library:
         try:
             if platforms.is_damaged(path):
                 raise OSError("file too short or changed")
-            if platforms.is_locked_when_open():
-                path = platforms.copy_to_load(path)
-            loaded = ctypes.CDLL(str(path))
+            loaded, path = _load(path)
         except OSError as error:
             raise NativeMissing(f"Rumple's library is there but cannot be loaded. "
                                 f"{platforms.why_refused(str(error), path)} ({error})") from error
@@ -80,6 +78,17 @@ class Library:
             text = self.rumple_error().decode(errors="replace")
             raise {1: ValueError, 2: MemoryError}.get(status, RuntimeError)(text)
         return status
+
+
+def _load(path: Path) -> tuple[ctypes.CDLL, Path]:
+    """The library, and the file that it is: where it would be locked, a copy. Raises OSError."""
+    if platforms.is_locked_when_open():
+        copy = platforms.copy_to_load(path)
+        try:
+            return ctypes.CDLL(str(copy)), copy
+        except OSError:
+            pass  # rules of a studio may allow libraries where programs are installed alone
+    return ctypes.CDLL(str(path)), path
 
 
 def _compare(path: Path, functions: dict[str, Any]) -> None:

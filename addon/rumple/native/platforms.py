@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What differs between systems when the library is found and opened. Nothing here opens it."""
+"""What differs between systems when files are moved, and when the library is found. Nothing here opens it."""
 from __future__ import annotations
 
 import hashlib
@@ -9,8 +9,12 @@ import shutil
 import sys
 import sysconfig
 import tempfile
+import time
 from pathlib import Path
+from typing import Any, Callable
 
+ON_WINDOWS = os.name == "nt"
+_WAITS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # seconds before each further try
 FILES = {"windows": "rumple.dll", "macos": "librumple.dylib", "linux": "librumple.so"}
 SYSTEMS = {"win32": "windows", "darwin": "macos"}  # as sys.platform has them
 MADE_FOR = frozenset(("linux-x64", "windows-x64", "macos-arm64", "macos-x64"))
@@ -70,6 +74,17 @@ def is_locked_when_open() -> bool:
     return sys.platform == "win32"
 
 
+def tried_again(action: Callable[..., Any], *arguments: Any) -> Any:
+    """What an action on files returns. Windows refuses to move and remove a file while anybody has it open, as virus
+    scanners do for a moment: there it is tried again, for three seconds. Raises what the last try raises."""
+    for wait in _WAITS if ON_WINDOWS else ():
+        try:
+            return action(*arguments)
+        except PermissionError:
+            time.sleep(wait)
+    return action(*arguments)
+
+
 def copy_to_load(path: Path, folder: Path | None = None) -> Path:
     """A copy of the library for Blender to hold, so that an update can replace the installed one.
 
@@ -83,9 +98,7 @@ def copy_to_load(path: Path, folder: Path | None = None) -> Path:
         own.mkdir(parents=True, exist_ok=True)
         copy = own / path.name
         if not copy.is_file() or copy.read_bytes() != data:
-            being_written = own / f"{path.name}.{os.getpid()}"
-            being_written.write_bytes(data)
-            os.replace(being_written, copy)
+            _write_copy(data, copy)
     except OSError:     # no place, no right to write there, or somebody holds a damaged copy
         return path
     try:
@@ -95,3 +108,18 @@ def copy_to_load(path: Path, folder: Path | None = None) -> Path:
     except OSError:     # another Blender tidies up as well
         pass
     return copy
+
+
+def _write_copy(data: bytes, copy: Path) -> None:
+    """By one rename. Raises OSError where there is no such copy then."""
+    being_written = copy.with_name(f"{copy.name}.{os.getpid()}")
+    try:
+        being_written.write_bytes(data)
+        tried_again(os.replace, being_written, copy)
+    except OSError:
+        try:
+            being_written.unlink(missing_ok=True)
+        except OSError:
+            pass
+        if not copy.is_file() or copy.read_bytes() != data:     # another Blender has made and loaded it meanwhile
+            raise

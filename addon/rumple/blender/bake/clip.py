@@ -12,7 +12,7 @@ from typing import Iterator
 import bpy
 
 from ...core import clip_file, clip_folder
-from ...core.clip_lock import Lock
+from ...core.clip_lock import Held, Lock
 from ...core.clip_manifest import ClipFault, Manifest
 from ...core.frame_result import Attribute, FrameResult
 from .. import compat, scheduler
@@ -22,6 +22,10 @@ from ..objects.clip_place import stored_path
 from .playback import BakeError, Playback
 
 SUFFIX = ".clip"
+
+
+class NotInPlace(BakeError):
+    """All is solved, and a file or the folder refuses the clip, perhaps for a moment: finish() may be called again."""
 
 
 def new_clip_path(obj: bpy.types.Object) -> Path:
@@ -113,6 +117,7 @@ class ClipBake:
         path = self._place(obj)
         self.obj, self.name, self.done, self.note = obj, obj.name, 0, ""
         self.writer: clip_file.ClipWriter | None = None
+        self._is_sealed = False
         self.lock = self._take_lock(path)
         try:
             self._start(context, path)
@@ -191,22 +196,34 @@ class ClipBake:
         return True
 
     def finish(self) -> Path:
-        """Put the clip in place and show it."""
+        """Put the clip in place and show it. Raises NotInPlace where that can be tried again."""
         with self._faults():
-            if self.lock is not None:
-                self.lock.check()
             about = self.writer.manifest
-            about.curves = self.curves.seal(about)
-            self.writer.seal()
+            if not self._is_sealed:
+                about.curves = self.curves.seal(about)
+                self.writer.seal()
+                self._is_sealed = True
             modifier.find(self.obj).name  # while it can still be given up
-            self.curves.commit(stored_path)
-            self.writer.commit()
+            self._put_in_place()
+            self.curves.play(stored_path)
             attach(self.obj, about, self.writer.clip)
             self.note = self.playback.note()
             self.playback.end_playback(restore_bake=False)
             scheduler.sync_all()
         self._release()
         return self.writer.clip
+
+    def _put_in_place(self) -> None:
+        """The clips of garment and curves, both or none."""
+        try:
+            if self.lock is not None:
+                self.lock.check()
+            with self.curves.in_place():
+                self.writer.commit()
+        except Held:
+            raise
+        except ClipFault as error:
+            raise NotInPlace(f"{self.name}: {error}") from error
 
     def cancel(self) -> None:
         """Never raises."""

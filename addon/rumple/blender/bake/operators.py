@@ -14,6 +14,7 @@ from .playback import BakeError, Playback
 
 PARTS = 1000  # of the progress that is shown
 UNSAVED = ": this folder goes when Blender quits. Save the file and bake again"
+WAIT_SECONDS = 2.0  # between two tries to put a clip in place
 STEP_SECONDS = 0.05  # the window stays alive: solve for so long between two redraws
 
 
@@ -47,6 +48,7 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     def _next(self, context: bpy.types.Context) -> None:
         """Begin the next that can be baked; none: all are done."""
         self._running: clip.ClipBake | None = None
+        self._again_at = 0.0  # by time.perf_counter(), where a clip waits for its place
         while self._waiting and self._running is None:
             name = self._waiting.pop(0)
             if name in bpy.data.objects:
@@ -61,8 +63,20 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
                     self._next(context)
                     return
         except BakeError as error:
+            if isinstance(error, clip.NotInPlace) and until != float("inf"):
+                self._wait(context, error)
+                return
             self._give_up(self._running, error)
             self._next(context)
+
+    def _wait(self, context: bpy.types.Context, error: clip.NotInPlace) -> None:
+        """What was solved, perhaps for hours, is not given up for a file that another program has open. Esc does so."""
+        text = said(f"The baked clip waits until it can be put in place, Esc gives it up: {error}")
+        if self._again_at == 0.0:
+            self.report({"WARNING"}, text)
+        self._again_at = time.perf_counter() + WAIT_SECONDS
+        if context.workspace is not None:
+            context.workspace.status_text_set(text)
 
     def _end(self) -> set[str]:
         if self.every and self._baked:
@@ -87,13 +101,14 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
             self._end_modal(context)
             self._give_up(self._running, BakeError(f"Bake cancelled: {self._running.name} is as it was before"), "INFO")
             return self._end()
-        if event.type != "TIMER":
+        if event.type != "TIMER" or time.perf_counter() < self._again_at:
             return {"RUNNING_MODAL"}
         self._step_until(context, time.perf_counter() + STEP_SECONDS)
         if self._running is None:
             self._end_modal(context)
             return self._end()
-        self._show_progress(context)
+        if self._again_at == 0.0:
+            self._show_progress(context)
         return {"RUNNING_MODAL"}
 
     def cancel(self, context: bpy.types.Context) -> None:

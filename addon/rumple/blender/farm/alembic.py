@@ -2,7 +2,6 @@
 """The baked garment as Alembic, by Blender's own exporter, where Blender was built with it: Debian's are not."""
 from __future__ import annotations
 
-import os
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Iterator
@@ -29,11 +28,12 @@ def publish(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifes
     count = manifest.end - manifest.start + 1
     clip_folder.make(folder, count * manifest.samples * vertices * 12)
     temporary = clip_folder.temporary(path)
+    exported = temporary / "a.abc"  # short: the name of the folder is long, and Windows takes 260 letters in all
     try:
         temporary.mkdir()
         with _selected(context, obj):
-            _export(temporary / path.name, manifest)
-        os.replace(temporary / path.name, path)
+            _export(exported, manifest)
+        clip_folder.put(exported, path)
     except OSError as error:
         raise ClipFault(clip_folder.in_words(error, folder)) from error
     finally:
@@ -52,7 +52,7 @@ def _export(path: Path, manifest: Manifest) -> None:
         raise ClipFault(f"Blender's Alembic exporter failed: {str(error).strip()}") from error
     head = _head(path)
     if head != _MAGIC:
-        raise ClipFault(f"{path.name} was not written as a whole: make room, or choose another folder")
+        raise ClipFault("the Alembic file was not written as a whole: make room, or choose another folder")
 
 
 def _head(path: Path) -> bytes:

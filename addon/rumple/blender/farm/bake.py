@@ -286,8 +286,8 @@ def run(running: FarmBake, lock: Lock, say: Say, started: float) -> Baked:
         raise
     try:
         path = running.finish()
-    except BaseException:
-        running.cancel()
+    except BaseException:  # a bake that resumes has it to put in place only
+        running.stop()
         raise
     about = running.partial.manifest
     return Baked(path, about.sample_count, time.perf_counter() - started, path.stat().st_size, running.resumed,

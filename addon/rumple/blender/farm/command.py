@@ -19,7 +19,7 @@ from typing import Any, Callable, Iterator
 import bpy
 
 from ...core import clip_folder
-from . import alembic, bake, commands, plan, poses, publish, vat
+from . import alembic, bake, commands, plan, poses, publish, shown, vat
 
 
 class Usage(Exception):
@@ -233,7 +233,7 @@ def _poses(chosen: argparse.Namespace, garments: list[bpy.types.Object]) -> comm
     if not math.isfinite(chosen.widen) or chosen.widen <= 0.0:
         raise commands.Refused(f"--widen is a factor above 0, not {chosen.widen:g}")
     (obj,) = garments
-    name = f"{clip_folder.readable(chosen.file.stem)}-{clip_folder.readable(obj.name)}_poses"
+    name = f"{clip_folder.readable(chosen.file.stem)}-{shown.name_in_files(obj)}_poses"
     folder = (chosen.out or chosen.file.parent / "publish" / name).absolute()
     options = poses.Options(chosen.count, chosen.seed, chosen.from_clip, chosen.widen, chosen.resume, chosen.frames)
     with _ended_by_signal():

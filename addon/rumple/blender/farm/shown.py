@@ -9,7 +9,7 @@ from typing import Any, Iterator
 import bpy
 import numpy as np
 
-from ...core import clip_file, usd_text
+from ...core import clip_file, clip_folder, usd_text
 from ...core.clip_manifest import ClipFault, Manifest
 from .. import compat
 from ..bake.playback import BakeError
@@ -83,7 +83,14 @@ def frames(context: bpy.types.Context, obj: bpy.types.Object, manifest: Manifest
 
 def stem(obj: bpy.types.Object, manifest: Manifest) -> str:
     """How its files are named: file, object, version by what it was made from, frames."""
-    return usd_text.stem(Path(bpy.data.filepath).stem, obj.name, manifest.source, manifest.start, manifest.end)
+    file = Path(bpy.data.filepath).stem
+    return usd_text.stem(file, name_in_files(obj), manifest.source, manifest.start, manifest.end)
+
+
+def name_in_files(obj: bpy.types.Object) -> str:
+    """A part of a file name that no other garment of this file has."""
+    others = [other.name for other, _nodes_mod in modifier.wrinkled_objects() if other != obj]
+    return clip_folder.readable_beside(obj.name, others, obj.library.filepath if obj.library is not None else "")
 
 
 def about(obj: bpy.types.Object, manifest: Manifest) -> dict[str, str]:

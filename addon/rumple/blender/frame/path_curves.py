@@ -7,6 +7,7 @@ else. Structural work raises the capacity. Whose curves they are, the modifier's
 """
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, BinaryIO, Iterator
@@ -202,7 +203,7 @@ class Recorder:
         self.points.append(points)
 
     def seal(self, manifest: Manifest) -> int:
-        """Write the clip that commit() moves beside that of the garment; its checksum. Raises ClipFault."""
+        """Write the clip that in_place() moves beside that of the garment; its checksum. Raises ClipFault."""
         if not self.wanted or self.waiting is None:
             return 0
         room = capacity_for(max(self.points))
@@ -243,12 +244,28 @@ class Recorder:
         if self.writer is not None:
             self.writer.discard()
 
-    def commit(self, stored_path: Any) -> None:
-        """Let the children play it. stored_path: how a blend file names it. Raises ClipFault."""
+    @contextmanager
+    def in_place(self) -> Iterator[None]:
+        """While the garment's clip is put in place: where that fails, the former curves are there again, since those of
+        another bake are not shown. Raises ClipFault."""
         if self.writer is None:
+            yield
             return
-        self.writer.commit()
-        play(self.garment, self.writer.manifest, stored_path(self.writer.clip))
+        try:
+            with clip_folder.aside(self.clip):
+                self.writer.commit()
+                try:
+                    yield
+                except BaseException:
+                    self.writer.take_back()
+                    raise
+        except OSError as error:
+            raise ClipFault(clip_folder.in_words(error, self.clip.parent)) from error
+
+    def play(self, stored_path: Any) -> None:
+        """Let the children play it. stored_path: how a blend file names it."""
+        if self.writer is not None:
+            play(self.garment, self.writer.manifest, stored_path(self.writer.clip))
 
 
 def play(garment: bpy.types.Object, about: Manifest, path: str) -> None:

@@ -56,13 +56,13 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
     written = [path]
     neutral = next(filter(None, (maps_shader.neutral_image(slot.material) for slot in obj.material_slots
                                  if slot.material is not None)), None)
-    if neutral is not None and tuple(neutral.size)[0]:
-        rig.neutral_map = f"{path.stem}_neutral.png"
-        if images:
-            written.append(path.with_name(rig.neutral_map))
-            _write_png(neutral, written[-1], neutral.is_float)
+    if neutral is not None and not tuple(neutral.size)[0]:
+        neutral = None
+    _name_maps(obj, rig, path.stem, neutral)
+    if images and neutral is not None:
+        written.append(path.with_name(rig.neutral_map))
+        _write_png(neutral, written[-1], neutral.is_float)
     for pose, stored in zip(rig.poses, obj.rumple_maps.poses):
-        pose.map = f"{path.stem}_{bpy.path.clean_name(pose.name)}.png" if stored.image is not None else ""
         if images and stored.image is not None:
             if not tuple(stored.image.size)[0]:
                 raise UserError(f"{obj.name}: the wrinkle map {stored.image.name} of pose {pose.name} cannot be found")
@@ -72,6 +72,21 @@ def export(obj: bpy.types.Object, path: Path, images: bool) -> list[Path]:
     from_json(text)  # what is written can be read
     path.write_text(text, encoding="utf-8")
     return written
+
+
+def _name_maps(obj: bpy.types.Object, rig: PoseRig, stem: str, neutral: bpy.types.Image | None) -> None:
+    """Each its file. Raises UserError where two would have one: on many disks "A" is "a"."""
+    owners: dict[str, str] = {}
+    if neutral is not None:
+        rig.neutral_map = f"{stem}_neutral.png"
+        owners[rig.neutral_map.casefold()] = neutral.name
+    for pose, stored in zip(rig.poses, obj.rumple_maps.poses):
+        pose.map = f"{stem}_{bpy.path.clean_name(pose.name)}.png" if stored.image is not None else ""
+        if pose.map.casefold() in owners:
+            other = owners[pose.map.casefold()]
+            raise UserError(f"{obj.name}: the maps of {other} and {pose.name} would be one file: rename one of them")
+        if pose.map:
+            owners[pose.map.casefold()] = pose.name
 
 
 def sampled(context: bpy.types.Context, obj: bpy.types.Object, rig: PoseRig, first: int, last: int) -> dict[str, Any]:
