@@ -61,7 +61,7 @@ _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "path
 MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"worn over|its body|of its bodies|was reached by a jump|linked from a file of an older Rumple", "body-and-cloth"),
     (r"outside the bake|[Bb]aked clip|of it is damaged|the disk of|nothing can be written|the folder .* is gone"
-     r"|changed since the bake", "bakes"),
+     r"|changed since the bake|is too long for Windows", "bakes"),
     (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
      r"|shape keys are absolute|cannot be set here: a driver", "reference-poses"),
     (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
