@@ -189,6 +189,7 @@ def make(name: str, path: Path) -> None:
     handlers.unregister()  # else the fine meshes are made again at once
     leave_fine_meshes_out()
     bpy.data.texts.new("Read Me").write(f"{example.says}\n\n{example.licence}\n")
+    path.unlink(missing_ok=True)  # else Blender keeps the former one as .blend1
     bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True, copy=True)
     handlers.register()
     size = path.stat().st_size

@@ -45,8 +45,9 @@ def write_zip(path: Path, entries: Mapping[str, str | bytes]) -> None:
 
 
 def files_below(folder: Path) -> dict[str, bytes]:
+    """All but what Python and Blender leave beside what they read and save."""
     return {file.relative_to(folder).as_posix(): file.read_bytes() for file in sorted(folder.rglob("*"))
-            if file.is_file() and "__pycache__" not in file.parts}
+            if file.is_file() and "__pycache__" not in file.parts and not re.fullmatch(r"\.blend\d+", file.suffix)}
 
 
 def guide_files(site: Path) -> dict[str, bytes]:
