@@ -152,9 +152,10 @@ class Lessons(Artist):
         yield from self.button("Cloth")
         yield from self.scroll_to("Layers")
         yield from self.pick("Base Cloth", "Swing")
-        for label in ("Wavelength", "Slack", "Room"):
+        for label in ("Wavelength", "Room"):
             yield from self.scroll_to(label)
-        for label, value in (("Bending Length", "3 cm"), ("Locomotion", "1"), ("Swing Damping", "2")):
+        for label, value in (("Slack", "1.08"), ("Bending Length", "3 cm"), ("Locomotion", "1"),
+                             ("Swing Damping", "2")):
             yield from self.enter(label, value)
         self.screenshot("lesson_skirt_panel")
         yield from self.maximise("PROPERTIES")

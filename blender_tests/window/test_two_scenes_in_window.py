@@ -46,6 +46,10 @@ class TwoScenes(WindowCase):
                 self.assertEqual((runtimes.of(obj).inputs.frame, runtimes.of(obj).written_at[1]), (frame, frame))
                 self.assertEqual((runtimes.of(obj).unplayed, obj.rumple.message), (solve.TWO_SCENES, ""))
         self.assertLessEqual(len(written), 3)
+        runtimes.of(obj).forget_inputs()  # as where another evaluator takes over: both scenes have to solve
+        bpy.data.scenes["Scene"].frame_set(4)
+        yield 0.5
+        self.assertIsNotNone(runtimes.of(obj).inputs)
 
     def test_a_closed_window_leaves_the_other_as_it_was_before(self) -> Iterator[float]:
         obj = sleeve.scene()

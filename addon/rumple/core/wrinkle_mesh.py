@@ -84,8 +84,7 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
 
 COARSE_EDGE = 0.03  # metres, of a garment that an adult wears: its widest folds are five of them
 DENSE = 2.0 / 3.0  # of that: a base with shorter edges is solved on a coarse mesh in its place
-SKIRT_LENGTHS = dict(wavelength=0.14, room=0.25)  # metres: what hangs free has few wide folds, and nothing beside it
-SKIRT_SLACK = 1.08  # they are deep: it is cut that much wider
+SKIRT_LENGTHS = dict(wavelength=0.14, room=0.25)  # metres: what hangs free has few wide folds, and room for them
 CLOTH_WAVELENGTH = 0.04  # metres: the finest folds of a cotton garment that an adult wears
 LEAST_OPENINGS = 2  # of a garment: a head has one
 
@@ -105,11 +104,10 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
     lengths = dict(wavelength=CLOTH_WAVELENGTH, room=ClothSettings.room, slide_room=ClothSettings.slide_room,
                    thickness=ClothSettings.thickness)
-    values: dict[str, Any] = dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object))
     if is_flared(base, world_from_object):
         lengths |= SKIRT_LENGTHS
-        values["slack"] = SKIRT_SLACK
-    return values | {name: float(f"{length * scale:.2g}") for name, length in lengths.items()}
+    return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
+                **{name: float(f"{length * scale:.2g}") for name, length in lengths.items()})
 
 
 # Of a simulated garment: folds of several sizes, and none where the simulation is compressed by its own noise.

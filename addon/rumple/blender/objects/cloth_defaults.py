@@ -16,7 +16,7 @@ from . import incoming_mesh, mesh_reader, modifier, properties, runtimes, units
 SIMULATED = frozenset(("CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE"))
 SIMULATED_DEFAULTS: dict[str, dict[str, Any]] = {
     "MESH": wrinkle_mesh.SIMULATED_DEFAULTS, "FIELD": wrinkle_field.SIMULATED_DEFAULTS}
-CHOICES = ("base_cloth", "layers", "hem_rings", "up", "slack", "buckling_threshold", "threshold")  # what is no length
+CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "threshold")  # what is no length
 STEPS = 20  # of the weights that a group starts from
 
 

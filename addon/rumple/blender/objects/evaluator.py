@@ -70,7 +70,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
         raise
     runtime.shape, runtime.refused, runtime.paint = wanted, None, None
     runtime.built_with = _properties(obj, now.settings)
-    runtime.inputs = None  # solved by the former one: who draws by them must wait
+    runtime.forget_inputs()  # solved by the former one: who draws by them must wait
     runtime.notes = list(runtime.evaluator.warnings)
     if compat.has_custom_normals(incoming_mesh.of(obj)):
         runtime.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
@@ -79,9 +79,11 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
 
 def note_scale(obj: bpy.types.Object, runtime: Runtime) -> None:
     """Scaling an object, or what it is parented to, edits no mesh."""
-    if not units.scale_is_known(obj):
+    scene = units.scene_of(obj)
+    seen, runtime.plain_scales = runtime.plain_scales, units.plain_scales(obj, scene)
+    if seen == runtime.plain_scales or not units.scale_is_known(obj):
         return
-    found = _rounded(units.metres_per_unit(obj, units.scene_of(obj)))
+    found = _rounded(units.metres_per_unit(obj, scene))
     if runtime.scale not in ("", found):
         runtime.stale = True
         scheduler.request(scheduler.DELAY)

@@ -51,6 +51,7 @@ class Runtime(RuntimeBase):
     refused: tuple[str, int, int, int] | None = None  # of what could not be made: not tried again until it changes
     building: Building | None = None  # what takes the evaluator's place when it is ready
     scale: str = ""  # of an object unit in metres, when the fine mesh was last looked at
+    plain_scales: tuple = ()  # what that was made of when it was last compared
     built_with: dict[str, Any] = field(default_factory=dict)  # the properties that `evaluator` was made with
     paint: dict[str, np.ndarray] | None = None  # None: read again
     painted_steps: tuple[tuple[int, str, str], np.ndarray] | None = None  # of what: weight_paint.py
@@ -74,10 +75,15 @@ class Runtime(RuntimeBase):
     curve_points: int = 0  # the most points that its curves had no room for
     pose: np.ndarray | None = None  # coarse positions read before a rebuild, for the solve right after it
 
-    def invalidate_output(self) -> None:
-        self.inputs = self.result = None
-        self.fitting = ()
+    def forget_inputs(self) -> None:
+        """What was solved from them is by another evaluator, or not shown: the next update solves."""
+        self.inputs = None
         self.written_for.clear()
+
+    def invalidate_output(self) -> None:
+        self.forget_inputs()
+        self.result = None
+        self.fitting = ()
         super().invalidate_output()
 
     def invalidate(self) -> None:

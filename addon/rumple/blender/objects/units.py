@@ -55,6 +55,12 @@ def metres_per_unit(obj: bpy.types.Object, scene: bpy.types.Scene) -> float:
     return mean * scene.unit_settings.scale_length
 
 
+def plain_scales(obj: bpy.types.Object, scene: bpy.types.Scene) -> tuple:
+    """All that metres_per_unit() is made of, as it stands now: it is read in each frame, and hardly ever differs."""
+    return (scene.unit_settings.scale_length, *((*one.scale, *one.delta_scale, one.matrix_parent_inverse.median_scale)
+                                                for one in _with_parents(obj)))
+
+
 def scale_is_known(obj: bpy.types.Object) -> bool:
     """Whether metres_per_unit() is the same in all frames, as long as nobody changes it: not of drivers and strips."""
     return not any(_scales_otherwise(one.animation_data) for one in _with_parents(obj)
