@@ -223,6 +223,12 @@ class Writing(OnDisk):
         of_library = clip_folder.readable_beside("A", ["A"], "//b.blend")
         self.assertNotEqual(clip_folder.readable_beside("A", ["A"]), of_library)
 
+    def test_no_file_has_the_name_of_a_device_of_windows(self) -> None:
+        for name in ("CON", "aux", "Nul", "com1", "LPT9"):
+            self.assertEqual(clip_folder.readable(name), f"{name}_")
+        for name in ("Cone", "aux_2", "com", "com12"):
+            self.assertEqual(clip_folder.readable(name), name)
+
     def test_what_windows_refuses_is_said_with_its_own_reasons(self) -> None:
         deep, plain = Path("C:/" + "d" * 250), Path("C:/clips")
         away = FileNotFoundError(errno.ENOENT, "")

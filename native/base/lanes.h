@@ -188,15 +188,12 @@ inline void store_rows(const Vec3Lanes& v, std::span<Row, kLanes> rows) {
     rows[3].xyz = __builtin_shufflevector(cd, v.z, 2, 3, 7, 7);
 }
 
-// Row r of apply().
+// Row r of apply(): base/solve_team.h.
 inline Lanes weighted_sum(const SparseRows& rows, Index r, std::span<const Row> values) {
     Lanes sum{};
     for (Index k = rows.start[r]; k < rows.start[r + 1]; ++k)
         sum += rows.weight[k] * values[rows.index[k]].xyz;
     return sum;
-}
-inline void apply(const SparseRows& rows, std::span<const Row> values, std::span<Vec3> out) {
-    for (Index r = 0; r < rows.rows(); ++r) out[r] = Row(weighted_sum(rows, r, values)).vec();
 }
 
 }  // namespace rumple

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A team of threads that meet at barriers. Which thread does what never
-// changes the result: work of one step touches no common data.
+// A team of threads. Which thread does what never changes the result: work of one step touches no common
+// data.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <functional>
 #include <mutex>
 #include <new>
 #include <system_error>
@@ -15,24 +17,27 @@
 
 namespace rumple {
 
+// Waits a moment for a condition, leaving the processor to others who want it; says whether it came true.
+template <typename Condition>
+bool soon(const Condition& condition) {
+    constexpr int kYields = 200;  // 50 to 100 microseconds: a thread that sleeps takes as long to wake up
+    for (int i = 0; i < kYields; ++i) {
+        if (condition()) return true;
+        std::this_thread::yield();
+    }
+    return condition();
+}
+
 // Where threads meet. Not std::barrier, nor std::latch: those of MinGW lose the call that wakes a thread, so
 // that three threads and more wait for ever.
 class Barrier {
   public:
-    // How many they are; before, nobody passes wait_until_open().
-    void open(int members) {
-        {
-            const std::lock_guard lock(mutex_);
-            members_ = members;
-        }
-        changed_.notify_all();
-    }
-    void wait_until_open() {
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return members_ > 0; });
-    }
+    explicit Barrier(int members = 1) : members_(members) {}
 
-    // Everyone waits here for everyone: a moment without the system, which is often enough, then asleep.
+    // Before anyone meets.
+    void set_members(int members) { members_ = members; }
+
+    // Everyone waits here for everyone.
     void meet() {
         const unsigned round = round_.load(std::memory_order_acquire);
         if (arrived_.fetch_add(1, std::memory_order_acq_rel) + 1 == members_) {
@@ -45,49 +50,72 @@ class Barrier {
             return;
         }
         const auto all_are_here = [&] { return round_.load(std::memory_order_acquire) != round; };
-        for (int i = 0; i < kYields; ++i) {
-            if (all_are_here()) return;
-            std::this_thread::yield();
-        }
+        if (soon(all_are_here)) return;
         std::unique_lock lock(mutex_);
         changed_.wait(lock, all_are_here);
     }
 
   private:
-    static constexpr int kYields = 32;
-
-    int members_ = 0;
+    int members_;
     std::atomic<int> arrived_ = 0;
     std::atomic<unsigned> round_ = 0;
     std::mutex mutex_;
     std::condition_variable changed_;
 };
 
+// Stands by from its first work until it goes, so that a solve of many short steps starts threads once. Where
+// the system gives fewer threads than were asked for (a limit of a container, of memory), those that there
+// are do the work of all.
 class Team {
   public:
     explicit Team(int threads) : threads_(std::max(threads, 1)) {}
+    Team(const Team&) = delete;
+    Team& operator=(const Team&) = delete;
 
-    // Runs work(thread) on every member and returns when all are done. Where the system gives fewer threads
-    // than were asked for (a limit of a container, of memory), those that there are do the work of all. work
-    // must not throw.
-    template <typename Work>
-    void run(Work&& work) {
-        Barrier barrier;
-        barrier_ = &barrier;
-        const auto task = [&](int thread) {
-            barrier.wait_until_open();  // nobody begins before it is known how many there are
-            work(thread);
-        };
-        Others others;
-        others.start(threads_ - 1, task);
-        threads_ = 1 + static_cast<int>(others.threads.size());
-        barrier.open(threads_);
-        work(0);
+    ~Team() {
+        if (others_.empty()) return;
+        begin({}, true);
+        for (std::thread& thread : others_) thread.join();
     }
 
-    // Everyone waits here for everyone.
+    // Below 2, and while it works, there is no one to share with.
+    int threads() const { return working_ ? 1 : threads_; }
+
+    // Calls work(member) on every member and returns when all are done; work may use barrier(). It must not
+    // throw.
+    template <typename Work>
+    void run(const Work& work) {
+        working_ = true;
+        start();
+        if (threads_ > 1) begin([&work](int member) { work(member); }, true);
+        work(0);
+        barrier();
+        working_ = false;
+    }
+
+    // Calls work(0) here and work(member) on those that come before it is done: work shares itself out, so
+    // that nothing is left for who is late, or waits for a processor. It must not throw.
+    template <typename Work>
+    void share(const Work& work) {
+        working_ = true;
+        start();
+        const auto began = Clock::now();
+        if (threads_ > 1) begin([&work](int member) { work(member); }, false);
+        work(0);
+        const auto done = Clock::now();
+        if (threads_ > 1) end();
+        worked_ += done - began;
+        waited_ += Clock::now() - done;
+        working_ = false;
+    }
+
+    // Whether waiting for the others takes so long that one does better without them: something else keeps
+    // the processors busy.
+    bool is_crowded() const { return waited_ > std::chrono::milliseconds(1) && 2 * waited_ > worked_; }
+
+    // Everyone waits here for everyone. Inside of run().
     void barrier() {
-        if (threads_ > 1) barrier_->meet();
+        if (threads_ > 1) barrier_.meet();
     }
 
     struct Range {
@@ -95,34 +123,90 @@ class Team {
         size_t end;
     };
     // The part of [begin, end) that belongs to a member.
-    Range partition(size_t begin, size_t end, int thread) const {
+    Range partition(size_t begin, size_t end, int member) const {
         const size_t count = end - begin;
-        return {begin + count * thread / threads_, begin + count * (thread + 1) / threads_};
+        return {begin + count * size_t(member) / size_t(threads_),
+                begin + count * size_t(member + 1) / size_t(threads_)};
     }
 
   private:
-    // As std::jthread, which Apple's standard library does not have: joined in any case.
-    struct Others {
-        std::vector<std::thread> threads;
+    using Clock = std::chrono::steady_clock;
+    using Task = std::function<void(int member)>;
 
-        // As many as can be started, up to `most`, which are numbered from 1.
-        template <typename Task>
-        void start(int most, const Task& task) {
-            try {
-                threads.reserve(size_t(most));
-                for (int t = 1; t <= most; ++t) threads.emplace_back([&task, t] { task(t); });
-            } catch (const std::system_error&) {
-            } catch (const std::bad_alloc&) {
-            }
+    // As many as can be started; they are numbered from 1.
+    void start() {
+        if (threads_ < 2 || !others_.empty()) return;
+        try {
+            others_.reserve(size_t(threads_ - 1));
+            for (int t = 1; t < threads_; ++t) others_.emplace_back([this, t] { stand_by(t); });
+        } catch (const std::system_error&) {
+        } catch (const std::bad_alloc&) {
         }
+        threads_ = 1 + static_cast<int>(others_.size());
+        barrier_.set_members(threads_);
+    }
 
-        ~Others() {
-            for (std::thread& thread : threads) thread.join();
+    // Gives the others a task; one that is empty ends them. for_all: each of them takes part in it.
+    void begin(Task task, bool for_all) {
+        {
+            const std::lock_guard lock(mutex_);
+            task_ = std::move(task);
+            for_all_ = for_all;
+            open_ = true;
+            round_.store(round_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
         }
-    };
+        changed_.notify_all();
+    }
+
+    // Nobody begins the task any more, and those that did have ended it.
+    void end() {
+        {
+            const std::lock_guard lock(mutex_);
+            open_ = false;
+        }
+        const auto all_are_out = [&] { return inside_.load(std::memory_order_acquire) == 0; };
+        if (soon(all_are_out)) return;
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, all_are_out);
+    }
+
+    void stand_by(int member) {
+        unsigned seen = 0;
+        for (;;) {
+            const auto is_next = [&] { return round_.load(std::memory_order_acquire) != seen; };
+            soon(is_next);
+            std::unique_lock lock(mutex_);
+            changed_.wait(lock, is_next);
+            seen = round_.load(std::memory_order_relaxed);
+            if (!open_) continue;
+            const Task& task = task_;  // stays until this member is out
+            const bool for_all = for_all_;
+            inside_.fetch_add(1, std::memory_order_relaxed);
+            lock.unlock();
+            if (!task) return;
+            task(member);
+            leave();
+            if (for_all) barrier_.meet();
+        }
+    }
+
+    void leave() {
+        const std::lock_guard lock(mutex_);
+        if (inside_.fetch_sub(1, std::memory_order_release) == 1) changed_.notify_all();
+    }
 
     int threads_;
-    Barrier* barrier_ = nullptr;  // of those that run
+    bool working_ = false;
+    Clock::duration worked_{}, waited_{};  // in share()
+    std::vector<std::thread> others_;      // not std::jthread, which Apple's standard library does not have
+    Barrier barrier_;
+    std::mutex mutex_;  // of what follows
+    std::condition_variable changed_;
+    Task task_;
+    bool for_all_ = false;
+    bool open_ = false;
+    std::atomic<unsigned> round_ = 0;
+    std::atomic<int> inside_ = 0;
 };
 
 // Threads for so many items: what was asked for, or (0) one below `least_items`, else those of this machine,
@@ -131,17 +215,6 @@ inline int choose_threads(int asked, size_t items, size_t least_items, int most)
     if (asked > 0) return asked;
     if (items < least_items) return 1;
     return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, most);
-}
-
-// work(i) for every i below count. Every item is computed by itself, so that the number of threads changes no
-// bit.
-template <typename Work>
-void for_each_index(size_t count, int threads, Work&& work) {
-    Team team(threads);
-    team.run([&](int thread) {
-        const Team::Range part = team.partition(0, count, thread);
-        for (size_t i = part.begin; i < part.end; ++i) work(i);
-    });
 }
 
 }  // namespace rumple

@@ -2,11 +2,12 @@
 // A sleeve of 1,500 coarse vertices that bends over a body of 20,000 triangles, by stage: what is under it,
 // the base cloth (Hang, Swing), the wide layers on it (Drape and Folds) without and with the bound by their
 // own cloth, all three layers of the first click, and what is shown of them. Each stage has those before it
-// in its time. All on one core.
+// in its time. On one core, and as many as there are (the rows with "on_all_threads").
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "surface/cloth/swing.h"
 #include "systems/wrinkle_mesh/layers.h"
@@ -61,12 +62,14 @@ struct Scene {
 enum Stage { kBody, kHang, kSwing, kWideLayers, kBoundLayers, kThreeLayers, kShown };
 
 wrinkle_mesh::Settings layer_settings(Stage stage) {
-    wrinkle_mesh::Settings out{.inside = 0.6f, .tangential_pull = 0.2f, .normal_pull = 0.02f, .threads = 1};
+    wrinkle_mesh::Settings out{.inside = 0.6f, .tangential_pull = 0.2f, .normal_pull = 0.02f};
     if (stage >= kBoundLayers) out.apart = out.slide = 0.45f;
     return out;
 }
 
-void frames(benchmark::State& bench, Stage until) {
+void frames(benchmark::State& bench, Stage until, bool on_all_threads = false) {
+    std::optional<SolveTeam> alone;
+    if (!on_all_threads) alone.emplace(1, 1, 1);
     const Scene scene(until >= kThreeLayers ? 2 : 1);
     const std::vector<wrinkle_mesh::Settings> settings(scene.layers->layers.size(), layer_settings(until));
     const std::vector<wrinkle_mesh::Paint> paint(settings.size());
@@ -110,6 +113,12 @@ BENCHMARK_CAPTURE(frames, body_base_cloth_and_wide_layers, kWideLayers)->Unit(be
 BENCHMARK_CAPTURE(frames, body_base_cloth_and_bound_layers, kBoundLayers)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(frames, body_base_cloth_and_three_layers, kThreeLayers)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(frames, body_base_cloth_three_layers_shown, kShown)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frames, body_and_base_cloth_on_all_threads, kHang, true)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frames, body_base_cloth_three_layers_shown_on_all_threads, kShown, true)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace rumple

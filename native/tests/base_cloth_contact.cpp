@@ -2,6 +2,8 @@
 // The base cloth and what is worn under it.
 #include <gtest/gtest.h>
 
+#include "base/solve_team.h"
+#include "surface/cloth/cover.h"
 #include "surface/output/attachments.h"
 #include "tests/base_cloth_rig.h"
 
@@ -133,6 +135,33 @@ TEST(BaseClothContact, ABodyThatMovesWakesTheCloth) {
     EXPECT_GT(farthest(activated.positions, result.positions), 1e-3f);
     const Result held = garment.solve(settings, garment.mesh.positions, &result.state, {}, &still);
     EXPECT_TRUE(equal_bits(held, result));
+}
+
+// The body in its pose, the cloth on it, the smooth surface that is lifted out of it.
+TEST(BaseClothContact, ThreadsChangeNoBit) {
+    const Body body = ball();
+    const Collider collider = body.collider();
+    const Garment garment(cap(kBall - 0.002f));
+    const CoverModel cover = build_cover(garment.model->surface);
+    const Points pose = garment.moved([](const Vec3& p) { return p * Vec3(1.02f, 1.0f, 1.0f); });
+    Result alone;
+    Points lifted_alone;
+    for (const int threads : {1, 2, 3, 8}) {
+        const SolveTeam team(threads, body.positions.size(), 1);
+        const PosedCollider posed(collider, body.positions);
+        const Result first = garment.solve(loose(), garment.mesh.positions, nullptr, {}, &posed);
+        const Result next = garment.solve(loose(), pose, &first.state, {}, &posed);
+        const Points lifted =
+            lifts_over(garment.model->surface, cover, {}, posed, garment.mesh.positions, next.body_hint);
+        if (threads == 1) {
+            alone = next;
+            lifted_alone = lifted;
+        }
+        EXPECT_TRUE(equal_bits(next, alone)) << threads;
+        EXPECT_TRUE(equal_bits(lifted, lifted_alone)) << threads;
+    }
+    EXPECT_GT(alone.report.steps, 0);
+    EXPECT_NE(lifted_alone, Points(pose.size(), Vec3(0.0f)));
 }
 
 TEST(BaseClothContact, ForgottenHintsChangeNoClearanceAndHardlyThePositions) {

@@ -46,7 +46,7 @@ struct Wrapped {
             attach_refined(surface, source, refine(surface, source), AttachmentKind::kLimit);
         Points welded(surface.welded.vertex_count), normals(welded.size()), points(fine.places.size());
         weld_positions(surface, at, welded);
-        attach(surface, fine, welded, normals, points, 0, points.size());
+        attach(surface, fine, welded, normals, points);
         float least = 1.0f;
         for (const Vec3& p : points) least = std::min(least, glm::length(p) - kBall);
         return least;

@@ -45,7 +45,7 @@ std::vector<SelfContactSide> sides_of(const MeshData& mesh, float reach) {
     }
     const SelfContactMesh cloth(mesh.positions, triangles);
     return PosedSelfContactMesh(cloth, mesh.positions)
-        .facing(std::vector<float>(mesh.positions.size(), reach), 1);
+        .facing(std::vector<float>(mesh.positions.size(), reach));
 }
 
 // Of two sheets each vertex knows of the other one, across the gap.

@@ -6,7 +6,7 @@
 #include <bit>
 #include <random>
 
-#include "base/lanes.h"
+#include "base/solve_team.h"
 
 namespace rumple::tests {
 namespace {

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/parallel.h"
+#include "base/solve_team.h"
 
 namespace rumple {
 namespace {
@@ -65,7 +65,8 @@ TEST(Threads, ThatCannotStartAreDoneWithout) {
     ASSERT_THROW(std::thread([] {}).join(), std::system_error);
     EXPECT_EQ(relaxed(4), expected);
     std::atomic<int> visits = 0;
-    for_each_index(1000, 8, [&](size_t) { ++visits; });
+    const SolveTeam team(8, 1000, 1);
+    for_each_index(1000, 1, [&](size_t) { ++visits; });
     EXPECT_EQ(visits, 1000);
 }
 #endif
@@ -97,6 +98,51 @@ TEST(Threads, AllTakePart) {
     std::atomic<int> members = 0;
     team.run([&](int thread) { members |= 1 << thread; });
     EXPECT_EQ(members, 15);
+}
+
+// A solve has many steps: all of them by the threads that the first one started.
+TEST(Threads, StandByBetweenRuns) {
+    Team team(4);
+    std::vector<std::thread::id> first(4), later(4);
+    team.run([&](int thread) { first[size_t(thread)] = std::this_thread::get_id(); });
+    for (int run = 0; run < 500; ++run)
+        team.run([&](int thread) { later[size_t(thread)] = std::this_thread::get_id(); });
+    EXPECT_EQ(first, later);
+}
+
+// Parts begin at multiples of four, so that what is computed four at a time is grouped as one thread does it.
+TEST(Threads, OfASolveTakeEveryItemOnceInWholeFours) {
+    for (const int threads : {1, 2, 3, 8}) {
+        for (const size_t count : {size_t(0), size_t(1), size_t(7), size_t(64), size_t(10'001)}) {
+            const SolveTeam team(threads, count, 1);
+            std::vector<int> visits(count, 0);
+            std::atomic<int> off_fours = 0;
+            for_each_part(count, 1, [&](size_t begin, size_t end) {
+                off_fours += begin % 4 != 0;
+                for (size_t i = begin; i < end; ++i) ++visits[i];
+            });
+            EXPECT_EQ(visits, std::vector<int>(count, 1)) << threads;
+            EXPECT_EQ(off_fours, 0);
+        }
+    }
+}
+
+// A search inside of a loop that is shared out, and a solve inside of a solve, find no second team.
+TEST(Threads, OfASolveAreNotSharedOutTwice) {
+    const SolveTeam outer(4, 1000, 1);
+    std::atomic<int> visits = 0;
+    for_each_index(100, 1, [&](size_t) {
+        const SolveTeam inner(1, 10, 1);
+        for_each_index(10, 1, [&](size_t) { ++visits; });
+    });
+    EXPECT_EQ(visits, 1000);
+    EXPECT_NE(SolveTeam::for_items(1, 1), nullptr) << "the outer one is still there";
+}
+
+TEST(Threads, OfASolveLeaveWhatIsSmallToOne) {
+    EXPECT_EQ(SolveTeam::for_items(1'000'000, 1), nullptr) << "no solve is under way";
+    const SolveTeam small(0, 10, 1000);
+    EXPECT_EQ(SolveTeam::for_items(1'000'000, 1), nullptr);
 }
 
 }  // namespace

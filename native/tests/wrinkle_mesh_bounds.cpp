@@ -26,7 +26,7 @@ Attached attachments_of(const Model& model, const Pose3& pose) {
     vertex_normals(model.base, base, base_normals);
     Attached out;
     out.points.resize(model.attached.size());
-    attach(model.base, model.attachments, base, base_normals, out.points, 0, out.points.size());
+    attach(model.base, model.attachments, base, base_normals, out.points);
     for (const SurfacePoint& place : model.attachments.places) {
         const Vec3 normal = interpolate(model.base, place, base_normals);
         out.normals.push_back(glm::length(normal) > 1e-3f ? glm::normalize(normal) : Vec3(0.0f));
@@ -156,7 +156,7 @@ TEST(WrinkleMeshBounds, AVertexPutWithinItsBoundsIsWithinAllOfThem) {
             const PosedSelfContactMesh posed(mesh, pose.attachment);
             std::vector<float> reach = attachment_radii(model, settings, {});
             for (float& r : reach) r /= settings.apart;
-            pose.self_contact = posed.facing(reach, 1);
+            pose.self_contact = posed.facing(reach);
             pose.heights = posed.heights();
             const Bounds bounds(model, settings, {}, pose);
             for (size_t v = 0; v < pose.attachment.size(); ++v) {

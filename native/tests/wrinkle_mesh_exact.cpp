@@ -59,7 +59,7 @@ TEST(LimitSurface, OfARegularGridVertexIsTheBicubicSpline) {
     // ... and as the attachment in a deformed pose.
     std::vector<Vec3> out(mesh.positions.size()), pose = mesh.positions;
     for (Vec3& p : pose) p = 2.0f * p + Vec3(1.0f, 0.0f, 0.0f);
-    attach(surface, model->attachments, pose, {}, out, 0, out.size());
+    attach(surface, model->attachments, pose, {}, out);
     expect_near(out[v], 2.0f * hand + Vec3(1.0f, 0.0f, 0.0f));
 }
 

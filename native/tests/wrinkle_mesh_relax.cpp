@@ -54,8 +54,9 @@ struct Frame {
     }
 
     Pose3 relaxed(int threads) const {
+        const SolveTeam team(threads, start.size(), 1);
         Pose3 x = start;
-        relax_coloured(*cloth.model, targets, Bounds(*cloth.model, settings, {}, pose), 3, threads, x);
+        relax_coloured(*cloth.model, targets, Bounds(*cloth.model, settings, {}, pose), 3, x);
         return x;
     }
 

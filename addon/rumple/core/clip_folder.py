@@ -21,6 +21,7 @@ _LONGEST_PATH = 240  # letters that every program may use on Windows: 260, witho
 _AWAY = (55, 59, 64, 121, 1231)  # what Windows says of a share that is away, and Python has no other number for
 LONGEST = 60  # letters of a file's or an object's name in the name of a clip
 HOST = re.sub(r"[^A-Za-z0-9]", "_", socket.gethostname()) or "host"  # not platform.node(): Windows is slow to tell it
+_DEVICE = re.compile(r"con|prn|aux|nul|(com|lpt)\d", re.IGNORECASE)
 _PART = re.compile(r"\..+\.(?P<host>[A-Za-z0-9_]+)\.(?P<process>\d+)-\d+\.part")
 _numbers = itertools.count()
 
@@ -34,8 +35,9 @@ def clip_name(file: str, obj: str, place: str = "") -> str:
 
 
 def readable(name: str) -> str:
-    """A part of a file name."""
-    return re.sub(r"[^\w-]", "_", name, flags=re.ASCII)[:LONGEST]
+    """A part of a file name, or all of it: Windows takes "aux.glb" for a device."""
+    plain = re.sub(r"[^\w-]", "_", name, flags=re.ASCII)[:LONGEST]
+    return f"{plain}_" if _DEVICE.fullmatch(plain) else plain
 
 
 def readable_beside(name: str, others: list[str], about: str = "") -> str:

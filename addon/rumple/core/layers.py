@@ -68,6 +68,7 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
     the last one before these, 0 to 1.
     world_from_object: (3, 3), for where cloth hangs down; None: the identity. bend: bend_radius()."""
     out = []
+    hang = hanging(settings.gravity, world_from_object)
     for number, word in enumerate(layer_words(count, finer)):
         options = native_settings(settings)
         above = count - finer - 1 - number
@@ -87,6 +88,6 @@ def layer_settings(settings: MeshSettings, count: int, finest: float = 1.0,
             options.prestretch = settings.prestretch * (1.0 + excess)
             options.compression_limit = gather_limit(settings.compression_limit, options.prestretch, above, finest)
             options.slack, options.taut_range = settings.slack, TAUT_RANGE
-            options.hang, options.bend_radius = hanging(settings.gravity, world_from_object), bend
+            options.hang, options.bend_radius = hang, bend
         out.append(options)
     return out

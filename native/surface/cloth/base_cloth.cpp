@@ -40,6 +40,10 @@ Schedule schedule_of(const Model& model, const Settings& settings, const Pose& p
 
 }  // namespace
 
+SolveTeam team_for(const Model& model) {
+    return {0, model.area.size(), kLeastSearches};
+}
+
 void check(const Settings& settings) {
     expect_within("stretch", settings.stretch, 1e-9, 1e12);
     expect_within("strain_limit", settings.strain_limit, 0.0, 1e3);
@@ -70,6 +74,7 @@ void check(const Settings& settings) {
 Result solve(const Model& model, const Settings& settings, const Paint& paint,
              std::span<const Vec3> positions, const PosedCollider* bodies, const State* before) {
     check(settings);
+    const SolveTeam team = team_for(model);
     if (!fits(model, before)) before = nullptr;
     std::vector<Index> body_hint = before ? before->body_hint : std::vector<Index>();
     const Pose pose = make_pose(model, settings, paint, positions, bodies, body_hint);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/smooth_step.h"
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 
 namespace rumple {
@@ -55,19 +56,18 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
         return clearance;
     }
     std::vector<float>& out = clearance.inwards;
-    size_t found = 0;
     hints.resize(vertices, kNone);
     std::vector<Known> known(vertices);
-    for (size_t v = 0; v < vertices; ++v) {
+    for_each_index(vertices, kLeastSearches, [&](size_t v) {
         const BodyContact contact = bodies->closest(surface_points[v], normals[v], settings.reach, hints[v]);
         hints[v] = contact.triangle;
-        if (contact.triangle == kNone) continue;
+        if (contact.triangle == kNone) return;
         // What is about to leave the reach counts less and less.
         const float near = 1.0f - smooth_step(0.7f, 1.0f, std::abs(contact.distance) / settings.reach);
         known[v] = {room_inwards(settings, contact.distance), contact.weight * near};
-        found += known[v].weight > 0.0f;
         out[v] = glm::mix(settings.unknown, known[v].value, known[v].weight);
-    }
+    });
+    const auto found = std::ranges::count_if(known, [](const Known& k) { return k.weight > 0.0f; });
     clearance.known = float(found) / float(std::max<size_t>(vertices, 1));
     // The smallest of sum_sides (c_i - c_j)^2 / l^2 + sum_i (c_i - unknown)^2 / spread^2 + what is known,
     // much more strongly.

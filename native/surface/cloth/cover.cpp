@@ -44,27 +44,34 @@ std::vector<Vec3> lifts_over(const Surface& surface, const CoverModel& model, co
     check_frame(surface, positions);
     expect_count("hints", hints.size(), surface.display.vertex_count, "values");
     const size_t vertices = surface.welded.vertex_count, samples = model.samples.places.size();
+    const SolveTeam team(0, samples, kLeastSearches);
     std::vector<Vec3> at(vertices), normals(vertices), points(samples);
+    std::vector<float> lift(samples);
     std::vector<Vec3> lifts(positions.size(), Vec3(0.0f));
     // Of the pass before. Where nothing rose nothing is missing: the next pass leaves it out.
     std::vector<float> before(vertices, 1.0f);
     weld_positions(surface, positions, at);
     for (int pass = 0; pass < kPasses; ++pass) {
         vertex_normals(surface, at, normals);
-        attach(surface, model.samples, at, normals, points, 0, samples);
+        attach(surface, model.samples, at, normals, points);
+        for_each_index(samples, kLeastSearches, [&](size_t s) {
+            const SurfacePoint& place = model.samples.places[s];
+            lift[s] = 0.0f;
+            if (place.triangle == kNone) return;
+            const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
+            if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0.0f) return;
+            const Index hint = hint_at(surface, place.triangle, hints);
+            if (hint == kNone) return;
+            lift[s] = lift_of(settings, bodies, points[s], interpolate(surface, place, normals), hint);
+        });
         std::vector<float> more(vertices, 0.0f);
         for (size_t s = 0; s < samples; ++s) {
+            if (lift[s] == 0.0f) continue;
             const SurfacePoint& place = model.samples.places[s];
-            if (place.triangle == kNone) continue;
             const std::array<Index, 3> corners = welded_vertices(surface, place.triangle);
-            if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0.0f) continue;
-            const Index hint = hint_at(surface, place.triangle, hints);
-            if (hint == kNone) continue;
-            const float lift =
-                lift_of(settings, bodies, points[s], interpolate(surface, place, normals), hint);
             const float weights[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
             for (int k = 0; k < 3; ++k)
-                if (weights[k] > kLeastWeight) more[corners[k]] = std::max(more[corners[k]], lift);
+                if (weights[k] > kLeastWeight) more[corners[k]] = std::max(more[corners[k]], lift[s]);
         }
         for (size_t v = 0; v < vertices; ++v) at[v] += more[v] * normals[v];
         before = more;

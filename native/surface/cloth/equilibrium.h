@@ -30,6 +30,9 @@ struct Cloth {
 // too far. Returns the farthest way of a vertex, had it not been shortened.
 float newton_step(const Cloth& cloth, std::span<Vec3> x, Report& report);
 
+// Of a frame of this model.
+SolveTeam team_for(const Model& model);
+
 // solve() in a pose that is made (base_cloth.cpp). body_hint: that make_pose() found. before: of this model,
 // or none.
 Result solve_pose(const Model& model, const Settings& settings, const Pose& pose, bool has_bodies,

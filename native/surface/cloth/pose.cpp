@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/expect.h"
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 #include "surface/mesh/positions.h"
 #include "surface/output/attachments.h"
@@ -139,13 +140,13 @@ void look_ahead(const Settings& settings, const PosedCollider* bodies, Pose& pos
     pose.ahead_height = pose.room;
     if (!bodies) return;
     const float thickness = settings.clearance.thickness;
-    for (size_t v = 0; v < pose.ahead.size(); ++v) {
+    for_each_index(pose.ahead.size(), kLeastSearches, [&](size_t v) {
         const Vec3& a = pose.animated[v];
         const BodyAhead body = bodies->ahead(a, pose.normal[v], pose.room[v] + thickness, thickness);
-        if (body.triangle == kNone) continue;
+        if (body.triangle == kNone) return;
         pose.ahead_height[v] = std::max(glm::dot(a - body.point, body.normal) - thickness, 0.0f);
         pose.ahead[v] = {a - pose.ahead_height[v] * body.normal, body.normal};
-    }
+    });
 }
 
 // Height of a vertex over a place of another part, along its normal, in the animation; below it negative.
@@ -293,9 +294,9 @@ void move_to(const Model& model, const Pose& pose, std::vector<Vec3> animated, P
 
 void look_for_contacts(const Model& model, const Pose& pose, std::span<const Vec3> positions,
                        std::vector<Index>& hints, std::vector<Plane>& planes) {
-    for (size_t v = 0; v < positions.size(); ++v) {
+    for_each_index(positions.size(), kLeastSearches, [&](size_t v) {
         if (hints[v] != kNone) planes[v] = nearest_plane(model, pose, positions[v], hints[v]);
-    }
+    });
 }
 
 void finish(const Model& model, const Settings& settings, const Pose& pose, std::span<const Plane> planes,

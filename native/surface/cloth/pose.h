@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/lanes.h"
+#include "base/solve_team.h"
 #include "surface/cloth/base_cloth.h"
 #include "surface/strain/deformation.h"
 

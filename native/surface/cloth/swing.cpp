@@ -281,6 +281,7 @@ Result swing(const Model& model, const Settings& settings, const Swing& swing, c
              std::span<const Vec3> positions, const PosedCollider* bodies, const State* before) {
     check(settings);
     check(swing, model.surface.welded_of.size());
+    const SolveTeam team = team_for(model);
     if (!fits(model, before)) before = nullptr;
     std::vector<Index> body_hint = before ? before->body_hint : std::vector<Index>();
     const Pose pose = make_pose(model, settings, paint, positions, bodies, body_hint);

@@ -20,6 +20,9 @@ constexpr float kFacing = 0.1f;
 constexpr float kBeside = 0.6f;
 constexpr float kAbove = 0.85f;
 
+// Fewer of a body are in their boxes in a tenth of a millisecond, on one thread.
+constexpr size_t kTrianglesForTeam = 5'000;
+
 // Share of a triangle: a closest point this near to an edge lies on it.
 constexpr float kOnEdge = 1e-4f;
 
@@ -73,6 +76,9 @@ void Collider::mark_borders() {
 }
 
 PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> positions)
+    : PosedCollider(collider, positions, SolveTeam(0, collider.triangles_.size(), kTrianglesForTeam)) {}
+
+PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> positions, const SolveTeam&)
     : collider_(collider),
       positions_(checked(collider, positions)),
       normals_(positions_, collider.triangles_),

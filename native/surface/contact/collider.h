@@ -79,6 +79,9 @@ class PosedCollider {
         Vec3 weights{0.0f};
     };
 
+    // Its team's.
+    PosedCollider(const Collider& collider, std::span<const Vec3> positions, const SolveTeam&);
+
     template <typename Counts>
     void look_at(const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles,
                  const Vec3& p, const Counts& counts, Best& best) const;

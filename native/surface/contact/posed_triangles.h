@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/array.h"
-#include "base/lanes.h"
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 
 namespace rumple {
@@ -45,23 +45,27 @@ struct TriangleNormals {
     // positions: as of to_rows().
     TriangleNormals(std::span<const Row> positions, std::span<const std::array<Index, 3>> triangles)
         : of_face(in_fours(triangles.size())), of_vertex(positions.size()) {
-        for (size_t first = 0; first < triangles.size(); first += kLanes) {
-            const size_t count = std::min<size_t>(triangles.size() - first, kLanes);
+        for_each_four_shared(triangles.size(), [&](size_t first, size_t count) {
             std::array<std::array<Row, kLanes>, 3> corner;
             for (size_t k = 0; k < count; ++k)
                 for (int i = 0; i < 3; ++i) corner[i][k] = positions[triangles[first + k][i]];
             const Vec3Lanes a = columns(corner[0]), b = columns(corner[1]), c = columns(corner[2]);
-            const Vec3Lanes n = cross(b - a, c - a);
-            store_rows(unit_or_zero(n), four_from(of_face, first));
-            std::array<Row, kLanes> weighted;
-            store_rows(n, weighted);
-            for (size_t k = 0; k < count; ++k)
-                for (const Index v : triangles[first + k]) of_vertex[v].xyz += weighted[k].xyz;
-        }
-        for (size_t v = 0; v < of_vertex.size(); v += kLanes) {
-            const std::span<Row, kLanes> four = four_from(of_vertex, v);
+            store_rows(cross(b - a, c - a), four_from(of_face, first));
+        });
+        // In their order, as sums are rounded.
+        for (size_t t = 0; t < triangles.size(); ++t)
+            for (const Index v : triangles[t]) of_vertex[v].xyz += of_face[t].xyz;
+        make_unit(of_face);
+        make_unit(of_vertex);
+    }
+
+  private:
+    // rows: as many as make whole fours.
+    static void make_unit(std::vector<Row>& rows) {
+        for_each_four_shared(rows.size(), [&](size_t first, size_t) {
+            const std::span<Row, kLanes> four = four_from(rows, first);
             store_rows(unit_or_zero(columns(four)), four);
-        }
+        });
     }
 };
 

@@ -81,11 +81,11 @@ SelfContactSide PosedSelfContactMesh::nearest(Index vertex, float reach, Index& 
     return {towards, distance, face_the_same_way(vertex, found) || glm::dot(towards, normal) > 0.0f};
 }
 
-std::vector<SelfContactSide> PosedSelfContactMesh::facing(std::span<const float> reach, int threads) const {
+std::vector<SelfContactSide> PosedSelfContactMesh::facing(std::span<const float> reach) const {
     std::vector<SelfContactSide> out(reach.size());
     if (surface_.triangles_.empty()) return out;
     std::vector<Index> triangle(out.size(), kNone);
-    for_each_index(out.size(), threads_for_queries(threads, out.size()), [&](size_t v) {
+    for_each_index(out.size(), kLeastSearches, [&](size_t v) {
         if (reach[v] > 0.0f && normals_.of_vertex[v].vec() != Vec3(0.0f))
             out[v] = nearest(static_cast<Index>(v), reach[v], triangle[v]);
     });

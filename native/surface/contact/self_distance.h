@@ -52,8 +52,8 @@ class PosedSelfContactMesh {
 
     // Of every vertex what faces it within its reach (object units, >= 0; 0: nothing is looked for), or the
     // vertex that it faces as a corner of a triangle, whichever is nearer: so both sides of a gap know of it.
-    // threads: as of choose_threads(). Cost: about 0.5 us a vertex with a reach of two edges.
-    std::vector<SelfContactSide> facing(std::span<const float> reach, int threads) const;
+    // Cost: about 0.5 us a vertex with a reach of two edges.
+    std::vector<SelfContactSide> facing(std::span<const float> reach) const;
 
     // Of every vertex the smallest height of its triangles above their opposite sides, object units; infinity
     // where it has none. As long as no vertex moves farther than half of it along the surface, none of them

@@ -67,8 +67,9 @@ PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Row
             normal.add(other.normal);
         }
     };
-    const auto fill_packet = [&](size_t packet) {
-        Volume volume;
+    std::vector<Volume> of_packet(packets_.size());
+    for_each_index(packets_.size(), kLeastSteps, [&](size_t packet) {
+        Volume& volume = of_packet[packet];
         std::array<Row, kLanes> corner[3], normal;
         for (int k = 0; k < kLanes; ++k) {
             const Index t = hierarchy.packets[packet][k];
@@ -80,15 +81,14 @@ PosedPackets::PosedPackets(const PacketHierarchy& hierarchy, std::span<const Row
             volume.normal.add(normal[k]);
         }
         packets_[packet] = {columns(corner[0]), columns(corner[1]), columns(corner[2]), columns(normal)};
-        return volume;
-    };
+    });
     std::vector<Volume> of_node(nodes_.size());
     for (size_t n = nodes_.size(); n-- > 0;) {
         std::array<Volume, kLanes> of_child;
         for (int k = 0; k < kLanes; ++k) {
             const Index child = hierarchy.nodes[n].child[k];
             if (child == PacketHierarchy::kEmpty) continue;
-            of_child[k] = child < 0 ? fill_packet(-1 - child) : of_node[child];
+            of_child[k] = child < 0 ? of_packet[-1 - child] : of_node[child];
             of_node[n].add(of_child[k]);
         }
         const auto boxes = [&](Box Volume::*box) {

@@ -12,19 +12,12 @@
 #include <limits>
 #include <vector>
 
-#include "base/lanes.h"
-#include "base/parallel.h"
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 #include "surface/contact/posed_triangles.h"
 #include "surface/query/closest_point.h"
 
 namespace rumple {
-
-// Threads for so many searches of about a microsecond; asked: as of choose_threads().
-inline int threads_for_queries(int asked, size_t queries) {
-    constexpr size_t kQueriesForThreads = 2'000;
-    return choose_threads(asked, queries, kQueriesForThreads, 8);
-}
 
 // The square of a way that is looked; below infinity, where lanes are that hold no triangle.
 inline float squared_reach(float reach) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/mesh/normals.h"
 
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 
 namespace rumple {
@@ -41,11 +42,11 @@ TriangleFrame triangle_frame(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
 
 void triangle_frames(const Surface& surface, std::span<const Vec3> positions,
                      std::span<TriangleFrame> frames) {
-    for (size_t t = 0; t < surface.triangles.size(); ++t) {
+    for_each_index(frames.size(), kLeastSteps, [&](size_t t) {
         const Index* corner = surface.triangles[t].corner;
         const auto at = [&](int k) { return positions[surface.welded.corner_vertex[corner[k]]]; };
         frames[t] = triangle_frame(at(0), at(1), at(2));
-    }
+    });
 }
 
 }  // namespace rumple

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/formulas.h"
-#include "base/lanes.h"
+#include "base/solve_team.h"
 
 namespace rumple {
 
@@ -13,10 +13,10 @@ Vec3 pn_triangle(const Vec3 p[3], const Vec3 n[3], float b0, float b1) {
 }
 
 void attach(const Surface& surface, const Attachments& attachments, std::span<const Vec3> positions,
-            std::span<const Vec3> normals, std::span<Vec3> out, size_t begin, size_t end) {
+            std::span<const Vec3> normals, std::span<Vec3> out) {
     const bool on_limit = attachments.kind == AttachmentKind::kLimit;
     const std::vector<Row> rows = to_rows(on_limit ? positions : std::span<const Vec3>());
-    for (size_t i = begin; i < end; ++i) {
+    for_each_index(out.size(), kLeastSteps, [&](size_t i) {
         const SurfacePoint& place = attachments.places[i];
         if (place.triangle == kNone) {
             out[i] = Vec3(0.0f);
@@ -33,7 +33,7 @@ void attach(const Surface& surface, const Attachments& attachments, std::span<co
         } else {
             out[i] = Row(weighted_sum(attachments.limit, static_cast<Index>(i), rows)).vec();
         }
-    }
+    });
 }
 
 std::vector<float> gaps_at(const Surface& surface, const Attachments& attachments,

@@ -24,10 +24,9 @@ struct Attachments {
 Vec3 pn_triangle(const Vec3 corner[3], const Vec3 normal[3], float b0, float b1);
 
 // Attachment points a_i on the deformed base, object space. normals are used by
-// kPnTriangle only. Unattached vertices get the origin. begin/end: which
-// places, so that threads can share the work.
+// kPnTriangle only. Unattached vertices get the origin.
 void attach(const Surface& surface, const Attachments& attachments, std::span<const Vec3> positions,
-            std::span<const Vec3> normals, std::span<Vec3> out, size_t begin, size_t end);
+            std::span<const Vec3> normals, std::span<Vec3> out);
 
 // Linear interpolation of vertex values at a place: equation (1).
 inline Vec3 interpolate(const Surface& surface, const SurfacePoint& place, std::span<const Vec3> values) {

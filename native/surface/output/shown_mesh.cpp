@@ -9,7 +9,7 @@
 
 #include "base/errors.h"
 #include "base/expect.h"
-#include "base/lanes.h"
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 #include "surface/mesh/positions.h"
 
@@ -82,15 +82,15 @@ void split_creases(FineMesh& fine, const PolygonMesh& parent) {
 
 void embed(const Surface& base, const ShownMesh& mesh, std::span<const Vec3> welded,
            std::span<const TriangleFrame> frames, ShownFrame& out) {
-    for (size_t v = 0; v < mesh.places.size(); ++v) {
+    for_each_index(mesh.places.size(), kLeastSteps, [&](size_t v) {
         const SurfacePoint& place = mesh.places[v];
         if (place.triangle == kNone) {  // a loose vertex is where the base has it
             out.local_offset[v] = Vec3(0.0f);
-            continue;
+            return;
         }
         out.local_offset[v] =
             frames[place.triangle].to_local(out.positions[v] - interpolate(base, place, welded));
-    }
+    });
 }
 
 }  // namespace
@@ -154,7 +154,7 @@ Attachments attach_refined(const Surface& base, const FineSource& source, const 
 std::vector<Vec3> attached_at_rest(const Surface& base, const Attachments& attachments) {
     std::vector<Vec3> rest(attachments.places.size());
     const std::vector<Vec3> normals = vertex_normals(base, base.positions_rest);
-    attach(base, attachments, base.positions_rest, normals, rest, 0, rest.size());
+    attach(base, attachments, base.positions_rest, normals, rest);
     return rest;
 }
 

@@ -5,12 +5,16 @@
 #include <cmath>
 #include <limits>
 
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 #include "surface/refine/refinement.h"
 #include "surface/refine/triangle_tree.h"
 
 namespace rumple {
 namespace {
+
+// Fewer searches take a millisecond or two on one thread.
+constexpr size_t kQueriesForTeam = 1'000;
 
 // The triangles of every polygon: polygon p owns triangle[start[p]] to triangle[start[p + 1] - 1].
 struct PolygonTriangles {
@@ -100,11 +104,12 @@ std::vector<SurfacePoint> closest_points(const Surface& surface, std::span<const
     assert(distance.size() == queries.size());
     const TriangleTree tree(surface);
     std::vector<SurfacePoint> places(queries.size());
-    for (std::size_t i = 0; i < queries.size(); ++i) {
+    const SolveTeam team(0, queries.size(), kQueriesForTeam);
+    for_each_index(queries.size(), kLeastSearches, [&](size_t i) {
         const TrianglePoint point = tree.closest(queries[i]);
         places[i] = point.place;
         distance[i] = static_cast<float>(std::sqrt(point.squared_distance));
-    }
+    });
     return places;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/formulas.h"
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 
 namespace rumple {
@@ -132,22 +133,22 @@ void measure_stretch(const Surface& surface, const StretchModel& model, std::spa
     const size_t triangles = surface.triangles.size();
     std::vector<Tensor2> triangle_tensor(triangles);
     std::vector<glm::mat2x3> gradient(triangles);  // F: rest frame of the triangle -> object space
-    for (size_t t = 0; t < triangles; ++t) {
+    for_each_index(triangles, kLeastSteps, [&](size_t t) {
         const Corners c = corners_of(surface, positions, surface.triangles[t]);
         gradient[t] = glm::mat2x3(c.p[1] - c.p[0], c.p[2] - c.p[0]) * model.inverse_rest[t];
         const glm::mat2 metric = glm::transpose(gradient[t]) * gradient[t];  // F^T F
         triangle_tensor[t] = {metric[0][0], metric[0][1], metric[1][1]};
-    }
+    });
     const std::vector<Tensor2> vertex_tensor = at_vertices(model, triangle_tensor);
     out.minimum.resize(places.size());
     out.maximum.resize(places.size());
     out.direction.resize(places.size());
-    for (size_t i = 0; i < places.size(); ++i) {
+    for_each_index(places.size(), kLeastSteps, [&](size_t i) {
         const SurfacePoint& place = places[i];
         if (place.triangle == kNone) {
             out.minimum[i] = out.maximum[i] = 1.0f;
             out.direction[i] = Vec3(0.0f);
-            continue;
+            return;
         }
         const float weights[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
         Tensor2 sum;
@@ -162,7 +163,7 @@ void measure_stretch(const Surface& surface, const StretchModel& model, std::spa
         const Vec3 pushed = gradient[place.triangle] * p.small_direction;
         const float length = glm::length(pushed);
         out.direction[i] = length > kShortestEdge ? pushed / length : Vec3(0.0f);
-    }
+    });
 }
 
 }  // namespace rumple

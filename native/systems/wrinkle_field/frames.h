@@ -6,7 +6,7 @@
 #include <optional>
 #include <thread>
 
-#include "base/parallel.h"
+#include "base/solve_team.h"
 #include "systems/wrinkle_field/wrinkle_field.h"
 
 namespace rumple::wrinkle_field {
@@ -52,7 +52,8 @@ inline int threads_for(const Settings& settings, size_t vertices) {
 // work(v) for every vertex, on all threads.
 template <typename Work>
 void for_each_vertex(const Settings& settings, size_t vertices, Work&& work) {
-    for_each_index(vertices, threads_for(settings, vertices), work);
+    const SolveTeam team(settings.threads, vertices, kVerticesForThreads);
+    for_each_index(vertices, kLeastSteps, work);
 }
 
 }  // namespace rumple::wrinkle_field

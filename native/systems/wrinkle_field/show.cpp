@@ -108,7 +108,7 @@ void displace(const Model& model, const Waves& waves, const Profile& profile, st
               std::span<const float> gap, Picture& picture) {
     const size_t fine = model.attachments.places.size();
     std::vector<Vec3> positions(fine), offset(fine, Vec3(0.0f));
-    attach(model.base, model.attachments, waves.positions, waves.normals, positions, 0, fine);
+    attach(model.base, model.attachments, waves.positions, waves.normals, positions);
     std::vector<float> inwards(fine, std::numeric_limits<float>::infinity());
     if (!gap.empty()) inwards = gaps_at(model.base, model.attachments, gap);
     for (size_t v = 0; v < fine; ++v) {

@@ -86,13 +86,14 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
       radii_(attachment_radii(model, settings, paint)),
       fours_(in_fours(radii_.size()) / kLanes),
       floor_(settings.collision == Collision::kNeighbourhood ? radii_.size() : 0) {
-    for (size_t v = 0; v < radii_.size(); ++v) {
-        Bound<Lanes>& four = fours_[v / kLanes];
-        const int k = static_cast<int>(v % kLanes);
+    for_each_index(radii_.size(), kLeastSteps, [&](size_t row) {
+        const size_t v = size_t(model.vertex_of_row[row]);
+        Bound<Lanes>& four = fours_[row / kLanes];
+        const int k = static_cast<int>(row % kLanes);
         four.at.set(k, pose.attachment[v]);
         four.normal.set(k, pose.normal[v]);
         four.floor.set(k, pose.floor.empty() ? pose.normal[v] : pose.floor[v]);
-        if (!model.attached[v]) continue;
+        if (!model.attached[v]) return;
         float depth = settings.inside * painted(paint.inside, v) * radii_[v];
         if (!pose.gap.empty()) depth = std::min(depth, pose.gap[v]);
         four.radius[k] = radii_[v];
@@ -102,16 +103,17 @@ Bounds::Bounds(const Model& model, const Settings& settings, const Paint& paint,
             floor_[v] = std::min(side_of(v, pose.attachment[v]).height, 0.0f) - depth;
         if (settings.slide > 0.0f && !pose.heights.empty()) four.slide[k] = settings.slide * pose.heights[v];
         if (settings.apart <= 0.0f || pose.self_contact.empty() || pose.self_contact[v].towards == Vec3(0.0f))
-            continue;
+            return;
         four.towards.set(k, pose.self_contact[v].towards);
         four.ahead[k] = settings.apart * pose.self_contact[v].distance;
         if (!pose.self_contact[v].outside) four.behind[k] = -four.ahead[k];
-    }
+    });
 }
 
 Bound<float> Bounds::bound(size_t v) const {
-    const Bound<Lanes>& four = fours_[v / kLanes];
-    const int k = static_cast<int>(v % kLanes);
+    const size_t row = size_t(model_.row_of[v]);
+    const Bound<Lanes>& four = fours_[row / kLanes];
+    const int k = static_cast<int>(row % kLanes);
     return {four.at.at(k), four.normal.at(k),  four.radius[k], four.floor.at(k), four.lowest[k],
             four.slide[k], four.towards.at(k), four.ahead[k],  four.behind[k]};
 }
@@ -134,7 +136,7 @@ void Bounds::pull_and_project_four(size_t four, std::span<Row, kLanes> positions
     if (collision_ != Collision::kNeighbourhood) return;
     for (size_t k = 0; k < kLanes && kLanes * four + k < radii_.size(); ++k) {
         Vec3 one = positions[k].vec();
-        project(kLanes * four + k, one);
+        project(size_t(model_.vertex_of_row[kLanes * four + k]), one);
         positions[k] = Row(one);
     }
 }

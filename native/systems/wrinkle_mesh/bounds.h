@@ -34,8 +34,8 @@ class Bounds {
     // the attachment never crosses a plane that lies below it, so both hold.
     void project(size_t v, Vec3& p) const;
 
-    // Of the vertices from kLanes * four on: towards the attachment by Settings::tangential_pull and
-    // normal_pull, and then project().
+    // Of the rows (Model::row_of) from kLanes * four on: towards the attachment by Settings::tangential_pull
+    // and normal_pull, and then project().
     void pull_and_project_four(size_t four, std::span<Row, kLanes> positions) const;
 
     // Whether its own cloth keeps a vertex from going on.
@@ -71,8 +71,8 @@ class Bounds {
     float tangential_pull_;
     float normal_pull_;
     std::vector<float> radii_;
-    std::vector<Bound<Lanes>> fours_;
-    std::vector<float> floor_;  // kNeighbourhood: the lowest signed distance
+    std::vector<Bound<Lanes>> fours_;  // by their rows
+    std::vector<float> floor_;         // kNeighbourhood: the lowest signed distance
 };
 
 }  // namespace rumple::wrinkle_mesh

@@ -87,8 +87,30 @@ PairSets collect_pairs(const std::vector<std::array<Index, 3>>& triangles) {
     return sets;
 }
 
-// Pairs ordered by colour, each colour in the order given.
-Pairs coloured(const std::vector<Pair>& pairs, std::span<const Vec3> rest) {
+// Model::vertex_of_row
+std::vector<Index> rows_along_longest_axis(std::span<const Vec3> points) {
+    Vec3 low(points.empty() ? Vec3(0.0f) : points[0]), high(low);
+    for (const Vec3& p : points) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const Vec3 extent = high - low;
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    std::vector<Index> vertex(points.size());
+    std::iota(vertex.begin(), vertex.end(), 0);
+    std::ranges::stable_sort(vertex, {}, [&](Index v) { return points[size_t(v)][axis]; });
+    return vertex;
+}
+
+std::vector<Index> inverse(const std::vector<Index>& permutation) {
+    std::vector<Index> out(permutation.size());
+    for (size_t i = 0; i < out.size(); ++i) out[size_t(permutation[i])] = static_cast<Index>(i);
+    return out;
+}
+
+// Pairs ordered by colour, each colour by its rows: a thread that sweeps one part of every colour has one
+// part of the mesh. Their order within a colour changes no bit, as they share no vertex.
+Pairs coloured(const std::vector<Pair>& pairs, std::span<const Vec3> rest, std::span<const Index> row_of) {
     std::vector<Index> a, b;
     for (const Pair& pair : pairs) {
         a.push_back(pair[0]);
@@ -97,7 +119,8 @@ Pairs coloured(const std::vector<Pair>& pairs, std::span<const Vec3> rest) {
     const std::vector<Index> colour = color_constraints(static_cast<Index>(rest.size()), a, b);
     std::vector<Index> order(pairs.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return colour[i] < colour[j]; });
+    std::ranges::stable_sort(
+        order, {}, [&](Index i) { return std::pair(colour[i], std::min(row_of[a[i]], row_of[b[i]])); });
     Pairs out;
     for (const Index i : order) {
         if (out.colour_start.empty() || colour[i] != colour[order[out.size() - 1]]) {
@@ -105,6 +128,8 @@ Pairs coloured(const std::vector<Pair>& pairs, std::span<const Vec3> rest) {
         }
         out.a.push_back(a[i]);
         out.b.push_back(b[i]);
+        out.row_a.push_back(row_of[a[i]]);
+        out.row_b.push_back(row_of[b[i]]);
         out.rest.push_back(glm::distance(rest[a[i]], rest[b[i]]));
     }
     out.colour_start.push_back(static_cast<Index>(out.size()));
@@ -179,8 +204,10 @@ void add_constraints(Model& model) {
     const std::vector<Vec3>& rest = model.positions_rest;
     model.triangles = triangulate(model.solved, rest);
     const PairSets sets = collect_pairs(model.triangles);
-    model.distance = coloured(sets.edges, rest);
-    model.bending = coloured(sets.opposite, rest);
+    model.vertex_of_row = rows_along_longest_axis(rest);
+    model.row_of = inverse(model.vertex_of_row);
+    model.distance = coloured(sets.edges, rest, model.row_of);
+    model.bending = coloured(sets.opposite, rest, model.row_of);
     model.local_edge = mean_edge_around(model.distance, rest.size());
     model.border_ring = border_rings(sets.edges, sets.on_border(rest.size()));
 }

@@ -7,6 +7,7 @@
 
 #include "base/errors.h"
 #include "base/expect.h"
+#include "base/solve_team.h"
 #include "surface/mesh/positions.h"
 #include "systems/wrinkle_mesh/pose.h"
 
@@ -19,19 +20,19 @@ constexpr float kMostMissed = 1.0f / 7.0f;
 
 std::vector<Vec3> differences(std::span<const Vec3> to, std::span<const Vec3> from) {
     std::vector<Vec3> out(to.begin(), to.end());
-    for (size_t v = 0; v < out.size(); ++v) out[v] -= from[v];
+    for_each_index(out.size(), kLeastSteps, [&](size_t v) { out[v] -= from[v]; });
     return out;
 }
 
 void add(std::span<Vec3> positions, std::span<const Vec3> displacements) {
-    for (size_t v = 0; v < positions.size(); ++v) positions[v] += displacements[v];
+    for_each_index(positions.size(), kLeastSteps, [&](size_t v) { positions[v] += displacements[v]; });
 }
 
 // Where a layer has its vertices, without folds of its own, over positions of the base or of the layer below.
 std::vector<Vec3> attached_over(const Model& layer, std::span<const Vec3> below) {
     std::vector<Vec3> welded(layer.base.welded.vertex_count), out(layer.attached.size());
     weld_positions(layer.base, below, welded);
-    attach(layer.base, layer.attachments, welded, {}, out, 0, out.size());
+    attach(layer.base, layer.attachments, welded, {}, out);
     return out;
 }
 
@@ -70,25 +71,25 @@ struct BaseStrain {
 
 // How far the next layer may go inwards: what the vertices of this one have left.
 std::vector<float> gap_left(const Pose& pose, std::span<const Vec3> solved) {
-    std::vector<float> gap;
-    for (size_t v = 0; v < pose.gap.size(); ++v) {
+    std::vector<float> gap(pose.gap.size());
+    for_each_index(gap.size(), kLeastSteps, [&](size_t v) {
         const float outwards = glm::dot(solved[v] - pose.attachment[v], pose.normal[v]);
-        gap.push_back(std::max(pose.gap[v] + outwards, 0.0f));
-    }
+        gap[v] = std::max(pose.gap[v] + outwards, 0.0f);
+    });
     return gap;
 }
 
 // Corrects displacements of solved vertices that would go into what is below or in front. A surface lies
 // between its vertices: where those stay out, it does. gap: of gap_left(), or none.
 void keep_outside(const Pose& pose, std::span<const float> gap, std::span<Vec3> displacements) {
-    for (size_t v = 0; v < displacements.size(); ++v) {
+    for_each_index(displacements.size(), kLeastSteps, [&](size_t v) {
         Vec3& displacement = displacements[v];
         if (!pose.self_contact.empty() && pose.self_contact[v].towards != Vec3(0.0f))
             displacement = Vec3(0.0f);
-        if (gap.empty()) continue;
+        if (gap.empty()) return;
         const float too_deep = -gap[v] - glm::dot(displacement, pose.normal[v]);
         if (too_deep > 0.0f) displacement += too_deep * pose.normal[v];
-    }
+    });
 }
 
 // Of the base's vertices -> of those that its layer solves: the welded ones that a polygon has.
@@ -111,7 +112,6 @@ class LayerInput {
     }
 
     const Input& input() const { return input_; }
-    void set_threads(int threads) { input_.threads = threads; }
 
     // Becomes that of the next layer, on the solved positions of one. pose: as this one was solved in it,
     // with its contacts. base: its base. missed_by_limit: missed_by_limit() of the solved positions.
@@ -149,10 +149,11 @@ class NothingInReach {
     void go_on(const Model& layer) {
         const std::vector<std::uint8_t> below = std::move(nothing_);
         nothing_.assign(layer.attached.size(), 0);
-        for (size_t v = 0; v < nothing_.size() && !below.empty(); ++v) {
+        if (below.empty()) return;
+        for_each_index(nothing_.size(), kLeastSteps, [&](size_t v) {
             const auto [a, b, c] = display_vertices(layer.base, layer.attachments.places[v].triangle);
             nothing_[v] = below[a] && below[b] && below[c];
-        }
+        });
     }
     bool at(size_t vertex) const { return nothing_[vertex] != 0; }
     void mark(size_t vertex) { nothing_[vertex] = 1; }
@@ -179,7 +180,7 @@ void find_self_contacts(const SelfContactMesh& mesh, const Model& layer, const S
         if (nothing.at(v)) reach[v] = 0.0f;
     }
     const PosedSelfContactMesh posed(mesh, pose.attachment);
-    pose.self_contact = posed.facing(reach, settings.threads);
+    pose.self_contact = posed.facing(reach);
     pose.heights = posed.heights();
     for (size_t v = 0; v < reach.size(); ++v) {
         if (reach[v] > 0.0f && pose.self_contact[v].towards == Vec3(0.0f)) nothing.mark(v);
@@ -193,7 +194,7 @@ void look_ahead(const PosedCollider& bodies, const Model& layer, const Settings&
     nothing.go_on(layer);
     if (settings.apart <= 0.0f) return;
     const std::vector<float> reach = reaches(layer, settings, paint);
-    for_each_index(reach.size(), threads_for_queries(settings.threads, reach.size()), [&](size_t v) {
+    for_each_index(reach.size(), kLeastSearches, [&](size_t v) {
         if (reach[v] <= 0.0f || nothing.at(v)) return;
         const Vec3& a = pose.attachment[v];
         const BodyAhead body = bodies.ahead(a, pose.normal[v], reach[v] + thickness, thickness);
@@ -212,6 +213,16 @@ void check_counts(const Layers& layers, size_t settings, size_t paint) {
     expect_count("paint", paint, layers.layers.size(), "layers");
 }
 
+// What the layers ask for; 0 where one of them leaves it to the size.
+int most_threads(std::span<const Settings> settings) {
+    int most = 1;
+    for (const Settings& of_layer : settings) {
+        if (of_layer.threads == 0) return 0;
+        most = std::max(most, of_layer.threads);
+    }
+    return most;
+}
+
 bool fits(const Layers& layers, const LayersState* state) {
     return state && state->layers.size() == layers.layers.size();
 }
@@ -222,11 +233,11 @@ std::vector<Vec3> missed_by_limit(const Layers& layers, size_t layer, std::span<
     std::vector<Vec3> of_limit(displacements.size());
     apply(layers.limit[layer], to_rows(displacements), of_limit);
     std::vector<Vec3> missed = differences(displacements, of_limit);
-    for (size_t v = 0; v < missed.size(); ++v) {
+    for_each_index(missed.size(), kLeastSteps, [&](size_t v) {
         const float most = kMostMissed * layers.layers[layer]->local_edge[v];
         const float length = glm::length(missed[v]);
         if (length > most) missed[v] *= most / length;
-    }
+    });
     return missed;
 }
 
@@ -304,6 +315,7 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
                      "values");
     if (!fits(layers, state)) state = nullptr;
     reports.assign(layers.layers.size(), {});
+    const SolveTeam team = team_for(*layers.layers.back(), most_threads(settings));
     LayersState out;
     LayerInput layer_input(input);
     NothingInReach of_cloth, of_bodies;
@@ -315,7 +327,6 @@ LayersState solve(const Layers& layers, std::span<const Settings> settings, std:
     for (size_t k = 0; k < layers.layers.size(); ++k) {
         const Model& layer = *layers.layers[k];
         check(layer, paint[k]);
-        layer_input.set_threads(settings[k].threads);
         Pose pose = make_pose(layer, layer_input.input());
         pose.unwrinkled = unwrinkled = attached_over(layer, unwrinkled);
         if (!strain) strain.emplace(layers, input.positions, settings[0].bend_radius, paint[0].guide.get());
@@ -341,6 +352,7 @@ std::vector<Vec3> offsets(const Layers& layers, std::span<const Vec3> animated, 
 void show(const Layers& layers, std::span<const Vec3> animated, std::span<const Vec3> positions,
           const LayersState& state, Picture& picture, bool in_viewport) {
     check_frame(layers.base, positions);
+    const SolveTeam team = team_for(*layers.layers.back(), 0);
     const ShownMesh& shown = shown_mesh(layers, in_viewport);
     std::vector<Vec3> offset = offsets(layers, animated, state);
     std::vector<Vec3> subdivided_from = state.solved;

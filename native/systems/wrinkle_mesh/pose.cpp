@@ -6,8 +6,8 @@
 #include <string>
 
 #include "base/expect.h"
-#include "base/lanes.h"
 #include "base/smooth_step.h"
+#include "base/solve_team.h"
 #include "surface/mesh/border_rings.h"
 #include "surface/mesh/positions.h"
 
@@ -112,8 +112,7 @@ void find_gaps(const Model& model, const Input& input, Pose& pose) {
         pose.floor = pose.normal;
     }
     const std::vector<float> gaps = gaps_at(model.base, model.attachments, input.gap);
-    const size_t queries = input.bodies ? pose.attachment.size() : 0;
-    for_each_index(pose.attachment.size(), threads_for_queries(input.threads, queries), [&](size_t v) {
+    for_each_index(pose.attachment.size(), input.bodies ? kLeastSearches : kLeastSteps, [&](size_t v) {
         const SurfacePoint& place = model.attachments.places[v];
         if (place.triangle == kNone) return;
         float gap = gaps[v];
@@ -186,8 +185,13 @@ void check(const Model& model, const State& state) {
                        std::to_string(state.offset.size()));
 }
 
+SolveTeam team_for(const Model& model, int threads) {
+    return {threads, model.attached.size(), kVerticesForTeam};
+}
+
 Pose make_pose(const Model& model, const Input& input) {
     check_frame(model.base, input.positions);
+    const SolveTeam team = team_for(model, input.threads);
     Pose pose;
     pose.base.resize(model.base.welded.vertex_count);
     weld_positions(model.base, input.positions, pose.base);
@@ -198,9 +202,9 @@ Pose make_pose(const Model& model, const Input& input) {
     for (const TriangleFrame& frame : pose.frames) pose.collapsed += frame.normal == Vec3(0.0f);
     const size_t vertices = model.attached.size();
     pose.attachment.resize(vertices);
-    attach(model.base, model.attachments, pose.base, pose.base_normals, pose.attachment, 0, vertices);
+    attach(model.base, model.attachments, pose.base, pose.base_normals, pose.attachment);
     pose.normal.resize(vertices);
-    for (size_t v = 0; v < vertices; ++v) {
+    for_each_index(vertices, kLeastSteps, [&](size_t v) {
         const SurfacePoint& place = model.attachments.places[v];
         const Vec3 normal = interpolate(model.base, place, pose.base_normals);
         const float length = glm::length(normal);
@@ -209,7 +213,7 @@ Pose make_pose(const Model& model, const Input& input) {
             pose.attachment[v] +=
                 smooth_frame(pose.frames[place.triangle], normal).to_object(model.rest_offset[v]);
         }
-    }
+    });
     find_gaps(model, input, pose);
     return pose;
 }
@@ -239,17 +243,17 @@ Vec3 OffsetFrames::in_object(size_t v, const Vec3& stored) const {
 
 std::vector<float> attachment_radii(const Model& model, const Settings& settings, const Paint& paint) {
     std::vector<float> radii(model.local_edge.size());
-    for (size_t v = 0; v < radii.size(); ++v) {
+    for_each_index(radii.size(), kLeastSteps, [&](size_t v) {
         const float fade = hem_fade(model.border_ring[v], settings.hem_rings);
         // Paint that was carried to a finer mesh may be a rounding below 0.
         radii[v] = settings.radius * model.local_edge[v] * std::max(painted(paint.radius, v), 0.0f) * fade;
-    }
+    });
     return radii;
 }
 
 std::vector<float> pair_lengths(const Pairs& pairs, const std::vector<Row>& rows) {
     std::vector<float> lengths(pairs.size());
-    for_each_four(pairs.size(), [&](size_t first, size_t count) {
+    for_each_four_shared(pairs.size(), [&](size_t first, size_t count) {
         const Vec3Lanes d = ways_along(pairs, rows, first, count);
         store_lanes(square_root(dot(d, d)), &lengths[first], count);
     });
@@ -280,7 +284,7 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
     const std::vector<Row> rows = to_rows(pose.unwrinkled);
     const auto fill = [&](const Pairs& pairs, size_t begin, std::vector<float>& out) {
         out.resize(pairs.size());
-        for_each_four(pairs.size(), [&](size_t first, size_t count) {
+        for_each_four_shared(pairs.size(), [&](size_t first, size_t count) {
             Lanes rest = load_lanes(&pairs.rest[first], count);
             if (!rest_scales.empty()) rest = load_lanes(&rest_scales[begin + first], count) * rest;
             const Lanes length = load_lanes(&lengths[begin + first], count);
@@ -299,7 +303,7 @@ Targets make_targets(const Model& model, const Settings& settings, const Paint& 
     fill(model.distance, 0, targets.distance);
     fill(model.bending, model.distance.size(), targets.bending);
     targets.stiffness.resize(model.bending.size());
-    for_each_four(model.bending.size(), [&](size_t first, size_t count) {
+    for_each_four_shared(model.bending.size(), [&](size_t first, size_t count) {
         store_lanes(settings.bending * both(paint.bending, model.bending, first, count),
                     &targets.stiffness[first], count);
     });

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "base/lanes.h"
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 #include "surface/contact/self_distance.h"
 #include "surface/strain/bent_lines.h"
@@ -37,17 +37,23 @@ struct Pose {
 // Values of the base's vertices (as the artist has them) -> solved vertices.
 template <typename Value>
 std::vector<Value> carry(const Model& model, std::span<const Value> base_values) {
-    std::vector<Value> out;
-    out.reserve(model.attachments.places.size());
-    for (const SurfacePoint& place : model.attachments.places) {
+    std::vector<Value> out(model.attachments.places.size());
+    for_each_index(out.size(), kLeastSteps, [&](size_t v) {
+        const SurfacePoint& place = model.attachments.places[v];
         const Triangle& triangle = model.base.triangles[place.triangle];
         const auto value = [&](int k) {
             return base_values[model.base.display.corner_vertex[triangle.corner[k]]];
         };
-        out.push_back((1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2));
-    }
+        out[v] = (1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2);
+    });
     return out;
 }
+
+// Below so many solved vertices a frame takes a millisecond or two on one thread.
+constexpr size_t kVerticesForTeam = 3'000;
+
+// Of a frame of this model. threads: as Settings and Input have it.
+SolveTeam team_for(const Model& model, int threads);
 
 // Throws InvalidInput when positions do not match the model or are not finite.
 Pose make_pose(const Model& model, const Input& input);

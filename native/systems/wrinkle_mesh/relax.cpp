@@ -6,12 +6,14 @@
 #include <tuple>
 #include <vector>
 
-#include "base/lanes.h"
-#include "base/parallel.h"
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 
 namespace rumple::wrinkle_mesh {
 namespace {
+
+// Fewer of a colour are swept before another thread has begun.
+constexpr size_t kLeastPairs = 1'000;
 
 // Equations (3) to (5), scaled with a stiffness.
 inline void project_pair(Row& p1, Row& p2, float target, float stiffness) {
@@ -46,17 +48,24 @@ void sweep_pairs(const Pairs& pairs, std::span<const float> target, std::span<co
                  std::span<Row> positions, size_t begin, size_t end) {
     size_t i = begin;
     for (; i + kLanes <= end; i += kLanes) {
-        project_four(&pairs.a[i], &pairs.b[i], load_lanes(&target[i]),
+        project_four(&pairs.row_a[i], &pairs.row_b[i], load_lanes(&target[i]),
                      stiffness.empty() ? all_lanes(1.0f) : load_lanes(&stiffness[i]), positions);
     }
     for (; i < end; ++i) {
-        project_pair(positions[pairs.a[i]], positions[pairs.b[i]], target[i],
+        project_pair(positions[pairs.row_a[i]], positions[pairs.row_b[i]], target[i],
                      stiffness.empty() ? 1.0f : stiffness[i]);
     }
 }
 
-void from_rows(std::span<const Row> rows, std::span<Vec3> positions) {
-    for (size_t v = 0; v < positions.size(); ++v) positions[v] = rows[v].vec();
+std::vector<Row> to_sweep(const Model& model, std::span<const Vec3> positions) {
+    std::vector<Row> rows(in_fours(positions.size()));
+    for_each_index(positions.size(), kLeastSteps,
+                   [&](size_t r) { rows[r] = positions[size_t(model.vertex_of_row[r])]; });
+    return rows;
+}
+void from_sweep(const Model& model, std::span<const Row> rows, std::span<Vec3> positions) {
+    for_each_index(positions.size(), kLeastSteps,
+                   [&](size_t v) { positions[v] = rows[size_t(model.row_of[v])].vec(); });
 }
 
 std::vector<size_t> natural_order(const Pairs& pairs) {
@@ -71,47 +80,46 @@ std::vector<size_t> natural_order(const Pairs& pairs) {
 }  // namespace
 
 void relax_coloured(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
-                    int threads, std::span<Vec3> positions) {
-    std::vector<Row> rows = to_rows(positions);
-    Team team(threads);
-    team.run([&](int thread) {
-        const auto sweep = [&](const Pairs& pairs, std::span<const float> target,
-                               std::span<const float> stiffness) {
-            for (size_t c = 0; c + 1 < pairs.colour_start.size(); ++c) {
-                const Team::Range part =
-                    team.partition(pairs.colour_start[c], pairs.colour_start[c + 1], thread);
-                sweep_pairs(pairs, target, stiffness, rows, part.begin, part.end);
-                team.barrier();
-            }
-        };
-        for (int i = 0; i < iterations; ++i) {
-            sweep(model.distance, targets.distance, {});
-            sweep(model.bending, targets.bending, targets.stiffness);
-            const Team::Range part = team.partition(0, rows.size() / kLanes, thread);
-            for (size_t four = part.begin; four < part.end; ++four)
-                bounds.pull_and_project_four(four, four_from(rows, kLanes * four));
-            team.barrier();
+                    std::span<Vec3> positions) {
+    std::vector<Row> rows = to_sweep(model, positions);
+    const auto sweep = [&](const Pairs& pairs, std::span<const float> target,
+                           std::span<const float> stiffness) {
+        for (size_t c = 0; c + 1 < pairs.colour_start.size(); ++c) {
+            const size_t first = size_t(pairs.colour_start[c]);
+            for_each_part(size_t(pairs.colour_start[c + 1]) - first, kLeastPairs,
+                          [&](size_t begin, size_t end) {
+                              sweep_pairs(pairs, target, stiffness, rows, first + begin, first + end);
+                          });
         }
-    });
-    from_rows(rows, positions);
+    };
+    for (int i = 0; i < iterations; ++i) {
+        sweep(model.distance, targets.distance, {});
+        sweep(model.bending, targets.bending, targets.stiffness);
+        for_each_part(rows.size(), kLeastPairs, [&](size_t begin, size_t end) {
+            for (size_t row = begin; row < end; row += kLanes)
+                bounds.pull_and_project_four(row / kLanes, four_from(rows, row));
+        });
+    }
+    from_sweep(model, rows, positions);
 }
 
-void relax_in_order(const Model& model, const Targets& targets, const Bounds& bounds, int iterations, int,
+void relax_in_order(const Model& model, const Targets& targets, const Bounds& bounds, int iterations,
                     std::span<Vec3> positions) {
     const std::vector<size_t> distance = natural_order(model.distance),
                               bending = natural_order(model.bending);
-    std::vector<Row> rows = to_rows(positions);
+    std::vector<Row> rows = to_sweep(model, positions);
     for (int i = 0; i < iterations; ++i) {
         for (const size_t c : distance)
-            project_pair(rows[model.distance.a[c]], rows[model.distance.b[c]], targets.distance[c], 1.0f);
+            project_pair(rows[model.distance.row_a[c]], rows[model.distance.row_b[c]], targets.distance[c],
+                         1.0f);
         for (const size_t c : bending) {
-            project_pair(rows[model.bending.a[c]], rows[model.bending.b[c]], targets.bending[c],
+            project_pair(rows[model.bending.row_a[c]], rows[model.bending.row_b[c]], targets.bending[c],
                          targets.stiffness[c]);
         }
         for (size_t four = 0; four < rows.size() / kLanes; ++four)
             bounds.pull_and_project_four(four, four_from(rows, kLanes * four));
     }
-    from_rows(rows, positions);
+    from_sweep(model, rows, positions);
 }
 
 }  // namespace rumple::wrinkle_mesh

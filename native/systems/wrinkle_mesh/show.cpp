@@ -35,7 +35,8 @@ std::vector<Vec3> solved_positions(const Model& model, const Settings& settings,
                                    const Pose& pose, const State& state) {
     const OffsetFrames frames(model, settings, input, pose);
     std::vector<Vec3> positions(pose.attachment);
-    for (size_t v = 0; v < positions.size(); ++v) positions[v] += frames.in_object(v, state.offset[v]);
+    for_each_index(positions.size(), kLeastSteps,
+                   [&](size_t v) { positions[v] += frames.in_object(v, state.offset[v]); });
     return positions;
 }
 
@@ -47,13 +48,14 @@ void show(const Model& model, const Settings& settings, const Input& input, cons
 void show_pose(const Model& model, const Settings& settings, const Input& input, const Pose& pose,
                const State& state, Picture& picture, bool in_viewport) {
     check(model, state);
+    const SolveTeam team = team_for(model, settings.threads);
     const size_t vertices = pose.attachment.size();
     const OffsetFrames frames(model, settings, input, pose);
     std::vector<Vec3> offset(vertices), positions(vertices);
-    for (size_t v = 0; v < vertices; ++v) {
+    for_each_index(vertices, kLeastSteps, [&](size_t v) {
         offset[v] = frames.in_object(v, state.offset[v]);
         positions[v] = pose.attachment[v] + offset[v];
-    }
+    });
     show_frame(model.base, shown_mesh(model, in_viewport), model.stretch, pose.base, pose.frames, positions,
                offset, picture);
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Section 4 of Mueller and Chentanez 2010: the runtime update.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "base/expect.h"
 #include "base/lanes.h"
-#include "base/parallel.h"
 #include "base/random.h"
 #include "base/smooth_step.h"
 #include "base/tolerances.h"
@@ -17,15 +17,6 @@
 
 namespace rumple::wrinkle_mesh {
 namespace {
-
-// Below this many triangles threads are not worth it: alone a frame takes a few milliseconds, and on a
-// machine that is busy (a render beside it) every one of some hundred meetings may wait for the scheduler.
-constexpr size_t kTrianglesForThreads = 100'000;
-constexpr int kMostThreads = 4;
-
-int threads_for(const Model& model, const Settings& settings) {
-    return choose_threads(settings.threads, model.triangles.size(), kTrianglesForThreads, kMostThreads);
-}
 
 // How much of a new solution every vertex takes: 0 where the base has kept its
 // shape since it was last solved, so that a held pose stays to the bit and a
@@ -90,15 +81,22 @@ bool fits(const Model& model, const State* state) {
            state->solved_length.size() == model.distance.size() + model.bending.size();
 }
 
+// work(v) for every vertex, in the order in which its bounds lie in memory.
+template <typename Work>
+void for_each_in_rows(const Model& model, const Work& work) {
+    for_each_index(model.vertex_of_row.size(), kLeastSteps,
+                   [&](size_t row) { work(size_t(model.vertex_of_row[row])); });
+}
+
 // The share of the new positions that every vertex takes, put back within its
 // bounds: the blend may leave a plane that turned since the frame before.
-void blend(const Settings& settings, std::span<const Vec3> before, std::span<const float> active,
-           const Bounds& bounds, std::span<Vec3> positions) {
-    for (size_t v = 0; v < positions.size(); ++v) {
-        if (active[v] <= 0.0f) continue;
+void blend(const Model& model, const Settings& settings, std::span<const Vec3> before,
+           std::span<const float> active, const Bounds& bounds, std::span<Vec3> positions) {
+    for_each_in_rows(model, [&](size_t v) {
+        if (active[v] <= 0.0f) return;
         positions[v] = before[v] + active[v] * (1.0f - settings.damping) * (positions[v] - before[v]);
         bounds.project(v, positions[v]);
-    }
+    });
 }
 
 // Pairs between held vertices remember the pose they were solved in, so that a
@@ -114,7 +112,7 @@ void remember_lengths(const Model& model, std::span<const float> active, const S
     }
 }
 
-using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, int, std::span<Vec3>);
+using Relax = void (*)(const Model&, const Targets&, const Bounds&, int, std::span<Vec3>);
 
 // What a frame is solved with.
 struct Frame {
@@ -132,8 +130,11 @@ struct Frame {
 // p_i = a_i + o_i (2), with the offsets of the frame before.
 std::vector<Vec3> start_positions(const Frame& frame) {
     std::vector<Vec3> positions = frame.pose.attachment;
-    for (size_t v = 0; frame.before && v < positions.size(); ++v)
-        positions[v] += frame.offsets.in_object(v, frame.before->offset[v]);
+    if (frame.before) {
+        for_each_index(positions.size(), kLeastSteps, [&](size_t v) {
+            positions[v] += frame.offsets.in_object(v, frame.before->offset[v]);
+        });
+    }
     return positions;
 }
 
@@ -142,9 +143,8 @@ int relax_active(const Frame& frame, Relax relax, std::span<const Vec3> start, s
     const Settings& settings = frame.settings;
     perturb_unbuckled(frame.model, settings, frame.pose, frame.lengths, frame.targets, positions);
     const int iterations = frame.before ? settings.iterations : settings.start_iterations;
-    relax(frame.model, frame.targets, frame.bounds, iterations, threads_for(frame.model, settings),
-          positions);
-    if (frame.before) blend(settings, start, frame.active, frame.bounds, positions);
+    relax(frame.model, frame.targets, frame.bounds, iterations, positions);
+    if (frame.before) blend(frame.model, settings, start, frame.active, frame.bounds, positions);
     return iterations;
 }
 
@@ -152,16 +152,16 @@ int relax_active(const Frame& frame, Relax relax, std::span<const Vec3> start, s
 // positions get where that puts it. Returns the number of vertices that are kept apart.
 Index store_offsets(const Frame& frame, std::span<const Vec3> start, std::span<Vec3> positions,
                     std::vector<Vec3>& offset) {
-    Index kept_apart = 0;
-    for (size_t v = 0; v < positions.size(); ++v) {
+    std::atomic<Index> kept_apart = 0;
+    for_each_in_rows(frame.model, [&](size_t v) {
         const bool held = frame.before && frame.active[v] <= 0.0f;
         if (held) positions[v] = start[v];
         const bool pushed = held && frame.bounds.push_back(v, positions[v]);
         const bool kept = held && !pushed;
         offset[v] =
             kept ? frame.before->offset[v] : frame.offsets.stored(v, positions[v] - frame.pose.attachment[v]);
-        kept_apart += frame.bounds.kept_apart(v, positions[v]);
-    }
+        if (frame.bounds.kept_apart(v, positions[v])) ++kept_apart;
+    });
     return kept_apart;
 }
 
@@ -169,6 +169,7 @@ State solve_with(Relax relax, const Model& model, const Settings& settings, cons
                  const Input& input, const Pose& given, const State* before, Report& report) {
     check(settings);
     check(model, paint);
+    const SolveTeam team = team_for(model, settings.threads);
     const std::optional<Pose> guided = guided_pose(model, paint, given);
     const Pose& pose = guided ? *guided : given;
     const OffsetFrames offsets(model, settings, input, pose);

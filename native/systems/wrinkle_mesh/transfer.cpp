@@ -3,6 +3,8 @@
 
 #include "base/expect.h"
 #include "base/smooth_step.h"
+#include "base/solve_team.h"
+#include "systems/wrinkle_mesh/pose.h"
 
 namespace rumple::wrinkle_mesh {
 namespace {
@@ -53,6 +55,7 @@ std::shared_ptr<const Transfer> build_transfer(Surface base, const CoarseMesh& c
 
 void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& layers,
           std::span<const Vec3> animated, const LayersState& state, Picture& picture, bool in_viewport) {
+    const SolveTeam team(0, transfer.attachments.places.size(), kVerticesForTeam);
     std::vector<Vec3> displacements =
         offsets(layers, coarse_positions(coarse, transfer.base, animated), state);
     const std::vector<Vec3> missed = missed_by_limit(layers, layers.layers.size() - 1, displacements);
@@ -61,8 +64,8 @@ void show(const Transfer& transfer, const CoarseMesh& coarse, const Layers& laye
     weld_positions(transfer.base, animated, base);
     const size_t moved = transfer.attachments.places.size();
     std::vector<Vec3> offset(moved), solved(moved);
-    apply<Vec3>(transfer.from_finest, displacements, offset);
-    attach(transfer.base, transfer.attachments, base, {}, solved, 0, moved);
+    apply(transfer.from_finest, to_rows(displacements), offset);
+    attach(transfer.base, transfer.attachments, base, {}, solved);
     for (size_t v = 0; v < moved; ++v) solved[v] += offset[v];
     std::vector<TriangleFrame> frames(transfer.base.triangles.size());
     triangle_frames(transfer.base, base, frames);

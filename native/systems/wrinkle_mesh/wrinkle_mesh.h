@@ -77,6 +77,7 @@ struct Paint {
 struct Pairs {
     std::vector<Index> a;
     std::vector<Index> b;
+    std::vector<Index> row_a, row_b;  // Model::row_of them
     std::vector<float> rest;          // measured at rest, before s, object units
     std::vector<Index> colour_start;  // colours + 1
 
@@ -104,6 +105,9 @@ struct Model {
         rest_offset;  // own mesh: from surface to rest position, in the smooth frame; else empty
     Pairs distance;
     Pairs bending;
+    // Sweeps hold the vertices in rows along the longest axis of the mesh, and threads have parts of them:
+    // what lies where two parts meet, and is handed from one processor to the other, is little.
+    std::vector<Index> vertex_of_row, row_of;
     std::vector<float> local_edge;   // per solved vertex: mean rest length of the edges around it
     std::vector<Index> border_ring;  // per solved vertex: edges to the nearest open border; -1: none
     std::vector<std::array<Index, 3>> triangles;  // of the solved mesh, for areas

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "base/expect.h"
-#include "base/parallel.h"
+#include "base/solve_team.h"
 #include "base/tolerances.h"
 #include "systems/wrinkle_paths/flood.h"
 #include "systems/wrinkle_paths/fold.h"
@@ -16,16 +16,11 @@ namespace {
 
 // Below this many fine vertices threads are not worth it: alone a frame takes a few milliseconds.
 constexpr size_t kVerticesForThreads = 50'000;
-constexpr int kMostThreads = 4;
 
 // A bound is so much wider than what it is computed from.
 constexpr float kRounding = 1.0f + 1e-5f;
 
 using formulas::FoldEnd;
-
-int threads_for(const Settings& settings, size_t vertices) {
-    return choose_threads(settings.threads, vertices, kVerticesForThreads, kMostThreads);
-}
 
 // The least distance between two segments in space.
 float segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -184,19 +179,15 @@ Lifted lift(const PathContext& context, const Settings& settings, const Triangle
     std::vector<Vec3> normals(base.size());
     vertex_normals(model.base, base, normals);
     const std::vector<Ball> balls = balls_around(lists.ends);
-    Team team(threads_for(settings, vertices));
-    team.run([&](int thread) {
-        fine_heights(context, settings, lists, balls, team.partition(0, model.rest.size(), thread),
-                     out.height);
-        team.barrier();
-        const Team::Range part = team.partition(0, vertices, thread);
-        attach(model.base, model.attachments, base, normals, out.positions, part.begin, part.end);
-        for (size_t v = part.begin; v < part.end; ++v) {
-            if (out.height[v] == 0.0f) continue;
-            out.offset[v] =
-                out.height[v] * unit(interpolate(model.base, model.attachments.places[v], normals));
-            out.positions[v] += out.offset[v];
-        }
+    const SolveTeam team(settings.threads, vertices, kVerticesForThreads);
+    for_each_part(model.rest.size(), kLeastSearches, [&](size_t begin, size_t end) {
+        fine_heights(context, settings, lists, balls, {begin, end}, out.height);
+    });
+    attach(model.base, model.attachments, base, normals, out.positions);
+    for_each_index(vertices, kLeastSteps, [&](size_t v) {
+        if (out.height[v] == 0.0f) return;
+        out.offset[v] = out.height[v] * unit(interpolate(model.base, model.attachments.places[v], normals));
+        out.positions[v] += out.offset[v];
     });
     return out;
 }
