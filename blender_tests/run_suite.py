@@ -173,12 +173,12 @@ class Suite:
             trial.problems.append("a traceback was printed")
         if not counts and trial.problems:
             self.output.say(f"{title} ... ", end="")
-        self.count(trial, counts, seconds)
+        self.count(title, trial, counts, seconds)
         for text in trial.problems + ([f"It printed:\n{printed}"] if trial.problems and printed else []):
             self.output.say("    " + text.rstrip().replace("\n", "\n    "))
         return not trial.problems and (counts or trial.skipped is None)
 
-    def count(self, trial: Trial, counts: bool, seconds: float) -> None:
+    def count(self, title: str, trial: Trial, counts: bool, seconds: float) -> None:
         if trial.problems:
             self.ran += 1
             self.failed += 1
@@ -189,6 +189,8 @@ class Suite:
         elif counts:
             self.ran += 1
             self.output.say(f"ok {seconds:.2f} s")
+        elif seconds > 1.0:
+            self.output.say(f"{title}: made ready, or cleared away, in {seconds:.0f} s")
 
     def finish(self) -> None:
         """Says the last line and ends the process; wm.quit_blender would hang in 4.3."""

@@ -13,7 +13,7 @@ import numpy as np
 from rumple import native
 from rumple.blender import compat
 from rumple.blender.objects import runtimes
-from support.one_blender import in_one_blender
+from support.one_blender import in_one_blender, long_one
 from support.real_clip import digest
 from support.real_garment import PlayedOnce
 
@@ -57,7 +57,7 @@ class WalkingShirt(Folding, unittest.TestCase):
     file, name = "S1_walk_shirt", "shirt"
 
 
-@in_one_blender
+@long_one
 class WalkingTrousers(Folding, unittest.TestCase):
     file, name = "S1_walk_shirt", "trousers"
 

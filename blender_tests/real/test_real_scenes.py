@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from rumple.blender.objects import modifier
 from rumple.core import wrinkle_mesh
-from support.one_blender import in_one_blender
+from support.one_blender import in_one_blender, long_one
 from support.real_clip import Clip, Seen, digest
 from support.real_garment import OUT, EveryFrame
 
@@ -123,7 +123,7 @@ class WalkingShirt(PlayedThrough, unittest.TestCase):
     file, name = "S1_walk_shirt", "shirt"
 
 
-@in_one_blender
+@long_one
 class WalkingTrousers(PlayedThrough, unittest.TestCase):
     file, name = "S1_walk_shirt", "trousers"
 
