@@ -178,19 +178,21 @@ def density(folder: Path) -> tuple[list[Tile], int]:
 
 
 def demo(folder: Path) -> tuple[list[Tile], int]:
-    """The shirt of scripts/demo, in its studio."""
+    """Shirt and trousers of scripts/demo, in its studio: an arm that rises, one that turns, a crouch."""
     import demo_scene
-    garment = bpy.context.view_layer.objects.active = demo_scene.build_demo_scene()
-    assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}
+    demo_scene.build_demo_scene()
+    garments = demo_scene.add_wrinkles("MESH")
     studio(bpy.context.scene)
     tiles = []
-    for frame in range(1, 31):
+    for frame in range(1, 49):
         bpy.context.scene.frame_set(frame)
-        for shown, label in ((False, "before"), (True, "after")) if frame in (1, 18, 30) else ():
-            modifier.find(garment).show_render = shown
+        for shown, label in ((False, "before"), (True, "after")) if frame in (18, 30, 48) else ():
+            for garment in garments:
+                modifier.find(garment).show_render = shown
             tiles.append((f"frame {frame}, {label}", folder / f"{len(tiles)}.png"))
             render(tiles[-1][1])
-    assert not garment.rumple.message, garment.rumple.message
+    for garment in garments:
+        assert not garment.rumple.message, garment.rumple.message
     return tiles, 2
 
 
