@@ -29,6 +29,35 @@ TEST(Openings, AWideHemIsNoOutlineWhereThereIsAWaist) {
     EXPECT_EQ(openings(cone(0.15f, 0.6f)), 2);
 }
 
+// Shorts, a short skirt, a belt: wide for their length.
+TEST(Openings, AShortTubeIsNoSheetAndIsHeldAtItsTop) {
+    for (const float length : {0.05f, 0.2f, 0.35f}) {
+        const Surface surface = build(tube(16, 8, 0.13f, length), true);
+        EXPECT_EQ(count_openings(surface), 2) << length;
+        const std::vector<float> follow = suggest_follow(surface, {-1.0f, 0.0f, 0.0f});
+        for (int v = 0; v < 16; ++v) EXPECT_EQ(follow[v], 1.0f) << length;
+        if (length < 0.2f) continue;
+        for (size_t v = follow.size() - 16; v < follow.size(); ++v) EXPECT_EQ(follow[v], 0.0f) << length;
+    }
+}
+
+// An open vest, laid flat: its armholes are no legs, and its outline, which is the highest border, stays
+// free.
+TEST(Openings, AnOutlineWithSmallHolesIsNotHeld) {
+    MeshData vest;
+    vest.positions = grid(12, 12, 0.05f).positions;
+    const auto is_hole = [](Index i, Index j) { return i % 6 >= 2 && i % 6 <= 3 && (j == 5 || j == 6); };
+    for (Index j = 0; j < 12; ++j) {
+        for (Index i = 0; i < 12; ++i) {
+            const Index v = i + j * 13;
+            if (!is_hole(i, j)) vest.add_polygon({v, v + 1, v + 14, v + 13});
+        }
+    }
+    const std::vector<float> follow = suggest_follow(build(vest, true), {0.0f, 1.0f, 0.0f});
+    EXPECT_EQ(follow[12 * 13], 0.0f);
+    EXPECT_EQ(follow[12 * 13 + 6], 0.0f);
+}
+
 TEST(Openings, PartsAreLookedAtOneByOne) {
     MeshData both = grid(8, 8, 0.1f);  // a cape beside a sleeve
     const MeshData sleeve = tube(16, 8, 0.05f, 0.5f);

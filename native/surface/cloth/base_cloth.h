@@ -97,6 +97,7 @@ struct Model {
     std::vector<Index> triangle_of;  // per vertex: one of its triangles, or kNone (loose)
     ClearanceModel clearance;
     std::vector<Overlap> overlaps;
+    std::vector<float> cover_room;  // room_to_cover()
 };
 std::shared_ptr<const Model> build(Surface surface);
 

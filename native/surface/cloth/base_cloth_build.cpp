@@ -6,6 +6,7 @@
 
 #include "base/tolerances.h"
 #include "surface/cloth/base_cloth.h"
+#include "surface/cloth/pins.h"
 #include "surface/cloth/smooth_normals.h"
 #include "surface/refine/refinement.h"
 
@@ -202,6 +203,7 @@ std::shared_ptr<const Model> build(Surface surface) {
     model->limit = vertex_limit_stencils(model->surface);
     model->clearance = build_clearance(model->surface);
     model->overlaps = find_overlaps(model->surface);
+    model->cover_room = room_to_cover(model->surface, model->overlaps);
     return model;
 }
 

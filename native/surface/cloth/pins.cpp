@@ -6,6 +6,8 @@
 
 #include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/edge_graph.h"
+#include "surface/output/attachments.h"
+#include "surface/query/bounds.h"
 
 namespace rumple {
 namespace {
@@ -20,17 +22,28 @@ constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.01f;
 // through while the springs were soft.
 constexpr float kLowest = 0.1f;
 
-// A border as wide as this is the outline of a sheet (a flag, a cape), not an opening.
-constexpr float kOutline = 0.25f;
+// A border as wide as this is the outline of a sheet (a flag, a cape, an open jacket), unless its part has
+// another one that is at least so wide against it: shorts and short skirts are wide for their length, and
+// their waistband is an opening. The sleeves of a jacket are a fifth of its outline, the armholes of a vest a
+// third.
+constexpr float kOutline = 0.25f, kOtherOpening = 0.45f;
 
 // Over this share of the part's diagonal the hold of a border fades out.
 constexpr float kFade = 0.07f;
+
+// Borders that lie nearer to one another than this share of the garment's diagonal go together (a lining):
+// none covers the other.
+constexpr float kTogether = 1.0f / 300.0f;
+
+// Of what a hem covers of a part below: so much it may go away.
+constexpr float kOfCover = 0.7f;
 
 struct Border {
     std::vector<Index> vertices;
     Index part = 0;
     float height = 0.0f;
     float radius = 0.0f;
+    bool is_opening = false;
 };
 
 float held_by_width(float fraction, bool lowest) {
@@ -98,6 +111,20 @@ std::vector<float> diagonals(const Surface& surface, std::span<const Index> part
     return out;
 }
 
+void mark_openings(std::span<const float> diagonal, std::vector<Border>& borders) {
+    std::vector<float> widest(diagonal.size(), 0.0f), second(diagonal.size(), 0.0f);  // of each part
+    for (const Border& border : borders) {
+        float &first = widest[border.part], &next = second[border.part];
+        next = std::max(next, std::min(first, border.radius));
+        first = std::max(first, border.radius);
+    }
+    for (Border& border : borders) {
+        const float radius = border.radius;
+        const float other = radius < widest[border.part] ? widest[border.part] : second[border.part];
+        border.is_opening = radius < kOutline * diagonal[border.part] || other >= kOtherOpening * radius;
+    }
+}
+
 // Raises `follow` around a border, by the distance along the edges.
 void hold(const Border& border, float firmly, float reach, const EdgeGraph& graph,
           std::vector<float>& follow) {
@@ -114,8 +141,9 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
     Index parts = 0;
     const std::vector<Index> part = connected(
         surface, [](const Edge&) { return true; }, parts);
-    const std::vector<Border> borders = collect_borders(surface, part, up);
+    std::vector<Border> borders = collect_borders(surface, part, up);
     const std::vector<float> diagonal = diagonals(surface, part, parts);
+    mark_openings(diagonal, borders);
     std::vector<float> highest(parts, std::numeric_limits<float>::lowest());
     std::vector<float> lowest(parts, std::numeric_limits<float>::max());
     for (const Border& border : borders) {
@@ -127,7 +155,7 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
     std::vector<float> follow(surface.welded.vertex_count, 0.0f);
     for (const Border& border : borders) {
         const float size = diagonal[border.part];
-        const bool top = border.height == highest[border.part] && border.radius < kOutline * size;
+        const bool top = border.height == highest[border.part] && border.is_opening;
         const bool low = border.height <= lowest[border.part] + kLowest * size;
         const float firmly = top ? 1.0f : held_by_width(border.radius / size, low);
         if (size > 0.0f && firmly > 0.0f) hold(border, firmly, kFade * size, graph, follow);
@@ -137,15 +165,61 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
     return out;
 }
 
+std::vector<float> room_to_cover(const Surface& surface, std::span<const base_cloth::Overlap> overlaps) {
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    const std::vector<Vec3>& rest = surface.positions_rest;
+    std::vector<float> room(rest.size(), kFar);
+    if (overlaps.empty()) return room;
+    Index parts = 0;
+    const std::vector<Index> part = connected(
+        surface, [](const Edge&) { return true; }, parts);
+    const std::vector<float> diagonal = diagonals(surface, part, parts);
+    std::vector<Border> hems = collect_borders(surface, part, Vec3(0.0f));
+    std::erase_if(hems,
+                  [&](const Border& b) { return b.radius < kWrist * diagonal[b.part]; });  // buttonholes
+    std::vector<bool> on_hem(rest.size(), false);
+    for (const Border& border : hems)
+        for (const Index v : border.vertices) on_hem[v] = true;
+    const float together = kTogether * static_cast<float>(bounding_diagonal(rest));
+    std::vector<float> covers(rest.size(),
+                              kFar);  // of vertices of a hem: how far behind it the other border is
+    for (const auto& [v, place, outer] : overlaps) {
+        if (outer || !on_hem[v]) continue;
+        const Vec3 above = interpolate(surface, place, rest);
+        const auto away = [&](Index h) { return glm::distance(above, rest[h]); };
+        const Index outer_part = part[welded_vertices(surface, place.triangle)[0]];
+        const Border* over = nullptr;  // the hem that it is behind
+        float nearest = kFar;
+        for (const Border& border : hems) {
+            if (border.part != outer_part) continue;
+            for (const Index h : border.vertices) {
+                if (away(h) < nearest) over = &border;
+                nearest = std::min(nearest, away(h));
+            }
+        }
+        if (!over || nearest <= together) continue;
+        for (const Index h : over->vertices) covers[h] = std::min(covers[h], away(h));
+    }
+    for (size_t h = 0; h < rest.size(); ++h) {
+        if (covers[h] == kFar) continue;
+        for (size_t v = 0; v < rest.size(); ++v) {
+            if (part[v] == part[h])
+                room[v] = std::min(room[v], kOfCover * covers[h] + glm::distance(rest[v], rest[h]));
+        }
+    }
+    return room;
+}
+
 Index count_openings(const Surface& surface) {
     Index parts = 0;
     const std::vector<Index> part = connected(
         surface, [](const Edge&) { return true; }, parts);
     const std::vector<float> diagonal = diagonals(surface, part, parts);
-    const std::vector<Border> borders = collect_borders(surface, part, Vec3(0.0f));
+    std::vector<Border> borders = collect_borders(surface, part, Vec3(0.0f));
+    mark_openings(diagonal, borders);
     std::vector<bool> has_opening(parts, false);
     for (const Border& border : borders) {
-        if (border.radius < kOutline * diagonal[border.part]) has_opening[border.part] = true;
+        if (border.is_opening) has_opening[border.part] = true;
     }
     return static_cast<Index>(
         std::ranges::count_if(borders, [&](const Border& b) { return has_opening[b.part]; }));

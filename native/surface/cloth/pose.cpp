@@ -253,11 +253,13 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                                  : tangent_frame(pose.normal[v], pose.animated[to] - pose.animated[v]));
         const float pinned = painted(paint.follow, surface.representative[v], 0.0f);
         pose.follow.push_back(settings.follow + (kPinned - settings.follow) * pinned * pinned * pinned);
-        pose.room.push_back(settings.room * painted(paint.room, surface.representative[v], 1.0f));
+        const float factor = painted(paint.room, surface.representative[v], 1.0f);
+        const float most = model.cover_room[v], room = std::min(settings.room * factor, most),
+                    slide = std::min(settings.slide_room * factor, most);
+        pose.room.push_back(room);
         // A loose vertex has no surface to slide along; what has no room at all stays.
-        const bool slides =
-            settings.room > 0.0f && settings.slide_room > settings.room && pose.normal[v] != Vec3(0.0f);
-        pose.slide_share.push_back(slides ? settings.room / settings.slide_room : 1.0f);
+        const bool slides = room > 0.0f && slide > room && pose.normal[v] != Vec3(0.0f);
+        pose.slide_share.push_back(slides ? room / slide : 1.0f);
     }
     std::vector<Vec3> smooth(vertices);
     apply<Vec3>(model.limit, pose.animated, smooth);
