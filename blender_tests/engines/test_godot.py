@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from support.godot_project import import_all
 
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLE, RUMPLE = ROOT / "docs" / "examples" / "godot", ROOT / "scripts" / "rumple"
@@ -86,7 +87,8 @@ class Godot(unittest.TestCase):
         shutil.copytree(SAMPLE, cls.project)
         cls.without = cls.said_by_sample("--picture=none.png", code=1)
         shutil.copytree(next((cls.folder / "publish").glob("*_vat")), cls.project / "garment")
-        said_by("godot3-server", "--path", cls.project, "-e", "-q", env=cls.environment())
+        import_all(cls.project, lambda: said_by("godot3-server", "--path", cls.project, "-e", "-q",
+                                                env=cls.environment()))
 
     @classmethod
     def environment(cls) -> dict[str, str]:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from support.godot_project import import_all
 
 ROOT = Path(__file__).resolve().parents[2]
 OUT = Path(os.environ["RUMPLE_OUT"])
@@ -34,7 +35,7 @@ class Maps(unittest.TestCase):
         (cls.project / "face").mkdir()
         for file in cls.exported.glob("face*"):
             shutil.copy(file, cls.project / "face")
-        cls.run_all("godot3-server", "--path", cls.project, "-e", "-q")
+        import_all(cls.project, lambda: cls.run_all("godot3-server", "--path", cls.project, "-e", "-q"))
 
     @classmethod
     def run_all(cls, *command: object, code: int = 0) -> str:
