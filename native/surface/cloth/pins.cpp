@@ -38,6 +38,8 @@ constexpr float kTogether = 1.0f / 300.0f;
 // Of what a hem covers of a part below: so much it may go away.
 constexpr float kOfCover = 0.7f;
 
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
 struct Border {
     std::vector<Index> vertices;
     Index part = 0;
@@ -112,18 +114,38 @@ std::vector<float> diagonals(const Surface& surface, std::span<const Index> part
 }
 
 void mark_openings(std::span<const float> diagonal, std::vector<Border>& borders) {
-    std::vector<float> widest(diagonal.size(), 0.0f), second(diagonal.size(), 0.0f);  // of each part
+    struct Widest {
+        float radius = 0.0f, next = 0.0f;
+    };
+    std::vector<Widest> of_part(diagonal.size());
     for (const Border& border : borders) {
-        float &first = widest[border.part], &next = second[border.part];
-        next = std::max(next, std::min(first, border.radius));
-        first = std::max(first, border.radius);
+        Widest& widest = of_part[size_t(border.part)];
+        widest.next = std::max(widest.next, std::min(widest.radius, border.radius));
+        widest.radius = std::max(widest.radius, border.radius);
     }
     for (Border& border : borders) {
-        const float radius = border.radius;
-        const float other = radius < widest[border.part] ? widest[border.part] : second[border.part];
-        border.is_opening = radius < kOutline * diagonal[border.part] || other >= kOtherOpening * radius;
+        const Widest& widest = of_part[size_t(border.part)];
+        const float other = border.radius < widest.radius ? widest.radius : widest.next;
+        border.is_opening = border.radius < kOutline * diagonal[size_t(border.part)] ||
+                            other >= kOtherOpening * border.radius;
     }
 }
+
+// The connected parts of a garment, and their open borders.
+struct Borders {
+    Index parts = 0;
+    std::vector<Index> part;      // per vertex
+    std::vector<float> diagonal;  // of each part
+    std::vector<Border> all;
+
+    explicit Borders(const Surface& surface, const Vec3& up = Vec3(0.0f))
+        : part(connected(
+              surface, [](const Edge&) { return true; }, parts)),
+          diagonal(diagonals(surface, part, parts)),
+          all(collect_borders(surface, part, up)) {
+        mark_openings(diagonal, all);
+    }
+};
 
 // Raises `follow` around a border, by the distance along the edges.
 void hold(const Border& border, float firmly, float reach, const EdgeGraph& graph,
@@ -135,26 +157,59 @@ void hold(const Border& border, float firmly, float reach, const EdgeGraph& grap
     });
 }
 
+// The hem of a part that is nearest to a place, and how far away it is.
+struct NearestHem {
+    const Border* hem = nullptr;
+    float away = kFar;
+
+    NearestHem(const Borders& borders, Index part, const Vec3& place, std::span<const Vec3> rest) {
+        for (const Border& border : borders.all) {
+            if (border.part != part) continue;
+            for (const Index v : border.vertices) {
+                const float distance = glm::distance(place, rest[v]);
+                if (distance < away) hem = &border;
+                away = std::min(away, distance);
+            }
+        }
+    }
+};
+
+// Of every vertex of a hem how far behind it the border of another part is, which it covers; else kFar.
+std::vector<float> covered_behind_hems(const Surface& surface, const Borders& borders,
+                                       std::span<const base_cloth::Overlap> overlaps) {
+    const std::vector<Vec3>& rest = surface.positions_rest;
+    std::vector<bool> on_border(rest.size(), false);
+    for (const Border& border : borders.all)
+        for (const Index v : border.vertices) on_border[v] = true;
+    const float together = kTogether * static_cast<float>(bounding_diagonal(rest));
+    std::vector<float> behind(rest.size(), kFar);
+    for (const auto& [v, place, outer] : overlaps) {
+        if (outer || !on_border[v]) continue;
+        const Vec3 above = interpolate(surface, place, rest);
+        const Index covering = borders.part[welded_vertices(surface, place.triangle)[0]];
+        const NearestHem nearest(borders, covering, above, rest);
+        if (!nearest.hem || nearest.away <= together) continue;
+        for (const Index h : nearest.hem->vertices)
+            behind[h] = std::min(behind[h], glm::distance(above, rest[h]));
+    }
+    return behind;
+}
+
 }  // namespace
 
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
-    Index parts = 0;
-    const std::vector<Index> part = connected(
-        surface, [](const Edge&) { return true; }, parts);
-    std::vector<Border> borders = collect_borders(surface, part, up);
-    const std::vector<float> diagonal = diagonals(surface, part, parts);
-    mark_openings(diagonal, borders);
-    std::vector<float> highest(parts, std::numeric_limits<float>::lowest());
-    std::vector<float> lowest(parts, std::numeric_limits<float>::max());
-    for (const Border& border : borders) {
+    const Borders borders(surface, up);
+    std::vector<float> highest(borders.parts, std::numeric_limits<float>::lowest());
+    std::vector<float> lowest(borders.parts, std::numeric_limits<float>::max());
+    for (const Border& border : borders.all) {
         highest[border.part] = std::max(highest[border.part], border.height);
         lowest[border.part] = std::min(lowest[border.part], border.height);
     }
     EdgeGraph graph(surface.welded.vertex_count);
     for (const Edge& edge : surface.edges) connect(surface, edge.a, edge.b, graph);
     std::vector<float> follow(surface.welded.vertex_count, 0.0f);
-    for (const Border& border : borders) {
-        const float size = diagonal[border.part];
+    for (const Border& border : borders.all) {
+        const float size = borders.diagonal[border.part];
         const bool top = border.height == highest[border.part] && border.is_opening;
         const bool low = border.height <= lowest[border.part] + kLowest * size;
         const float firmly = top ? 1.0f : held_by_width(border.radius / size, low);
@@ -166,63 +221,32 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
 }
 
 std::vector<float> room_to_cover(const Surface& surface, std::span<const base_cloth::Overlap> overlaps) {
-    constexpr float kFar = std::numeric_limits<float>::infinity();
     const std::vector<Vec3>& rest = surface.positions_rest;
     std::vector<float> room(rest.size(), kFar);
     if (overlaps.empty()) return room;
-    Index parts = 0;
-    const std::vector<Index> part = connected(
-        surface, [](const Edge&) { return true; }, parts);
-    const std::vector<float> diagonal = diagonals(surface, part, parts);
-    std::vector<Border> hems = collect_borders(surface, part, Vec3(0.0f));
-    std::erase_if(hems,
-                  [&](const Border& b) { return b.radius < kWrist * diagonal[b.part]; });  // buttonholes
-    std::vector<bool> on_hem(rest.size(), false);
-    for (const Border& border : hems)
-        for (const Index v : border.vertices) on_hem[v] = true;
-    const float together = kTogether * static_cast<float>(bounding_diagonal(rest));
-    std::vector<float> covers(rest.size(),
-                              kFar);  // of vertices of a hem: how far behind it the other border is
-    for (const auto& [v, place, outer] : overlaps) {
-        if (outer || !on_hem[v]) continue;
-        const Vec3 above = interpolate(surface, place, rest);
-        const auto away = [&](Index h) { return glm::distance(above, rest[h]); };
-        const Index outer_part = part[welded_vertices(surface, place.triangle)[0]];
-        const Border* over = nullptr;  // the hem that it is behind
-        float nearest = kFar;
-        for (const Border& border : hems) {
-            if (border.part != outer_part) continue;
-            for (const Index h : border.vertices) {
-                if (away(h) < nearest) over = &border;
-                nearest = std::min(nearest, away(h));
-            }
-        }
-        if (!over || nearest <= together) continue;
-        for (const Index h : over->vertices) covers[h] = std::min(covers[h], away(h));
-    }
+    Borders borders(surface);
+    std::erase_if(borders.all, [&](const Border& border) {  // of buttonholes
+        return border.radius < kWrist * borders.diagonal[border.part];
+    });
+    const std::vector<float> behind = covered_behind_hems(surface, borders, overlaps);
     for (size_t h = 0; h < rest.size(); ++h) {
-        if (covers[h] == kFar) continue;
+        if (behind[h] == kFar) continue;
         for (size_t v = 0; v < rest.size(); ++v) {
-            if (part[v] == part[h])
-                room[v] = std::min(room[v], kOfCover * covers[h] + glm::distance(rest[v], rest[h]));
+            if (borders.part[v] == borders.part[h])
+                room[v] = std::min(room[v], kOfCover * behind[h] + glm::distance(rest[v], rest[h]));
         }
     }
     return room;
 }
 
 Index count_openings(const Surface& surface) {
-    Index parts = 0;
-    const std::vector<Index> part = connected(
-        surface, [](const Edge&) { return true; }, parts);
-    const std::vector<float> diagonal = diagonals(surface, part, parts);
-    std::vector<Border> borders = collect_borders(surface, part, Vec3(0.0f));
-    mark_openings(diagonal, borders);
-    std::vector<bool> has_opening(parts, false);
-    for (const Border& border : borders) {
+    const Borders borders(surface);
+    std::vector<bool> has_opening(borders.parts, false);
+    for (const Border& border : borders.all) {
         if (border.is_opening) has_opening[border.part] = true;
     }
     return static_cast<Index>(
-        std::ranges::count_if(borders, [&](const Border& b) { return has_opening[b.part]; }));
+        std::ranges::count_if(borders.all, [&](const Border& b) { return has_opening[b.part]; }));
 }
 
 }  // namespace rumple
