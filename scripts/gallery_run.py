@@ -74,17 +74,21 @@ def settings_of(obj: bpy.types.Object) -> bpy.types.PropertyGroup:
     return getattr(obj.rumple, obj.rumple.method.lower())
 
 
+def corners(clip: Clip) -> list[Vector]:
+    """Of the boxes around what the camera looks at in the present frame, world space."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    seen = [bpy.data.objects[name].evaluated_get(depsgraph) for name in clip.looks_at or clip.garments]
+    return [obj.matrix_world @ Vector(corner) for obj in seen for corner in obj.bound_box]
+
+
 def middles(clip: Clip) -> dict[int, Vector]:
     """What the camera looks at in every frame, world space: a calm way along the middle of the garments."""
     scene, first, found = open_scene(clip), clip.frames[0], []
     for frame in range(first, clip.frames[1] + 1):
         scene.frame_set(frame)
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        corners = [obj.matrix_world @ Vector(corner) for obj in (bpy.data.objects[name].evaluated_get(depsgraph)
-                                                                 for name in clip.looks_at or clip.garments)
-                   for corner in obj.bound_box]
+        box = corners(clip)
         skeleton = bpy.data.objects.get("Skeleton")
-        found.append((np.min(corners, axis=0) + np.max(corners, axis=0)) / 2.0 if not clip.bone else
+        found.append((np.min(box, axis=0) + np.max(box, axis=0)) / 2.0 if not clip.bone else
                      np.array(skeleton.matrix_world @ skeleton.pose.bones[clip.bone].head))
     padded = np.pad(np.array(found), ((CALM, CALM), (0, 0)), mode="edge")
     calm = [padded[number:number + 2 * CALM + 1].mean(axis=0) for number in range(len(found))]
@@ -103,8 +107,10 @@ def place_camera(clip: Clip, ways: dict[int, Vector]) -> None:
 
 
 def place_floor(clip: Clip, ways: dict[int, Vector]) -> None:
-    """Under the middle of the picture, which it follows."""
+    """Under the middle of the picture, which it follows, and under the feet: a figure's origin may be at its hips."""
+    bpy.context.scene.frame_set(clip.frames[0])
     floor = add_floor(bpy.context.scene)
+    floor.location.z = min(0.0, *(corner.z for corner in corners(clip)))
     for frame, middle in ways.items():
         floor.location.xy = middle.xy
         floor.keyframe_insert("location", frame=frame)
