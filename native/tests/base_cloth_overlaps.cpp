@@ -128,6 +128,16 @@ TEST(BaseClothOverlaps, BordersThatLieTogetherAndOnesThatAreNotCoveredLeaveAllRo
     }
 }
 
+// All of a second layer lies under the first one, and its end two centimetres behind the hem.
+TEST(BaseClothOverlaps, ALiningHoldsNoHem) {
+    MeshData lined = over_the_end(0.0f);
+    for (Vec3& p : lined.positions)
+        if (glm::length(Vec2(p.y, p.z)) < 0.1025f) p.x = 0.02f + 1.8f * p.x;
+    const Surface surface = build(lined);
+    for (const float room : room_to_cover(surface, find_overlaps(surface)))
+        EXPECT_EQ(room, std::numeric_limits<float>::infinity());
+}
+
 // Cloth that falls along the sleeve: without what it covers it would slide by its whole room.
 TEST(BaseClothOverlaps, ClothThatFallsKeepsTheBorderCovered) {
     const Garment garment(over_the_end(0.18f));

@@ -174,6 +174,18 @@ struct NearestHem {
     }
 };
 
+// Of every part whether most of it lies under others: a lining, a second layer. Its borders go with theirs.
+std::vector<bool> linings(const Borders& borders, std::span<const base_cloth::Overlap> overlaps) {
+    std::vector<Index> under(size_t(borders.parts), 0);  // less those that are not
+    for (const auto& [v, place, outer] : overlaps)
+        if (!outer) under[size_t(borders.part[v])] += 2;
+    for (const Index part : borders.part)
+        if (part != kNone) --under[size_t(part)];
+    std::vector<bool> out;
+    for (const Index more : under) out.push_back(more > 0);
+    return out;
+}
+
 // Of every vertex of a hem how far behind it the border of another part is, which it covers; else kFar.
 std::vector<float> covered_behind_hems(const Surface& surface, const Borders& borders,
                                        std::span<const base_cloth::Overlap> overlaps) {
@@ -181,10 +193,11 @@ std::vector<float> covered_behind_hems(const Surface& surface, const Borders& bo
     std::vector<bool> on_border(rest.size(), false);
     for (const Border& border : borders.all)
         for (const Index v : border.vertices) on_border[v] = true;
+    const std::vector<bool> is_lining = linings(borders, overlaps);
     const float together = kTogether * static_cast<float>(bounding_diagonal(rest));
     std::vector<float> behind(rest.size(), kFar);
     for (const auto& [v, place, outer] : overlaps) {
-        if (outer || !on_border[v]) continue;
+        if (outer || !on_border[v] || is_lining[size_t(borders.part[v])]) continue;
         const Vec3 above = interpolate(surface, place, rest);
         const Index covering = borders.part[welded_vertices(surface, place.triangle)[0]];
         const NearestHem nearest(borders, covering, above, rest);
