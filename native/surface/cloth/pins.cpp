@@ -157,17 +157,16 @@ void hold(const Border& border, float firmly, float reach, const EdgeGraph& grap
     });
 }
 
-// The hem of a part that is nearest to a place, and how far away it is.
-struct NearestHem {
-    const Border* hem = nullptr;
+// The one of some borders that is nearest to a place, and how far away it is.
+struct Nearest {
+    const Border* border = nullptr;
     float away = kFar;
 
-    NearestHem(const Borders& borders, Index part, const Vec3& place, std::span<const Vec3> rest) {
-        for (const Border& border : borders.all) {
-            if (border.part != part) continue;
-            for (const Index v : border.vertices) {
+    Nearest(std::span<const Border> borders, const Vec3& place, std::span<const Vec3> rest) {
+        for (const Border& each : borders) {
+            for (const Index v : each.vertices) {
                 const float distance = glm::distance(place, rest[v]);
-                if (distance < away) hem = &border;
+                if (distance < away) border = &each;
                 away = std::min(away, distance);
             }
         }
@@ -190,19 +189,24 @@ std::vector<bool> linings(const Borders& borders, std::span<const base_cloth::Ov
 std::vector<float> covered_behind_hems(const Surface& surface, const Borders& borders,
                                        std::span<const base_cloth::Overlap> overlaps) {
     const std::vector<Vec3>& rest = surface.positions_rest;
-    std::vector<bool> on_border(rest.size(), false);
-    for (const Border& border : borders.all)
-        for (const Index v : border.vertices) on_border[v] = true;
+    std::vector<std::vector<Border>> hems(
+        size_t(borders.parts));  // of each part, but for those of buttonholes
+    std::vector<bool> on_hem(rest.size(), false);
+    for (const Border& border : borders.all) {
+        if (border.radius < kWrist * borders.diagonal[border.part]) continue;
+        hems[border.part].push_back(border);
+        for (const Index v : border.vertices) on_hem[v] = true;
+    }
     const std::vector<bool> is_lining = linings(borders, overlaps);
     const float together = kTogether * static_cast<float>(bounding_diagonal(rest));
     std::vector<float> behind(rest.size(), kFar);
     for (const auto& [v, place, outer] : overlaps) {
-        if (outer || !on_border[v] || is_lining[size_t(borders.part[v])]) continue;
+        if (outer || !on_hem[v] || is_lining[size_t(borders.part[v])]) continue;
         const Vec3 above = interpolate(surface, place, rest);
         const Index covering = borders.part[welded_vertices(surface, place.triangle)[0]];
-        const NearestHem nearest(borders, covering, above, rest);
-        if (!nearest.hem || nearest.away <= together) continue;
-        for (const Index h : nearest.hem->vertices)
+        const Nearest hem(hems[covering], above, rest);
+        if (!hem.border || hem.away <= together) continue;
+        for (const Index h : hem.border->vertices)
             behind[h] = std::min(behind[h], glm::distance(above, rest[h]));
     }
     return behind;
@@ -237,17 +241,15 @@ std::vector<float> room_to_cover(const Surface& surface, std::span<const base_cl
     const std::vector<Vec3>& rest = surface.positions_rest;
     std::vector<float> room(rest.size(), kFar);
     if (overlaps.empty()) return room;
-    Borders borders(surface);
-    std::erase_if(borders.all, [&](const Border& border) {  // of buttonholes
-        return border.radius < kWrist * borders.diagonal[border.part];
-    });
+    const Borders borders(surface);
     const std::vector<float> behind = covered_behind_hems(surface, borders, overlaps);
-    for (size_t h = 0; h < rest.size(); ++h) {
+    std::vector<std::vector<Index>> vertices(size_t(borders.parts));  // of each part
+    for (Index v = 0; v < surface.welded.vertex_count; ++v)
+        if (borders.part[v] != kNone) vertices[borders.part[v]].push_back(v);
+    for (Index h = 0; h < surface.welded.vertex_count; ++h) {
         if (behind[h] == kFar) continue;
-        for (size_t v = 0; v < rest.size(); ++v) {
-            if (borders.part[v] == borders.part[h])
-                room[v] = std::min(room[v], kOfCover * behind[h] + glm::distance(rest[v], rest[h]));
-        }
+        for (const Index v : vertices[borders.part[h]])
+            room[v] = std::min(room[v], kOfCover * behind[h] + glm::distance(rest[v], rest[h]));
     }
     return room;
 }
