@@ -15,16 +15,20 @@ using namespace base_cloth;
 constexpr float kSquare = 0.1f, kAbove = 0.005f;
 constexpr Index kOfOne = 16;  // vertices of one sheet
 
-// Two sheets of three by three squares; the second one is moved.
-MeshData two_sheets(const Vec3& shift) {
-    MeshData mesh = grid(3, 3, kSquare);
-    const MeshData one = mesh;
-    for (const Vec3& p : one.positions) mesh.positions.push_back(p + shift);
-    for (size_t c = 0; c < one.corner_vertex.size(); c += 4) {
-        const Index* v = &one.corner_vertex[c];
-        mesh.add_polygon({v[0] + kOfOne, v[1] + kOfOne, v[2] + kOfOne, v[3] + kOfOne});
+// Two meshes of quads in one; the second one is moved.
+MeshData with_part(MeshData mesh, const MeshData& part, const Vec3& shift) {
+    const Index first = static_cast<Index>(mesh.positions.size());
+    for (const Vec3& p : part.positions) mesh.positions.push_back(p + shift);
+    for (size_t c = 0; c < part.corner_vertex.size(); c += 4) {
+        const Index* v = &part.corner_vertex[c];
+        mesh.add_polygon({first + v[0], first + v[1], first + v[2], first + v[3]});
     }
     return mesh;
+}
+
+// Two sheets of three by three squares; the second one is moved.
+MeshData two_sheets(const Vec3& shift) {
+    return with_part(grid(3, 3, kSquare), grid(3, 3, kSquare), shift);
 }
 
 // Of the vertices of a sheet, all of which are pinned where `value` is 1.
@@ -94,15 +98,7 @@ TEST(BaseClothOverlaps, TheInnerPartStaysBelowTheMiddle) {
 
 // A sleeve around the end of another one, from `hem` on along it; the inner one ends at 0.2.
 MeshData over_the_end(float hem) {
-    MeshData mesh = tube(24, 20, 0.1f, 0.2f);
-    const MeshData outer = tube(24, 20, 0.105f, 0.4f);
-    const Index first = static_cast<Index>(mesh.positions.size());
-    for (const Vec3& p : outer.positions) mesh.positions.push_back(p + Vec3(hem, 0.0f, 0.0f));
-    for (size_t c = 0; c < outer.corner_vertex.size(); c += 4) {
-        const Index* v = &outer.corner_vertex[c];
-        mesh.add_polygon({first + v[0], first + v[1], first + v[2], first + v[3]});
-    }
-    return mesh;
+    return with_part(tube(24, 20, 0.1f, 0.2f), tube(24, 20, 0.105f, 0.4f), {hem, 0.0f, 0.0f});
 }
 
 // Where it covers two centimetres, it may draw back by seven tenths of that, and farther away by more.
@@ -136,6 +132,19 @@ TEST(BaseClothOverlaps, ALiningHoldsNoHem) {
     const Surface surface = build(lined);
     for (const float room : room_to_cover(surface, find_overlaps(surface)))
         EXPECT_EQ(room, std::numeric_limits<float>::infinity());
+}
+
+// A patch under the border of a sheet: as small as a button it is none that the sheet has to cover.
+TEST(BaseClothOverlaps, AButtonHoldsNoHem) {
+    for (const float radius : {0.004f, 0.02f}) {
+        // Two fifths of it below the sheet, farther from its border than what goes together.
+        const MeshData mesh =
+            with_part(grid(20, 20, 0.02f), grid(4, 4, 0.5f * radius), {-1.2f * radius, 0.2f, -0.1f * radius});
+        const Surface surface = build(mesh);
+        const std::vector<float> room = room_to_cover(surface, find_overlaps(surface));
+        const bool held = std::ranges::any_of(room, [](float r) { return std::isfinite(r); });
+        EXPECT_EQ(held, radius > 0.01f) << radius;
+    }
 }
 
 // Cloth that falls along the sleeve: without what it covers it would slide by its whole room.

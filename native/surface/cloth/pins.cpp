@@ -35,8 +35,11 @@ constexpr float kFade = 0.07f;
 // none covers the other.
 constexpr float kTogether = 1.0f / 300.0f;
 
-// Of what a hem covers of a part below: so much it may go away.
-constexpr float kOfCover = 0.7f;
+// Share of its overlap with the border of a part below by which a hem may leave its place.
+constexpr float kOfOverlap = 0.7f;
+
+// Radius over the garment's diagonal: smaller borders are of buttons, buckles and eyelets.
+constexpr float kButton = 1.0f / 80.0f;
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
@@ -185,31 +188,30 @@ std::vector<bool> linings(const Borders& borders, std::span<const base_cloth::Ov
     return out;
 }
 
-// Of every vertex of a hem how far behind it the border of another part is, which it covers; else kFar.
-std::vector<float> covered_behind_hems(const Surface& surface, const Borders& borders,
-                                       std::span<const base_cloth::Overlap> overlaps) {
+// By how much every vertex of a hem overlaps the border of another part that the hem covers; else kFar.
+std::vector<float> overlap_of_hems(const Surface& surface, const Borders& borders,
+                                   std::span<const base_cloth::Overlap> overlaps) {
     const std::vector<Vec3>& rest = surface.positions_rest;
-    std::vector<std::vector<Border>> hems(
-        size_t(borders.parts));  // of each part, but for those of buttonholes
+    const float diagonal = static_cast<float>(bounding_diagonal(rest));
+    std::vector<std::vector<Border>> hems(size_t(borders.parts));  // of each part
     std::vector<bool> on_hem(rest.size(), false);
     for (const Border& border : borders.all) {
-        if (border.radius < kWrist * borders.diagonal[border.part]) continue;
+        if (border.radius < kButton * diagonal) continue;
         hems[border.part].push_back(border);
         for (const Index v : border.vertices) on_hem[v] = true;
     }
     const std::vector<bool> is_lining = linings(borders, overlaps);
-    const float together = kTogether * static_cast<float>(bounding_diagonal(rest));
-    std::vector<float> behind(rest.size(), kFar);
+    std::vector<float> overlap(rest.size(), kFar);
     for (const auto& [v, place, outer] : overlaps) {
         if (outer || !on_hem[v] || is_lining[size_t(borders.part[v])]) continue;
         const Vec3 above = interpolate(surface, place, rest);
         const Index covering = borders.part[welded_vertices(surface, place.triangle)[0]];
         const Nearest hem(hems[covering], above, rest);
-        if (!hem.border || hem.away <= together) continue;
+        if (!hem.border || hem.away <= kTogether * diagonal) continue;
         for (const Index h : hem.border->vertices)
-            behind[h] = std::min(behind[h], glm::distance(above, rest[h]));
+            overlap[h] = std::min(overlap[h], glm::distance(above, rest[h]));
     }
-    return behind;
+    return overlap;
 }
 
 }  // namespace
@@ -242,14 +244,14 @@ std::vector<float> room_to_cover(const Surface& surface, std::span<const base_cl
     std::vector<float> room(rest.size(), kFar);
     if (overlaps.empty()) return room;
     const Borders borders(surface);
-    const std::vector<float> behind = covered_behind_hems(surface, borders, overlaps);
+    const std::vector<float> overlap = overlap_of_hems(surface, borders, overlaps);
     std::vector<std::vector<Index>> vertices(size_t(borders.parts));  // of each part
     for (Index v = 0; v < surface.welded.vertex_count; ++v)
         if (borders.part[v] != kNone) vertices[borders.part[v]].push_back(v);
     for (Index h = 0; h < surface.welded.vertex_count; ++h) {
-        if (behind[h] == kFar) continue;
+        if (overlap[h] == kFar) continue;
         for (const Index v : vertices[borders.part[h]])
-            room[v] = std::min(room[v], kOfCover * behind[h] + glm::distance(rest[v], rest[h]));
+            room[v] = std::min(room[v], kOfOverlap * overlap[h] + glm::distance(rest[v], rest[h]));
     }
     return room;
 }
