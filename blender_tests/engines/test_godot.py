@@ -6,27 +6,18 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from support.godot_project import import_all
+from support.godot_project import ROOT, GodotProject, said_by
 
-ROOT = Path(__file__).resolve().parents[2]
-SAMPLE, RUMPLE = ROOT / "docs" / "examples" / "godot", ROOT / "scripts" / "rumple"
+RUMPLE = ROOT / "scripts" / "rumple"
 OUT = Path(os.environ["RUMPLE_OUT"])
 SIZE, HALF, MIDDLE = 512, 0.45, (0.25, 0.15)  # main.gd
 FRAMES = 12
-
-
-def said_by(*command: object, **more: object) -> str:
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=240, **more)
-    if done.returncode:
-        raise AssertionError(f"{command}: {done.stdout}{done.stderr}")
-    return done.stdout + done.stderr
 
 
 class Stage:
@@ -83,33 +74,16 @@ class Godot(unittest.TestCase):
                       ("vat", "--image", "exr", "--in-place", "--to", cls.folder / "in_place")):
             said_by(RUMPLE, words[0], blend, "--object", "Sleeve", *words[1:])
         cls.stage = Stage(next((cls.folder / "publish").glob("*.usda")))
-        cls.project = cls.folder / "project"
-        shutil.copytree(SAMPLE, cls.project)
-        cls.without = cls.said_by_sample("--picture=none.png", code=1)
-        shutil.copytree(next((cls.folder / "publish").glob("*_vat")), cls.project / "garment")
-        import_all(cls.project, lambda: said_by("godot3-server", "--path", cls.project, "-e", "-q",
-                                                env=cls.environment()))
-
-    @classmethod
-    def environment(cls) -> dict[str, str]:
-        return {**os.environ, "HOME": str(cls.folder), "LIBGL_ALWAYS_SOFTWARE": "1", "LC_ALL": "C.UTF-8"}
-
-    @classmethod
-    def said_by_sample(cls, *words: str, code: int = 0) -> str:
-        screen = 100 + os.getpid() % 5000
-        done = subprocess.run(["xvfb-run", "-n", str(screen), "-a", "-s", "-screen 0 640x640x24", "godot3", "--path",
-                               str(cls.project), "--audio-driver", "Dummy", "--resolution", f"{SIZE}x{SIZE}", *words],
-                              capture_output=True, text=True, timeout=240, env=cls.environment())
-        said = done.stdout + done.stderr
-        if done.returncode != code or "SCRIPT ERROR" in said or "SHADER ERROR" in said:
-            raise AssertionError(f"{words}: {done.returncode}: {said}")
-        return said
+        cls.project = GodotProject(cls.folder)
+        cls.without = cls.project.play(SIZE, "--picture=none.png", code=1)
+        shutil.copytree(next((cls.folder / "publish").glob("*_vat")), cls.project.path / "garment")
+        cls.project.import_all()
 
     def picture(self, frame: int) -> np.ndarray:
         """(512, 512, 3) of 0..1."""
         file = OUT / f"godot_{frame}.png"
-        self.said_by_sample(f"--picture={file}", f"--frame={frame}", "--normals", f"--x={MIDDLE[0]}",
-                            f"--y={MIDDLE[1]}")
+        self.project.play(SIZE, f"--picture={file}", f"--frame={frame}", "--normals", f"--x={MIDDLE[0]}",
+                          f"--y={MIDDLE[1]}")
         return np.asarray(Image.open(file).convert("RGB")) / 255.0
 
     def test_pictures_of_frames_are_those_of_the_clip(self) -> None:
@@ -132,7 +106,7 @@ class Godot(unittest.TestCase):
     def test_a_garment_in_place_goes_its_way(self) -> None:
         covered, _ = self.stage.drawn(FRAMES - 1)
         (folder,) = (self.folder / "in_place").iterdir()
-        garment = self.project / "garment"
+        garment = self.project.path / "garment"
         self.addCleanup(shutil.copytree, next((self.folder / "publish").glob("*_vat")), garment, dirs_exist_ok=True)
         shutil.copytree(folder, garment, dirs_exist_ok=True)
         seen = self.picture(FRAMES - 1).max(-1) > 0.02

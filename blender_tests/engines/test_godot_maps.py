@@ -6,19 +6,16 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from support.godot_project import import_all
+from support.godot_project import ROOT, GodotProject, said_by
 
-ROOT = Path(__file__).resolve().parents[2]
 OUT = Path(os.environ["RUMPLE_OUT"])
 SIZE, FRAMES = 256, (1, 6, 11)
-FOLDER_LEFT = 5  # of xvfb-run: the server still wrote to its folder
 
 
 class Maps(unittest.TestCase):
@@ -27,36 +24,23 @@ class Maps(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.exported = cls.folder / "exported"
-        cls.run_all("blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-                    ROOT / "blender_tests" / "support" / "maps_scene.py", "--", cls.exported, *FRAMES)
-        cls.project = cls.folder / "project"
-        shutil.copytree(ROOT / "docs" / "examples" / "godot", cls.project)
-        cls.without = cls.said_by_sample("--picture=none.png", code=1)
-        (cls.project / "face").mkdir()
+        said_by("blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
+                ROOT / "blender_tests" / "support" / "maps_scene.py", "--", cls.exported, *FRAMES)
+        cls.project = GodotProject(cls.folder)
+        cls.without = cls.play("--picture=none.png", code=1)
+        (cls.project.path / "face").mkdir()
         for file in cls.exported.glob("face*"):
-            shutil.copy(file, cls.project / "face")
-        import_all(cls.project, lambda: cls.run_all("godot3-server", "--path", cls.project, "-e", "-q"))
+            shutil.copy(file, cls.project.path / "face")
+        cls.project.import_all()
 
     @classmethod
-    def run_all(cls, *command: object, code: int = 0) -> str:
-        done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=240, env=dict(
-            os.environ, HOME=str(cls.folder), LIBGL_ALWAYS_SOFTWARE="1", LC_ALL="C.UTF-8"))
-        said = done.stdout + done.stderr
-        if done.returncode not in (code, FOLDER_LEFT) or "SCRIPT ERROR" in said or "SHADER ERROR" in said:
-            raise AssertionError(f"{command}: {done.returncode}: {said}")
-        return said
-
-    @classmethod
-    def said_by_sample(cls, *words: str, code: int = 0) -> str:
-        screen = 100 + os.getpid() % 5000
-        return cls.run_all("xvfb-run", "-n", screen, "-a", "-s", "-screen 0 640x640x24", "godot3", "--path",
-                           cls.project, "--audio-driver", "Dummy", "--resolution", f"{SIZE}x{SIZE}", "maps.tscn",
-                           *words, code=code)
+    def play(cls, *words: str, code: int = 0) -> str:
+        return cls.project.play(SIZE, "maps.tscn", *words, code=code)
 
     def picture(self, frame: float) -> np.ndarray:
         """(256, 256, 3) of 0..1."""
         file = OUT / f"godot_maps_{frame:g}.png"
-        self.said_by_sample(f"--picture={file}", f"--frame={frame:g}", "--normals")
+        self.play(f"--picture={file}", f"--frame={frame:g}", "--normals")
         return np.asarray(Image.open(file).convert("RGB")) / 255.0
 
     def blender(self, frame: int) -> np.ndarray:
@@ -87,7 +71,7 @@ class Maps(unittest.TestCase):
     def test_each_file_counts(self) -> None:
         """The map, the strength, the gain, the kind of maps and the influences: without one the picture is another."""
         whole = self.picture(11)
-        path = self.project / "face" / "face.json"
+        path = self.project.path / "face" / "face.json"
         text = path.read_text()
         self.addCleanup(path.write_text, text)
         for harm in (lambda rig: rig["poses"][0].update(map=""), lambda rig: rig["poses"][0].update(strength=0.3),
@@ -101,7 +85,7 @@ class Maps(unittest.TestCase):
         rig = json.loads(text)
         rig["poses"] *= 5
         path.write_text(json.dumps(rig))
-        self.assertIn("This sample shows 8 poses, the face has 10", self.said_by_sample("--picture=x.png", code=1))
+        self.assertIn("This sample shows 8 poses, the face has 10", self.play("--picture=x.png", code=1))
 
     def test_without_a_face_it_says_so(self) -> None:
         self.assertIn("There is no face: copy what Rumple has exported", self.without)
