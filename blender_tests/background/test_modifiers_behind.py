@@ -181,7 +181,7 @@ class SubdivisionOfTriangles(unittest.TestCase):
         before = len(sleeve.shown(self.obj))
         with mock.patch.object(subdivision_behind, "MOST", 10.0):
             self.of_triangles()
-            self.assertRegex(self.obj.rumple.message, "switch off Use Limit Surface in it .*, or choose Subdivision")
+            self.assertRegex(self.obj.rumple.message, "switch off Use Limit Surface in it")
             self.assertEqual(len(sleeve.shown(self.obj)), before)
             runtimes.of(self.obj).evaluator = None  # as in a file that was just opened
             with mock.patch.object(evaluator, "_builder") as builder:  # it is not built again to be refused again
@@ -194,6 +194,26 @@ class SubdivisionOfTriangles(unittest.TestCase):
             sleeve.at(6)
             self.assertEqual((self.obj.rumple.message, runtimes.of(self.obj).inputs.frame), ("", 6.0))
             self.assertNotEqual(len(sleeve.shown(self.obj)), before)
+
+    def test_the_first_click_does_without_the_limit_surface_and_says_so(self) -> None:
+        """A garment of triangles with a Subdivision, as pattern programs and artists leave it, was refused."""
+        bpy.ops.object.rumple_remove()
+        self.obj.rumple.mesh.source, self.obj.rumple.mesh.segments = "REGULAR", 1
+        told, really = [], subdivision_behind.try_lighter
+        with mock.patch.object(subdivision_behind, "MOST", 0.1), mock.patch.object(
+                subdivision_behind, "try_lighter", side_effect=lambda *given: told.append(really(*given)) or told[0]):
+            bpy.ops.object.rumple_add(method="MESH")
+        self.assertRegex(told[0], 'Use Limit Surface .* is off now in the modifier "Subdivision"')
+        self.assertFalse(self.behind.use_limit_surface)
+        self.assertEqual(self.obj.rumple.message, "")
+
+    def test_where_it_is_refused_for_something_else_nothing_is_switched_off(self) -> None:
+        bpy.ops.object.rumple_remove()
+        self.obj.rumple.most_vertices = 1
+        self.obj.rumple.mesh.level = 5
+        with self.assertRaisesRegex(RuntimeError, "vertices"):
+            bpy.ops.object.rumple_add(method="MESH")
+        self.assertTrue(self.behind.use_limit_surface)
 
 
 if __name__ == "__main__":

@@ -73,16 +73,18 @@ class Walk(garment_walk.Walk):
             setattr(properties.group_of(obj), name, value)
 
     def do_scene(self) -> None:
-        """Make one, leave it, or go to another."""
-        window, scenes = bpy.context.window_manager.windows[0], list(bpy.data.scenes)
+        """Make one, leave it, or go to another. None is removed that another window shows: Blender dies of that."""
+        window, *others = bpy.context.window_manager.windows
+        scenes = list(bpy.data.scenes)
+        removable = [scene for scene in scenes if not any(other.scene == scene for other in others)]
         if len(scenes) < MOST_SCENES and self.random.random() < 0.4:
             bpy.ops.scene.new(type=self.random.choice(("EMPTY", "LINK_COPY", "FULL_COPY")))
             scene = bpy.context.scene
             scene.frame_start, scene.frame_end = 1, sleeve.LAST
             scene.render.fps = self.random.choice((24, 60))
             scene.unit_settings.scale_length = self.random.choice((1.0, 0.01))
-        elif len(scenes) > 1 and self.random.random() < 0.2:
-            bpy.data.scenes.remove(self.random.choice(scenes))
+        elif len(scenes) > 1 and removable and self.random.random() < 0.2:
+            bpy.data.scenes.remove(self.random.choice(removable))
         else:
             window.scene = self.random.choice(scenes)
 

@@ -154,7 +154,15 @@ class Walk(RandomWalk):
         if obj and len(obj.data.vertices) < 1500 and path_curves.find(obj) is None:
             obj.rumple.mesh.density, obj.rumple.mesh.level, obj.rumple.mesh.display_steps = "LEVEL", 1, 0
             obj.rumple.field.gpu_preview = obj.rumple.paths.gpu_preview = True
+            self.add(obj)
+
+    def add(self, obj: bpy.types.Object) -> None:
+        """One thing may be refused, with words, and leaves nothing: see subdivision_behind.py."""
+        try:
             bpy.ops.object.rumple_add(method=self.random.choice(("MESH", "FIELD", "PATHS")))
+        except RuntimeError as error:
+            assert "GB for a fine mesh of triangles: switch off" in str(error), f"after {self.done[-8:]}: {error}"
+            assert not self.is_ours(obj), f"after {self.done[-8:]}: refused, and there all the same"
 
     def do_materials(self) -> None:
         if self.pick() and bpy.ops.object.rumple_shade.poll():

@@ -45,7 +45,7 @@ class RandomWalk:
                 getattr(self, name)()
                 if bpy.context.view_layer.objects.active and name not in ("do_undo", "do_redo"):
                     bpy.ops.ed.undo_push(message=name)
-            yield
+            yield from self.between()
             with sleeve.context():
                 self.check()
 
@@ -61,6 +61,10 @@ class RandomWalk:
     def is_ours(self, obj: bpy.types.Object) -> bool:
         """Whether an object has what the walk is about."""
         raise NotImplementedError
+
+    def between(self) -> Iterator[Any]:
+        """What goes on in a window after a step, before the law is looked at."""
+        yield
 
     def check(self) -> None:
         """The law."""

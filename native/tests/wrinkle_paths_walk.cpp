@@ -143,6 +143,8 @@ TEST(PathFault, NamesWhatIsWrong) {
     };
     EXPECT_EQ(says([](auto&) {}), "");
     EXPECT_NE(says([](auto& p) { p[1].at.x = 1.5f; }).find("point 1: beyond its edge"), std::string::npos);
+    EXPECT_NE(says([](auto& p) { p[1].at.y = std::nanf(""); }).find("point 1: not finite"),
+              std::string::npos);
     EXPECT_NE(says([](auto& p) { p[0].at = {0.7f, 0.7f}; }).find("point 0: outside"), std::string::npos);
     EXPECT_NE(says([](auto& p) { p[1].triangle = 99; }).find("in no triangle"), std::string::npos);
     EXPECT_NE(says([](auto& p) { p.erase(p.begin() + 1); }).find("another triangle"), std::string::npos);

@@ -159,6 +159,7 @@ std::string validate(const Model& model, const std::vector<Path>& paths) {
             if (p.triangle < 0 || p.triangle >= triangles) return say(i, "in no triangle");
             if (p.edge < kNone || p.edge > 2 || end != (p.edge == kNone))
                 return say(i, end ? "an end that is on an edge" : "not on an edge");
+            if (!std::isfinite(p.at.y)) return say(i, "not finite");  // on an edge nothing else reads it
             if (!end && (!(p.at.x >= 0.0f) || p.at.x > 1.0f)) return say(i, "beyond its edge");
             if (end && (!(p.at.x >= 0.0f) || !(p.at.y >= 0.0f) || p.at.x + p.at.y > 1.0f + 1e-6f))
                 return say(i, "outside of its triangle");

@@ -3,7 +3,7 @@
 often as its Quality says, with gigabytes for a fine mesh of tens of thousands. That is said before it is spent."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Callable
 
 import bpy
 import numpy as np
@@ -21,6 +21,22 @@ def refuse_costly(obj: bpy.types.Object, fine: Any) -> None:
     name, needed = _need(obj, fine)
     if needed > MOST:
         raise UserError(_sentence(obj, name, needed))
+
+
+def try_lighter(obj: bpy.types.Object, prepare: Callable[[], bool]) -> str:
+    """Tries to make the fine mesh without the limit surface of what is behind it: that costs the gigabytes, and shows
+    little over a fine mesh. prepare: whether there is one then; if not, all is as it was. What to say of it, or
+    nothing."""
+    costly = _refining(obj)
+    for m in costly:
+        m.use_limit_surface = False
+    if costly and prepare():
+        names = ", ".join(f'"{m.name}"' for m in costly)
+        return (f"{obj.name}: Use Limit Surface (Advanced) is off now in the modifier {names} below the wrinkles: of a "
+                "fine mesh of triangles it makes gigabytes")
+    for m in costly:
+        m.use_limit_surface = True
+    return ""
 
 
 def quality(obj: bpy.types.Object) -> int:
@@ -58,5 +74,4 @@ def _refines(m: bpy.types.Modifier) -> bool:
 
 def _sentence(obj: bpy.types.Object, name: str, needed: float) -> str:
     return (f"{obj.name}: the modifier \"{name}\" below the wrinkles needs about {needed / 1000.0:.1f} GB for a fine "
-            "mesh of triangles: switch off Use Limit Surface in it (Advanced), or choose Subdivision as the source of "
-            "the fine mesh")
+            "mesh of triangles: switch off Use Limit Surface in it (Advanced)")

@@ -15,7 +15,7 @@ from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
 from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
-                       properties, runtimes, stack_notes, units, viewport_mesh)
+                       properties, runtimes, stack_notes, subdivision_behind, units, viewport_mesh)
 from ..translation import said
 from . import fabrics, thumbnails
 
@@ -123,14 +123,21 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         if self.method == "FIELD" and context.space_data is not None and not obj.rumple.field.is_property_set(
                 "gpu_preview"):
             obj.rumple.field.gpu_preview = True  # else nothing is seen of it in Solid viewports
-        rebuild.prepare(obj, nodes_mod)
+        lighter = ""
+        if not self._is_made(obj, nodes_mod):
+            lighter = subdivision_behind.try_lighter(obj, lambda: self._is_made(obj, nodes_mod))
         bodies.connect_all()
         if modifier.output_object(nodes_mod) is None:
             self.report({"ERROR"}, said(runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"))
             _remove(obj)
             return {"CANCELLED"}
-        self._report(obj)
+        self._report(obj, lighter)
         return {"FINISHED"}
+
+    @staticmethod
+    def _is_made(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+        rebuild.prepare(obj, nodes_mod)
+        return modifier.output_object(nodes_mod) is not None
 
     def _set_defaults(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         """What was set before a removal stays; lengths that were never set suit the mesh and the scene's unit. Returns
@@ -177,8 +184,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                 for garment in found.garments:
                     about.body_collection.objects.link(garment)
 
-    def _report(self, obj: bpy.types.Object) -> None:
-        for note in stack_notes.of(obj):
+    def _report(self, obj: bpy.types.Object, lighter: str) -> None:
+        for note in [lighter] * bool(lighter) + stack_notes.of(obj):
             self.report({"WARNING"}, said(note))
         fine = runtimes.of(obj).evaluator
         origin = fine.base.origin
