@@ -13,7 +13,7 @@ from . import scheduler
 from .frame import clip_status, disk_frames, first_pass, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
-from .objects import bodies, changes, kept_lists, messages, modifier, runtimes
+from .objects import bodies, changes, kept_lists, linked_outputs, messages, modifier, runtimes
 
 
 _PATIENCE = 30.0  # seconds that a render waits for what was edited just before
@@ -100,8 +100,15 @@ def _after_save(*_arguments: object) -> None:
 
 
 @_handler
+def _before_undo(*_arguments: object) -> None:
+    kept_lists.forget_all()
+    linked_outputs.let_go()
+
+
+@_handler
 def _on_undo(*_arguments: object) -> None:
     kept_lists.forget_all()
+    linked_outputs.take_again()
     for table in _RUNTIMES:
         table.invalidate_all()
     scheduler.request()
@@ -148,6 +155,7 @@ def _pairs() -> tuple:
             (handlers.depsgraph_update_post, _on_update),
             (handlers.load_pre, _before_load), (handlers.load_post, _on_load), (handlers.save_pre, _on_save),
             (handlers.save_post, _after_save),
+            (handlers.undo_pre, _before_undo), (handlers.redo_pre, _before_undo),
             (handlers.undo_post, _on_undo), (handlers.redo_post, _on_undo), (handlers.render_init, _on_render_start),
             (handlers.render_complete, _on_render_end), (handlers.render_cancel, _on_render_end))
 
