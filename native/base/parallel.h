@@ -8,6 +8,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <new>
@@ -208,6 +209,30 @@ class Team {
     std::atomic<unsigned> round_ = 0;
     std::atomic<int> inside_ = 0;
 };
+
+// Does both, the second in a thread of its own where the system gives one. What one of them throws is thrown
+// here when both have ended; if both do, that of the first.
+template <typename First, typename Second>
+void at_once(const First& first, const Second& second) {
+    std::exception_ptr failed_first, failed_second;
+    const auto caught = [](const auto& work, std::exception_ptr& failed) {
+        try {
+            work();
+        } catch (...) {
+            failed = std::current_exception();
+        }
+    };
+    std::thread other;
+    try {
+        other = std::thread([&] { caught(second, failed_second); });
+    } catch (const std::system_error&) {
+        caught(second, failed_second);
+    }
+    caught(first, failed_first);
+    if (other.joinable()) other.join();
+    for (const std::exception_ptr& failed : {failed_first, failed_second})
+        if (failed) std::rethrow_exception(failed);
+}
 
 // Threads for so many items: what was asked for, or (0) one below `least_items`, else those of this machine,
 // at most `most`.

@@ -8,10 +8,13 @@
 #endif
 
 #include <atomic>
+#include <chrono>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include "base/errors.h"
 #include "base/solve_team.h"
 
 namespace rumple {
@@ -144,6 +147,38 @@ TEST(Threads, OfASolveLeaveWhatIsSmallToOne) {
     EXPECT_EQ(SolveTeam::for_items(1'000'000, 1), nullptr) << "no solve is under way";
     const SolveTeam small(0, 10, 1000);
     EXPECT_EQ(SolveTeam::for_items(1'000'000, 1), nullptr);
+}
+
+TEST(Threads, DoBothAtOnce) {
+    std::atomic<int> others = 0;
+    std::thread::id first, second;
+    at_once([&] { first = std::this_thread::get_id(); },
+            [&] { second = std::this_thread::get_id(), ++others; });
+    EXPECT_EQ(first, std::this_thread::get_id());
+    EXPECT_NE(second, first);
+    EXPECT_EQ(others, 1);
+}
+
+// Nothing goes on behind the back of who called, and the words of a refusal arrive.
+TEST(Threads, OfBothEndBeforeAnErrorIsThrown) {
+    for (const bool first_fails : {true, false}) {
+        for (const bool second_fails : {true, false}) {
+            std::atomic<int> done = 0;
+            const auto work = [&done](const char* name, bool fails) {
+                std::this_thread::sleep_for(std::chrono::milliseconds(fails ? 0 : 5));
+                ++done;
+                if (fails) throw InvalidInput(name);
+            };
+            std::string said;
+            try {
+                at_once([&] { work("first", first_fails); }, [&] { work("second", second_fails); });
+            } catch (const InvalidInput& error) {
+                said = error.what();
+            }
+            EXPECT_EQ(done, 2);
+            EXPECT_EQ(said, first_fails ? "first" : second_fails ? "second" : "");
+        }
+    }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "base/errors.h"
 #include "base/expect.h"
+#include "base/parallel.h"
 #include "base/solve_team.h"
 #include "base/tolerances.h"
 #include "surface/mesh/positions.h"
@@ -158,31 +159,45 @@ std::vector<Vec3> attached_at_rest(const Surface& base, const Attachments& attac
     return rest;
 }
 
+namespace {
+
+// All but what comes from solved vertices. Returns the solved vertex, after the display steps, of every shown
+// one.
+std::vector<Index> unweld_and_locate(const Surface& base, const Surface& source, const FineMesh& fine,
+                                     Index steps, ShownMesh& shown) {
+    FineMesh whole = compose(refine_subdivision(fine.mesh, steps), fine);
+    Unwelded open = unweld(source, whole);
+    if (&source == &base) {
+        const std::vector<SurfacePoint> places = locate_on_parents(base, whole);
+        for (const Index v : open.fine_vertex) shown.places.push_back(places[v]);
+    }
+    shown.mesh = std::move(open.mesh);
+    shown.vertex_from_source = std::move(open.vertex_from_display);
+    shown.corner_from_source = std::move(whole.corner_from_parent);
+    shown.polygon_source = std::move(whole.polygon_parent);
+    collect_edge_sources(shown, source.display);
+    return std::move(open.fine_vertex);
+}
+
+}  // namespace
+
 ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& fine, Index steps,
                     std::span<const Vec3> solved_rest) {
-    const FineMesh step = refine_subdivision(fine.mesh, steps);
-    const FineMesh whole = compose(step, fine);
-    const Unwelded open = unweld(source, whole);
-    const SparseRows smooth = subdivision_stencils(fine.mesh, steps, false);
     ShownMesh shown;
-    shown.mesh = open.mesh;
-    shown.vertex_from_source = open.vertex_from_display;
-    shown.corner_from_source = whole.corner_from_parent;
-    shown.polygon_source = whole.polygon_parent;
-    for (const Index v : open.fine_vertex) shown.from_solved.append_row(smooth, v);
-    shown.positions_rest.resize(open.fine_vertex.size());
+    std::vector<Index> solved_vertex;
+    SparseRows smooth;
+    at_once([&] { solved_vertex = unweld_and_locate(base, source, fine, steps, shown); },
+            [&] { smooth = subdivision_stencils(fine.mesh, steps, false); });
+    for (const Index v : solved_vertex) shown.from_solved.append_row(smooth, v);
+    shown.positions_rest.resize(solved_vertex.size());
     apply<Vec3>(shown.from_solved, solved_rest, shown.positions_rest);
     if (&source != &base) {
         std::vector<float> distance(shown.positions_rest.size());
         shown.places = closest_points(base, shown.positions_rest, distance);
-    } else {
-        const std::vector<SurfacePoint> places = locate_on_parents(base, whole);
-        for (const Index v : open.fine_vertex) shown.places.push_back(places[v]);
     }
     for (const SurfacePoint& place : shown.places) {
         shown.embedding.push_back(display_vertices(base, place.triangle));
     }
-    collect_edge_sources(shown, source.display);
     return shown;
 }
 

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <span>
 
 #include "base/solve_team.h"
 #include "base/tolerances.h"
@@ -43,6 +45,22 @@ std::vector<Index> find_parents(const FineMesh& fine) {
     }
     return parent;
 }
+
+// The corners at every vertex, ascending.
+struct VertexCorners {
+    std::vector<Index> start, corner;
+
+    explicit VertexCorners(const PolygonMesh& mesh)
+        : start(size_t(mesh.vertex_count) + 1, 0), corner(mesh.corner_vertex.size()) {
+        for (const Index v : mesh.corner_vertex) ++start[v + 1];
+        std::partial_sum(start.begin(), start.end(), start.begin());
+        std::vector<Index> next(start.begin(), start.end() - 1);
+        for (Index c = 0; c < mesh.corners(); ++c) corner[next[mesh.corner_vertex[c]]++] = c;
+    }
+    std::span<const Index> of(Index v) const {
+        return {corner.data() + start[v], corner.data() + start[v + 1]};
+    }
+};
 
 // Fine corner <- base display vertices.
 SparseRows corners_from_display(const Surface& surface, const FineMesh& fine) {
@@ -117,15 +135,14 @@ Unwelded unweld(const Surface& surface, const FineMesh& fine) {
     const SparseRows corner_rows = corners_from_display(surface, fine);
     // Corners of one fine vertex that draw on the same display vertices are one
     // vertex: across a seam they draw on different ones.
-    std::vector<std::vector<Index>> corners_of(fine.mesh.vertex_count);
-    for (Index c = 0; c < fine.mesh.corners(); ++c) corners_of[fine.mesh.corner_vertex[c]].push_back(c);
-
+    const VertexCorners corners(fine.mesh);
     Unwelded result;
     result.mesh.polygon_start = fine.mesh.polygon_start;
     result.mesh.corner_vertex.resize(fine.mesh.corner_vertex.size());
+    std::vector<Index> differing;  // corners, one of every new vertex
     for (Index v = 0; v < fine.mesh.vertex_count; ++v) {
-        std::vector<Index> differing;  // corners, one of every new vertex
-        for (Index c : corners_of[v]) {
+        differing.clear();
+        for (Index c : corners.of(v)) {
             const auto same = std::find_if(differing.begin(), differing.end(), [&](Index other) {
                 return have_same_columns(corner_rows, other, c);
             });

@@ -60,8 +60,7 @@ Corners refined(const Far::TopologyRefiner& refiner, int level, const Corners& b
     return out;
 }
 
-// The weights of one corner, by corners or by vertices of the mesh: sorted, one entry a column, zeros
-// dropped.
+// The weights of one corner by vertices of the mesh: sorted, one entry a column, zeros dropped.
 void add_row(std::vector<std::pair<Index, double>>& entries, SparseRows& rows) {
     std::ranges::sort(entries);
     for (std::size_t k = 0; k < entries.size();) {
@@ -82,19 +81,20 @@ LinearRows linear_rows(const Far::TopologyRefiner& refiner, const PolygonMesh& m
     LinearRows out;
     std::vector<const double*> at_vertex(level.GetNumVertices(), nullptr);  // weights of a corner there
     std::vector<Index> polygon_at(level.GetNumVertices(), kNone);
-    std::vector<std::pair<Index, double>> entries;
     for (int f = 0; f < level.GetNumFaces(); ++f) {
         const Index p = last.polygon[f], n = mesh.polygon_size(p);
         const double* weight = &last.weight[last.start[f]];
         for (const int vertex : level.GetFaceVertices(f)) {
-            entries.clear();
-            for (Index k = 0; k < n; ++k) entries.emplace_back(mesh.polygon_start[p] + k, weight[k]);
-            add_row(entries, out.corner);
+            for (Index k = 0; k < n; ++k)
+                if (weight[k] != 0.0)
+                    out.corner.add(mesh.polygon_start[p] + k, static_cast<float>(weight[k]));
+            out.corner.end_row();
             at_vertex[vertex] = weight;
             polygon_at[vertex] = p;
             weight += n;
         }
     }
+    std::vector<std::pair<Index, double>> entries;
     for (std::size_t v = 0; v < at_vertex.size(); ++v) {
         const Index p = polygon_at[v];
         entries.clear();

@@ -8,6 +8,7 @@
 
 #include "base/errors.h"
 #include "base/graph_coloring.h"
+#include "base/parallel.h"
 #include "base/tolerances.h"
 #include "surface/mesh/border_rings.h"
 #include "systems/wrinkle_mesh/pose.h"
@@ -222,14 +223,19 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
                                      : refine(model->base, source, display_steps);
     model->solved = fine.mesh;
     model->positions_rest = attach_fine_mesh(*model, source, fine, attachment);
-    add_constraints(*model);
-    model->stretch = build_stretch(model->base);
-    if (source.adaptive) model->adaptive = place_pairs(*model);
-    model->near = near_triangles(model->base);
     const Surface& inherited = source.own ? *source.own : model->base;
-    model->shown = show_fine(model->base, inherited, fine, display_steps, model->positions_rest);
-    model->shown_in_viewport =
-        show_in_viewport(model->base, inherited, fine, display_steps, viewport_steps, model->positions_rest);
+    const auto add_what_is_solved = [&] {
+        add_constraints(*model);
+        model->stretch = build_stretch(model->base);
+        if (source.adaptive) model->adaptive = place_pairs(*model);
+        model->near = near_triangles(model->base);
+        model->shown_in_viewport = show_in_viewport(model->base, inherited, fine, display_steps,
+                                                    viewport_steps, model->positions_rest);
+    };
+    const auto add_what_is_shown = [&] {
+        model->shown = show_fine(model->base, inherited, fine, display_steps, model->positions_rest);
+    };
+    at_once(add_what_is_shown, add_what_is_solved);
     return model;
 }
 
