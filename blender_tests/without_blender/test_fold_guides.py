@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from rumple.core import fold_guides
 from rumple.core.base_mesh import BaseMesh
 from rumple.core.fold_guides import DIRECTION, GUIDES, KNIFE, PLEATS, PUCKER, TUCKS, profile
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
@@ -202,6 +203,13 @@ class Profiles(unittest.TestCase):
             self.assertAlmostEqual(heights.max(), 1.0, delta=1e-3)
             rising = (heights[1:] >= 0.5) & (heights[:-1] < 0.5)
             self.assertEqual(int(rising.sum()), COUNT)
+
+    def test_series_are_the_functions_that_they_stand_for(self) -> None:
+        """To the last bits: NumPy's own functions have other last bits on other processors."""
+        shares, cosines = np.linspace(-3.0, 3.0, 2001), np.linspace(-1.0, 1.0, 2001)
+        np.testing.assert_allclose(fold_guides.crest(shares), 0.5 - 0.5 * np.cos(2.0 * np.pi * shares), atol=1e-14)
+        angles = np.maximum(np.arccos(cosines) / 2.0, 1e-6)
+        np.testing.assert_allclose(fold_guides._arc_of_chord(cosines), angles / np.sin(angles), rtol=1e-12)
 
     def test_knife_pleats_lie_to_one_side(self) -> None:
         across = np.linspace(0.0, SPACING, 401)

@@ -10,10 +10,12 @@ import numpy as np
 from rumple.core import transforms
 
 ADDON = Path(transforms.__file__).parents[1]
-# What a frame is solved from goes through these. Guides are measured once, when they are drawn.
+# What a frame is solved from goes through these.
 SOLVED_FROM = ("core/cloth.py", "core/on_cloth.py", "core/body.py", "core/surroundings.py", "core/triangles.py",
                "core/rigid_parts.py", "blender/objects/bodies.py", "blender/objects/mesh_reader.py",
-               "blender/objects/coarse_copy.py", "blender/objects/wind.py", "blender/objects/guide_curves.py")
+               "blender/objects/coarse_copy.py", "blender/objects/wind.py", "blender/objects/guide_curves.py",
+               "core/fold_guides.py")
+LEFT_TO_LIBRARIES = r"[\w)\]] @ |linalg|np\.dot|einsum|matmul|np\.(cos|sin|tan|arc|hypot|exp|log)"
 
 
 class Transforms(unittest.TestCase):
@@ -30,6 +32,20 @@ class Transforms(unittest.TestCase):
         np.testing.assert_allclose(transforms.inverse(self.matrix), np.linalg.inv(self.matrix), **near)
         self.assertAlmostEqual(transforms.determinant(self.matrix), np.linalg.det(self.matrix), 12)
         self.assertAlmostEqual(transforms.length(self.points[0]), np.linalg.norm(self.points[0]), 12)
+
+    def test_principal_axes(self) -> None:
+        """Of any symmetric matrices, of equal eigenvalues, zeros, and numbers at the ends of the range."""
+        random = np.random.default_rng(4).normal(size=(200, 3, 3))
+        matrices = random + random.transpose(0, 2, 1)
+        matrices[:4] = np.zeros((3, 3)), np.diag([2.0, 1.0, 1.0]), np.ones((3, 3)), 1e-200 * matrices[3]
+        matrices[4] *= 1e150
+        values, axes = transforms.principal_axes(matrices)
+        largest = np.maximum(np.abs(matrices).max(axis=(1, 2)), 1e-300)
+        np.testing.assert_allclose(values / largest[:, None], np.linalg.eigvalsh(matrices) / largest[:, None],
+                                   atol=1e-14)
+        np.testing.assert_allclose((matrices @ axes - axes * values[:, None]) / largest[:, None, None], 0.0,
+                                   atol=1e-14)
+        np.testing.assert_allclose(axes.transpose(0, 2, 1) @ axes, np.tile(np.eye(3), (200, 1, 1)), atol=1e-14)
 
     def test_worked_by_hand(self) -> None:
         """A quarter turn about Z, twice as large, and mirrored: (1, 0, 0) goes to (0, 2, 0)."""
@@ -52,7 +68,7 @@ class Transforms(unittest.TestCase):
                 code = line.split("#")[0]
                 if "matrix_world" in code or "matrix_basis" in code or "norm(" in code and "axis=1" in code:
                     continue
-                self.assertIsNone(re.search(r"[\w)\]] @ |linalg|np\.dot|einsum|matmul", code), f"{name}: {line}")
+                self.assertIsNone(re.search(LEFT_TO_LIBRARIES, code), f"{name}: {line}")
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from .paint_maps import smoothstep
+from .transforms import length, principal_axes
 from .triangles import cross, unit
 
 GUIDES = "guides"  # the paint
@@ -33,6 +34,8 @@ PLEATS, KNIFE, TUCKS, PUCKER, DIRECTION = range(5)
 LEAN = 0.75  # where the crest of a knife pleat stands between its two valleys
 TUCK = 0.5  # share of the spacing that a tuck takes
 STEPS = 4.0  # points of a line in the spacing of its folds
+COSINE_TERMS = 12  # of its series: between -pi/2 and pi/2 the next one is below 1e-18
+ARC_TERMS = 12  # of the series of the arc sine, for a sine up to 0.2
 FINEST = 0.25  # of the spacing: the longest edges that show a fold
 TOO_FAR = "a guide is too far from the garment at rest: move it onto the surface"
 
@@ -68,7 +71,11 @@ class Guide:
 
 def crest(share: np.ndarray) -> np.ndarray:
     """Height of a round fold, 0 at its valleys (0 and 1), 1 at its crest (one half), with level ends."""
-    return 0.5 - 0.5 * np.cos(2.0 * math.pi * share)
+    square = (math.pi * (share - np.floor(share) - 0.5)) ** 2
+    cosine = np.ones_like(square)  # by its series: NumPy's own has another last bit on another processor
+    for k in range(COSINE_TERMS, 0, -1):
+        cosine = 1.0 - cosine * square / ((2 * k - 1) * 2 * k)
+    return cosine * cosine
 
 
 def profile(kind: int, across: np.ndarray, along: np.ndarray, count: float, spacing: float) -> np.ndarray:
@@ -104,7 +111,7 @@ def directions(table: np.ndarray, positions: np.ndarray, polygon_start: np.ndarr
         for rows, along in asked:
             along, at = along[number[rows] >= 0], number[rows][number[rows] >= 0]
             mixed[at] += along[:, :, None] * unit(along)[:, None, :]
-        strength, axes = np.linalg.eigh(mixed)
+        strength, axes = principal_axes(mixed)
         found[several] = np.minimum(strength[:, 2] - strength[:, 1], 1.0)[:, None] * axes[:, :, 2]
     return found.astype(np.float32), surface.notes
 
@@ -121,7 +128,8 @@ class _AtRest:
                                  corners[np.where(place == first, last, place - 1)]])
         # What stands at one place on two sides of a seam moves as one.
         steps = np.round((self._rest - self._rest.min(axis=0)) / (1e-6 * np.ptp(self._rest, axis=0).max()))
-        used, self._place = np.unique(steps.astype(np.int64) @ np.array([1 << 42, 1 << 21, 1]), return_inverse=True)
+        x, y, z = steps.astype(np.int64).T
+        used, self._place = np.unique((x << 42) + (y << 21) + z, return_inverse=True)
         self._normals = _normals(self._rest, self._corner, self._place[corners], len(used))[self._place]
         self._has_face = np.zeros(len(self._rest), bool)  # not what is loose, or belongs to a rigid part
         self._has_face[corners] = True
@@ -140,7 +148,7 @@ class _AtRest:
             return nothing
         foot, normal, seeds = self._on_surface(line, near)
         across, _along, beyond, strength, tangent = self._measured(near, foot, normal, factor)
-        distance = np.hypot(across, beyond) / reach
+        distance = np.sqrt(across * across + beyond * beyond) / reach
         chosen = self._connected(near, (distance < 1.0) | np.isin(near, seeds), seeds)
         weight = (1.0 - guide.others) * np.clip(strength, 0.0, 1.0) * smoothstep(2.0 - 2.0 * distance)
         normals = self._normals[near]
@@ -167,23 +175,22 @@ class _AtRest:
         closest = _nearest(points, foot)  # steps are short: one of the two beside that point
         for number in (np.maximum(closest - 1, 0), np.minimum(closest, len(side) - 1)):
             from_begin = points - foot[number]
-            at = np.clip(np.einsum("ij,ij->i", from_begin, side[number]) / lengths[number] ** 2, 0.0, 1.0)
-            distance = ((from_begin - at[:, None] * side[number]) ** 2).sum(axis=1)
+            at = np.clip(_dot(from_begin, side[number]) / lengths[number] ** 2, 0.0, 1.0)
+            from_line = from_begin - at[:, None] * side[number]
+            distance = _dot(from_line, from_line)
             closer = distance < best
             best[closer], segment[closer], share[closer] = distance[closer], number[closer], at[closer]
         tangent = (side / lengths[:, None])[segment]
         from_line = points - foot[segment] - (share * lengths[segment])[:, None] * tangent
-        along_tangent = (from_line * tangent).sum(axis=1)
+        along_tangent = _dot(from_line, tangent)
         ends = ((segment == 0) & (share == 0.0)) | ((segment == len(side) - 1) & (share == 1.0))
-        closed = np.linalg.norm(foot[0] - foot[-1]) < 1e-6 * lengths.sum()
+        closed = length(foot[0] - foot[-1]) < 1e-6 * lengths.sum()
         beyond = np.where(ends & (not closed), np.abs(along_tangent), 0.0)
         under = unit((1.0 - share)[:, None] * normal[segment] + share[:, None] * normal[segment + 1])
         straight = from_line - along_tangent[:, None] * tangent * ends[:, None]
-        sign = np.sign((cross(under, tangent) * straight).sum(axis=1))
+        sign = np.sign(_dot(cross(under, tangent), straight))
         # Over an arc the chord is shorter, by the angle between the normals at its ends.
-        angle = np.arccos(np.clip((under * self._normals[near]).sum(axis=1), -1.0, 1.0)) / 2.0
-        longer = np.where(angle > 1e-6, angle / np.maximum(np.sin(angle), 1e-9), 1.0)
-        across = sign * np.linalg.norm(straight, axis=1) * longer
+        across = sign * np.linalg.norm(straight, axis=1) * _arc_of_chord(_dot(under, self._normals[near]))
         at_begin = np.concatenate([[0.0], np.cumsum(lengths)])[segment]
         depth_factor = (1.0 - share) * factor[segment] + share * factor[segment + 1]
         return across, at_begin + share * lengths[segment], beyond, depth_factor, tangent
@@ -258,8 +265,8 @@ class GuidedFolds(_AtRest):
         is_row[rows] = True
         here, after = self._corner[0], self._corner[1]
         edges = is_row[here] & is_row[after]
-        if not edges.any() or np.linalg.norm(self._rest[here[edges]] - self._rest[after[edges]],
-                                             axis=1).mean() > FINEST * width:
+        lengths = np.linalg.norm(self._rest[here[edges]] - self._rest[after[edges]], axis=1)
+        if not edges.any() or lengths.mean() > FINEST * width:
             self.notes.append("the fine mesh is too coarse for the folds of a guide: make it denser, or the folds "
                               "wider")
 
@@ -275,12 +282,30 @@ def _normals(positions: np.ndarray, corner: np.ndarray, at: np.ndarray, places: 
 
 def _nearest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
     """(points,) which of the others is nearest to each."""
-    middle = others.mean(axis=0)
-    others = others - middle
-    half_squares = 0.5 * np.einsum("ij,ij->i", others, others)
     rows = max(1_000_000 // len(others), 1)  # at a time
-    return np.concatenate([(half_squares - (points[begin:begin + rows] - middle) @ others.T).argmin(axis=1)
-                           for begin in range(0, len(points), rows)])
+    nearest = []
+    for begin in range(0, len(points), rows):
+        x, y, z = (points[begin:begin + rows, k, None] - others[:, k] for k in range(3))
+        nearest.append((x * x + y * y + z * z).argmin(axis=1))
+    return np.concatenate(nearest)
+
+
+def _dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """(n,) of (n, 3): one term after the other, so that all processors round alike."""
+    return one[:, 0] * other[:, 0] + one[:, 1] * other[:, 1] + one[:, 2] * other[:, 2]
+
+
+def _arc_of_chord(cosine: np.ndarray) -> np.ndarray:
+    """How much longer an arc is than its chord: x / sin x, of the cosine of the angle 2 x between the normals at its
+    ends."""
+    sine = np.sqrt(np.clip(0.5 - 0.5 * cosine, 0.0, 1.0))
+    half, doubled = sine, 1.0
+    for _ in range(3):  # the sine of a half of the angle, of a quarter, of an eighth
+        half, doubled = half / np.sqrt(2.0 + 2.0 * np.sqrt(1.0 - half * half)), 2.0 * doubled
+    square, series = half * half, np.ones_like(sine)
+    for k in range(ARC_TERMS, 0, -1):  # asin s / s = 1 + s^2 / 6 + 3 s^4 / 40 + ...
+        series = 1.0 + series * square * (2 * k - 1) ** 2 / (2 * k * (2 * k + 1))
+    return np.where(sine > 1e-6, doubled * half * series / np.maximum(sine, 1e-9), 1.0)
 
 
 def _resampled(line: np.ndarray, factor: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:
@@ -288,8 +313,8 @@ def _resampled(line: np.ndarray, factor: np.ndarray, longest: float) -> tuple[np
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
     longest = max(longest, lengths.sum() / 1000.0, 1e-9)
     places = [np.zeros(1)]
-    for number, length in enumerate(lengths):
-        pieces = max(math.ceil(length / longest), 1)
+    for number, step in enumerate(lengths):
+        pieces = max(math.ceil(step / longest), 1)
         places.append(number + np.arange(1, pieces + 1) / pieces)
     at, known = np.concatenate(places), np.arange(len(line))
     return (np.stack([np.interp(at, known, line[:, k]) for k in range(3)], axis=1), np.interp(at, known, factor))
