@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walk with what goes between scenes and files: other scenes, append, link, override, Alt-D in Edit Mode, rig and
-body deleted while a clip plays."""
+"""The walk with what goes between scenes and files: other scenes, append, link, override, a library that is read again
+or made local, a purge, Alt-D in Edit Mode, rig and body deleted while a clip plays."""
 from __future__ import annotations
 
 from typing import Any
@@ -71,6 +71,21 @@ class Walk(garment_walk.Walk):
             obj = self.random.choice(overrides)
             name, value = self.random.choice(garment_walk.SETTINGS[obj.rumple.method])
             setattr(properties.group_of(obj), name, value)
+
+    def do_reload(self) -> None:
+        """A library that somebody else has saved meanwhile."""
+        if len(bpy.data.libraries):
+            self.random.choice(list(bpy.data.libraries)).reload()
+
+    def do_make_local(self) -> None:
+        linked = [o for o in bpy.context.scene.objects if o.library is not None and self.is_ours(o)]
+        if linked and self.room():
+            obj = self.random.choice(linked)
+            for found in (obj, obj.data):
+                found.make_local()
+
+    def do_purge(self) -> None:
+        bpy.data.orphans_purge(do_recursive=True)
 
     def do_scene(self) -> None:
         """Make one, leave it, or go to another. None is removed that another window shows: Blender dies of that."""

@@ -15,8 +15,9 @@ MOST_OBJECTS = 4
 
 
 def seeds(count: int) -> range:
-    """Of walks: so many, and $RUMPLE_LONG times as many where that is set."""
-    return range(count * int(os.environ.get("RUMPLE_LONG", "1")))
+    """Of walks: so many, and $RUMPLE_LONG times as many where that is set, from $RUMPLE_FIRST_SEED on."""
+    first = int(os.environ.get("RUMPLE_FIRST_SEED", "0"))
+    return range(first, first + count * int(os.environ.get("RUMPLE_LONG", "1")))
 
 
 class RandomWalk:
@@ -26,6 +27,7 @@ class RandomWalk:
     OFTEN: tuple[str, ...] = ()  # names of steps that come up more often
 
     def __init__(self, seed: int, folder: str) -> None:
+        print(f"walk with seed {seed}")  # shown where it fails
         self.random = random.Random(seed)
         self.path = os.path.join(folder, "walk.blend")
         self.done = []

@@ -33,8 +33,8 @@
 // THREADS. Models, colliders, paint and states are never changed after they were made: any number of threads
 // may use one at the same time. A frame may be read by many threads, but not while rumple_frame_embed()
 // changes it. rumple_error() is of the calling thread. What is large is solved on up to eight threads, which
-// live as long as the call; where settings have `threads`, that is their number. It never changes a result:
-// the same input gives the same bits.
+// live as long as the call, or as many as the settings' `threads` say; a wrinkle mesh is built on up to four.
+// Their number never changes a result: the same input gives the same bits.
 //
 // UNITS. Positions and lengths are in object space and object units unless it is said; time is in seconds.
 // Triangles are counter-clockwise seen from outside. A matrix is given row by row.
