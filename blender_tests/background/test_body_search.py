@@ -2,8 +2,11 @@
 """The first click finds what a garment is worn over."""
 from __future__ import annotations
 
+import tempfile
 import unittest
+from pathlib import Path
 
+import bmesh
 import bpy
 from mathutils import Euler, Matrix
 from rumple.blender.objects import runtimes
@@ -56,6 +59,45 @@ class FirstClick(unittest.TestCase):
         sleeve.under(self.obj)
         self.obj.rumple.mesh.base_cloth = "OFF"
         self.assertEqual(self.found(), "")
+
+    def test_a_body_is_no_cloth_that_is_worn_over_its_clothes(self) -> None:
+        """It hung, and its shirt was refused, for each was worn over the other."""
+        body = sleeve.under(self.obj, "Human")
+        hidden = [face.index for face in body.data.polygons if abs(face.center.x - 0.5 * sleeve.LENGTH) < 0.1]
+        work = bmesh.new()  # what clothes cover is mostly deleted
+        work.from_mesh(body.data)
+        work.faces.ensure_lookup_table()
+        bmesh.ops.delete(work, geom=[work.faces[index] for index in hidden], context="FACES")
+        work.to_mesh(body.data)
+        work.free()
+        self.obj.data.transform(Matrix.Translation((0.5 * sleeve.LENGTH, 0, 0)) @ Matrix.Scale(0.6, 4, (1, 0, 0))
+                                @ Matrix.Translation((-0.5 * sleeve.LENGTH, 0, 0)))
+        sleeve.make_active(body)
+        for name in ("base_cloth", "layers"):
+            body.rumple.mesh.property_unset(name)
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertEqual((body.rumple.mesh.base_cloth, body.rumple.body), ("OFF", None))
+        bpy.ops.object.rumple_remove()
+        self.assertEqual(self.found(), "Human")
+        self.assertNotEqual(self.obj.rumple.mesh.base_cloth, "OFF")
+
+    def test_an_override_finds_it_too(self) -> None:
+        """Every pointer of an override counts as set, to nothing: the cloth went through the figure."""
+        sleeve.under(self.obj, "Human")
+        figure = bpy.data.collections.new("Figure")
+        for obj in list(bpy.context.scene.objects):
+            figure.objects.link(obj)
+        with tempfile.TemporaryDirectory() as folder:
+            library = str(Path(folder) / "library.blend")
+            bpy.data.libraries.write(library, {figure}, fake_user=True)
+            sleeve.empty_file()
+            with bpy.data.libraries.load(library, link=True) as (_, wanted):
+                wanted.collections = ["Figure"]
+            wanted.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer,
+                                                            do_fully_editable=True)
+            self.obj = next(obj for obj in bpy.context.scene.objects if obj.name.startswith("Sleeve"))
+            self.assertTrue(self.obj.override_library and self.obj.rumple.is_property_set("body"))
+            self.assertEqual(self.found(), "Human")
 
     def test_a_simulated_one_is_worn_over_its_body(self) -> None:
         sleeve.under(self.obj)

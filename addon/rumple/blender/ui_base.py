@@ -9,7 +9,7 @@ import bpy
 
 from . import compat, manual
 from .frame import path_curves
-from .objects import modifier, properties
+from .objects import mesh_reader, modifier, properties
 from .translation import said
 
 LETTER_PIXELS = 8.0  # of a label, on average, with room for icon and margin
@@ -27,8 +27,12 @@ def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
         return "Choose a mesh object first"
     if not compat.is_editable(obj):
         return "This object is linked from another file: make a library override or append it"
+    if obj.override_library is not None and getattr(obj.override_library, "is_system_override", False):
+        return "This library override is not editable: make it so first (Outliner, Library Override)"
     if obj.mode == "EDIT":
         return "Leave Edit Mode first"
+    if not wrinkled and mesh_reader.is_busy(obj):
+        return "Leave Sculpt Mode first, or Edit Mode of another object with this mesh"
     if path_curves.find(obj) is not None:
         return "This object shows the paths of a garment: choose that one"
     found = modifier.find(obj) is not None

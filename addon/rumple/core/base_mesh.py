@@ -99,9 +99,12 @@ class BaseMesh:
             f"{self.name}: finer folds are asked for than {most_vertices:,} vertices allow: {RAISE_MOST}"]
 
     def diagonal(self) -> float:
-        """Of the bounding box without rigid parts, object units."""
-        positions = self.positions if self.rigid is None else np.delete(self.positions, self.rigid.vertex, axis=0)
-        return float(np.linalg.norm(np.ptp(positions, axis=0))) if len(positions) else 0.0
+        """Of the bounding box without rigid parts and loose vertices, object units."""
+        counts = np.zeros(len(self.positions), bool)
+        counts[self.corner_vertex] = True
+        if self.rigid is not None:
+            counts[self.rigid.vertex] = False
+        return float(np.linalg.norm(np.ptp(self.positions[counts], axis=0))) if counts.any() else 0.0
 
 
 def affordable_level(vertices: int, level: int, steps: int, most_vertices: int) -> int:

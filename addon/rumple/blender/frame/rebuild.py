@@ -28,6 +28,9 @@ def sync_all() -> None:
     objects = list(modifier.wrinkled_objects())
     runtimes.forget_all_but(obj for obj, _ in objects)
     _split_shared_outputs(objects)
+    for _obj, nodes_mod in objects:
+        with messages.console_errors("hidden objects"):
+            modifier.take_out_of_scenes((*modifier.outputs(nodes_mod), modifier.cache_object(nodes_mod)))
     with messages.console_errors("bodies"):
         bodies.connect_all()
     for obj, nodes_mod in objects:

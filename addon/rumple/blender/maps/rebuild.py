@@ -23,6 +23,7 @@ def sync() -> None:
                if compat.is_editable(obj)]  # linked ones cannot be written
     _split_shared(objects)
     for obj, nodes_mod in objects:
+        modifier.take_out_of_scenes(maps_modifier.hidden(nodes_mod))
         runtime = maps_runtimes.of(obj)
         if runtime.stale or runtime.unsure or is_behind_others(obj, nodes_mod):
             prepare(obj, nodes_mod)

@@ -20,6 +20,7 @@ NEAR = 0.08  # of the diagonal of the bounding box: what is farther does not lie
 LEAST_SHARE = 0.15  # of the vertices that must have something under them
 LEAST_OVERLAP = 0.02  # of the vertices that lie over another garment: the hem of a shirt over trousers
 MORE_OVER = 2.0  # times as much of a garment lies over another one as the other way round
+WITHIN = 0.05  # of the diagonal: how far clothes reach beyond a body
 WORN_SHARE = 0.5  # from this share on a candidate is itself worn over another one: clothes, not a body
 
 
@@ -34,10 +35,11 @@ class _Cloth:
 
 @dataclass
 class WornOver:
-    """What a garment is worn over."""
+    """What a garment is worn over, or that it is a body itself."""
 
     body: bpy.types.Object | None
     garments: list[bpy.types.Object]  # other clothes that it covers a part of
+    is_body: bool  # it lies over nothing, and under clothes that are no larger than it is
 
 
 def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
@@ -52,14 +54,24 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
              if len(other.data.polygons) and np.isfinite(_rest(other)).all()}
     cloth = functools.cache(_cloth)
     shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}
-    under = [other for other, share in shares.items() if share > LEAST_SHARE]
+    own = _tree(obj)
+    back = functools.cache(lambda other: _share_over(cloth(other), own))
+    under = [other for other, share in shares.items() if share > max(LEAST_SHARE, back(other))]
     worn = {other for other in under if _is_worn(cloth(other), [trees[body] for body in under if body != other])}
     body = max((other for other in under if other not in worn and modifier.find(other) is None), key=shares.get,
                default=None)
-    own = _tree(obj)
     garments = [other for other, share in shares.items() if other != body and share > LEAST_OVERLAP
-                and share > MORE_OVER * _share_over(cloth(other), own)]
-    return WornOver(body, garments)
+                and share > MORE_OVER * back(other)]
+    is_body = body is None and any(back(other) > max(LEAST_SHARE, share) and _is_within(other, obj)
+                                   for other, share in shares.items())
+    return WornOver(body, garments, is_body)
+
+
+def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:
+    """Whether the box around a garment reaches nowhere beyond that around an object."""
+    (low, high), (own_low, own_high) = ((rest.min(axis=0), rest.max(axis=0)) for rest in map(_rest, (garment, obj)))
+    spare = WITHIN * float(np.sqrt(((own_high - own_low) ** 2).sum()))
+    return bool((low >= own_low - spare).all() and (high <= own_high + spare).all())
 
 
 def _armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:

@@ -66,7 +66,7 @@ def is_simulated(obj: bpy.types.Object) -> bool:
 
 def is_skinned(obj: bpy.types.Object) -> bool:
     """Whether bones move it."""
-    return any(m.type == "ARMATURE" for m in obj.modifiers) or (
+    return any(m.type == "ARMATURE" and m.object is not None for m in obj.modifiers) or (
         obj.parent is not None and obj.parent.type == "ARMATURE" and obj.parent_type == "ARMATURE")
 
 

@@ -2,7 +2,7 @@
 """The modifier, "Wrinkle Mesh" or another system: adding, finding and removing it, and its output object."""
 from __future__ import annotations
 
-from typing import Iterator
+from typing import Iterable, Iterator
 
 import bpy
 
@@ -20,6 +20,10 @@ DEFORMING = frozenset((
     "ARMATURE", "CAST", "CLOTH", "CORRECTIVE_SMOOTH", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LAPLACIANSMOOTH",
     "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "SOFT_BODY",
     "SURFACE_DEFORM", "WARP", "WAVE"))
+# Those of them that pose or simulate a garment: from behind the wrinkles these do not see it. Smooth, Shrinkwrap and
+# the like may well stand there.
+POSES = frozenset(("ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE",
+                   "SOFT_BODY", "SURFACE_DEFORM"))
 # Modifiers that leave the number of points alone, wherever they stand.
 NEUTRAL = DEFORMING | frozenset((
     "COLLISION", "DATA_TRANSFER", "DYNAMIC_PAINT", "NORMAL_EDIT", "PARTICLE_SYSTEM", "SURFACE", "UV_PROJECT", "UV_WARP",
@@ -104,12 +108,20 @@ def depends_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
 
 
 def place_behind_deforming(obj: bpy.types.Object) -> int:
-    """Index behind the last modifier that deforms or simulates: in front of Subdivision and Solidify."""
-    place = 0
+    """Index behind the last modifier that deforms or simulates: in front of Subdivision and Solidify, and of what only
+    smooths their points or moves them a little."""
+    place, more_points = 0, False
     for index, modifier in enumerate(obj.modifiers):
-        if deforms(modifier):
-            place = index + 1
+        if deforms(modifier) and (not more_points or _needs_its_points(modifier)):
+            place, more_points = index + 1, False
+        more_points = more_points or changes_topology(modifier)
     return place
+
+
+def _needs_its_points(modifier: bpy.types.Modifier) -> bool:
+    """Whether it poses, or is bound to the points that it gets now."""
+    return (modifier.type in POSES or modifier.type == "LAPLACIANDEFORM" or is_simulation_nodes(modifier)
+            or getattr(modifier, "rest_source", "") == "BIND")
 
 
 def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:
@@ -254,6 +266,14 @@ def add_mesh_cache(cache_obj: bpy.types.Object, manifest: Manifest,
 def mesh_cache(cache_obj: bpy.types.Object) -> bpy.types.MeshCacheModifier | None:
     """The Mesh Cache modifier of a cache object."""
     return next((m for m in cache_obj.modifiers if m.type == "MESH_CACHE"), None)
+
+
+def take_out_of_scenes(hidden: Iterable[bpy.types.Object | None]) -> None:
+    """Hidden objects are in no collection. What is appended or pasted, and is in none, Blender puts into the scene."""
+    for obj in hidden:
+        for collection in obj.users_collection if obj is not None and compat.is_editable(obj) else ():
+            if compat.is_editable(collection):
+                collection.objects.unlink(obj)
 
 
 def delete_hidden(hidden: bpy.types.Object) -> None:

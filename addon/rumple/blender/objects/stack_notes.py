@@ -6,35 +6,33 @@ import bpy
 
 from . import bodies, mesh_reader, modifier, properties, runtimes, subdivision_behind
 
-# What poses or simulates a garment: behind the wrinkles these do not see it. Smooth, Shrinkwrap and the like may well
-# stand there.
-_POSES = frozenset(("ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE",
-                    "SOFT_BODY", "SURFACE_DEFORM"))
-
 
 def of(obj: bpy.types.Object) -> list[str]:
     """Sentences for the panel, drawn anew each time: nothing tells of a moved modifier. Only reads."""
     nodes_mod = modifier.find(obj)
     if nodes_mod is None or modifier.is_baked(nodes_mod):
         return []
-    return (_order(obj, nodes_mod) + _armatures(obj)
+    return (_order(obj, nodes_mod) + _armatures(obj) + _other_points_in_renders(obj, nodes_mod)
             + subdivision_behind.notes(obj, runtimes.of(obj).evaluator))
 
 
 def _armatures(obj: bpy.types.Object) -> list[str]:
-    """Those that move no vertex, since no weights are there for their bones: as cloth the garment would hang alone."""
+    """Those that move no vertex, without an object, or weights for its bones: as cloth the garment would hang."""
     groups = {group.name for group in obj.vertex_groups}
-    return [f"{obj.name}: the modifier \"{m.name}\" moves no vertex: no vertex group has the name of one of its bones. "
-            "Parent the mesh to the armature with automatic weights, or paint weights"
-            for m in obj.modifiers
-            if m.type == "ARMATURE" and _is_on(m) and m.object is not None and m.object.type == "ARMATURE"
-            and not m.use_bone_envelopes and not any(b.use_deform and b.name in groups for b in m.object.data.bones)]
+    lost = [f"{obj.name}: the modifier \"{m.name}\" has no armature: choose it there (Object)"
+            for m in obj.modifiers if m.type == "ARMATURE" and _is_on(m) and m.object is None]
+    still = [f"{obj.name}: the modifier \"{m.name}\" moves no vertex: no vertex group has the name of one of its "
+             "bones. Parent the mesh to the armature with automatic weights, or paint weights"
+             for m in obj.modifiers
+             if m.type == "ARMATURE" and _is_on(m) and m.object is not None and m.object.type == "ARMATURE"
+             and not m.use_bone_envelopes and not any(b.use_deform and b.name in groups for b in m.object.data.bones)]
+    return lost + still
 
 
 def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
     stack = list(obj.modifiers)
     place = stack.index(nodes_mod)
-    late = next((m for m in stack[place + 1:] if m.type in _POSES and _is_on(m)), None)
+    late = next((m for m in stack[place + 1:] if m.type in modifier.POSES and _is_on(m)), None)
     if late is not None:
         return [f"{obj.name}: the modifier \"{late.name}\" is below {nodes_mod.name} in the stack, so the wrinkles do "
                 f"not see what it moves: move {nodes_mod.name} below it"]
@@ -43,6 +41,21 @@ def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[st
         return [f"{obj.name}: nothing above {nodes_mod.name} in the stack deforms the mesh, so it has no folds: add a "
                 f"shape key, or put an Armature or a simulation above {nodes_mod.name}"]
     return []
+
+
+def _other_points_in_renders(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
+    """Fine meshes are made for what viewports have."""
+    return [f"{obj.name}: the modifier \"{m.name}\" above {nodes_mod.name} makes other vertices in renders than in "
+            "viewports, so renders have no wrinkles: set both alike"
+            for m in modifier.in_front(obj) if m.type not in modifier.NEUTRAL and _is_on(m) and (
+                m.show_viewport != m.show_render or _levels(m, "levels") != _levels(m, "render_levels"))][:1]
+
+
+def _levels(m: bpy.types.Modifier, name: str) -> int:
+    """Of viewports or renders, as Simplify lets them be."""
+    render, levels = bpy.context.scene.render, getattr(m, name, 0)
+    most = render.simplify_subdivision_render if name == "render_levels" else render.simplify_subdivision
+    return min(levels, most) if render.use_simplify and m.type == "SUBSURF" else levels
 
 
 def _is_on(m: bpy.types.Modifier) -> bool:

@@ -13,6 +13,7 @@ from . import modifier
 
 MEGABYTES = 0.028  # for a triangle and a step of Quality: measured in 3.4, 5,632 triangles, Quality 1 to 4
 NOTED, MOST = 300.0, 3000.0  # megabytes
+MANY = 1_000_000  # vertices that a render gets
 
 
 def refuse_costly(obj: bpy.types.Object, fine: Any) -> None:
@@ -47,15 +48,28 @@ def quality(obj: bpy.types.Object) -> int:
 def notes(obj: bpy.types.Object, fine: Any) -> list[str]:
     """What to say where it is much. fine: engine.Wrinkles that are shown; None: none are."""
     name, needed = _need(obj, fine)
-    return [_sentence(obj, name, needed)] if needed > NOTED else []
+    return [_sentence(obj, name, needed)] if needed > NOTED else _too_many(obj, fine)
+
+
+def _too_many(obj: bpy.types.Object, fine: Any) -> list[str]:
+    """Folds are fine meshes already: what was chosen for the coarse one makes millions of vertices of them."""
+    behind = [m for m in _behind(obj) if m.type == "SUBSURF" and m.show_render and m.render_levels]
+    if not behind or fine is None or _only_shades(obj):
+        return []
+    count = fine.vertex_count * 4**sum(m.render_levels for m in behind)
+    return [f"{obj.name}: the modifier \"{behind[-1].name}\" below the wrinkles makes {count:,} vertices in renders: "
+            "the fine mesh is smooth already, so set its levels to 0"] if count > MANY else []
+
+
+def _only_shades(obj: bpy.types.Object) -> bool:
+    return obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING"
 
 
 def _need(obj: bpy.types.Object, fine: Any) -> tuple[str, float]:
     """The modifier that needs most, and megabytes. A mesh that is only shaded keeps its own triangles, which the artist
     chose: they are not counted."""
     behind = _refining(obj)
-    shades = obj.rumple.method == "FIELD" and obj.rumple.field.output == "SHADING"
-    if fine is None or shades or not behind:
+    if fine is None or _only_shades(obj) or not behind:
         return "", 0.0
     triangles = int((np.diff(fine.polygon_start) == 3).sum())
     costliest = max(behind, key=lambda m: m.quality)
@@ -63,8 +77,12 @@ def _need(obj: bpy.types.Object, fine: Any) -> tuple[str, float]:
 
 
 def _refining(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
+    return [m for m in _behind(obj) if _refines(m)]
+
+
+def _behind(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
     nodes_mod, stack = modifier.find(obj), list(obj.modifiers)
-    return [m for m in stack[stack.index(nodes_mod) + 1:] if _refines(m)] if nodes_mod is not None else []
+    return stack[stack.index(nodes_mod) + 1:] if nodes_mod is not None else []
 
 
 def _refines(m: bpy.types.Modifier) -> bool:

@@ -20,8 +20,9 @@ AWAY = 1.0  # x of the hidden object while viewports show the mesh of renders; w
 
 # Modifiers behind the wrinkles that keep nothing of a mesh they saw: another number of points does not disturb them.
 _KEEP_NOTHING = frozenset((
-    "ARRAY", "BEVEL", "CAST", "DECIMATE", "DISPLACE", "EDGE_SPLIT", "MASK", "MIRROR", "NODES", "SIMPLE_DEFORM",
-    "SMOOTH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WARP", "WEIGHTED_NORMAL", "WELD", "WIREFRAME"))
+    "ARRAY", "BEVEL", "CAST", "DECIMATE", "DISPLACE", "EDGE_SPLIT", "LAPLACIANSMOOTH", "MASK", "MIRROR", "NODES",
+    "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WARP", "WEIGHTED_NORMAL", "WELD",
+    "WIREFRAME"))
 # Modifiers of other objects that count on the points of their target.
 _BOUND_TO_TARGET = frozenset(("MESH_DEFORM", "PARTICLE_INSTANCE", "SURFACE_DEFORM"))
 

@@ -110,9 +110,11 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             return {"CANCELLED"}
         runtimes.forget(obj)
         lengths = self._set_defaults(context, obj)
-        cloth_defaults.apply(obj, context.scene, lengths)
+        worn_over = body_search.find(obj, context.scene)
+        if not worn_over.is_body:
+            cloth_defaults.apply(obj, context.scene, lengths)
         if cloth_defaults.is_cloth(obj):
-            self._find_body(context, obj)
+            self._set_bodies(obj, worn_over)
         self._adjust(context, obj)
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)
@@ -172,11 +174,12 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         if system.presets:
             self.preset = fabric
 
-    def _find_body(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """Where none was ever set: what was set before a removal stays, and nothing too."""
-        about = obj.rumple
-        if not about.is_property_set("body") and not about.is_property_set("body_collection"):
-            found = body_search.find(obj, context.scene)
+    def _set_bodies(self, obj: bpy.types.Object, found: body_search.WornOver) -> None:
+        """Where none was ever set: what was set before a removal stays, and nothing too. A library override counts
+        every pointer as set, to nothing."""
+        about, names = obj.rumple, ("body", "body_collection")
+        if not any(about.is_property_set(name) and (obj.override_library is None or getattr(about, name) is not None)
+                   for name in names):
             if found.body is not None:
                 about.body = found.body
             if found.garments:

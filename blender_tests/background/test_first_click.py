@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The first click on garments as they come: appended, overridden, with the stacks that artists leave."""
+from __future__ import annotations
+
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from rumple.blender import scheduler
+from rumple.blender.objects import modifier, properties, runtimes, stack_notes
+from support import face, sleeve
+
+
+def add_behind(obj: bpy.types.Object, kind: str, **settings: Any) -> bpy.types.Modifier:
+    made = obj.modifiers.new(kind.title(), kind)
+    for name, value in settings.items():
+        setattr(made, name, value)
+    return made
+
+
+class Appended(unittest.TestCase):
+    """Blender puts objects that are appended and are in no collection into the scene: three shirts were rendered."""
+
+    def setUp(self) -> None:
+        self.library = str(Path(self.enterContext(tempfile.TemporaryDirectory())) / "library.blend")
+
+    def append(self, name: str) -> None:
+        bpy.ops.wm.save_as_mainfile(filepath=self.library, copy=True)
+        sleeve.empty_file()
+        bpy.ops.wm.append(directory=f"{self.library}/Object/", filename=name)
+        scheduler.sync_all()
+        sleeve.at(5)
+
+    def test_only_the_garment_is_in_the_scene_and_removed_it_leaves_nothing(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        sleeve.make_active(obj)
+        bpy.ops.object.rumple_add(method="MESH")
+        self.append("Sleeve")
+        self.assertEqual({obj.name for obj in bpy.context.scene.objects}, {"Sleeve", "Arm"})
+        self.assertEqual(len(modifier.outputs(modifier.find(bpy.data.objects["Sleeve"]))), 2)
+        sleeve.make_active(bpy.data.objects["Sleeve"])
+        bpy.ops.object.rumple_remove()
+        self.assertEqual({obj.name for obj in bpy.data.objects}, {"Sleeve", "Arm"})
+
+    def test_a_face_with_maps_too(self) -> None:
+        obj, rig = face.scene()
+        face.two_poses(obj, rig)
+        before = {obj.name for obj in bpy.context.scene.objects if obj.type in ("MESH", "ARMATURE")}
+        self.append(obj.name)
+        self.assertEqual({obj.name for obj in bpy.context.scene.objects if obj.type in ("MESH", "ARMATURE")}, before)
+
+
+class Stacks(unittest.TestCase):
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene(wrinkles=False)
+        sleeve.make_active(self.obj)
+
+    def click(self, method: str = "MESH") -> list[str]:
+        """What is said of the stack then."""
+        bpy.ops.object.rumple_add(method=method)
+        return stack_notes.of(self.obj)
+
+    def test_what_only_smooths_behind_a_subdivision_stays_behind_the_wrinkles(self) -> None:
+        """They went behind the Subdivision, and renders had no wrinkles."""
+        target = bpy.data.objects.new("Target", self.obj.data.copy())
+        for kind, settings in (("SMOOTH", {}), ("DISPLACE", dict(strength=0.001)), ("SHRINKWRAP", dict(target=target))):
+            with self.subTest(kind):
+                add_behind(self.obj, "SUBSURF", levels=1, render_levels=2)
+                add_behind(self.obj, kind, **settings)
+                self.assertEqual(self.click(), [])
+                self.assertEqual([m.type for m in self.obj.modifiers], ["ARMATURE", "NODES", "SUBSURF", kind])
+                bpy.ops.object.rumple_remove()
+                for m in list(self.obj.modifiers)[1:]:
+                    self.obj.modifiers.remove(m)
+
+    def test_what_poses_or_is_bound_keeps_its_points(self) -> None:
+        for kind, settings in (("LATTICE", {}), ("CORRECTIVE_SMOOTH", dict(rest_source="BIND"))):
+            with self.subTest(kind):
+                add_behind(self.obj, "SUBSURF", levels=1, render_levels=1)
+                add_behind(self.obj, kind, **settings)
+                self.assertEqual(modifier.place_behind_deforming(self.obj), 3)
+                for m in list(self.obj.modifiers)[1:]:
+                    self.obj.modifiers.remove(m)
+
+    def test_other_points_in_renders_are_said_before_it_is_rendered(self) -> None:
+        made = add_behind(self.obj, "SUBSURF", levels=1, render_levels=2)
+        bpy.context.view_layer.objects.active = self.obj
+        self.obj.modifiers.move(1, 0) if hasattr(self.obj.modifiers, "move") else bpy.ops.object.modifier_move_up(
+            modifier=made.name)
+        self.assertRegex("\n".join(self.click()), '^Sleeve: the modifier "Subsurf" above .* other vertices in renders')
+        made = self.obj.modifiers["Subsurf"]
+        made.render_levels = 1
+        self.assertEqual(stack_notes.of(self.obj), [])
+        bpy.context.scene.render.use_simplify, bpy.context.scene.render.simplify_subdivision = True, 0
+        self.assertRegex("\n".join(stack_notes.of(self.obj)), "other vertices in renders")
+        bpy.context.scene.render.use_simplify, made.show_render = False, False
+        self.assertRegex("\n".join(stack_notes.of(self.obj)), "other vertices in renders")
+
+    def test_a_subdivision_behind_that_makes_millions_is_said(self) -> None:
+        add_behind(self.obj, "SUBSURF", levels=1, render_levels=2)
+        self.assertEqual(self.click(), [])
+        self.obj.modifiers["Subsurf"].render_levels = 4
+        count = runtimes.of(self.obj).evaluator.vertex_count * 256
+        self.assertGreater(count, 1_000_000)
+        self.assertRegex("\n".join(stack_notes.of(self.obj)), f"makes {count:,} vertices in renders.* levels to 0")
+
+    def test_an_armature_modifier_without_an_armature_is_said_and_makes_no_cloth_hang(self) -> None:
+        self.obj.modifiers[0].object = None
+        self.obj.rumple.mesh.property_unset("base_cloth")
+        notes = self.click()
+        self.assertRegex("\n".join(notes), 'the modifier "Armature" has no armature: choose it there')
+        self.assertEqual(properties.group_of(self.obj).base_cloth, "OFF")
+
+    def test_sculpt_mode_is_named(self) -> None:
+        bpy.ops.object.mode_set(mode="SCULPT")
+        self.addCleanup(bpy.ops.object.mode_set, mode="OBJECT")
+        self.assertFalse(bpy.ops.object.rumple_add.poll())
+        with self.assertRaisesRegex(RuntimeError, "Leave Sculpt Mode first"):
+            bpy.ops.object.rumple_add(method="MESH")
+
+    def test_a_loose_vertex_far_away_changes_no_length(self) -> None:
+        lengths = []
+        for far in (False, True):
+            obj = sleeve.scene(wrinkles=False)
+            obj.rumple.mesh.property_unset("base_cloth")
+            if far:
+                obj.data.vertices.add(1)
+                obj.data.vertices[-1].co = (0.0, 0.0, 30.0)
+            sleeve.make_active(obj)
+            bpy.ops.object.rumple_add(method="MESH")
+            settings = properties.group_of(obj)
+            lengths.append((settings.wavelength, settings.room, settings.thickness))
+        np.testing.assert_array_equal(*lengths)
+
+
+if __name__ == "__main__":
+    unittest.main()
