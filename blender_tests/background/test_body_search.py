@@ -82,7 +82,7 @@ class FirstClick(unittest.TestCase):
         self.assertNotEqual(self.obj.rumple.mesh.base_cloth, "OFF")
 
     def test_an_override_finds_it_too(self) -> None:
-        """Every pointer of an override counts as set, to nothing: the cloth went through the figure."""
+        """In 3.4 and 4.3 every pointer of one counts as set, to nothing: cloth went through the figure."""
         sleeve.under(self.obj, "Human")
         figure = bpy.data.collections.new("Figure")
         for obj in list(bpy.context.scene.objects):
@@ -96,7 +96,7 @@ class FirstClick(unittest.TestCase):
             wanted.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer,
                                                             do_fully_editable=True)
             self.obj = next(obj for obj in bpy.context.scene.objects if obj.name.startswith("Sleeve"))
-            self.assertTrue(self.obj.override_library and self.obj.rumple.is_property_set("body"))
+            self.assertIsNotNone(self.obj.override_library)
             self.assertEqual(self.found(), "Human")
 
     def test_a_simulated_one_is_worn_over_its_body(self) -> None:

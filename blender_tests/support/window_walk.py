@@ -11,12 +11,16 @@ from support import file_walk, sleeve
 
 class Walk(file_walk.Walk):
 
+    FIRST = ("do_play", "do_stroke", "do_window")  # so that every walk has them
     OFTEN: tuple[str, ...] = (*file_walk.Walk.OFTEN, *("do_play", "do_stroke", "do_window") * 3)
 
     def __init__(self, seed: int, folder: str) -> None:
         super().__init__(seed, folder)
         self.places: list[tuple[int, int]] = []  # of a stroke that is to come, pixels of the window
         self.strokes = self.strokes_in_play = self.windows = 0
+
+    def choose(self, names: list[str]) -> str:
+        return self.FIRST[len(self.done)] if len(self.done) < len(self.FIRST) else super().choose(names)
 
     def between(self) -> Iterator[float]:
         yield from super().between()
