@@ -8,8 +8,8 @@ from pathlib import Path
 
 import bmesh
 import bpy
-from mathutils import Euler, Matrix
-from rumple.blender.objects import runtimes
+from mathutils import Euler, Matrix, Vector
+from rumple.blender.objects import body_search, runtimes
 from support import sleeve
 
 
@@ -60,29 +60,48 @@ class FirstClick(unittest.TestCase):
         self.obj.rumple.mesh.base_cloth = "OFF"
         self.assertEqual(self.found(), "")
 
-    def test_a_body_is_no_cloth_that_is_worn_over_its_clothes(self) -> None:
-        """It hung, and its shirt was refused, for each was worn over the other."""
+    def deleted_under_the_garment(self) -> bpy.types.Object:
+        """A body with a garment over its middle, where it is mostly deleted. Its hands are dense, and wider than the cuffs:
+        more of them lies over the garment than of the garment over the body."""
         body = sleeve.under(self.obj, "Human")
-        hidden = [face.index for face in body.data.polygons if abs(face.center.x - 0.5 * sleeve.LENGTH) < 0.1]
-        work = bmesh.new()  # what clothes cover is mostly deleted
-        work.from_mesh(body.data)
-        work.faces.ensure_lookup_table()
-        bmesh.ops.delete(work, geom=[work.faces[index] for index in hidden], context="FACES")
-        work.to_mesh(body.data)
-        work.free()
         self.obj.data.transform(Matrix.Translation((0.5 * sleeve.LENGTH, 0, 0)) @ Matrix.Scale(0.6, 4, (1, 0, 0))
                                 @ Matrix.Translation((-0.5 * sleeve.LENGTH, 0, 0)))
+
+        def off_middle(place: Vector) -> float:
+            return abs(place.x / sleeve.LENGTH - 0.5)
+
+        work = bmesh.new()
+        work.from_mesh(body.data)
+        hands = [vertex for vertex in work.verts if off_middle(vertex.co) > 0.31]
+        for vertex in hands:
+            vertex.co.yz *= 1.35
+        bmesh.ops.subdivide_edges(work, cuts=2, use_grid_fill=True, edges=[
+            edge for edge in work.edges if all(0.3 < off_middle(vertex.co) < 0.42 for vertex in edge.verts)])
+        bmesh.ops.delete(work, context="FACES", geom=[
+            face for face in work.faces if off_middle(face.calc_center_median()) < 0.2])
+        work.to_mesh(body.data)
+        work.free()
+        bpy.context.view_layer.update()
+        return body
+
+    def test_a_body_that_was_deleted_under_its_clothes_is_found(self) -> None:
+        body = self.deleted_under_the_garment()
+        one, other = ((body_search._cloth(a), body_search._tree(b)) for a, b in ((body, self.obj), (self.obj, body)))
+        self.assertGreater(body_search._share_over(*one), body_search._share_over(*other))
+        self.assertEqual(self.found(), "Human")
+        self.assertNotEqual(self.obj.rumple.mesh.base_cloth, "OFF")
+
+    def test_a_body_is_no_cloth_that_is_worn_over_its_clothes(self) -> None:
+        """It hung, and its shirt was refused, for each was worn over the other."""
+        body = self.deleted_under_the_garment()
         sleeve.make_active(body)
         for name in ("base_cloth", "layers"):
             body.rumple.mesh.property_unset(name)
         bpy.ops.object.rumple_add(method="MESH")
         self.assertEqual((body.rumple.mesh.base_cloth, body.rumple.body), ("OFF", None))
-        bpy.ops.object.rumple_remove()
-        self.assertEqual(self.found(), "Human")
-        self.assertNotEqual(self.obj.rumple.mesh.base_cloth, "OFF")
 
-    def test_an_override_finds_it_too(self) -> None:
-        """In 3.4 and 4.3 every pointer of one counts as set, to nothing: cloth went through the figure."""
+    def overridden(self, editable: bool) -> None:
+        """self.obj is of a figure that is overridden."""
         sleeve.under(self.obj, "Human")
         figure = bpy.data.collections.new("Figure")
         for obj in list(bpy.context.scene.objects):
@@ -94,10 +113,22 @@ class FirstClick(unittest.TestCase):
             with bpy.data.libraries.load(library, link=True) as (_, wanted):
                 wanted.collections = ["Figure"]
             wanted.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer,
-                                                            do_fully_editable=True)
-            self.obj = next(obj for obj in bpy.context.scene.objects if obj.name.startswith("Sleeve"))
-            self.assertIsNotNone(self.obj.override_library)
-            self.assertEqual(self.found(), "Human")
+                                                            do_fully_editable=editable)
+        self.obj = next(obj for obj in bpy.context.scene.objects if obj.name.startswith("Sleeve"))
+        self.assertEqual(self.obj.override_library.is_system_override, not editable)
+
+    def test_an_override_finds_it_too(self) -> None:
+        """In 3.4 and 4.3 every pointer of one counts as set, to nothing: cloth went through the figure."""
+        self.overridden(editable=True)
+        self.assertEqual(self.found(), "Human")
+
+    def test_an_override_that_may_not_be_edited_is_refused_in_words(self) -> None:
+        """With a Subdivision it ended in a traceback."""
+        self.obj.modifiers.new("Subdivision", "SUBSURF")
+        self.overridden(editable=False)
+        with self.assertRaisesRegex(RuntimeError, "This library override is not editable: make it so first"):
+            self.found()
+        self.assertNotIn("NODES", [m.type for m in self.obj.modifiers])
 
     def test_a_simulated_one_is_worn_over_its_body(self) -> None:
         sleeve.under(self.obj)

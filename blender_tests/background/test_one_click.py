@@ -86,6 +86,17 @@ class Stacks(unittest.TestCase):
                 for m in list(self.obj.modifiers)[1:]:
                     self.obj.modifiers.remove(m)
 
+    def test_what_moves_it_behind_a_subdivision_is_followed(self) -> None:
+        """Wave moves far, and where nothing else poses the mesh, Displace is all there is."""
+        for posed, kind in ((True, "WAVE"), (False, "DISPLACE")):
+            with self.subTest(kind):
+                obj = sleeve.scene(wrinkles=False)
+                if not posed:
+                    obj.modifiers.clear()
+                add_behind(obj, "SUBSURF", levels=1, render_levels=1)
+                add_behind(obj, kind)
+                self.assertEqual(modifier.place_behind_deforming(obj), len(obj.modifiers))
+
     def test_other_points_in_renders_are_said_before_it_is_rendered(self) -> None:
         made = add_behind(self.obj, "SUBSURF", levels=1, render_levels=2)
         bpy.context.view_layer.objects.active = self.obj

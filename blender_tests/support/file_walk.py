@@ -88,7 +88,7 @@ class Walk(garment_walk.Walk):
         bpy.data.orphans_purge(do_recursive=True)
 
     def do_scene(self) -> None:
-        """Make one, leave it, or go to another. None is removed that another window shows: Blender dies of that."""
+        """Make one, leave it, or go to another. None is removed that another window shows: that ends Blender."""
         window, *others = bpy.context.window_manager.windows
         scenes = list(bpy.data.scenes)
         removable = [scene for scene in scenes if not any(other.scene == scene for other in others)]

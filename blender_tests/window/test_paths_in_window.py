@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wrinkle Paths with a window: what the overlay draws, and curves while Blender plays, undoes and renders."""
+"""Wrinkle Paths with a window: what the overlay draws, an edited mesh in the preview, and curves while Blender plays,
+undoes and renders."""
 from __future__ import annotations
 
 import os
@@ -7,12 +8,13 @@ import tempfile
 from pathlib import Path
 from typing import Iterator
 
+import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.frame import path_curves
 from rumple.blender.objects import runtimes
-from rumple.blender.viewport import paths_overlay
+from rumple.blender.viewport import paths_overlay, preview
 from support import curve_edges, sleeve, small_renders
 from support.window_case import WindowCase
 
@@ -109,6 +111,28 @@ class Overlay(PathsCase):
         np.testing.assert_array_equal(colours[:3, :3], np.repeat(paths_overlay.COLOURS[:1], 3, axis=0))
         self.assertEqual(len(colours), len(points))
         self.assertEqual(colours[-1, :3].argmax(), 0, "stretched is red")
+
+
+class Preview(PathsCase):
+
+    def test_a_mesh_that_was_edited_is_drawn_until_it_is_made_anew(self) -> Iterator[float]:
+        """Its UV map was looked up for corners that are gone."""
+        yield from self.make()
+        self.obj.rumple.paths.gpu_preview = True
+        sleeve.play(last=12)
+        yield from self.until(lambda: any(held.inputs is not None for held in preview._on_gpu.values()))
+        (held,) = preview._on_gpu.values()
+        self.assertTrue(held.drawing.has_uv)
+        edited = bmesh.new()
+        edited.from_mesh(self.obj.data)
+        edited.faces.ensure_lookup_table()
+        bmesh.ops.delete(edited, geom=edited.faces[-3:], context="FACES")
+        edited.to_mesh(self.obj.data)
+        edited.free()
+        runtime = runtimes.of(self.obj)
+        slots = np.zeros(len(runtime.evaluator.coarse_triangles()[1]), np.int32)
+        self.assertTrue(held.drawing.update(self.obj, runtime, None, slots))
+        self.assertFalse(held.drawing.has_uv)
 
 
 class Curves(PathsCase):

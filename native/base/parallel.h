@@ -213,7 +213,7 @@ class Team {
 // Does both, the second in a thread of its own where the system gives one. What one of them throws is thrown
 // here when both have ended; if both do, that of the first.
 template <typename First, typename Second>
-void at_once(const First& first, const Second& second) {
+void in_parallel(const First& first, const Second& second) {
     std::exception_ptr failed_first, failed_second;
     const auto caught = [](const auto& work, std::exception_ptr& failed) {
         try {

@@ -149,17 +149,17 @@ TEST(Threads, OfASolveLeaveWhatIsSmallToOne) {
     EXPECT_EQ(SolveTeam::for_items(1'000'000, 1), nullptr);
 }
 
-TEST(Threads, DoBothAtOnce) {
+TEST(Threads, DoBothInParallel) {
     std::atomic<int> others = 0;
     std::thread::id first, second;
-    at_once([&] { first = std::this_thread::get_id(); },
-            [&] { second = std::this_thread::get_id(), ++others; });
+    in_parallel([&] { first = std::this_thread::get_id(); },
+                [&] { second = std::this_thread::get_id(), ++others; });
     EXPECT_EQ(first, std::this_thread::get_id());
     EXPECT_NE(second, first);
     EXPECT_EQ(others, 1);
 }
 
-// Nothing goes on behind the back of who called, and the words of a refusal arrive.
+// No thread goes on after the call, and the words of a refusal arrive.
 TEST(Threads, OfBothEndBeforeAnErrorIsThrown) {
     for (const bool first_fails : {true, false}) {
         for (const bool second_fails : {true, false}) {
@@ -171,7 +171,7 @@ TEST(Threads, OfBothEndBeforeAnErrorIsThrown) {
             };
             std::string said;
             try {
-                at_once([&] { work("first", first_fails); }, [&] { work("second", second_fails); });
+                in_parallel([&] { work("first", first_fails); }, [&] { work("second", second_fails); });
             } catch (const InvalidInput& error) {
                 said = error.what();
             }

@@ -27,7 +27,7 @@ def refusal(obj: bpy.types.Object | None, wrinkled: bool) -> str:
         return "Choose a mesh object first"
     if not compat.is_editable(obj):
         return "This object is linked from another file: make a library override or append it"
-    if obj.override_library is not None and getattr(obj.override_library, "is_system_override", False):
+    if not wrinkled and obj.override_library is not None and obj.override_library.is_system_override:
         return "This library override is not editable: make it so first (Outliner, Library Override)"
     if obj.mode == "EDIT":
         return "Leave Edit Mode first"

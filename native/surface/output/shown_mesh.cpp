@@ -186,8 +186,8 @@ ShownMesh show_fine(const Surface& base, const Surface& source, const FineMesh& 
     ShownMesh shown;
     std::vector<Index> solved_vertex;
     SparseRows smooth;
-    at_once([&] { solved_vertex = unweld_and_locate(base, source, fine, steps, shown); },
-            [&] { smooth = subdivision_stencils(fine.mesh, steps, false); });
+    in_parallel([&] { solved_vertex = unweld_and_locate(base, source, fine, steps, shown); },
+                [&] { smooth = subdivision_stencils(fine.mesh, steps, false); });
     for (const Index v : solved_vertex) shown.from_solved.append_row(smooth, v);
     shown.positions_rest.resize(solved_vertex.size());
     apply<Vec3>(shown.from_solved, solved_rest, shown.positions_rest);

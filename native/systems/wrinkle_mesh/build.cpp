@@ -235,7 +235,7 @@ std::shared_ptr<const Model> build(Surface base, const Source& source, Attachmen
     const auto add_what_is_shown = [&] {
         model->shown = show_fine(model->base, inherited, fine, display_steps, model->positions_rest);
     };
-    at_once(add_what_is_shown, add_what_is_solved);
+    in_parallel(add_what_is_shown, add_what_is_solved);
     return model;
 }
 

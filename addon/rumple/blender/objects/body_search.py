@@ -35,36 +35,41 @@ class _Cloth:
 
 @dataclass
 class WornOver:
-    """What a garment is worn over, or that it is a body itself."""
+    """What an object is worn over, or that it is a body itself."""
 
     body: bpy.types.Object | None
     garments: list[bpy.types.Object]  # other clothes that it covers a part of
-    is_body: bool  # it lies over nothing, and under clothes that are no larger than it is
+    is_body: bool  # clothes that are no larger lie over it, and it is not worn over anything that is no smaller
 
 
 def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
     """The object that shares the armature of a garment and lies under most of it, and the clothes that reach under it.
+    Who lies over whom is not told by the shares alone: where a body was deleted under its clothes, as much of either
+    lies over the other.
 
     Cost: a tree of each candidate, about 2 ms per 1000 polygons.
     """
     rigs = _armatures(obj)
+    if not rigs or not np.isfinite(_rest(obj)).all():
+        return WornOver(None, [], False)
     candidates = [other for other in scene.objects if other != obj and rigs & _armatures(other)
                   and bodies.can_be_body(other)]
     trees = {other: _tree(other) for other in candidates
              if len(other.data.polygons) and np.isfinite(_rest(other)).all()}
     cloth = functools.cache(_cloth)
     shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}
-    own = _tree(obj)
-    back = functools.cache(lambda other: _share_over(cloth(other), own))
-    under = [other for other, share in shares.items() if share > max(LEAST_SHARE, back(other))]
+    own = functools.cache(lambda: _tree(obj))
+    back = functools.cache(lambda other: _share_over(cloth(other), own()))  # how much of another one lies over it
+    under = [other for other, share in shares.items() if share > LEAST_SHARE]
+    if not any(_is_within(obj, other) for other in under) and any(
+            _is_within(other, obj) and back(other) > LEAST_SHARE for other in shares):
+        return WornOver(None, [], True)
     worn = {other for other in under if _is_worn(cloth(other), [trees[body] for body in under if body != other])}
     body = max((other for other in under if other not in worn and modifier.find(other) is None), key=shares.get,
                default=None)
     garments = [other for other, share in shares.items() if other != body and share > LEAST_OVERLAP
                 and share > MORE_OVER * back(other)]
-    is_body = body is None and any(back(other) > max(LEAST_SHARE, share) and _is_within(other, obj)
-                                   for other, share in shares.items())
-    return WornOver(body, garments, is_body)
+    return WornOver(body, garments, False)
 
 
 def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:

@@ -20,10 +20,8 @@ DEFORMING = frozenset((
     "ARMATURE", "CAST", "CLOTH", "CORRECTIVE_SMOOTH", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LAPLACIANSMOOTH",
     "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "SOFT_BODY",
     "SURFACE_DEFORM", "WARP", "WAVE"))
-# Those of them that pose or simulate a garment: from behind the wrinkles these do not see it. Smooth, Shrinkwrap and
-# the like may well stand there.
-POSES = frozenset(("ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE",
-                   "SOFT_BODY", "SURFACE_DEFORM"))
+# Those of them that only smooth a posed mesh, or move it a little: behind a Subdivision they are for what it makes.
+FINISHING = frozenset(("CORRECTIVE_SMOOTH", "DISPLACE", "LAPLACIANSMOOTH", "SHRINKWRAP", "SMOOTH"))
 # Modifiers that leave the number of points alone, wherever they stand.
 NEUTRAL = DEFORMING | frozenset((
     "COLLISION", "DATA_TRANSFER", "DYNAMIC_PAINT", "NORMAL_EDIT", "PARTICLE_SYSTEM", "SURFACE", "UV_PROJECT", "UV_WARP",
@@ -108,20 +106,19 @@ def depends_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
 
 
 def place_behind_deforming(obj: bpy.types.Object) -> int:
-    """Index behind the last modifier that deforms or simulates: in front of Subdivision and Solidify, and of what only
-    smooths their points or moves them a little."""
-    place, more_points = 0, False
+    """Index behind the last modifier that deforms or simulates: in front of Subdivision and Solidify, and of what
+    finishes a posed mesh behind these."""
+    place, other_points = 0, False
     for index, modifier in enumerate(obj.modifiers):
-        if deforms(modifier) and (not more_points or _needs_its_points(modifier)):
-            place, more_points = index + 1, False
-        more_points = more_points or changes_topology(modifier)
+        if deforms(modifier) and not (place and other_points and _only_finishes(modifier)):
+            place, other_points = index + 1, False
+        other_points = other_points or changes_topology(modifier)
     return place
 
 
-def _needs_its_points(modifier: bpy.types.Modifier) -> bool:
-    """Whether it poses, or is bound to the points that it gets now."""
-    return (modifier.type in POSES or modifier.type == "LAPLACIANDEFORM" or is_simulation_nodes(modifier)
-            or getattr(modifier, "rest_source", "") == "BIND")
+def _only_finishes(modifier: bpy.types.Modifier) -> bool:
+    """Not where it is bound to the points that it gets now."""
+    return modifier.type in FINISHING and getattr(modifier, "rest_source", "") != "BIND"
 
 
 def add(obj: bpy.types.Object, method: str) -> bpy.types.NodesModifier:

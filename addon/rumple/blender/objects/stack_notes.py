@@ -6,6 +6,11 @@ import bpy
 
 from . import bodies, mesh_reader, modifier, properties, runtimes, subdivision_behind
 
+# What poses or simulates a garment: behind the wrinkles these do not see it. Smooth, Shrinkwrap and the like may well
+# stand there.
+_POSES = frozenset(("ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE",
+                    "SOFT_BODY", "SURFACE_DEFORM"))
+
 
 def of(obj: bpy.types.Object) -> list[str]:
     """Sentences for the panel, drawn anew each time: nothing tells of a moved modifier. Only reads."""
@@ -17,22 +22,25 @@ def of(obj: bpy.types.Object) -> list[str]:
 
 
 def _armatures(obj: bpy.types.Object) -> list[str]:
-    """Those that move no vertex, without an object, or weights for its bones: as cloth the garment would hang."""
-    groups = {group.name for group in obj.vertex_groups}
-    lost = [f"{obj.name}: the modifier \"{m.name}\" has no armature: choose it there (Object)"
-            for m in obj.modifiers if m.type == "ARMATURE" and _is_on(m) and m.object is None]
-    still = [f"{obj.name}: the modifier \"{m.name}\" moves no vertex: no vertex group has the name of one of its "
-             "bones. Parent the mesh to the armature with automatic weights, or paint weights"
-             for m in obj.modifiers
-             if m.type == "ARMATURE" and _is_on(m) and m.object is not None and m.object.type == "ARMATURE"
-             and not m.use_bone_envelopes and not any(b.use_deform and b.name in groups for b in m.object.data.bones)]
-    return lost + still
+    """Those that move no vertex, for they have no object, or no weights are there for its bones: as cloth the garment
+    would hang alone."""
+    groups, notes = {group.name for group in obj.vertex_groups}, []
+    for m in obj.modifiers:
+        if m.type != "ARMATURE" or not _is_on(m):
+            continue
+        if m.object is None:
+            notes.append(f"{obj.name}: the modifier \"{m.name}\" has no armature: choose it there (Object)")
+        elif m.object.type == "ARMATURE" and not m.use_bone_envelopes and not any(
+                b.use_deform and b.name in groups for b in m.object.data.bones):
+            notes.append(f"{obj.name}: the modifier \"{m.name}\" moves no vertex: no vertex group has the name of one "
+                         "of its bones. Parent the mesh to the armature with automatic weights, or paint weights")
+    return notes
 
 
 def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
     stack = list(obj.modifiers)
     place = stack.index(nodes_mod)
-    late = next((m for m in stack[place + 1:] if m.type in modifier.POSES and _is_on(m)), None)
+    late = next((m for m in stack[place + 1:] if m.type in _POSES and _is_on(m)), None)
     if late is not None:
         return [f"{obj.name}: the modifier \"{late.name}\" is below {nodes_mod.name} in the stack, so the wrinkles do "
                 f"not see what it moves: move {nodes_mod.name} below it"]
@@ -44,15 +52,15 @@ def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[st
 
 
 def _other_points_in_renders(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
-    """Fine meshes are made for what viewports have."""
+    """The first modifier that does so: the fine mesh is made for what viewports have."""
     return [f"{obj.name}: the modifier \"{m.name}\" above {nodes_mod.name} makes other vertices in renders than in "
             "viewports, so renders have no wrinkles: set both alike"
-            for m in modifier.in_front(obj) if m.type not in modifier.NEUTRAL and _is_on(m) and (
+            for m in modifier.in_front(obj) if modifier.changes_topology(m) and (
                 m.show_viewport != m.show_render or _levels(m, "levels") != _levels(m, "render_levels"))][:1]
 
 
 def _levels(m: bpy.types.Modifier, name: str) -> int:
-    """Of viewports or renders, as Simplify lets them be."""
+    """Subdivisions of viewports ("levels") or of renders ("render_levels"), at most those of Simplify."""
     render, levels = bpy.context.scene.render, getattr(m, name, 0)
     most = render.simplify_subdivision_render if name == "render_levels" else render.simplify_subdivision
     return min(levels, most) if render.use_simplify and m.type == "SUBSURF" else levels

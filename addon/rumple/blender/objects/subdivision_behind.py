@@ -26,15 +26,15 @@ def refuse_costly(obj: bpy.types.Object, fine: Any) -> None:
 
 def try_lighter(obj: bpy.types.Object, prepare: Callable[[], bool]) -> str:
     """Tries to make the fine mesh without the limit surface of what is behind it: that costs the gigabytes, and shows
-    little over a fine mesh. prepare: whether there is one then; if not, all is as it was. What to say of it, or
-    nothing."""
+    little over a fine mesh. prepare: makes it, and says whether that went. Returns what to say of it; empty where it
+    did not go, and nothing is changed."""
     costly = _refining(obj)
     for m in costly:
         m.use_limit_surface = False
     if costly and prepare():
         names = ", ".join(f'"{m.name}"' for m in costly)
-        return (f"{obj.name}: Use Limit Surface (Advanced) is off now in the modifier {names} below the wrinkles: of a "
-                "fine mesh of triangles it makes gigabytes")
+        return (f"{obj.name}: Use Limit Surface (Advanced) is off now in the modifier {names} below the wrinkles: for a "
+                "fine mesh of triangles it needs gigabytes")
     for m in costly:
         m.use_limit_surface = True
     return ""

@@ -125,15 +125,15 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         if self.method == "FIELD" and context.space_data is not None and not obj.rumple.field.is_property_set(
                 "gpu_preview"):
             obj.rumple.field.gpu_preview = True  # else nothing is seen of it in Solid viewports
-        lighter = ""
+        switched_off = ""
         if not self._is_made(obj, nodes_mod):
-            lighter = subdivision_behind.try_lighter(obj, lambda: self._is_made(obj, nodes_mod))
+            switched_off = subdivision_behind.try_lighter(obj, lambda: self._is_made(obj, nodes_mod))
         bodies.connect_all()
         if modifier.output_object(nodes_mod) is None:
             self.report({"ERROR"}, said(runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"))
             _remove(obj)
             return {"CANCELLED"}
-        self._report(obj, lighter)
+        self._report(obj, [switched_off] if switched_off else [])
         return {"FINISHED"}
 
     @staticmethod
@@ -187,8 +187,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                 for garment in found.garments:
                     about.body_collection.objects.link(garment)
 
-    def _report(self, obj: bpy.types.Object, lighter: str) -> None:
-        for note in [lighter] * bool(lighter) + stack_notes.of(obj):
+    def _report(self, obj: bpy.types.Object, warnings: list[str]) -> None:
+        for note in warnings + stack_notes.of(obj):
             self.report({"WARNING"}, said(note))
         fine = runtimes.of(obj).evaluator
         origin = fine.base.origin

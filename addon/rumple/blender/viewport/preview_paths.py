@@ -97,8 +97,9 @@ class Drawing:
             return False
         drawing = runtime.result.drawing
         uv = mesh_reader.render_uv(incoming_mesh.of(obj))
-        self.has_uv = uv is not None
         corners = runtime.evaluator.coarse_triangles()[0].ravel()
+        # An edited mesh may have lost some of these, until the wrinkles are made anew.
+        self.has_uv = uv is not None and corners.max(initial=-1) < len(uv)
         self._profile, self._curved = PROFILES.index(runtime.inputs.settings.profile), float(drawing.curved)
         self._arrays.update(
             uvs=upload(uv[corners]) if self.has_uv else gpu_arrays.blank(),
