@@ -61,8 +61,8 @@ class FirstClick(unittest.TestCase):
         self.assertEqual(self.found(), "")
 
     def deleted_under_the_garment(self) -> bpy.types.Object:
-        """A body with a garment over its middle, where it is mostly deleted. Its hands are dense, and wider than the cuffs:
-        more of them lies over the garment than of the garment over the body."""
+        """A body with a garment over its middle, where it is mostly deleted. Its hands are dense and wider than cuffs:
+        more of it lies over the garment than of the garment over it."""
         body = sleeve.under(self.obj, "Human")
         self.obj.data.transform(Matrix.Translation((0.5 * sleeve.LENGTH, 0, 0)) @ Matrix.Scale(0.6, 4, (1, 0, 0))
                                 @ Matrix.Translation((-0.5 * sleeve.LENGTH, 0, 0)))

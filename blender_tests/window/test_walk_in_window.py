@@ -34,5 +34,5 @@ class RandomWalk(WindowCase):
                 yield step or 0.05
             strokes, strokes_in_play = strokes + walk.strokes, strokes_in_play + walk.strokes_in_play
             painted, windows = painted + walk.painted, windows + walk.windows
-        print(f"{strokes} strokes, {strokes_in_play} of them in play, {painted} changed paint; {windows} windows opened")
+        print(f"{strokes} strokes, {strokes_in_play} of them in play, {painted} changed paint; {windows} more windows")
         self.assertGreater(min(strokes_in_play, painted, windows), 0)

@@ -33,8 +33,8 @@ def try_lighter(obj: bpy.types.Object, prepare: Callable[[], bool]) -> str:
         m.use_limit_surface = False
     if costly and prepare():
         names = ", ".join(f'"{m.name}"' for m in costly)
-        return (f"{obj.name}: Use Limit Surface (Advanced) is off now in the modifier {names} below the wrinkles: for a "
-                "fine mesh of triangles it needs gigabytes")
+        return (f"{obj.name}: Use Limit Surface (Advanced) is off now in the modifier {names} below the wrinkles: for "
+                "a fine mesh of triangles it needs gigabytes")
     for m in costly:
         m.use_limit_surface = True
     return ""
