@@ -35,4 +35,6 @@ class RandomWalk(WindowCase):
             strokes, strokes_in_play = strokes + walk.strokes, strokes_in_play + walk.strokes_in_play
             painted, windows = painted + walk.painted, windows + walk.windows
         print(f"{strokes} strokes, {strokes_in_play} of them in play, {painted} changed paint; {windows} more windows")
-        self.assertGreater(min(strokes_in_play, painted, windows), 0)
+        self.assertGreater(min(strokes_in_play, windows), 0)
+        if bpy.app.version[:2] != (4, 3):  # Debian's has no brushes
+            self.assertGreater(painted, 0)
