@@ -68,6 +68,8 @@ class Walk(RandomWalk):
             refused = bodies.refusal(obj)
             if not is_seen(obj):
                 continue  # deleted, but still named by another one: nothing evaluates it
+            if "switch off Use Limit Surface" in obj.rumple.message and "Subdivision" in obj.modifiers:
+                continue  # a fine mesh of triangles under it would take gigabytes: the last picture stays
             assert obj.rumple.message == refused or modifier.is_baked(nodes_mod), f"{trail}: {obj.rumple.message}"
             assert "expected" not in obj.rumple.message, f"{trail}: {obj.rumple.message}"  # of an array
             if refused:

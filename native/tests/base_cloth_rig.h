@@ -56,6 +56,14 @@ struct Garment {
     }
 };
 
+// Held a little by its animation, and pulled along z, m/s^2.
+inline base_cloth::Settings falling(float gravity) {
+    base_cloth::Settings settings;
+    settings.follow = 20.0f;
+    settings.gravity = {0.0f, 0.0f, gravity};
+    return settings;
+}
+
 // Contact and the edge of the room are far away: nothing but the energy decides.
 inline base_cloth::Settings without_contact() {
     base_cloth::Settings settings;

@@ -128,4 +128,15 @@ inline MeshData shaken(MeshData mesh, float amount, unsigned seed) {
     return mesh;
 }
 
+// Two meshes of quads in one; the second one is moved.
+inline MeshData with_part(MeshData mesh, const MeshData& part, const Vec3& shift) {
+    const Index first = static_cast<Index>(mesh.positions.size());
+    for (const Vec3& p : part.positions) mesh.positions.push_back(p + shift);
+    for (size_t c = 0; c < part.corner_vertex.size(); c += 4) {
+        const Index* v = &part.corner_vertex[c];
+        mesh.add_polygon({first + v[0], first + v[1], first + v[2], first + v[3]});
+    }
+    return mesh;
+}
+
 }  // namespace rumple::tests

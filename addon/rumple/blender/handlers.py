@@ -13,7 +13,7 @@ from . import scheduler
 from .frame import clip_status, disk_frames, first_pass, rebuild, solve
 from .maps import (changes as maps_changes, modifier as maps_modifier, rebuild as maps_rebuild,
                    runtimes as maps_runtimes, solve as maps_solve)
-from .objects import bodies, changes, kept_lists, linked_outputs, messages, modifier, runtimes
+from .objects import bodies, changes, kept_lists, messages, modifier, runtimes, undo_references
 
 
 _PATIENCE = 30.0  # seconds that a render waits for what was edited just before
@@ -102,13 +102,13 @@ def _after_save(*_arguments: object) -> None:
 @_handler
 def _before_undo(*_arguments: object) -> None:
     kept_lists.forget_all()
-    linked_outputs.let_go()
+    undo_references.let_go()
 
 
 @_handler
 def _on_undo(*_arguments: object) -> None:
     kept_lists.forget_all()
-    linked_outputs.take_again()
+    undo_references.take_again()
     for table in _RUNTIMES:
         table.invalidate_all()
     scheduler.request()

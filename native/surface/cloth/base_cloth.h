@@ -12,6 +12,7 @@
 
 #include "base/lanes.h"
 #include "surface/cloth/clearance.h"
+#include "surface/cloth/hem_room.h"
 #include "surface/cloth/overlaps.h"
 #include "surface/mesh/topology.h"
 
@@ -97,7 +98,8 @@ struct Model {
     std::vector<Index> triangle_of;  // per vertex: one of its triangles, or kNone (loose)
     ClearanceModel clearance;
     std::vector<Overlap> overlaps;
-    std::vector<float> cover_room;  // room_to_cover()
+    Hems hems;
+    std::vector<float> cover_room;  // room_over_parts()
 };
 std::shared_ptr<const Model> build(Surface surface);
 

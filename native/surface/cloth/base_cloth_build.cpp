@@ -6,7 +6,6 @@
 
 #include "base/tolerances.h"
 #include "surface/cloth/base_cloth.h"
-#include "surface/cloth/pins.h"
 #include "surface/cloth/smooth_normals.h"
 #include "surface/refine/refinement.h"
 
@@ -203,7 +202,8 @@ std::shared_ptr<const Model> build(Surface surface) {
     model->limit = vertex_limit_stencils(model->surface);
     model->clearance = build_clearance(model->surface);
     model->overlaps = find_overlaps(model->surface);
-    model->cover_room = room_to_cover(model->surface, model->overlaps);
+    model->hems = find_hems(model->surface);
+    model->cover_room = room_over_parts(model->surface, model->hems, model->overlaps);
     return model;
 }
 

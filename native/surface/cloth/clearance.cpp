@@ -50,21 +50,24 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
                     std::span<const Vec3> surface_points, std::span<const Vec3> normals,
                     const PosedCollider* bodies, std::vector<Index>& hints) {
     const size_t vertices = surface_points.size();
-    Clearance clearance{std::vector<float>(vertices, settings.unknown)};
+    Clearance clearance;
+    clearance.inwards.assign(vertices, settings.unknown);
     if (!bodies) {
         hints.clear();
         return clearance;
     }
     std::vector<float>& out = clearance.inwards;
     hints.resize(vertices, kNone);
+    clearance.bodies.resize(vertices);
     std::vector<Known> known(vertices);
     for_each_index(vertices, kLeastSearches, [&](size_t v) {
-        const BodyContact contact = bodies->closest(surface_points[v], normals[v], settings.reach, hints[v]);
+        BodyContact& contact = clearance.bodies[v];
+        contact = bodies->closest(surface_points[v], normals[v], settings.reach, hints[v]);
         hints[v] = contact.triangle;
         if (contact.triangle == kNone) return;
         // What is about to leave the reach counts less and less.
-        const float near = 1.0f - smooth_step(0.7f, 1.0f, std::abs(contact.distance) / settings.reach);
-        known[v] = {room_inwards(settings, contact.distance), contact.weight * near};
+        contact.weight *= 1.0f - smooth_step(0.7f, 1.0f, std::abs(contact.distance) / settings.reach);
+        known[v] = {room_inwards(settings, contact.distance), contact.weight};
         out[v] = glm::mix(settings.unknown, known[v].value, known[v].weight);
     });
     const auto found = std::ranges::count_if(known, [](const Known& k) { return k.weight > 0.0f; });

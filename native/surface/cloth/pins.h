@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "surface/cloth/overlaps.h"
 #include "surface/mesh/topology.h"
 
 namespace rumple {
@@ -16,12 +15,6 @@ namespace rumple {
 //   up: unit, object space at rest.
 // Cost: O(edges log edges).
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up);
-
-// How far every welded vertex may leave its animated place, object units, so that a hem does not lay bare the
-// border of a part that it covers at rest: a shirt over the waistband of shorts, with nothing below, for
-// bodies are deleted under clothes. Infinity where there is none. overlaps: of find_overlaps(). Cost: of each
-// part O(vertices of borders x vertices), where it covers one.
-std::vector<float> room_to_cover(const Surface& surface, std::span<const base_cloth::Overlap> overlaps);
 
 // How many openings a garment has: open borders that are not the outline of a sheet. A shirt has four, a head
 // one; a skirt two, for a wide hem in a part with a waist is no outline.

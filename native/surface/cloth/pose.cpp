@@ -45,6 +45,27 @@ float share_of_curvature(const Settings& settings, float curvature) {
     return std::max(tight * tight * tight * tight, settings.flat_share);
 }
 
+// How far vertices may leave their animated places: what is set and painted, and what hems cover.
+void place_room(const Model& model, const Settings& settings, const Paint& paint, const PosedCollider* bodies,
+                std::span<const BodyContact> under, std::span<const Vec3> smooth, Pose& pose) {
+    std::vector<float> covering = model.cover_room;
+    if (bodies) {
+        const float unheld = std::max(settings.room, settings.slide_room);
+        const std::vector<float> over = room_over_bodies(model.surface, model.hems, *bodies, under, smooth,
+                                                         pose.normal, settings.clearance.reach, unheld);
+        for (size_t v = 0; v < covering.size(); ++v) covering[v] = std::min(covering[v], over[v]);
+    }
+    for (size_t v = 0; v < covering.size(); ++v) {
+        const float factor = painted(paint.room, model.surface.representative[v], 1.0f);
+        const float room = std::min(settings.room * factor, covering[v]),
+                    slide = std::min(settings.slide_room * factor, covering[v]);
+        pose.room.push_back(room);
+        // A loose vertex has no surface to slide along; what has no room at all stays.
+        const bool slides = room > 0.0f && slide > room && pose.normal[v] != Vec3(0.0f);
+        pose.slide_share.push_back(slides ? room / slide : 1.0f);
+    }
+}
+
 void place_facets(const Surface& surface, Pose& pose) {
     pose.facets.resize(surface.triangles.size());
     for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
@@ -253,17 +274,11 @@ Pose make_pose(const Model& model, const Settings& settings, const Paint& paint,
                                  : tangent_frame(pose.normal[v], pose.animated[to] - pose.animated[v]));
         const float pinned = painted(paint.follow, surface.representative[v], 0.0f);
         pose.follow.push_back(settings.follow + (kPinned - settings.follow) * pinned * pinned * pinned);
-        const float factor = painted(paint.room, surface.representative[v], 1.0f);
-        const float most = model.cover_room[v], room = std::min(settings.room * factor, most),
-                    slide = std::min(settings.slide_room * factor, most);
-        pose.room.push_back(room);
-        // A loose vertex has no surface to slide along; what has no room at all stays.
-        const bool slides = room > 0.0f && slide > room && pose.normal[v] != Vec3(0.0f);
-        pose.slide_share.push_back(slides ? room / slide : 1.0f);
     }
     std::vector<Vec3> smooth(vertices);
     apply<Vec3>(model.limit, pose.animated, smooth);
     Clearance found = clearance(model.clearance, settings.clearance, smooth, pose.normal, bodies, body_hint);
+    place_room(model, settings, paint, bodies, found.bodies, smooth, pose);
     pose.clearance = std::move(found.inwards);
     pose.body_known = found.known;
     keep_outer_parts_outside(model, settings, pose);

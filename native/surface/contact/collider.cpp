@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <tuple>
 
 #include "base/expect.h"
 #include "base/tolerances.h"
+#include "surface/mesh/disjoint_sets.h"
 #include "surface/mesh/positions.h"
 
 namespace rumple {
@@ -32,6 +34,22 @@ std::vector<Row> checked(const Collider& collider, std::span<const Vec3> positio
     return to_rows(positions);
 }
 
+// For every vertex the lowest one at the same place: a body that is split at its seams does not end there.
+std::vector<Index> places_of(std::span<const Vec3> positions) {
+    std::vector<Index> order(positions.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto coordinates = [&](Index v) {
+        return std::tuple(positions[v].x, positions[v].y, positions[v].z);
+    };
+    std::ranges::sort(order, {}, [&](Index v) { return std::tuple_cat(coordinates(v), std::tuple(v)); });
+    std::vector<Index> place(positions.size());
+    for (size_t i = 0; i < order.size(); ++i) {
+        const bool same = i > 0 && coordinates(order[i]) == coordinates(order[i - 1]);
+        place[order[i]] = same ? place[order[i - 1]] : order[i];
+    }
+    return place;
+}
+
 }  // namespace
 
 Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles)
@@ -46,10 +64,12 @@ Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<I
         }
     }
     hierarchy_ = build_packets(centres_of(positions, triangles_));
-    mark_borders();
+    const std::vector<Index> place = places_of(positions);
+    mark_borders(place);
+    find_parts(place);
 }
 
-void Collider::mark_borders() {
+void Collider::mark_borders(std::span<const Index> place) {
     struct Side {
         Index a, b, triangle;
         int k;
@@ -57,7 +77,7 @@ void Collider::mark_borders() {
     std::vector<Side> sides;
     for (Index t = 0; t < triangle_count(); ++t) {
         for (int k = 0; k < 3; ++k) {
-            const Index a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
+            const Index a = place[triangles_[t][k]], b = place[triangles_[t][(k + 1) % 3]];
             sides.push_back({std::min(a, b), std::max(a, b), t, k});
         }
     }
@@ -73,6 +93,16 @@ void Collider::mark_borders() {
         border_edges_[sides[i].triangle] |= static_cast<std::uint8_t>(1 << sides[i].k);
         border_vertex_[sides[i].a] = border_vertex_[sides[i].b] = 1;
     }
+    for (size_t v = 0; v < place.size(); ++v) border_vertex_[v] = border_vertex_[place[v]];
+}
+
+void Collider::find_parts(std::span<const Index> place) {
+    DisjointSets sets(vertex_count_);
+    for (const auto& [a, b, c] : triangles_) {
+        sets.unite(place[a], place[b]);
+        sets.unite(place[a], place[c]);
+    }
+    for (const auto& triangle : triangles_) part_.push_back(sets.find(place[triangle[0]]));
 }
 
 PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> positions)
@@ -139,6 +169,28 @@ BodyContact PosedCollider::closest(const Vec3& p, const Vec3& normal, float reac
     };
     if (hint >= 0 && hint < collider_.triangle_count()) packets_.look_around(hint, look);
     packets_.search(p, best.squared, nullptr, look);
+    return contact_at(best, p, normal);
+}
+
+BodyContact PosedCollider::closest_of_others(const Vec3& p, const Vec3& normal, float reach,
+                                             Index triangle) const {
+    const Vec3Lanes facing(normal);
+    const Index left_out = collider_.part_[triangle];
+    Best best{squared_reach(reach)};
+    const auto look = [&](const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles) {
+        LaneMask others{};
+        for (size_t k = 0; k < kLanes; ++k)
+            if (triangles[k] != kNone && collider_.part_[triangles[k]] != left_out) others[k] = -1;
+        const auto counts = [&](const PosedPackets::Packet& each) {
+            return LaneMask(dot(each.normal, facing) >= all_lanes(kFacing)) & others;
+        };
+        look_at(packet, triangles, p, counts, best);
+    };
+    packets_.search(p, best.squared, nullptr, look);
+    return contact_at(best, p, normal);
+}
+
+BodyContact PosedCollider::contact_at(const Best& best, const Vec3& p, const Vec3& normal) const {
     BodyContact contact;
     if (best.triangle == kNone) return contact;
     contact.triangle = best.triangle;

@@ -14,7 +14,8 @@ namespace rumple {
 // The triangles of all bodies and a bounding volume hierarchy over them. Built once, then immutable.
 class Collider {
   public:
-    // positions: (any pose), object units. triangles: counter-clockwise seen from outside.
+    // positions: (any pose), object units; a body does not end where borders lie on one another. triangles:
+    // counter-clockwise seen from outside.
     // Throws InvalidInput: no triangle, an index out of range, a position that is not finite.
     // Cost: O(n log^2 n).
     Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles);
@@ -25,12 +26,14 @@ class Collider {
   private:
     friend class PosedCollider;
 
-    void mark_borders();
+    void mark_borders(std::span<const Index> place);
+    void find_parts(std::span<const Index> place);
 
     Index vertex_count_ = 0;
     std::vector<std::array<Index, 3>> triangles_;
     std::vector<std::uint8_t> border_edges_;  // per triangle: bit k, the edge from corner k is a border
     std::vector<std::uint8_t> border_vertex_;
+    std::vector<Index> part_;    // per triangle: the connected part of the bodies that it is of
     PacketHierarchy hierarchy_;  // of the triangles
 };
 
@@ -68,6 +71,9 @@ class PosedCollider {
     // kNone; it makes it faster and changes nothing else.
     BodyContact closest(const Vec3& p, const Vec3& normal, float reach, Index hint) const;
 
+    // The same of all connected parts of the bodies but that of a triangle: skin inside a waistband.
+    BodyContact closest_of_others(const Vec3& p, const Vec3& normal, float reach, Index triangle) const;
+
     // The nearest point of the body that faces the cloth, in front of it or at most so far behind. Where the
     // body ends nothing is found. reach, behind: object units, >= 0. Cost: about 1 us.
     BodyAhead ahead(const Vec3& p, const Vec3& normal, float reach, float behind) const;
@@ -85,6 +91,7 @@ class PosedCollider {
     template <typename Counts>
     void look_at(const PosedPackets::Packet& packet, const PacketHierarchy::Triangles& triangles,
                  const Vec3& p, const Counts& counts, Best& best) const;
+    BodyContact contact_at(const Best& best, const Vec3& p, const Vec3& normal) const;
     Vec3 point_of(const Best& best) const;
     Vec3 normal_of(const Best& best) const;
     bool on_border(Index triangle, const Vec3& weights) const;

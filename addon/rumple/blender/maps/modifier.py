@@ -28,7 +28,8 @@ def is_ours(group: bpy.types.NodeTree | None) -> bool:
     return group is not None and KEY in group
 
 
-_MAPPED = ModifiedObjects(is_ours)
+_HIDDEN = (SKIN, BONES, WRINKLES)
+_MAPPED = ModifiedObjects(is_ours, _HIDDEN)
 
 
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
@@ -78,7 +79,7 @@ def remove(obj: bpy.types.Object) -> None:
     if nodes_mod is None:
         return
     hidden_objs = hidden(nodes_mod)
-    _MAPPED.remove(obj, nodes_mod, (SKIN, BONES, WRINKLES))
+    _MAPPED.remove(obj, nodes_mod, _HIDDEN)
     still_hidden = {other for _, another in mapped_objects() for other in hidden(another)}
     for former in hidden_objs - still_hidden:
         modifier.delete_hidden(former)

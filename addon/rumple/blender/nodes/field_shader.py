@@ -203,14 +203,22 @@ def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
 
 
 def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
-    """Give a material that shows waves the profile of an object. False where it shows none."""
-    nodes_mod = _our_nodes(material)
-    if nodes_mod:
-        group = ensure(obj)
-        for node in nodes_mod:
-            if node.node_tree != group:
-                node.node_tree = group
-    return bool(nodes_mod)
+    """Give a material that shows waves the profile of an object. False where it shows none.
+
+    A group that only this object shows is changed in place. A new one in its place ended Blender: where two undo steps
+    have the same of a material, undo leaves it in memory as it is, and frees groups that no step has.
+    """
+    fields = _our_nodes(material)
+    profile = field_profile.key(obj)
+    for group in {field.node_tree for field in fields if field.node_tree[PROFILE_KEY] != profile}:
+        shown = [field for each in materials_of(obj) for field in _our_nodes(each) if field.node_tree == group]
+        if len(shown) == group.users and compat.is_editable(group):
+            _rebuild(group, field_profile.table(obj))
+            group[PROFILE_KEY], group[VERSION_KEY] = profile, VERSION
+    for field in fields:
+        if field.node_tree[PROFILE_KEY] != profile or field.node_tree[VERSION_KEY] != VERSION:
+            field.node_tree = ensure(obj)
+    return bool(fields)
 
 
 def unshade(material: bpy.types.Material) -> None:

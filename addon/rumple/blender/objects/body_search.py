@@ -11,13 +11,15 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from ...core import transforms
+from ...core.body import facing_outwards
 from ...core.healing import TURNED
 from .. import compat
 from . import bodies, incoming_mesh, mesh_reader, modifier
 
 SAMPLES = 500  # vertices at most that are asked what lies under them
 NEAR = 0.08  # of the diagonal of the bounding box: what is farther does not lie under the cloth
-LEAST_SHARE = 0.15  # of the vertices that must have something under them
+LEAST_SHARE = 0.15  # of the vertices that lie over another one: clothes over a body, and no body over clothes
+LEAST_BODY = 0.05  # of the vertices that must have the body under them: mostly it is deleted there
 LEAST_OVERLAP = 0.02  # of the vertices that lie over another garment: the hem of a shirt over trousers
 MORE_OVER = 2.0  # times as much of a garment lies over another one as the other way round
 WITHIN = 0.05  # of the diagonal: how far clothes reach beyond a body
@@ -60,10 +62,10 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
     shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}
     own = functools.cache(lambda: _tree(obj))
     back = functools.cache(lambda other: _share_over(cloth(other), own()))  # how much of another one lies over it
-    under = [other for other, share in shares.items() if share > LEAST_SHARE]
-    if not any(_is_within(obj, other) for other in under) and any(
+    if not any(_is_within(obj, other) for other, share in shares.items() if share > LEAST_SHARE) and any(
             _is_within(other, obj) and back(other) > LEAST_SHARE for other in shares):
         return WornOver(None, [], True)
+    under = [other for other, share in shares.items() if share > LEAST_BODY]
     worn = {other for other in under if _is_worn(cloth(other), [trees[body] for body in under if body != other])}
     body = max((other for other in under if other not in worn and modifier.find(other) is None), key=shares.get,
                default=None)
@@ -88,7 +90,7 @@ def _armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
 
 
 def _is_worn(cloth: _Cloth, others: list[BVHTree]) -> bool:
-    return any(_share_over(cloth, tree) > WORN_SHARE for tree in others)
+    return any(_share_over(cloth, other) > WORN_SHARE for other in others)
 
 
 def _rest(obj: bpy.types.Object) -> np.ndarray:
@@ -114,16 +116,17 @@ def _is_inside_out(obj: bpy.types.Object) -> bool:
 
 
 def _tree(obj: bpy.types.Object) -> BVHTree:
-    mesh = incoming_mesh.of(obj)
-    corners = compat.corner_vertices(mesh).tolist()
-    starts = [*compat.indices(mesh.polygons, "loop_start").tolist(), len(corners)]
-    return BVHTree.FromPolygons(_rest(obj).tolist(), [corners[start:end] for start, end in zip(starts, starts[1:])])
+    mesh, rest = incoming_mesh.of(obj), _rest(obj)
+    mesh.calc_loop_triangles()
+    triangles = compat.indices(mesh.loop_triangles, "vertices", 3).reshape(-1, 3)
+    return BVHTree.FromPolygons(rest.tolist(), facing_outwards(rest, triangles).tolist())
 
 
 def _share_over(cloth: _Cloth, tree: BVHTree) -> float:
-    """The share of the vertices whose nearest point on a surface is near, and on the inner side of the cloth."""
+    """The share of the vertices whose nearest point on a surface is near, on the inner side of the cloth, and faces
+    the same way: the inner side of a thick waistband does not lie over the shirt around it."""
     over = 0
     for place, normal in zip(cloth.places, cloth.normals):
-        nearest = tree.find_nearest(place, cloth.reach)[0]
-        over += nearest is not None and (nearest - place).dot(normal) < 0.0
+        nearest, facing, _, _ = tree.find_nearest(place, cloth.reach)
+        over += nearest is not None and (nearest - place).dot(normal) < 0.0 < facing.dot(normal)
     return over / max(len(cloth.places), 1)

@@ -20,9 +20,9 @@ Found = tuple[bpy.types.Object, bpy.types.NodesModifier]
 class ModifiedObjects:
     """The objects with a modifier of some kind, in the order of their names."""
 
-    def __init__(self, is_ours: Callable[[bpy.types.NodeTree | None], bool]) -> None:
-        """is_ours: of the node groups of that kind."""
-        self.is_ours = is_ours
+    def __init__(self, is_ours: Callable[[bpy.types.NodeTree | None], bool], hidden: tuple[str, ...] = ()) -> None:
+        """is_ours: of the node groups of that kind. hidden: their inputs that hold hidden objects."""
+        self.is_ours, self.hidden = is_ours, hidden
         self._names: list[tuple[str, str | None]] | None = None  # with the file that a linked object comes from
         _all.append(self)
 
@@ -77,6 +77,13 @@ class ModifiedObjects:
 
 
 _all: list[ModifiedObjects] = []
+
+
+def with_hidden() -> Iterator[tuple[bpy.types.Object, bpy.types.NodesModifier, tuple[str, ...]]]:
+    """All modifiers that hold hidden objects, with the names of these inputs."""
+    for objects in _all:
+        if objects.hidden:
+            yield from ((obj, nodes_mod, objects.hidden) for obj, nodes_mod in objects)
 
 
 def forget_all() -> None:

@@ -30,7 +30,8 @@ NEUTRAL = DEFORMING | frozenset((
 
 SIMULATION_NODE = "GeometryNodeSimulationInput"  # the start of a simulation zone, from Blender 3.6 on
 
-_WRINKLED = ModifiedObjects(wrinkle_tree.is_ours)
+_HIDDEN = (wrinkle_tree.OUTPUT, wrinkle_tree.VIEWPORT_OUTPUT, wrinkle_tree.CACHE)
+_WRINKLED = ModifiedObjects(wrinkle_tree.is_ours, _HIDDEN)
 
 
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
@@ -288,5 +289,4 @@ def remove(obj: bpy.types.Object) -> None:
     modifier = find(obj)
     if modifier is None:
         return
-    _WRINKLED.remove(obj, modifier, (wrinkle_tree.OUTPUT, wrinkle_tree.VIEWPORT_OUTPUT, wrinkle_tree.CACHE,
-                                     wrinkle_tree.BODY, wrinkle_tree.BODIES))
+    _WRINKLED.remove(obj, modifier, (*_HIDDEN, wrinkle_tree.BODY, wrinkle_tree.BODIES))

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What undo leaves in memory as it is names nothing that undo frees or reads anew."""
+from __future__ import annotations
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import bpy
+import numpy as np
+from rumple.blender import scheduler
+from rumple.blender.maps import modifier as maps_modifier, rebuild as maps_rebuild
+from rumple.blender.nodes import field_shader
+from rumple.blender.objects import modifier, output_mesh
+from support import face, sleeve
+
+
+class MadeBetweenSteps(unittest.TestCase):
+    """Handlers and timers make data-blocks between two undo steps; both steps have the same of the garment."""
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene()
+        sleeve.at(20)
+        self.steps()
+
+    def steps(self) -> None:
+        for step in range(4):
+            bpy.context.scene["step"] = step
+            bpy.ops.ed.undo_push(message=f"step {step}")
+
+    def undo_twice(self, said: str = "") -> None:
+        for _ in range(2):
+            bpy.ops.ed.undo()
+            sleeve.at(19)
+            scheduler.sync_all()
+            sleeve.at(20)
+            self.assertEqual(self.garment().rumple.message, said)
+
+    def garment(self) -> bpy.types.Object:
+        return bpy.data.objects["Sleeve"]
+
+    def test_an_output_object(self) -> None:
+        """Blender ended."""
+        nodes_mod = modifier.find(self.obj)
+        former = modifier.output_object(nodes_mod)
+        made = output_mesh.copy_for(self.obj, former)
+        modifier.set_output_object(nodes_mod, made, modifier.coarse_vertices(nodes_mod))
+        bpy.data.objects.remove(former)
+        self.undo_twice()
+        self.assertGreater(np.abs(sleeve.attribute(self.garment(), "rumple_offset")).max(), 1e-3)
+        self.assertEqual(len([obj for obj in bpy.data.objects if output_mesh.KEY in obj]), 1)
+
+    def test_a_clip_that_was_baked(self) -> None:
+        """A window bakes in a timer."""
+        with tempfile.TemporaryDirectory() as folder:
+            self.obj.rumple.bake_folder = folder
+            bpy.ops.object.rumple_bake()
+            self.assertIsNotNone(modifier.cache_object(modifier.find(self.garment())))
+            self.undo_twice("Sleeve: the baked clip is not named any more: bake again, or free the bake")
+
+    def test_a_mesh_that_other_modifiers_made(self) -> None:
+        made = self.obj.data.copy()
+        self.obj.rumple.captured = made
+        self.undo_twice()
+        self.assertIsNone(self.garment().rumple.captured)
+
+    def test_the_group_of_a_field_with_another_profile(self) -> None:
+        """Blender ended: a new group took the place of the one that both steps have."""
+        bpy.ops.object.rumple_remove()
+        bpy.ops.object.rumple_add(method="FIELD")
+        self.steps()
+        group = next(group for group in bpy.data.node_groups if field_shader.is_ours(group)).as_pointer()
+        self.obj.rumple.field.profile = "ACCORDION"
+        scheduler.sync_all()
+        for material in self.obj.data.materials:
+            fields = [node.node_tree for node in material.node_tree.nodes if node.type == "GROUP"]
+            self.assertEqual({(field.as_pointer(), field[field_shader.PROFILE_KEY]) for field in fields},
+                             {(group, "ACCORDION")})
+        self.undo_twice()
+
+
+class MapsBetweenSteps(unittest.TestCase):
+
+    def test_skin_and_skeleton(self) -> None:
+        """Blender ended."""
+        obj, rig = face.scene()
+        face.two_poses(obj, rig)
+        for step in range(4):
+            bpy.context.scene["step"] = step
+            bpy.ops.ed.undo_push(message=f"step {step}")
+        for hidden in maps_modifier.hidden(maps_modifier.find(obj)):
+            modifier.delete_hidden(hidden)
+        maps_rebuild.prepare(obj, maps_modifier.find(obj))
+        for _ in range(2):
+            bpy.ops.ed.undo()
+            scheduler.sync_all()
+            sleeve.at(bpy.context.scene.frame_current + 1)
+            obj = next(obj for obj, _ in maps_modifier.mapped_objects())
+            self.assertEqual(obj.rumple_maps.message, "")
+            self.assertEqual(len(maps_modifier.hidden(maps_modifier.find(obj))), 2)
+
+
+class LinkedGarment(unittest.TestCase):
+
+    def setUp(self) -> None:
+        library = str(Path(self.enterContext(tempfile.TemporaryDirectory())) / "library.blend")
+        sleeve.scene()
+        bpy.ops.wm.save_as_mainfile(filepath=library, copy=True)
+        sleeve.empty_file()
+        bpy.ops.ed.undo_push(message="before")
+        with bpy.data.libraries.load(library, link=True) as (_, wanted):
+            wanted.objects = ["Sleeve"]
+        bpy.context.scene.collection.objects.link(wanted.objects[0])
+        self.play()
+        for message in ("linked", "something else"):
+            bpy.ops.ed.undo_push(message=message)
+
+    def garment(self) -> bpy.types.Object:
+        return next(obj for obj in bpy.data.objects if obj.library is not None and modifier.find(obj) is not None)
+
+    def play(self) -> None:
+        sleeve.at(19)
+        scheduler.sync_all()
+        sleeve.at(20)
+
+    def folds(self) -> float:
+        return float(np.abs(sleeve.attribute(self.garment(), "rumple_offset")).max())
+
+    def hidden(self) -> list[str]:
+        return sorted(obj.name for obj in bpy.data.objects if obj.library is None and obj.name.startswith("Sleeve."))
+
+    def test_while_it_is_undone_it_names_nothing_local_and_afterwards_the_same(self) -> None:
+        """Blender 5.2 ended."""
+        named, before = [], self.hidden()
+
+        def look(*_arguments: object) -> None:
+            named.append(modifier.outputs(modifier.find(self.garment())))
+
+        for handlers in (bpy.app.handlers.undo_pre, bpy.app.handlers.redo_pre):
+            handlers.append(look)
+            self.addCleanup(handlers.remove, look)
+        self.assertEqual(len(modifier.outputs(modifier.find(self.garment()))), len(before))
+        for step in (bpy.ops.ed.undo, bpy.ops.ed.redo, bpy.ops.ed.undo):
+            step()
+            self.assertEqual({output.name for output in modifier.outputs(modifier.find(self.garment()))}, set(before))
+            self.play()
+            self.assertEqual((self.garment().rumple.message, self.hidden()), ("", before))
+            self.assertGreater(self.folds(), 1e-3)
+        self.assertEqual(named, [[], [], []])
+
+    def test_linking_is_undone_and_done_again(self) -> None:
+        bpy.ops.ed.undo()
+        bpy.ops.ed.undo()
+        self.play()
+        bpy.ops.ed.redo()
+        self.play()
+        self.assertEqual(self.garment().rumple.message, "")
+        self.assertGreater(self.folds(), 1e-3)
+
+
+if __name__ == "__main__":
+    unittest.main()
