@@ -100,6 +100,37 @@ class FirstClick(unittest.TestCase):
         bpy.ops.object.rumple_add(method="MESH")
         self.assertEqual((body.rumple.mesh.base_cloth, body.rumple.body), ("OFF", None))
 
+    def test_a_body_of_which_little_is_left(self) -> None:
+        """Jeans of MakeHuman had a body under a seventh of their vertices, and found none."""
+        body = sleeve.under(self.obj, "Human")
+        work = bmesh.new()
+        work.from_mesh(body.data)
+        bmesh.ops.delete(work, context="FACES", geom=[
+            face for face in work.faces if face.calc_center_median().x < 0.9 * sleeve.LENGTH])
+        work.to_mesh(body.data)
+        work.free()
+        body.data.transform(Matrix.Translation((0.1 * sleeve.LENGTH, 0, 0)))
+        share = body_search._share_over(body_search._cloth(self.obj), body_search._tree(body))
+        self.assertTrue(0.05 < share < 0.15, share)
+        self.assertEqual(self.found(), "Human")
+
+    def test_the_inner_side_of_a_waistband_does_not_lie_over_the_shirt(self) -> None:
+        """A shirt over trousers with a thick waistband was not worn over them: as much lay over it as under it."""
+        sleeve.under(self.obj, "Human")
+        self.obj.data.transform(Matrix.Translation((0.3 * sleeve.LENGTH, 0, 0)))
+        trousers = sleeve.under(self.obj, "Trousers", 0.95)
+        trousers.data.transform(Matrix.Scale(0.45, 4, (1, 0, 0)))
+        lining = sleeve.tube("Lining")
+        lining.transform(Matrix.Translation((0.3 * sleeve.LENGTH, 0, 0)) @ Matrix.Diagonal((0.15, 0.9, 0.9, 1)))
+        lining.flip_normals()
+        work = bmesh.new()
+        for mesh in (trousers.data, lining):
+            work.from_mesh(mesh)
+        work.to_mesh(trousers.data)
+        work.free()
+        bpy.context.view_layer.update()
+        self.assertEqual([other.name for other in body_search.find(self.obj, bpy.context.scene).garments], ["Trousers"])
+
     def overridden(self, editable: bool) -> None:
         """self.obj is of a figure that is overridden."""
         sleeve.under(self.obj, "Human")
