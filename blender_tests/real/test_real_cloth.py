@@ -16,7 +16,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from rumple.blender import compat
-from rumple.blender.objects import runtimes
+from rumple.blender.objects import modifier, runtimes
 from support.one_blender import in_one_blender
 from support.real_clip import Clip, digest, sides
 from support.real_garment import DATA, OUT, EveryFrame
@@ -261,6 +261,33 @@ class Simulated(unittest.TestCase):
     def test_one_click_gives_a_flag_less_noise_than_without_the_threshold(self) -> None:
         flag = "S5_flag", "flag"
         self.assertLess(self.clicked(*flag), 0.9 * self.noise(*flag, buckling_threshold=0.0))
+
+
+class OneMesh(unittest.TestCase):
+    """The figure of S1 and its clothes as one mesh, as characters of games are."""
+
+    def test_skin_stays_as_it_is_animated_and_clothes_fold(self) -> None:
+        bpy.ops.wm.open_mainfile(filepath=str(DATA / "S1_walk_shirt.blend"))
+        figure = bpy.context.view_layer.objects.active = bpy.data.objects["Body"]
+        of_skin = len(figure.data.vertices)
+        for obj in bpy.context.scene.objects:
+            obj.select_set(obj.name in ("Body", "shirt", "trousers"))
+        bpy.ops.object.join()
+        bpy.ops.object.rumple_add(method="MESH")
+        for frame in range(1, 13):
+            bpy.context.scene.frame_set(frame)
+        runtime = runtimes.of(figure)
+        self.assertEqual(runtime.message, "")
+        taken = runtime.evaluator.base.rigid
+        self.assertEqual(np.sort(taken.vertex).tolist(), list(range(of_skin)))
+        self.assertEqual(int(taken.is_skin.sum()), 5)  # two arms, two feet, a head; and two eyes, far from all cloth
+        shown = runtime.result.positions
+        np.testing.assert_array_equal(shown[-of_skin:], runtime.inputs.positions[taken.vertex])
+        folds = np.linalg.norm(runtime.result.offset[:-of_skin], axis=1)
+        self.assertGreater(np.percentile(folds, 90), 0.004)
+        modifier.find(figure).show_viewport = False
+        np.testing.assert_allclose(compat.positions(figure.evaluated_get(
+            bpy.context.evaluated_depsgraph_get()).data)[taken.vertex], shown[-of_skin:], atol=1e-5)
 
 
 if __name__ == "__main__":

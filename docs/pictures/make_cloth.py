@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Garments that become cloth, on scenes of ../shared/data and on the demo: s1_cloth.jpg, s2_cloth.jpg, layers.jpg,
-fabrics.jpg, density.jpg and demo.jpg beside this file.
+"""Garments that become cloth, on scenes of ../shared/data and on the demo: s1_cloth.jpg, s2_cloth.jpg,
+one_mesh.jpg, layers.jpg, fabrics.jpg, density.jpg and demo.jpg beside this file.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
-        --python docs/pictures/make_cloth.py [-- s1|s2|layers|fabrics|density|demo ...]
+        --python docs/pictures/make_cloth.py [-- s1|s2|one_mesh|layers|fabrics|density|demo ...]
 """
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import bpy
@@ -150,6 +150,23 @@ def rows(scene: Scene, folder: Path) -> tuple[list[Tile], int]:
     return [tile for column in zip(*tiles) for tile in column], 3
 
 
+def one_mesh(folder: Path) -> tuple[list[Tile], int]:
+    """The figure and its clothes as one mesh, as characters of games are."""
+    at, tiles = middles(S1), []
+    for label, wrinkled in (("One mesh, as animated", False), ("One click", True)):
+        open_scene(S1, None)
+        body = bpy.context.view_layer.objects.active = bpy.data.objects["Body"]
+        for obj in bpy.context.scene.objects:
+            obj.select_set(obj == body or obj.name in S1.garments)
+        bpy.ops.object.join()
+        if wrinkled:
+            assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}
+            scheduler.sync_all()
+        tiles.append(play(replace(S1, garments=("Body",)), at, lambda frame, label=label: f"{label}, frame {frame}",
+                          folder))
+    return [tile for column in zip(*tiles) for tile in column], 2
+
+
 def layers(folder: Path) -> tuple[list[Tile], int]:
     at, tiles = middles(SHIRT), []
     for shown in (("drape",), ("folds",), ("detail",), ("drape", "folds", "detail")):
@@ -198,6 +215,7 @@ def demo(folder: Path) -> tuple[list[Tile], int]:
 
 PICTURES: dict[str, tuple[str, Callable[[Path], tuple[list[Tile], int]]]] = {
     "s1": ("s1_cloth.jpg", lambda folder: rows(S1, folder)),
+    "one_mesh": ("one_mesh.jpg", one_mesh),
     "s2": ("s2_cloth.jpg", lambda folder: rows(S2, folder)),
     "layers": ("layers.jpg", layers),
     "fabrics": ("fabrics.jpg", fabrics),

@@ -108,6 +108,19 @@ TEST(WrinklePaths, StandStillToTheBitWhenThePoseIsHeld) {
     }
 }
 
+// The fuzzer's: ways over the smallest width were infinite.
+TEST(WrinklePaths, SayHowFarTheyMovedInFiniteNumbersWhateverTheWidth) {
+    PathCloth cloth = sleeve();
+    const auto pose = bend(cloth, 0.5f);
+    const State state = cloth.play(0.5, pose);
+    ASSERT_FALSE(state.paths.empty());
+    cloth.settings.width = std::numeric_limits<float>::denorm_min();
+    Report report;
+    cloth.solve(pose(0.3), &state, &report);
+    EXPECT_GT(report.moved_mean, 0.0f);
+    EXPECT_TRUE(std::isfinite(report.moved_mean) && std::isfinite(report.moved_most));
+}
+
 TEST(WrinklePaths, RideOnARigidMotion) {
     PathCloth cloth = sleeve();
     const auto pose = bend(cloth, 0.5f);

@@ -9,10 +9,13 @@ import numpy as np
 
 from ..native import kernels
 from .base_mesh import BaseMesh
+from .body import OwnSkin
+from .connected import border_sides
 from .connected import parts as connected_parts
 from .connected import places as places_of
 from .healing import CUT
 from .rigid_parts import RigidParts
+from .skin_parts import find_skin
 from .wording import UserError
 
 SMALL, SMALL_AND_CLOSED = 0.05, 0.12  # of the largest part's diagonal: sheets, and bodies without a border
@@ -22,8 +25,8 @@ MOST_AREA = 0.25  # of the mesh: where small parts are more of it, they are what
 def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool,
                     unit_scale: float) -> tuple[BaseMesh, kernels.Surface, list[str]]:
     """A base, healed where it must be (see Origin.notes()), without its rigid parts; its native surface, and its
-    warnings. rigid_parts: small ones are rigid as well as painted ones. unit_scale: metres per object unit. Raises
-    UserError."""
+    warnings. rigid_parts: small ones and skin are rigid as well as painted ones. unit_scale: metres per object unit.
+    Raises UserError."""
     if not math.isfinite(unit_scale) or unit_scale <= 0.0:
         raise UserError(f"{base.name}: its scale is zero, so lengths in metres have no meaning: give it one")
     base = base.healed(weld)
@@ -35,14 +38,17 @@ def checked_surface(base: BaseMesh, weld: bool, rigid_parts: bool,
 
 def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseMesh:
     """The healed mesh without the faces of its rigid parts, which it has in `rigid`; their vertices stay, without a
-    face. weld: vertices at one place are one. small: small parts are rigid, beside painted ones. Cost: about 0.3 s for
-    50,000 vertices."""
+    face. weld: vertices at one place are one. small: small parts are rigid, and skin in the mesh of its clothes,
+    beside painted parts. Cost: about 0.3 s for 50,000 vertices."""
     if not small and base.painted_rigid is None:
         return base
     places = places_of(base.positions) if weld else np.arange(len(base.positions))
     parts = connected_parts(base, _cut_apart(base, places))
-    chosen = _rigid(base, parts, places) if small else np.zeros(int(parts.max(initial=-1)) + 1, bool)
-    chosen = _with_painted(base, parts, chosen)
+    chosen = skin = np.zeros(int(parts.max(initial=-1)) + 1, bool)
+    if small:
+        chosen = _rigid(base, parts, places)
+        skin = find_skin(base, parts, places, chosen)
+    chosen = _with_painted(base, parts, chosen | skin)
     sizes, origin = np.diff(base.polygon_start), base.own_origin()
     part_of_polygon = parts[base.corner_vertex[base.polygon_start[:-1]]]
     for doubled in origin.copies:  # a doubled button: rather solved as cloth than shown once
@@ -61,7 +67,7 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
         uv=None if base.uv is None else np.ascontiguousarray(base.uv[~corner_is_rigid]),
         origin=replace(origin, corner=origin.corner[~corner_is_rigid], polygon=origin.polygon[~is_rigid],
                        copies=copies),
-        rigid=_taken(base, parts, is_rigid, corner_is_rigid))
+        rigid=_taken(base, parts, skin, is_rigid, corner_is_rigid))
 
 
 def _cut_apart(base: BaseMesh, places: np.ndarray) -> np.ndarray:
@@ -102,11 +108,8 @@ def _with_painted(base: BaseMesh, parts: np.ndarray, chosen: np.ndarray) -> np.n
 
 def _closed(base: BaseMesh, parts: np.ndarray, count: int, places: np.ndarray) -> np.ndarray:
     """(parts,) bool: it has no border."""
-    sides = base.sides()
-    ends = np.sort(places[sides].astype(np.int64), axis=1)
-    _, first, uses = np.unique(ends[:, 0] * len(places) + ends[:, 1], return_index=True, return_counts=True)
     closed = np.ones(count, bool)
-    closed[parts[sides[first[uses == 1], 0]]] = False
+    closed[parts[border_sides(base, places)[:, 0]]] = False
     return closed
 
 
@@ -114,14 +117,16 @@ def _starts(sizes: np.ndarray) -> np.ndarray:
     return np.concatenate([np.zeros(1, np.int32), np.cumsum(sizes, dtype=np.int32)])
 
 
-def _taken(base: BaseMesh, parts: np.ndarray, is_rigid: np.ndarray, corner_is_rigid: np.ndarray) -> RigidParts:
+def _taken(base: BaseMesh, parts: np.ndarray, skin: np.ndarray, is_rigid: np.ndarray,
+           corner_is_rigid: np.ndarray) -> RigidParts:
     origin, corner_vertex = base.own_origin(), base.corner_vertex[corner_is_rigid]
     vertex, rows = np.unique(corner_vertex, return_inverse=True)
     sides = np.unique(np.sort(base.sides()[corner_is_rigid], axis=1), axis=0)
     triangles = base.triangles[corner_is_rigid[base.triangle_corner[:, 0]]]
     turned = np.concatenate([np.roll(triangles, -k, axis=1) for k in range(3)])
     place = np.unique(turned[:, 0], return_index=True)[1]  # every vertex of a polygon is in one of its triangles
-    return RigidParts(np.unique(parts[vertex], return_inverse=True)[1].ravel().astype(np.int32),
+    numbers, part = np.unique(parts[vertex], return_inverse=True)
+    return RigidParts(part.ravel().astype(np.int32), skin[numbers], OwnSkin(triangles[skin[parts[triangles[:, 0]]]]),
                       vertex.astype(np.int32), turned[place].astype(np.int32),
                       np.searchsorted(vertex, sides).astype(np.int32),
                       origin.polygon[is_rigid], np.diff(base.polygon_start)[is_rigid],

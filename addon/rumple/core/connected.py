@@ -48,3 +48,11 @@ def parts(base: BaseMesh, place: np.ndarray) -> np.ndarray:
     first, other = spokes(base)
     label = lowest_connected(np.arange(len(base.positions)), place[first], place[other])
     return np.unique(label[place], return_inverse=True)[1].ravel().astype(np.int32)
+
+
+def border_sides(base: BaseMesh, place: np.ndarray) -> np.ndarray:
+    """(k, 2) int32: the vertices of the sides that one polygon has. place: as places() has them."""
+    sides = base.sides()
+    ends = np.sort(place[sides].astype(np.int64), axis=1)
+    _, first, uses = np.unique(ends[:, 0] * len(place) + ends[:, 1], return_index=True, return_counts=True)
+    return sides[first[uses == 1]]

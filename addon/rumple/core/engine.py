@@ -75,9 +75,11 @@ class Wrinkles(SystemSteps):
         PreviewFrame is enough. body: what cloth stays outside of in this frame. surroundings: what cloth that swings
         meets. in_viewport: the result of the mesh `in_viewport`, where there is one. Raises UserError.
         """
-        in_viewport = in_viewport and self.in_viewport is not None
-        request = FrameRequest(frame, self.base.points(positions), settings, paint, start, world_from_object,
-                               frame_rate, following, for_preview, body, surroundings, in_viewport)
+        in_viewport, positions = in_viewport and self.in_viewport is not None, self.base.points(positions)
+        if self.base.rigid is not None and settings.base_cloth != "OFF":
+            body = self.base.rigid.skin.joined(positions, body)
+        request = FrameRequest(frame, positions, settings, paint, start, world_from_object, frame_rate, following,
+                               for_preview, body, surroundings, in_viewport)
         try:
             return self._solve_frame(request)
         except ValueError as error:
@@ -310,7 +312,7 @@ class Wrinkles(SystemSteps):
         if report is None:
             return []  # of a frame that waits
         parts = self._by_hand.notes(self.name)
-        parts += [] if rigid is None else [f"Rigid parts that ride on the cloth: {rigid.count}"]
+        parts += [] if rigid is None else rigid.lines()
         if not isinstance(report, OnClothReport):
             return [*self._status(report), *parts]
         return [*self._status(report.wrinkles), *report.lines(self.name, self.unit_scale), *parts]

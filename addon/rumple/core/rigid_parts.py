@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small loose parts of a garment, such as buttons and buckles: they are no cloth. They are shown as they were modelled
-and ride on the cloth around them. Never imports bpy."""
+"""Loose parts of a mesh that are no cloth. They are shown as they were modelled. Small ones, such as buttons and
+buckles, ride on the cloth around them; skin stays where it is animated. Never imports bpy."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..native import kernels
+from .body import OwnSkin
 from .frame_result import Attribute, FrameResult
 from .triangles import columnwise, corner_weights, frames_of, rowwise
 
@@ -21,6 +22,8 @@ class RigidParts:
     from."""
 
     part: np.ndarray  # (m,) int32: number of its part
+    is_skin: np.ndarray  # (parts,) bool
+    skin: OwnSkin  # all of it
     vertex: np.ndarray  # (m,) int32
     triangle: np.ndarray  # (m, 3) int32: a triangle of vertices that begins with it
     edges: np.ndarray  # (e, 2) int32: rows of `vertex`
@@ -32,20 +35,26 @@ class RigidParts:
     @property
     def count(self) -> int:
         """Of the parts."""
-        return int(self.part.max()) + 1
+        return len(self.is_skin)
+
+    def lines(self) -> list[str]:
+        """What to say of them in the status."""
+        skin = int(self.is_skin.sum())
+        return ([f"Rigid parts that ride on the cloth: {self.count - skin}"] if skin < self.count else []) + (
+            [f"Parts that are skin and stay as they are animated: {skin}"] if skin else [])
 
 
 class Riders:
     """The rigid parts of one shown mesh, and what of the cloth around them each is fixed to: the shown vertices that
-    are nearest to it at rest. A part that is far from all cloth stays where it is animated."""
+    are nearest to it at rest. Skin, and a part that is far from all cloth, stay where they are animated."""
 
     def __init__(self, positions: np.ndarray, size: float, parts: RigidParts, shown: kernels.ShownMesh) -> None:
         """positions: (n, 3) float32 of the coarse mesh at rest. size: diagonal of the cloth. shown: of the cloth."""
         self.parts = parts
         cloth = np.unique(shown.corner_vertex)
         rest = shown.positions_rest[cloth]
-        found = [cloth[_anchors(positions[parts.vertex[parts.part == part]], rest, size)]
-                 for part in range(parts.count)]
+        found = [cloth[:0] if is_skin else cloth[_anchors(positions[parts.vertex[parts.part == part]], rest, size)]
+                 for part, is_skin in enumerate(parts.is_skin)]
         self._starts = np.cumsum([0, *(len(anchors) for anchors in found)], dtype=np.int32)
         self._anchors = np.concatenate(found)
         self._corners = shown.triangle_vertex[self._anchors]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "base/expect.h"
@@ -44,8 +45,12 @@ void follow_all(const PathContext& context, const State& state, const Settings& 
     double sum = 0.0;
     for (const float length : moved) sum += length;
     std::sort(moved.begin(), moved.end());
-    report.moved_mean = float(sum / double(moved.size())) / settings.width;
-    report.moved_most = moved[moved.size() * 99 / 100] / settings.width;
+    // The smallest width there is would make it infinite.
+    const auto in_widths = [&](double length) {
+        return float(std::min(length / double(settings.width), double(std::numeric_limits<float>::max())));
+    };
+    report.moved_mean = in_widths(sum / double(moved.size()));
+    report.moved_most = in_widths(moved[moved.size() * 99 / 100]);
 }
 
 }  // namespace
