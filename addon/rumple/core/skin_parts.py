@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skin in the mesh of its clothes, as characters of games have it: head, arms and feet, or a whole body, and the hair on
-it. It is no cloth: it stays where it is animated, and cloth stays outside of it. Never imports bpy.
+"""Skin in the mesh of its clothes, as characters of games have it: head, arms and feet, or a whole body, and the hair
+on it. It is no cloth: it stays where it is animated, and cloth stays outside of it. Never imports bpy.
 """
 from __future__ import annotations
 
