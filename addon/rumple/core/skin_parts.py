@@ -17,7 +17,7 @@ NEAR, UNDER = 0.05, 0.5  # of that diagonal; of a border: it ends under other pa
 FLAT = 0.3  # of its area: as much of a sheet looks one way, 0.4 and more; of a head 0.23, of an arm 0.05
 THICK = 0.015  # volume over area^1.5: a body has 0.03, an arm 0.06, a jacket with an inside 0.008
 LEAST_AREA = 0.03  # of the mesh: with less skin it is a garment with a hat or a shoe
-SAMPLES, FEW_SAMPLES = 2000, 12  # vertices at most of a part, and of what is near it or not, that are looked at
+SAMPLES, OF_BORDER, OF_PART = 2000, 12, 4  # vertices at most of anything near, of a border and of a part on skin
 
 
 @dataclass
@@ -34,41 +34,52 @@ class _Parts:
 def find_skin(base: BaseMesh, part: np.ndarray, place: np.ndarray, small: np.ndarray) -> np.ndarray:
     """(parts,) bool. part, place: (n,) of the vertices, as connected.py has them. small: (parts,) bool of those that
     are rigid because they are small. None is skin where no part is a garment. Cost: 0.1 s for 50,000 vertices."""
-    if not len(base.corner_vertex) or len(small) < 2:
+    if not len(base.corner_vertex):
         return np.zeros(len(small), bool)
     whole = float(_lengths(np.ptp(base.positions[base.corner_vertex], axis=0)[None])[0])
     found = _measured(base, part, place, len(small), OPENING * whole)
-    samples = [_sample(np.flatnonzero(part == number), SAMPLES) for number in range(len(small))]
     openings = np.array([len(borders) for borders in found.openings])
     counts = (found.area > 0.0) & ~small
-    bodily = (openings < 3) & (found.flat < FLAT) & (found.thick > THICK) & (found.diagonal >= HAND * whole)
-    skin = np.zeros(len(small), bool)
-    for number in np.flatnonzero(counts & bodily):
-        skin[number] = _ends_under(base, found.openings[number], samples, number, NEAR * whole)
-    garment = counts & ~skin & (openings > 1) & (found.diagonal >= GARMENT * whole)
+    wide = counts & (openings > 1) & (found.diagonal >= GARMENT * whole)
+    bodily = counts & (openings < 3) & (found.flat < FLAT) & (found.thick > THICK) & (found.diagonal >= HAND * whole)
+    if counts.sum() < 2 or not wide.any() or not bodily.any():
+        return np.zeros(len(small), bool)
+    skin = _ends_under(base, found.openings, bodily, _samples(part, counts), NEAR * whole)
+    garment = wide & ~skin
     if not garment.any() or not found.area[skin].sum() > LEAST_AREA * found.area.sum():
         return np.zeros(len(small), bool)
-    to_skin, to_garment = (np.concatenate([samples[number] for number in np.flatnonzero(chosen)])
-                           for chosen in (skin, garment))
-    for number in np.flatnonzero(counts & ~skin & ~garment):
-        own = _sample(samples[number], FEW_SAMPLES)
-        skin[number] = (_nearest(base.positions, own, to_skin)[1].mean()
-                        < _nearest(base.positions, own, to_garment)[1].mean())
-    return skin
+    return skin | _lies_on_skin(base.positions, part, counts & ~skin & ~garment, skin, garment)
 
 
-def _ends_under(base: BaseMesh, borders: list[np.ndarray], samples: list[np.ndarray], number: int, near: float) -> bool:
-    """Whether all borders of a part end under others: skin does, as cloth ends over it."""
-    others = np.concatenate([own for other, own in enumerate(samples) if other != number])
+def _ends_under(base: BaseMesh, openings: list[list[np.ndarray]], asked: np.ndarray, samples: dict[int, np.ndarray],
+                near: float) -> np.ndarray:
+    """(parts,) bool: whether a part is asked about, and all its borders end under others. Skin does, as cloth ends over
+    it. samples: of the vertices of each part."""
+    ends = np.zeros(len(asked), bool)
     normals = np.zeros((len(base.positions), 3))
     np.add.at(normals, base.triangles, _halves(base)[:, None])
-    for border in borders:
-        own = _sample(border, FEW_SAMPLES)
-        nearest, distance = _nearest(base.positions, own, others)
-        above = ((base.positions[nearest] - base.positions[own]) * normals[own]).sum(1) > 0.0
-        if (above & (distance < near)).mean() < UNDER:
-            return False
-    return True
+    for number in np.flatnonzero(asked):
+        others = np.concatenate([own for other, own in samples.items() if other != number])
+        ends[number] = all(_is_under(base.positions, normals, _sample(border, OF_BORDER), others, near)
+                           for border in openings[number])
+    return ends
+
+
+def _is_under(positions: np.ndarray, normals: np.ndarray, border: np.ndarray, others: np.ndarray, near: float) -> bool:
+    nearest, distance = _nearest(positions, border, others)
+    above = ((positions[nearest] - positions[border]) * normals[border]).sum(1) > 0.0
+    return bool((above & (distance < near)).mean() >= UNDER)
+
+
+def _lies_on_skin(positions: np.ndarray, part: np.ndarray, asked: np.ndarray, skin: np.ndarray,
+                  garment: np.ndarray) -> np.ndarray:
+    """(parts,) bool: whether a part is asked about, and nearer to skin than to garments."""
+    to_skin, to_garment = (_sample(np.flatnonzero(chosen[part]), SAMPLES) for chosen in (skin, garment))
+    nearer = np.zeros(len(asked), bool)
+    for number, vertices in _samples(part, asked).items():
+        own = _sample(vertices, OF_PART)
+        nearer[number] = _nearest(positions, own, to_skin)[1].mean() < _nearest(positions, own, to_garment)[1].mean()
+    return nearer
 
 
 def _measured(base: BaseMesh, part: np.ndarray, place: np.ndarray, count: int, eyelet: float) -> _Parts:
@@ -116,6 +127,14 @@ def _nearest(positions: np.ndarray, vertices: np.ndarray, others: np.ndarray) ->
     squared = ((positions[vertices][:, None].astype(np.float64) - positions[others][None]) ** 2).sum(2)
     row = squared.argmin(1)
     return others[row], np.sqrt(squared[np.arange(len(vertices)), row])
+
+
+def _samples(part: np.ndarray, chosen: np.ndarray) -> dict[int, np.ndarray]:
+    """Vertices of each of the chosen parts, by its number."""
+    order = np.flatnonzero(chosen[part])
+    order = order[np.argsort(part[order], kind="stable")]
+    numbers, first = np.unique(part[order], return_index=True)
+    return {int(number): _sample(own, SAMPLES) for number, own in zip(numbers, np.split(order, first[1:]))}
 
 
 def _sample(vertices: np.ndarray, most: int) -> np.ndarray:
