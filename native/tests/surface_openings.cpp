@@ -59,15 +59,17 @@ TEST(Openings, AnOutlineWithSmallHolesIsNotHeld) {
 }
 
 TEST(Openings, PartsAreLookedAtOneByOne) {
-    MeshData both = grid(8, 8, 0.1f);  // a cape beside a sleeve
-    const MeshData sleeve = tube(16, 8, 0.05f, 0.5f);
-    const auto first = static_cast<Index>(both.positions.size());
-    for (const Vec3& p : sleeve.positions) both.positions.push_back(p + Vec3(0.0f, 0.0f, 2.0f));
-    for (size_t c = 0; c < sleeve.corner_vertex.size(); c += 4) {
-        const Index* v = &sleeve.corner_vertex[c];
-        both.add_polygon({first + v[0], first + v[1], first + v[2], first + v[3]});
-    }
-    EXPECT_EQ(openings(both), 2);
+    const MeshData cape = grid(8, 8, 0.1f), sleeve = tube(16, 8, 0.05f, 0.5f);
+    EXPECT_EQ(openings(with_part(cape, sleeve, {0.0f, 0.0f, 2.0f})), 2);
+}
+
+// The skin that is left of a figure under its clothes: each part has one opening, where a sleeve has two.
+TEST(Openings, ArmsAndFeetAreNoGarment) {
+    MeshData arm = tube(16, 8, 0.05f, 0.5f);
+    for (Index k = 0; k < 7; ++k) arm.add_polygon({15 - k, 14 - k, k + 1, k});  // the hand
+    const MeshData arms = with_part(arm, arm, {0.0f, 0.0f, 2.0f});
+    EXPECT_EQ(openings(arm), 1);
+    EXPECT_EQ(openings(arms), 1);
 }
 
 }  // namespace

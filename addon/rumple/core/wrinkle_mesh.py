@@ -90,7 +90,7 @@ LEAST_OPENINGS = 2  # of a garment: a head has one
 
 
 def suits_cloth(base: BaseMesh) -> bool:
-    """Whether a mesh looks like a garment by its shape: it has openings to put it on through."""
+    """Whether a mesh looks like a garment by its shape: a part of it has openings to put it on through."""
     try:
         return kernels.count_openings(base.healed(True).surface(True)) >= LEAST_OPENINGS
     except ValueError:

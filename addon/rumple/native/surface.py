@@ -90,7 +90,8 @@ def _surface_plan(positions_rest: np.ndarray, polygon_start: np.ndarray, corner_
 
 
 def count_openings(surface: Surface) -> int:
-    """Open borders that are not the outline of a sheet: a shirt has four, a skirt two, a head one."""
+    """Of its connected parts the one with most: open borders that are not the outline of a sheet. A shirt has four, a
+    skirt two, a head one, and so have a head, two arms and two feet."""
     openings = ctypes.c_int32()
     lib.rumple_surface_count_openings(surface, ctypes.addressof(openings))
     return openings.value

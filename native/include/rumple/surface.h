@@ -89,8 +89,9 @@ RUMPLE_API rumple_status rumple_surface_get_view(const rumple_surface* surface, 
 // What was tolerated, in words, UTF-8, valid as long as the surface. number: 0..warning_count - 1; else NULL.
 RUMPLE_API const char* rumple_surface_warning(const rumple_surface* surface, int32_t number);
 
-// How many openings a garment has: open borders that are not the outline of a sheet. A shirt has four, a head
-// one, a skirt two: a wide hem in a part with a waist is no outline. Cost: O(edges log edges).
+// How many openings a garment has, of its connected parts the one with most: open borders that are not the
+// outline of a sheet. A shirt has four, a head one, and so have a head, two arms and two feet; a skirt two: a
+// wide hem in a part with a waist is no outline. Cost: O(edges log edges).
 RUMPLE_API rumple_status rumple_surface_count_openings(const rumple_surface* surface, int32_t* openings);
 
 // How firmly every vertex follows the animation, 0 (free) to 1 (pinned), found from the open borders at rest:

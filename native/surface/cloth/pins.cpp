@@ -70,12 +70,16 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
 
 Index count_openings(const Surface& surface) {
     const Borders borders(surface);
-    std::vector<bool> has_opening(borders.parts, false);
+    std::vector<Index> of_part(size_t(borders.parts), 0);
+    std::vector<bool> has_opening(of_part.size(), false);
     for (const Border& border : borders.all) {
+        ++of_part[border.part];
         if (border.is_opening) has_opening[border.part] = true;
     }
-    return static_cast<Index>(
-        std::ranges::count_if(borders.all, [&](const Border& b) { return has_opening[b.part]; }));
+    Index most = 0;
+    for (size_t p = 0; p < of_part.size(); ++p)
+        if (has_opening[p]) most = std::max(most, of_part[p]);
+    return most;
 }
 
 }  // namespace rumple

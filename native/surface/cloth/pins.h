@@ -16,8 +16,9 @@ namespace rumple {
 // Cost: O(edges log edges).
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up);
 
-// How many openings a garment has: open borders that are not the outline of a sheet. A shirt has four, a head
-// one; a skirt two, for a wide hem in a part with a waist is no outline.
+// How many openings a garment has, of its connected parts the one with most: open borders that are not the
+// outline of a sheet. A shirt has four, a head one, and so have a head, two arms and two feet; a skirt two,
+// for a wide hem in a part with a waist is no outline.
 Index count_openings(const Surface& surface);
 
 }  // namespace rumple
