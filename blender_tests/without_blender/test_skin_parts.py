@@ -116,6 +116,15 @@ class Skin(unittest.TestCase):
         inside = (y < -0.27) & (y > -0.29) & (z > 0.0)
         return float(np.sqrt(x[inside]**2 + z[inside]**2).min())
 
+    def test_another_garment_lies_on_cloth_and_skin(self) -> None:
+        mesh, _ = solved(self.base, CLOTH, self.pose)
+        alone, _ = solved(SLEEVE, CLOTH, self.pose[:len(SLEEVE.positions)])
+        worn, bare = mesh.worn_surface(1.0), alone.worn_surface(1.0)
+        assert worn is not None and bare is not None
+        self.assertEqual(len(worn.triangles), len(bare.triangles) + len(HAND.triangles))
+        np.testing.assert_array_equal(worn.positions[:self.own], self.pose[-self.own:])
+        self.assertIs(mesh.worn_surface(1.0).triangles, worn.triangles)
+
     def test_it_is_a_body_beside_others(self) -> None:
         rigid = without_rigid_parts(self.base, True).rigid
         assert rigid is not None

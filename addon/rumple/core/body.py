@@ -33,18 +33,19 @@ class OwnSkin:
 
     def __init__(self, triangles: np.ndarray) -> None:
         """triangles: (t, 3) int32, vertices of the garment's mesh."""
+        self.triangles = triangles
         self._vertices, rows = np.unique(triangles, return_inverse=True)
-        self._triangles = np.ascontiguousarray(rows.reshape(-1, 3), np.int32)
+        self._own = np.ascontiguousarray(rows.reshape(-1, 3), np.int32)  # rows of _vertices
         self._joined: tuple[np.ndarray, Body] | None = None  # with which triangles of a body, and what it became
 
     def joined(self, positions: np.ndarray, body: Body | None) -> Body | None:
         """A body, or none, and the skin. positions: (n, 3) float32 of the garment's mesh in the frame."""
-        if not len(self._triangles):
+        if not len(self._own):
             return body
         own = positions[self._vertices]
         others = np.zeros((0, 3), np.int32) if body is None else body.triangles
         if self._joined is None or not same_triangles(self._joined[0], others):
-            triangles = np.concatenate([self._triangles, others + np.int32(len(own))])
+            triangles = np.concatenate([self._own, others + np.int32(len(own))])
             self._joined = others, Body(own, triangles, digest_of_triangles(triangles))
         places = own if body is None else np.concatenate([own, body.positions])
         return replace(self._joined[1], positions=np.ascontiguousarray(places, np.float32))

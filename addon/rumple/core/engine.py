@@ -13,7 +13,7 @@ from ..native import kernels
 from ..native.surface import Model
 from . import wording
 from .base_mesh import BaseMesh
-from .body import Body
+from .body import Body, OwnSkin
 from .by_hand import ByHand
 from .clip_labels import ClipLabels
 from .cloth import ClothFrame, suggested_follow
@@ -324,7 +324,17 @@ class Wrinkles(SystemSteps):
 
     def worn_surface(self, frame: float) -> Body | None:
         """What another garment lies on in a stored frame, object space; None: on the animated coarse mesh."""
+        worn, cloth = self._worn_cloth(frame), self._cloth_at(frame)
+        if worn is None or cloth is None or self.base.rigid is None:
+            return worn
+        return self._worn_skin.joined(cloth.positions, worn)
+
+    def _worn_cloth(self, frame: float) -> Body | None:
+        """The same without skin in the same mesh."""
         cloth = self._cloth_at(frame)
-        if cloth is None:
-            return None
-        return Body(cloth.positions, self.base.triangles)
+        return None if cloth is None else Body(cloth.positions, self.base.triangles)
+
+    @functools.cached_property
+    def _worn_skin(self) -> OwnSkin:
+        assert self.base.rigid is not None
+        return OwnSkin(self.base.rigid.skin.triangles)

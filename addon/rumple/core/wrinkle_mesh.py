@@ -280,10 +280,10 @@ class WrinkleMesh(Wrinkles):
         return kernels.measure_wrinkle_mesh(self.model, native_settings(settings), self._paint,
                                             self.base.points(positions), cached.state)
 
-    def worn_surface(self, frame: float) -> Body | None:
+    def _worn_cloth(self, frame: float) -> Body | None:
         state = self.wrinkles_of(frame)
         if state is None or not self.layer_count:
-            return super().worn_surface(frame)
+            return super()._worn_cloth(frame)
         if self._finest is None:
             self._finest = self.model.finest_triangles
         return Body(state.solved, self._finest)
