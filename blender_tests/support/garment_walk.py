@@ -32,6 +32,11 @@ def is_seen(obj: bpy.types.Object) -> bool:
     return any(other == obj for other in bpy.context.view_layer.objects)
 
 
+def is_too_costly(obj: bpy.types.Object) -> bool:
+    """Whether it was refused in words: a fine mesh of triangles above a Subdivision would take gigabytes."""
+    return "switch off Use Limit Surface" in obj.rumple.message and "Subdivision" in obj.modifiers
+
+
 class Walk(RandomWalk):
 
     OFTEN: tuple[str, ...] = ("do_add", "do_free", "do_curves")
@@ -68,8 +73,8 @@ class Walk(RandomWalk):
             refused = bodies.refusal(obj)
             if not is_seen(obj):
                 continue  # deleted, but still named by another one: nothing evaluates it
-            if "switch off Use Limit Surface" in obj.rumple.message and "Subdivision" in obj.modifiers:
-                continue  # a fine mesh of triangles under it would take gigabytes: the last picture stays
+            if is_too_costly(obj):
+                continue  # the last picture stays
             assert obj.rumple.message == refused or modifier.is_baked(nodes_mod), f"{trail}: {obj.rumple.message}"
             assert "expected" not in obj.rumple.message, f"{trail}: {obj.rumple.message}"  # of an array
             if refused:
@@ -225,7 +230,7 @@ class Walk(RandomWalk):
 
     def do_bake(self) -> None:
         obj = self.pick()
-        if obj and not bodies.refusal(obj):
+        if obj and not bodies.refusal(obj) and not is_too_costly(obj):
             obj.rumple.bake_start, obj.rumple.bake_end = 3, 6
             bpy.ops.object.rumple_bake()
 
