@@ -64,12 +64,31 @@ class MadeBetweenSteps(unittest.TestCase):
         self.undo_twice()
         self.assertIsNone(self.garment().rumple.captured)
 
+    def test_the_group_of_a_field_beside_another_field(self) -> None:
+        """The groups of one profile were one, so that another one took its place: the waves were gone after undo."""
+        other = self.obj.copy()
+        other.data = self.obj.data.copy()
+        for slot, material in enumerate(other.data.materials):
+            other.data.materials[slot] = material.copy()
+        bpy.context.scene.collection.objects.link(other)
+        for obj in (other, self.obj):
+            sleeve.make_active(obj)
+            bpy.ops.object.rumple_remove()
+            bpy.ops.object.rumple_add(method="FIELD")
+        self.test_the_group_of_a_field_with_another_profile()
+        for obj in (self.garment(), bpy.data.objects[other.name]):
+            for material in obj.data.materials:
+                self.assertTrue([node for node in material.node_tree.nodes if field_shader.is_ours(
+                    getattr(node, "node_tree", None))], (obj.name, material.name))
+
     def test_the_group_of_a_field_with_another_profile(self) -> None:
         """Blender ended: a new group took the place of the one that both steps have."""
-        bpy.ops.object.rumple_remove()
-        bpy.ops.object.rumple_add(method="FIELD")
+        if modifier.system(modifier.find(self.obj)).method != "FIELD":
+            bpy.ops.object.rumple_remove()
+            bpy.ops.object.rumple_add(method="FIELD")
         self.steps()
-        group = next(group for group in bpy.data.node_groups if field_shader.is_ours(group)).as_pointer()
+        group = next(node.node_tree for node in self.obj.data.materials[0].node_tree.nodes
+                     if field_shader.is_ours(getattr(node, "node_tree", None))).as_pointer()
         self.obj.rumple.field.profile = "ACCORDION"
         scheduler.sync_all()
         for material in self.obj.data.materials:

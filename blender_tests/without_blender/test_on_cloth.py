@@ -254,12 +254,13 @@ class OnCloth(unittest.TestCase):
     def test_the_status_and_the_surface_that_others_lie_on_are_those_of_the_cloth(self) -> None:
         for settings in KINDS.values():
             fine = self.build(settings)
-            self.assertIsNone(fine.worn_surface(5.0))
+            self.assertIsNone(fine.worn_surface(5.0, self.clip[5]))
             picture = self.solve(fine, 5, on_cloth(settings))
             self.assertTrue(any("Base cloth" in line for line in fine.status(picture)))
             self.assertEqual(len(fine.status(self.solve(self.build(settings), 5, settings))) + 1,
                              len(fine.status(picture)))
-            np.testing.assert_array_equal(fine.worn_surface(5.0).positions, fine.solved_over(5.0, self.clip[5]))
+            np.testing.assert_array_equal(fine.worn_surface(5.0, self.clip[5]).positions,
+                                          fine.solved_over(5.0, self.clip[5]))
 
     def test_the_smooth_cloth_stays_off_a_body_that_it_would_cut_through(self) -> None:
         """The body has ridges half-way between the rings of the cloth, whose vertices know nothing of them."""

@@ -73,6 +73,26 @@ class WhatIsSkin(unittest.TestCase):
         self.assertEqual(skin_faces(SLEEVE, HAND, patch(0.042, 0.3)), {1, 2})
         self.assertEqual(skin_faces(SLEEVE, HAND, patch(0.0515, 0.1)), {1})
 
+    def test_a_strip_half_on_skin_is_the_same_in_any_order(self) -> None:
+        strip = tube(12, 60, 0.004, 0.14)
+        found = set()
+        for seed in range(4):
+            order = np.random.default_rng(seed).permutation(len(strip.positions))
+            where = np.argsort(order).astype(np.int32)
+            shuffled = quad_mesh("Strip", strip.positions[order] + (0.056, 0.0, 0.22),
+                                 where[strip.corner_vertex].reshape(-1, 4))
+            found.add(2 in skin_faces(SLEEVE, HAND, shuffled))
+        self.assertEqual(len(found), 1)
+
+    def test_a_bag_is_cloth_and_what_is_painted_rigid_rides(self) -> None:
+        bag = box((0.12, 0.0, 0.15), (0.1, 0.16, 0.16))
+        self.assertEqual(skin_faces(SLEEVE, bag), set())
+        base = together(SLEEVE, HAND)
+        base.painted_rigid = np.arange(len(base.positions)) >= len(SLEEVE.positions)
+        rigid = without_rigid_parts(base, True).rigid
+        assert rigid is not None
+        self.assertEqual(rigid.is_skin.tolist(), [False])
+
     def test_a_button_rides_on_the_cloth(self) -> None:
         button = box((0.053, 0.0, 0.15), (0.003, 0.01, 0.01))
         rigid = without_rigid_parts(together(SLEEVE, HAND, button), True).rigid
@@ -117,13 +137,35 @@ class Skin(unittest.TestCase):
         return float(np.sqrt(x[inside]**2 + z[inside]**2).min())
 
     def test_another_garment_lies_on_cloth_and_skin(self) -> None:
-        mesh, _ = solved(self.base, CLOTH, self.pose)
-        alone, _ = solved(SLEEVE, CLOTH, self.pose[:len(SLEEVE.positions)])
-        worn, bare = mesh.worn_surface(1.0), alone.worn_surface(1.0)
-        assert worn is not None and bare is not None
-        self.assertEqual(len(worn.triangles), len(bare.triangles) + len(HAND.triangles))
-        np.testing.assert_array_equal(worn.positions[:self.own], self.pose[-self.own:])
-        self.assertIs(mesh.worn_surface(1.0).triangles, worn.triangles)
+        dense = together(HAND, tube(120, 120))
+        for name, base, settings in (
+                ("hangs", self.base, CLOTH), ("swings", self.base, replace(CLOTH, base_cloth="SWING")),
+                ("on the animation", self.base, replace(CLOTH, base_cloth="OFF")),
+                ("on a coarse mesh", dense, replace(CLOTH, density="WAVELENGTH", wavelength=0.02))):
+            with self.subTest(name):
+                mesh = WrinkleMesh.build(base, settings)
+                for frame in (1.0, 2.0, 3.0):
+                    pose = leant(base.positions) + np.float32(0.03 * frame)
+                    mesh.solve_frame(frame, pose, settings, {}, start=1, world_from_object=np.eye(3))
+                worn = mesh.worn_surface(3.0, pose)
+                assert worn is not None
+                hand = pose[:self.own] if base is dense else pose[-self.own:]
+                np.testing.assert_array_equal(worn.positions[:self.own], hand)
+                self.assertEqual(int(worn.triangles.max()), len(worn.positions) - 1)
+                self.assertGreater(len(worn.triangles), len(HAND.triangles) + len(SLEEVE.triangles) // 2)
+                again = mesh.worn_surface(3.0, pose)
+                assert again is not None
+                self.assertIs(again.triangles, worn.triangles)
+
+    def test_no_other_body_is_asked_for(self) -> None:
+        """So much of the mesh is skin that little of it has a body under it."""
+        hand = shifted(rounded(tube(160, 160, 0.044, 0.2)), 0.26)
+        mesh, result = solved(together(SLEEVE, hand), CLOTH, leant(together(SLEEVE, hand).positions))
+        lines = mesh.status(result)
+        self.assertIn("Parts that are skin and stay as they are animated: 1", lines)
+        self.assertFalse([line for line in lines if "choose another body" in line], lines)
+        known = next(line for line in lines if line.startswith("Base cloth"))
+        self.assertGreater(float(known.split("average, ")[1].split(" %")[0]), 8.0, known)
 
     def test_it_is_a_body_beside_others(self) -> None:
         rigid = without_rigid_parts(self.base, True).rigid

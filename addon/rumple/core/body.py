@@ -38,6 +38,10 @@ class OwnSkin:
         self._own = np.ascontiguousarray(rows.reshape(-1, 3), np.int32)  # rows of _vertices
         self._joined: tuple[np.ndarray, Body] | None = None  # with which triangles of a body, and what it became
 
+    def is_all_of(self, body: Body) -> bool:
+        """Whether joined() added nothing to it."""
+        return len(self._own) > 0 and len(body.positions) == len(self._vertices)
+
     def joined(self, positions: np.ndarray, body: Body | None) -> Body | None:
         """A body, or none, and the skin. positions: (n, 3) float32 of the garment's mesh in the frame."""
         if not len(self._own):

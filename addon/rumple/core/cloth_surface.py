@@ -48,7 +48,8 @@ def without_rigid_parts(base: BaseMesh, weld: bool, small: bool = True) -> BaseM
     if small:
         chosen = _rigid(base, parts, places)
         skin = find_skin(base, parts, places, chosen)
-    chosen = _with_painted(base, parts, chosen | skin)
+    painted = _painted(base, parts, chosen | skin)
+    chosen, skin = chosen | skin | painted, skin & ~painted
     sizes, origin = np.diff(base.polygon_start), base.own_origin()
     part_of_polygon = parts[base.corner_vertex[base.polygon_start[:-1]]]
     for doubled in origin.copies:  # a doubled button: rather solved as cloth than shown once
@@ -95,15 +96,15 @@ def _rigid(base: BaseMesh, parts: np.ndarray, places: np.ndarray) -> np.ndarray:
     return chosen if area[chosen].sum() <= MOST_AREA * area.sum() else np.zeros(count, bool)
 
 
-def _with_painted(base: BaseMesh, parts: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """(parts,) bool: those, and the ones that are painted all over, as long as there is cloth left."""
+def _painted(base: BaseMesh, parts: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """(parts,) bool: the ones that are painted all over, as long as there is cloth left beside the chosen ones."""
     if base.painted_rigid is None:
-        return chosen
+        return np.zeros(len(chosen), bool)
     has_faces = np.zeros(len(chosen), bool)
     has_faces[parts[base.corner_vertex]] = True
     painted = has_faces.copy()
     painted[parts[~base.points(base.painted_rigid)]] = False
-    return chosen | painted if (has_faces & ~chosen & ~painted).any() else chosen
+    return painted if (has_faces & ~chosen & ~painted).any() else np.zeros(len(chosen), bool)
 
 
 def _closed(base: BaseMesh, parts: np.ndarray, count: int, places: np.ndarray) -> np.ndarray:

@@ -197,8 +197,13 @@ class Wrinkles(SystemSteps):
                                         frame_input.surroundings)
         pose = self._pose(cloth.positions, frame_input)
         state, report = self._solve(settings, pose, own, same_settings, replace(frame_input, cloth=cloth))
-        has_body, is_free = frame_input.body is not None, settings.base_cloth != "OFF"
+        has_body, is_free = self._has_other_body(frame_input.body), settings.base_cloth != "OFF"
         return OnCloth(cloth, state), OnClothReport(cloth.report, report, has_body, is_free), pose
+
+    def _has_other_body(self, body: Body | None) -> bool:
+        """Whether there is a body beside the skin in the same mesh."""
+        rigid = self.base.rigid
+        return body is not None and (rigid is None or not rigid.skin.is_all_of(body))
 
     def _pose_at(self, frame: float, positions: np.ndarray) -> Any:
         """The pose of a stored frame, for who looks at it: the one that was made last, if it is of these positions;
@@ -322,17 +327,20 @@ class Wrinkles(SystemSteps):
         return (f"{self.name}: frame {frame:g} was reached by a jump, so its cloth hangs and does not swing: play from "
                 f"frame {start}, or bake")
 
-    def worn_surface(self, frame: float) -> Body | None:
-        """What another garment lies on in a stored frame, object space; None: on the animated coarse mesh."""
-        worn, cloth = self._worn_cloth(frame), self._cloth_at(frame)
-        if worn is None or cloth is None or self.base.rigid is None:
+    def worn_surface(self, frame: float, positions: np.ndarray) -> Body | None:
+        """What another garment lies on in a stored frame, object space; None: on the animated coarse mesh. positions:
+        of that, in the frame."""
+        worn = self._worn_cloth(frame)
+        if worn is None or self.base.rigid is None:
             return worn
-        return self._worn_skin.joined(cloth.positions, worn)
+        return self._worn_skin.joined(self.base.points(positions), worn)
 
     def _worn_cloth(self, frame: float) -> Body | None:
         """The same without skin in the same mesh."""
         cloth = self._cloth_at(frame)
-        return None if cloth is None else Body(cloth.positions, self.base.triangles)
+        if cloth is None or len(cloth.positions) != len(self.base.positions):  # solved on a coarser mesh
+            return None
+        return Body(cloth.positions, self.base.triangles)
 
     @functools.cached_property
     def _worn_skin(self) -> OwnSkin:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 4  # 3: pairs of a colour in another order
+FORMAT = 5  # 4: hems leave bodies bare
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
 _MOST_REFUSED = 5  # renames, one after the other: a virus scanner has a new file open for a moment

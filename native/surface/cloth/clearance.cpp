@@ -61,6 +61,7 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
     clearance.bodies.resize(vertices);
     std::vector<Known> known(vertices);
     for_each_index(vertices, kLeastSearches, [&](size_t v) {
+        if (normals[v] == Vec3(0.0f)) return;  // loose: nothing faces as it does
         BodyContact& contact = clearance.bodies[v];
         contact = bodies->closest(surface_points[v], normals[v], settings.reach, hints[v]);
         hints[v] = contact.triangle;
@@ -71,7 +72,8 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
         out[v] = glm::mix(settings.unknown, known[v].value, known[v].weight);
     });
     const auto found = std::ranges::count_if(known, [](const Known& k) { return k.weight > 0.0f; });
-    clearance.known = float(found) / float(std::max<size_t>(vertices, 1));
+    const auto loose = std::ranges::count(normals, Vec3(0.0f));
+    clearance.known = float(found) / float(std::max<std::ptrdiff_t>(std::ptrdiff_t(vertices) - loose, 1));
     // The smallest of sum_sides (c_i - c_j)^2 / l^2 + sum_i (c_i - unknown)^2 / spread^2 + what is known,
     // much more strongly.
     const float pull = 1.0f / (settings.spread * settings.spread);

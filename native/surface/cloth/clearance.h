@@ -29,7 +29,7 @@ struct Clearance {
     // Per welded vertex: how far the cloth may go inwards from its place on the bare garment, along the
     // vertex normal, object units; negative where the bare garment is inside the body and has to come out.
     std::vector<float> inwards;
-    float known = 0.0f;               // share of the vertices that have a body under them
+    float known = 0.0f;               // share of the vertices on faces that have a body under them
     std::vector<BodyContact> bodies;  // per welded vertex: what is under it; weight 0 at the reach. Or none
 };
 

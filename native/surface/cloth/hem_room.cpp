@@ -74,9 +74,12 @@ float lies_over(const BodyContact& body) {
 
 Hems find_hems(const Surface& surface) {
     const Borders borders(surface);
-    const float diagonal = static_cast<float>(bounding_diagonal(surface.positions_rest));
     Hems hems;
     hems.part = borders.part;
+    std::vector<Vec3> joined;  // without loose vertices: skin in the same mesh, and strays
+    for (Index v = 0; v < surface.welded.vertex_count; ++v)
+        if (hems.part[v] != kNone) joined.push_back(surface.positions_rest[v]);
+    const float diagonal = static_cast<float>(bounding_diagonal(joined));
     hems.together = kTogether * diagonal;
     hems.of_part.resize(size_t(borders.parts));
     for (Index v = 0; v < surface.welded.vertex_count; ++v)

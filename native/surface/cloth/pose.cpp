@@ -162,6 +162,7 @@ void look_ahead(const Settings& settings, const PosedCollider* bodies, Pose& pos
     if (!bodies) return;
     const float thickness = settings.clearance.thickness;
     for_each_index(pose.ahead.size(), kLeastSearches, [&](size_t v) {
+        if (pose.normal[v] == Vec3(0.0f)) return;
         const Vec3& a = pose.animated[v];
         const BodyAhead body = bodies->ahead(a, pose.normal[v], pose.room[v] + thickness, thickness);
         if (body.triangle == kNone) return;
@@ -211,9 +212,10 @@ void project(const Pose& pose, const Plane& plane, size_t v, Vec3& p) {
 void describe(const Model& model, const Settings& settings, const Pose& pose, std::span<const Vec3> x,
               std::span<const Plane> planes, Result& out) {
     double sum = 0.0;
-    size_t touching = 0, taut = 0;
-    const size_t vertices = x.size();
-    for (size_t v = 0; v < vertices; ++v) {
+    size_t touching = 0, taut = 0, vertices = 0;
+    for (size_t v = 0; v < x.size(); ++v) {
+        if (model.triangle_of[v] == kNone) continue;  // loose
+        ++vertices;
         const float moved = glm::distance(x[v], pose.animated[v]);
         sum += moved;
         out.report.offset_max = std::max(out.report.offset_max, moved);

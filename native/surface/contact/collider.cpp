@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <tuple>
 
@@ -34,22 +33,6 @@ std::vector<Row> checked(const Collider& collider, std::span<const Vec3> positio
     return to_rows(positions);
 }
 
-// For every vertex the lowest one at the same place: a body that is split at its seams does not end there.
-std::vector<Index> places_of(std::span<const Vec3> positions) {
-    std::vector<Index> order(positions.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto coordinates = [&](Index v) {
-        return std::tuple(positions[v].x, positions[v].y, positions[v].z);
-    };
-    std::ranges::sort(order, {}, [&](Index v) { return std::tuple_cat(coordinates(v), std::tuple(v)); });
-    std::vector<Index> place(positions.size());
-    for (size_t i = 0; i < order.size(); ++i) {
-        const bool same = i > 0 && coordinates(order[i]) == coordinates(order[i - 1]);
-        place[order[i]] = same ? place[order[i - 1]] : order[i];
-    }
-    return place;
-}
-
 }  // namespace
 
 Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles)
@@ -64,12 +47,11 @@ Collider::Collider(std::span<const Vec3> positions, std::span<const std::array<I
         }
     }
     hierarchy_ = build_packets(centres_of(positions, triangles_));
-    const std::vector<Index> place = places_of(positions);
-    mark_borders(place);
-    find_parts(place);
+    mark_borders();
+    find_parts();
 }
 
-void Collider::mark_borders(std::span<const Index> place) {
+void Collider::mark_borders() {
     struct Side {
         Index a, b, triangle;
         int k;
@@ -77,7 +59,7 @@ void Collider::mark_borders(std::span<const Index> place) {
     std::vector<Side> sides;
     for (Index t = 0; t < triangle_count(); ++t) {
         for (int k = 0; k < 3; ++k) {
-            const Index a = place[triangles_[t][k]], b = place[triangles_[t][(k + 1) % 3]];
+            const Index a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
             sides.push_back({std::min(a, b), std::max(a, b), t, k});
         }
     }
@@ -93,16 +75,15 @@ void Collider::mark_borders(std::span<const Index> place) {
         border_edges_[sides[i].triangle] |= static_cast<std::uint8_t>(1 << sides[i].k);
         border_vertex_[sides[i].a] = border_vertex_[sides[i].b] = 1;
     }
-    for (size_t v = 0; v < place.size(); ++v) border_vertex_[v] = border_vertex_[place[v]];
 }
 
-void Collider::find_parts(std::span<const Index> place) {
+void Collider::find_parts() {
     DisjointSets sets(vertex_count_);
     for (const auto& [a, b, c] : triangles_) {
-        sets.unite(place[a], place[b]);
-        sets.unite(place[a], place[c]);
+        sets.unite(a, b);
+        sets.unite(a, c);
     }
-    for (const auto& triangle : triangles_) part_.push_back(sets.find(place[triangle[0]]));
+    for (const auto& triangle : triangles_) part_.push_back(sets.find(triangle[0]));
 }
 
 PosedCollider::PosedCollider(const Collider& collider, std::span<const Vec3> positions)

@@ -14,8 +14,7 @@ namespace rumple {
 // The triangles of all bodies and a bounding volume hierarchy over them. Built once, then immutable.
 class Collider {
   public:
-    // positions: (any pose), object units; a body does not end where borders lie on one another. triangles:
-    // counter-clockwise seen from outside.
+    // positions: (any pose), object units. triangles: counter-clockwise seen from outside.
     // Throws InvalidInput: no triangle, an index out of range, a position that is not finite.
     // Cost: O(n log^2 n).
     Collider(std::span<const Vec3> positions, std::span<const std::array<Index, 3>> triangles);
@@ -26,8 +25,8 @@ class Collider {
   private:
     friend class PosedCollider;
 
-    void mark_borders(std::span<const Index> place);
-    void find_parts(std::span<const Index> place);
+    void mark_borders();
+    void find_parts();
 
     Index vertex_count_ = 0;
     std::vector<std::array<Index, 3>> triangles_;

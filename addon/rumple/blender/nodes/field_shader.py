@@ -37,10 +37,12 @@ def is_ours(group: bpy.types.NodeTree | None) -> bool:
 
 
 def ensure(obj: bpy.types.Object) -> bpy.types.NodeTree:
-    """The node group of this file for the profile of an object, made or upgraded where needed."""
+    """The node group of this file for the profile of an object, which no other object shows; made or upgraded where
+    needed."""
     profile = field_profile.key(obj)
     for group in bpy.data.node_groups:
-        if is_ours(group) and group[PROFILE_KEY] == profile and compat.is_editable(group):
+        if (is_ours(group) and group[PROFILE_KEY] == profile and compat.is_editable(group)
+                and _is_shown_by(obj, group)):
             break
     else:
         group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
@@ -205,20 +207,25 @@ def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
 def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
     """Give a material that shows waves the profile of an object. False where it shows none.
 
-    A group that only this object shows is changed in place. A new one in its place ended Blender: where two undo steps
-    have the same of a material, undo leaves it in memory as it is, and frees groups that no step has.
+    A group that only materials of this object show is changed in place. A new one in its place ended Blender: where two
+    undo steps have the same of a material, undo leaves it in memory as it is, and frees groups that no step has.
     """
     fields = _our_nodes(material)
     profile = field_profile.key(obj)
     for group in {field.node_tree for field in fields if field.node_tree[PROFILE_KEY] != profile}:
-        shown = [field for each in materials_of(obj) for field in _our_nodes(each) if field.node_tree == group]
-        if len(shown) == group.users and compat.is_editable(group):
+        if _is_shown_by(obj, group) and compat.is_editable(group):
             _rebuild(group, field_profile.table(obj))
             group[PROFILE_KEY], group[VERSION_KEY] = profile, VERSION
     for field in fields:
         if field.node_tree[PROFILE_KEY] != profile or field.node_tree[VERSION_KEY] != VERSION:
             field.node_tree = ensure(obj)
     return bool(fields)
+
+
+def _is_shown_by(obj: bpy.types.Object, group: bpy.types.NodeTree) -> bool:
+    """Whether nothing but the materials of an object names a group."""
+    fields = [field for material in materials_of(obj) for field in _our_nodes(material)]
+    return sum(field.node_tree == group for field in fields) == group.users
 
 
 def unshade(material: bpy.types.Material) -> None:

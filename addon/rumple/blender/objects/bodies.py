@@ -184,8 +184,9 @@ def _folded(body: bpy.types.Object, frame: float) -> Body | None:
     if (nodes_mod is None or runtime is None or runtime.evaluator is None or runtime.message
             or modifier.is_baked(nodes_mod)):
         return None
-    shown = runtime.inputs is not None and runtime.inputs.frame == frame
-    return runtime.evaluator.worn_surface(frame) if shown else None
+    if runtime.inputs is None or runtime.inputs.frame != frame:
+        return None
+    return runtime.evaluator.worn_surface(frame, runtime.inputs.positions)
 
 
 def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object,

@@ -8,15 +8,15 @@ nothing of that kind meanwhile.
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import bpy
 
 from .. import compat
 from ..nodes.modifier_inputs import get_input, set_input
-from . import kept_lists
+from . import kept_lists, messages
 
-_OF_SETTINGS = ("incoming", "captured", "profile_curve")  # of obj.rumple
+_SETTINGS = {"rumple": ("incoming", "captured", "profile_curve"), "rumple_maps": ("group",)}
 
 
 class _Named(NamedTuple):
@@ -25,7 +25,7 @@ class _Named(NamedTuple):
     obj: int  # session key
     modifier: str
     inputs: dict[str, int]
-    settings: dict[str, int]
+    settings: dict[tuple[str, str], int]
 
 
 _named: list[_Named] = []
@@ -35,31 +35,46 @@ def let_go() -> None:
     """Before an undo or a redo. Cost: as a search for our modifiers; Blender evaluates their objects again."""
     take_again()  # after one that was broken off
     for obj, nodes_mod, names in list(kept_lists.with_hidden()):
-        inputs = _keys({name: get_input(nodes_mod, name) for name in names})
-        settings = _keys({name: getattr(obj.rumple, name) for name in _OF_SETTINGS if compat.is_editable(obj)})
-        for name in settings:
-            setattr(obj.rumple, name, None)
-        _set(nodes_mod, dict.fromkeys(inputs))
-        _named.append(_Named(compat.session_key(obj), nodes_mod.name, inputs, settings))
+        with messages.console_errors(obj.name):
+            inputs = _keys({name: get_input(nodes_mod, name) for name in names})
+            settings = _keys({(group, name): getattr(getattr(obj, group), name)
+                              for group, names in _SETTINGS.items() for name in names if compat.is_editable(obj)})
+            _named.append(_Named(compat.session_key(obj), nodes_mod.name, inputs, settings))
+            for group, name in settings:
+                setattr(getattr(obj, group), name, None)
+            _set(nodes_mod, dict.fromkeys(inputs))
 
 
 def take_again() -> None:
     """After it: where undo left an object as it was, as far as that is there. The rest is made anew."""
-    if not _named:
+    named, _named[:] = list(_named), []
+    if not named:
         return
     present = {compat.session_key(block): block
                for blocks in (bpy.data.objects, bpy.data.meshes, bpy.data.node_groups) for block in blocks}
-    for named in _named:
-        obj = present.get(named.obj)
-        nodes_mod = obj.modifiers.get(named.modifier) if isinstance(obj, bpy.types.Object) else None
-        if nodes_mod is None:
-            continue
-        for name, key in named.settings.items():
-            if getattr(obj.rumple, name) is None and key in present:
-                setattr(obj.rumple, name, present[key])
-        _set(nodes_mod, {name: present[key] for name, key in named.inputs.items()
-                         if key in present and get_input(nodes_mod, name) is None})
-    _named.clear()
+    for each in named:
+        with messages.console_errors("undo"):
+            _give_back(each, present)
+
+
+def _give_back(named: _Named, present: dict[int, bpy.types.ID]) -> None:
+    obj = present.get(named.obj)
+    nodes_mod = obj.modifiers.get(named.modifier) if isinstance(obj, bpy.types.Object) else None
+    if nodes_mod is None:
+        return
+    # An object that was read anew has some of it again, or it needs none of it.
+    if all(getattr(getattr(obj, group), name) is None for group, name in named.settings):
+        for (group, name), key in named.settings.items():
+            wanted = bpy.types.Mesh if name in ("incoming", "captured") else bpy.types.NodeTree
+            if isinstance(present.get(key), wanted):
+                setattr(getattr(obj, group), name, present[key])
+    if all(get_input(nodes_mod, name) is None for name in named.inputs):
+        _set(nodes_mod, {name: present[key] for name, key in named.inputs.items() if _is_hidden(present.get(key))})
+
+
+def _is_hidden(block: bpy.types.ID | None) -> bool:
+    """In 3.4 a key is an address, which something else may have by now."""
+    return isinstance(block, bpy.types.Object) and any(key.startswith("rumple_") for key in block.keys())
 
 
 def _set(nodes_mod: bpy.types.NodesModifier, values: dict[str, bpy.types.Object | None]) -> None:
@@ -71,7 +86,7 @@ def _set(nodes_mod: bpy.types.NodesModifier, values: dict[str, bpy.types.Object 
         nodes_mod.id_data.update_tag()
 
 
-def _keys(blocks: dict[str, object]) -> dict[str, int]:
+def _keys(blocks: dict[Any, object]) -> dict[Any, int]:
     """Of what undo may free or read anew."""
     return {name: compat.session_key(block) for name, block in blocks.items()
             if isinstance(block, bpy.types.ID) and compat.is_editable(block)}
