@@ -121,6 +121,23 @@ TEST(WrinklePaths, SayHowFarTheyMovedInFiniteNumbersWhateverTheWidth) {
     EXPECT_TRUE(std::isfinite(report.moved_mean) && std::isfinite(report.moved_most));
 }
 
+// The fuzzer's, too: after 1e38 seconds the squares were nothing but the pull across the compression.
+TEST(WrinklePaths, StayFiniteWhateverTimeHasPassed) {
+    PathCloth cloth = sleeve();
+    const auto pose = bend(cloth, 0.5f);
+    const State state = cloth.play(0.5, pose);
+    ASSERT_FALSE(state.paths.empty());
+    for (const double rate : {1e-3, 1e-9, 3e-39}) {
+        cloth.frame_rate = rate;
+        Report report;
+        const State next = cloth.solve(pose(0.3), &state, &report);
+        EXPECT_TRUE(std::isfinite(report.moved_mean) && std::isfinite(report.moved_most)) << rate;
+        for (const Path& path : next.paths)
+            for (const PathPoint& point : path.points)
+                EXPECT_TRUE(std::isfinite(point.at.x) && std::isfinite(point.at.y)) << rate;
+    }
+}
+
 TEST(WrinklePaths, RideOnARigidMotion) {
     PathCloth cloth = sleeve();
     const auto pose = bend(cloth, 0.5f);

@@ -15,6 +15,9 @@ namespace {
 using glm::dvec3;
 using Points = std::vector<PathPoint>;
 
+// Seconds between frames that count: beside the weight of more nothing else is left of the squares.
+constexpr double kLongest = 3600.0;
+
 // Sums of squares of residuals, each linear in at most three neighbouring unknowns: a band of width 2.
 class BandedSquares {
   public:
@@ -105,7 +108,7 @@ std::vector<double> slide(const PathContext& context, const Pose& before, const 
     const auto unknown = [](size_t i) { return static_cast<Index>(i) - 1; };
 
     BandedSquares squares(last - 1);
-    const double per_frame = 30.0 * seconds;
+    const double per_frame = 30.0 * std::min(seconds, kLongest);
     for (size_t i = 0; i < last; ++i) {  // across the compression
         const Index t = segment_triangle(model, points, i);
         const double certain =
