@@ -130,11 +130,15 @@ rumple_base_cloth_kept kept_of(const base_cloth::State& s) {
 }
 
 std::vector<Vec3> kept_vectors(const float* data, size_t count, size_t expected, const char* name) {
-    expect_rows_or_none(name, count, expected);
+    expect_rows(name, count, expected);
     std::vector<Vec3> out = copied(vectors(data, count, name));
     expect_finite<Vec3>(name, out, "vertex");
     expect_range(name, floats_of(out), -kFarthestCoordinate, kFarthestCoordinate);
     return out;
+}
+
+std::vector<Vec3> kept_vectors_or_none(const float* data, size_t count, size_t expected, const char* name) {
+    return kept_vectors(data, count, count > 0 ? expected : 0, name);
 }
 
 std::vector<float> kept_numbers(const float* data, size_t count, size_t expected, const char* name) {
@@ -161,13 +165,13 @@ Vec3 kept_vector(const float* data, const char* name) {
 
 base_cloth::Motion motion_of(size_t vertices, const rumple_base_cloth_kept& from) {
     base_cloth::Motion m;
-    m.position = kept_vectors(from.position, from.position_count, vertices, "position");
+    m.position = kept_vectors_or_none(from.position, from.position_count, vertices, "position");
     m.velocity = kept_vectors(from.velocity, from.velocity_count, m.position.size(), "velocity");
     m.animated = kept_vectors(from.animated, from.animated_count, m.position.size(), "animated");
     m.animated_before =
         kept_vectors(from.animated_before, from.animated_before_count, m.position.size(), "animated_before");
-    m.air = kept_vectors(from.air, from.air_count, m.position.size(), "air");
-    m.push = kept_vectors(from.push, from.push_count, m.position.size(), "push");
+    m.air = kept_vectors_or_none(from.air, from.air_count, m.position.size(), "air");
+    m.push = kept_vectors_or_none(from.push, from.push_count, m.position.size(), "push");
     m.seconds = from.seconds;
     m.fastest = from.fastest;
     m.gravity = kept_vector(from.gravity, "gravity");
@@ -181,8 +185,8 @@ base_cloth::State state_of(const Model& model, const rumple_base_cloth_kept& fro
     const size_t vertices = model.area.size();
     base_cloth::State s;
     s.motion = motion_of(vertices, from);
-    expect_rows("offset", from.offset_count, s.motion.position.empty() ? vertices : 0);
-    s.offset = kept_vectors(from.offset, from.offset_count, vertices, "offset");
+    s.offset =
+        kept_vectors(from.offset, from.offset_count, s.motion.position.empty() ? vertices : 0, "offset");
     s.length = kept_numbers(from.length, from.length_count, model.springs.size(), "length");
     s.clearance = kept_numbers(from.clearance, from.clearance_count, vertices, "clearance");
     s.ahead_height = kept_numbers(from.ahead_height, from.ahead_height_count, vertices, "ahead_height");

@@ -43,43 +43,81 @@ TEST(ApiLimits, AStateIsReadAsAWhole) {
     EXPECT_EQ(read, nullptr);
 }
 
-// A hint of the cloth's own triangles is looked up as it is.
-TEST(ApiLimits, KeptClothIsReadAsAWhole) {
-    const Sheet sheet;
-    rumple_base_cloth* model = nullptr;
-    ASSERT_EQ(rumple_base_cloth_build(sheet.surface(), &model), RUMPLE_OK);
-    const auto cloth = owned(model, rumple_base_cloth_free);
-    const rumple_base_cloth_settings settings = rumple_base_cloth_settings_default();
-    rumple_base_cloth_state *solved = nullptr, *read = nullptr;
-    ASSERT_EQ(rumple_base_cloth_solve(model, &settings, nullptr, sheet.positions.data(), 4, nullptr, nullptr,
-                                      nullptr, &solved),
-              RUMPLE_OK);
-    const auto state = owned(solved, rumple_base_cloth_state_free);
-    rumple_base_cloth_kept good;
-    ASSERT_EQ(rumple_base_cloth_state_get_kept(solved, &good), RUMPLE_OK);
-    const auto refused = [&](const std::string& begins, const auto& harm) {
+// Cloth on a sheet, what is kept of a solved frame of it, and what harm to that is answered.
+struct KeptCloth {
+    Sheet sheet;
+    std::shared_ptr<rumple_base_cloth> model;
+    std::shared_ptr<rumple_base_cloth_state> state;
+    rumple_base_cloth_kept good{};
+
+    explicit KeptCloth(bool swings) {
+        rumple_base_cloth* built = nullptr;
+        EXPECT_EQ(rumple_base_cloth_build(sheet.surface(), &built), RUMPLE_OK);
+        model = owned(built, rumple_base_cloth_free);
+        const rumple_base_cloth_settings settings = rumple_base_cloth_settings_default();
+        const rumple_base_cloth_swing swing = rumple_base_cloth_swing_default();
+        const float* at = sheet.positions.data();
+        rumple_base_cloth_state* solved = nullptr;
+        EXPECT_EQ(swings ? rumple_base_cloth_swing_solve(built, &settings, &swing, nullptr, at, 4, nullptr,
+                                                         nullptr, nullptr, &solved)
+                         : rumple_base_cloth_solve(built, &settings, nullptr, at, 4, nullptr, nullptr,
+                                                   nullptr, &solved),
+                  RUMPLE_OK);
+        state = owned(solved, rumple_base_cloth_state_free);
+        EXPECT_EQ(rumple_base_cloth_state_get_kept(solved, &good), RUMPLE_OK);
+    }
+    template <typename Harm>
+    void refuses(const std::string& begins, const Harm& harm) const {
         rumple_base_cloth_kept kept = good;
         harm(kept);
-        expect_refused(rumple_base_cloth_state_build(model, &kept, &read), begins);
+        rumple_base_cloth_state* read = nullptr;
+        expect_refused(rumple_base_cloth_state_build(model.get(), &kept, &read), begins);
         EXPECT_EQ(read, nullptr);
-    };
-    std::vector<int32_t> hints(good.contact_hint, good.contact_hint + 4);
+    }
+    void takes_the_good() const {
+        rumple_base_cloth_state* read = nullptr;
+        ASSERT_EQ(rumple_base_cloth_state_build(model.get(), &good, &read), RUMPLE_OK) << rumple_error();
+        rumple_base_cloth_state_free(read);
+    }
+};
+
+// A hint of the cloth's own triangles is looked up as it is.
+TEST(ApiLimits, KeptClothIsReadAsAWhole) {
+    const KeptCloth cloth(false);
+    std::vector<int32_t> hints(cloth.good.contact_hint, cloth.good.contact_hint + 4);
     for (const int32_t bad : {kLeast, -2, 2, kMost}) {
         hints[3] = bad;
-        refused("contact_hint: expected -1 to 1, got", [&](auto& kept) { kept.contact_hint = hints.data(); });
+        cloth.refuses("contact_hint: expected -1 to 1, got",
+                      [&](auto& kept) { kept.contact_hint = hints.data(); });
     }
-    std::vector<float> offset(good.offset, good.offset + 12);
+    std::vector<float> offset(cloth.good.offset, cloth.good.offset + 12);
     offset[5] = kNone;
-    refused("offset: vertex 1 is not finite", [&](auto& kept) { kept.offset = offset.data(); });
-    refused("moved: expected 0 to", [](auto& kept) { kept.moved = kNone; });
-    refused("fastest: expected 0 to", [](auto& kept) { kept.fastest = -1.0f; });
-    refused("wind: expected", [](auto& kept) { kept.wind[1] = 1e30f; });
-    refused("offset", [](auto& kept) { kept.offset_count = 0; });
-    refused("contact_hint", [](auto& kept) { kept.contact_hint_count = 0; });
-    refused("length", [](auto& kept) { kept.length_count -= 1; });
-    refused("body_hint", [](auto& kept) { kept.body_hint = kept.contact_hint, kept.body_hint_count = 3; });
-    ASSERT_EQ(rumple_base_cloth_state_build(model, &good, &read), RUMPLE_OK) << rumple_error();
-    rumple_base_cloth_state_free(read);
+    cloth.refuses("offset: vertex 1 is not finite", [&](auto& kept) { kept.offset = offset.data(); });
+    cloth.refuses("moved: expected 0 to", [](auto& kept) { kept.moved = kNone; });
+    cloth.refuses("fastest: expected 0 to", [](auto& kept) { kept.fastest = -1.0f; });
+    cloth.refuses("wind: expected", [](auto& kept) { kept.wind[1] = 1e30f; });
+    cloth.refuses("offset", [](auto& kept) { kept.offset_count = 0; });
+    cloth.refuses("contact_hint", [](auto& kept) { kept.contact_hint_count = 0; });
+    cloth.refuses("length", [](auto& kept) { kept.length_count -= 1; });
+    cloth.refuses("body_hint",
+                  [](auto& kept) { kept.body_hint = kept.contact_hint, kept.body_hint_count = 3; });
+    cloth.takes_the_good();
+}
+
+// Found by the fuzzer: positions of cloth that swings were taken without its velocities, and the next frame
+// read beyond the end of those.
+TEST(ApiLimits, KeptClothThatSwingsHasAllOfItsMotion) {
+    const KeptCloth cloth(true);
+    cloth.refuses("velocity: expected 4 rows, got 0", [](auto& kept) { kept.velocity_count = 0; });
+    cloth.refuses("animated: expected 4 rows, got 0", [](auto& kept) { kept.animated_count = 0; });
+    cloth.refuses("animated_before: expected 4 rows, got 0",
+                  [](auto& kept) { kept.animated_before_count = 0; });
+    cloth.refuses("velocity: expected 0 rows, got 4", [](auto& kept) { kept.position_count = 0; });
+    cloth.refuses("offset: expected 0 rows, got 4", [](auto& kept) {
+        kept.offset = kept.position;
+        kept.offset_count = kept.position_count;
+    });
+    cloth.takes_the_good();
 }
 
 struct Field {
