@@ -94,6 +94,40 @@ class Refused(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "next_id: .* is out of range"):
             kernels.WrinklePathsState(paths, {**stored, "next_id": 2**70})
 
+    def test_ids_of_paths_do_not_run_over(self) -> None:
+        """The number of the next path had no upper bound: it became negative, and the state was refused afterwards."""
+        model, settings = kernels.build_wrinkle_paths(self.surface, level=1), kernels.WrinklePathsSettings()
+        settings.threshold, settings.width, settings.persistent = 1.05, 0.05, False
+        stored = kernels.solve_wrinkle_paths(model, settings, None, self.squeezed, 0.0)[0].arrays
+        self.assertGreater(len(stored["path_id"]), 2)
+        with self.assertRaisesRegex(ValueError, "^next_id: expected 0 to 1.07374e[+]09, got 2.14748e[+]09"):
+            kernels.WrinklePathsState(model, {**stored, "next_id": 2**31 - 1})
+        last = kernels.WrinklePathsState(model, {**stored, "next_id": 2**30 - 1})
+        after = kernels.solve_wrinkle_paths(model, settings, None, self.squeezed, 1.0, last)[0].arrays
+        self.assertEqual((list(after["path_id"]), after["next_id"]), ([2**30 - 1], 2**30))
+        kernels.WrinklePathsState(model, after)
+
+    def test_a_painted_factor_is_refused_where_it_is_handed_over(self) -> None:
+        """The paint was taken, and every frame was refused for it."""
+        zero = np.zeros(len(self.squeezed), np.float32)
+        with self.assertRaisesRegex(ValueError, "^width: number 0: expected 0.1 to 1, got 0"):
+            kernels.WrinklePathsPaint(kernels.build_wrinkle_paths(self.surface, level=1), {"width": zero})
+        with self.assertRaisesRegex(ValueError, "^wavelength: number 0: expected 0.001 to 1000, got 0"):
+            kernels.estimate_waves_wrinkle_field(kernels.build_wrinkle_field(self.surface), kernels.WrinkleFieldSettings(),
+                                                 kernels.WrinkleFieldPaint({"wavelength": zero}), self.squeezed)
+
+    def test_layers_of_another_mesh_are_not_shown_on_the_dense_one(self) -> None:
+        """Only the number of vertices was compared."""
+        dense = tube(48, 60)
+        surface = kernels.build_surface(dense.positions, dense.polygon_start, dense.corner_vertex,
+                                        dense.triangle_corner)
+        coarse = kernels.build_coarse(surface, 0.1)
+        layers = kernels.build_wrinkle_layers(coarse.surface, levels=1)
+        kernels.build_wrinkle_transfer(surface, coarse, layers, 0)
+        again = kernels.build_wrinkle_layers(kernels.build_coarse(surface, 0.1).surface, levels=1)
+        with self.assertRaisesRegex(ValueError, "^layers: they were built over another mesh"):
+            kernels.build_wrinkle_transfer(surface, coarse, again, 0)
+
     def test_a_fold_far_longer_than_wide_has_the_most_pieces_and_not_one(self) -> None:
         """More pieces than an int can count are any number when they are cast: it became one piece."""
         model, settings = kernels.build_wrinkle_paths(self.surface, level=1), kernels.WrinklePathsSettings()

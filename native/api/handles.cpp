@@ -95,10 +95,10 @@ glm::mat3 matrix_of(const float (&rows)[9]) {
 }
 
 std::vector<float> painted(const float* data, size_t count, const Surface& base, const char* name,
-                           double most) {
+                           double least, double most) {
     const std::span<const float> from = values(data, count, name);
     if (!from.empty()) expect_count(name, from.size(), size_t(base.display.vertex_count), "values");
-    expect_range(name, from, 0.0, most);
+    expect_range(name, from, least, most);
     return copied(from);
 }
 

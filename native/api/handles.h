@@ -120,9 +120,9 @@ rumple_status made_pose(const Model* model, const rumple_pose* frame, Handle** p
     });
 }
 
-// A painted factor of the base's vertices, 0..most, or none.
+// A painted factor of the base's vertices, least..most, or none.
 std::vector<float> painted(const float* data, size_t count, const Surface& base, const char* name,
-                           double most = 1.0);
+                           double least = 0.0, double most = 1.0);
 
 // The settings and the state of a rest shape that adapts.
 template <typename Pair>

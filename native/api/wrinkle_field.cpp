@@ -15,8 +15,6 @@ using namespace rumple::wrinkle_field;
 constexpr double kMostPhase = 1e3;
 constexpr double kMostDirection = 2.0;
 
-constexpr double kMostPainted = 1e3;
-
 static_assert(kProfileIntervals == RUMPLE_PROFILE_INTERVALS);
 static_assert(sizeof(Profile) == sizeof(rumple_wrinkle_field_profile));
 
@@ -158,9 +156,9 @@ rumple_status rumple_wrinkle_field_paint_build(const rumple_wrinkle_field* model
         const Surface& base = given(model, "model").model->base;
         const rumple_wrinkle_field_painted& from = given(painted, "painted");
         Paint made;
-        made.mask = api::painted(from.mask, from.mask_count, base, "mask", kMostPainted);
-        made.wavelength =
-            api::painted(from.wavelength, from.wavelength_count, base, "wavelength", kMostPainted);
+        made.mask = api::painted(from.mask, from.mask_count, base, "mask", 0.0, kMostPainted);
+        made.wavelength = api::painted(from.wavelength, from.wavelength_count, base, "wavelength",
+                                       kLeastPaintedWavelength, kMostPainted);
         made.rest_wrinkle = copied(vectors(from.rest_wrinkle, from.rest_wrinkle_count, "rest_wrinkle"));
         if (!made.rest_wrinkle.empty()) check_rest_wrinkle(*model->model, made.rest_wrinkle);
         made.along = copied(vectors(from.along, from.along_count, "along"));
@@ -253,9 +251,11 @@ rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
             *report = {how.rounds,         how.misfit_before, how.misfit_after,
                        how.largest_change, how.wrinkled,      how.collapsed};
         }
+        std::unique_ptr<rumple_wrinkle_field_state> made_state(
+            new rumple_wrinkle_field_state{m.model, std::move(solved)});
         // Waves that are not finite are not given: show() refuses the frame.
         if (waves) *waves = is_sound(field) ? new rumple_waves{m.model, std::move(field)} : nullptr;
-        return new rumple_wrinkle_field_state{m.model, std::move(solved)};
+        return made_state.release();
     });
 }
 

@@ -60,12 +60,12 @@ rumple_wrinkle_layers_plan rumple_wrinkle_layers_plan_default(void) {
 rumple_status rumple_wrinkle_layers_build(const rumple_surface* base, const rumple_wrinkle_layers_plan* plan,
                                           rumple_wrinkle_layers** model) {
     return made(model, "model", [&] {
-        const Surface& surface = given(base, "base").surface;
-        const rumple_wrinkle_layers_plan& from = given(plan, "plan");
+        const rumple_surface& from = given(base, "base");
+        const rumple_wrinkle_layers_plan& how = given(plan, "plan");
         auto built =
-            build_layers(surface, from.levels, from.display_steps, from.most_vertices, from.viewport_steps);
+            build_layers(from.surface, how.levels, how.display_steps, how.most_vertices, how.viewport_steps);
         ShownMeshes shown(*built);
-        return new rumple_wrinkle_layers{std::move(built), std::move(shown)};
+        return new rumple_wrinkle_layers{std::move(built), std::move(shown), from.shared};
     });
 }
 

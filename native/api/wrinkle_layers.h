@@ -8,6 +8,7 @@
 struct rumple_wrinkle_layers {
     std::shared_ptr<const rumple::wrinkle_mesh::Layers> model;
     rumple::api::ShownMeshes shown;
+    std::shared_ptr<const rumple::Surface> base;
 };
 struct rumple_wrinkle_layers_paint {
     std::shared_ptr<const rumple::wrinkle_mesh::Layers> model;

@@ -2,6 +2,7 @@
 #include "api/wrinkle_paths.h"
 
 #include "api/sound.h"
+#include "base/expect.h"
 
 using namespace rumple;
 using namespace rumple::api;
@@ -106,7 +107,7 @@ void check_ids(const std::vector<Path>& paths, Index next_id) {
         }
         least = path.id + 1;
     }
-    if (next_id < 0) throw InvalidInput("next_id: expected at least 0, got " + std::to_string(next_id));
+    expect_within("next_id", next_id, 0, kMostPathIds);
 }
 
 }  // namespace
@@ -160,7 +161,7 @@ rumple_status rumple_wrinkle_paths_paint_build(const rumple_wrinkle_paths* model
         const rumple_wrinkle_paths_painted& from = given(painted, "painted");
         const Surface& base = m.model->base;
         Paint made{api::painted(from.mask, from.mask_count, base, "mask"),
-                   api::painted(from.width, from.width_count, base, "width"),
+                   api::painted(from.width, from.width_count, base, "width", kLeastWidth),
                    copied(vectors(from.along, from.along_count, "along"))};
         if (!made.along.empty()) check_along(base, made.along);
         return new rumple_wrinkle_paths_paint{m.model, std::move(made)};

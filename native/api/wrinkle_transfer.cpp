@@ -30,6 +30,8 @@ rumple_status rumple_wrinkle_transfer_build(const rumple_surface* dense, const r
         const rumple_wrinkle_layers& solved = given(layers, "layers");
         const rumple_wrinkle_transfer_plan& from = given(plan, "plan");
         if (over.dense != base.shared) throw InvalidInput("coarse: it was made for another mesh");
+        if (solved.base.get() != &over.mesh->surface)
+            throw InvalidInput("layers: they were built over another mesh");
         auto built = build_transfer(base.surface, *over.mesh, *solved.model, from.level, from.display_steps,
                                     from.most_vertices, from.viewport_steps);
         ShownMeshes shown(*built);

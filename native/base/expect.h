@@ -25,6 +25,15 @@ inline void expect_within(const std::string& name, double value, double low, dou
                        short_text(value));
 }
 
+// The same of every value; element: what the values are of.
+inline void expect_each_within(const std::string& name, std::span<const float> values, double low,
+                               double high, const char* element) {
+    for (size_t i = 0; i < values.size(); ++i) {
+        if (values[i] >= low && values[i] <= high) continue;
+        expect_within(name + ": " + element + " " + std::to_string(i), values[i], low, high);
+    }
+}
+
 // Above low, and at most high.
 inline void expect_above(const std::string& name, double value, double low, double high) {
     if (value > low && value <= high) return;

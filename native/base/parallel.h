@@ -95,19 +95,30 @@ class Team {
     }
 
     // Calls work(0) here and work(member) on those that come before it is done: work shares itself out, so
-    // that nothing is left for who is late, or waits for a processor. It must not throw.
+    // that nothing is left for who is late, or waits for a processor. What one of them throws (there is no
+    // memory) is thrown here when all have ended.
     template <typename Work>
     void share(const Work& work) {
         working_ = true;
         start();
+        std::exception_ptr failed;
+        const auto caught = [&](int member) {
+            try {
+                work(member);
+            } catch (...) {
+                const std::lock_guard lock(mutex_);
+                if (!failed) failed = std::current_exception();
+            }
+        };
         const auto began = Clock::now();
-        if (threads_ > 1) begin([&work](int member) { work(member); }, false);
-        work(0);
+        if (threads_ > 1) begin(caught, false);
+        caught(0);
         const auto done = Clock::now();
         if (threads_ > 1) end();
         worked_ += done - began;
         waited_ += Clock::now() - done;
         working_ = false;
+        if (failed) std::rethrow_exception(failed);
     }
 
     // Whether waiting for the others takes so long that one does better without them: something else keeps

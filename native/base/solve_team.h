@@ -52,7 +52,7 @@ inline constexpr size_t kLeastSearches = 200;
 
 // work(begin, end) for parts of [0, count) that begin at multiples of four: one part, or several where there
 // are least_items and this thread has a team. Every item is computed by itself, so that the number of threads
-// changes no bit. work must not throw.
+// changes no bit. What work throws is thrown here.
 template <typename Work>
 void for_each_part(size_t count, size_t least_items, Work&& work) {
     Team* const team = SolveTeam::for_items(count, least_items);

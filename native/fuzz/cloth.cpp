@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bodies, the base cloth and its cover.
+#include "damage.h"
 #include "world.h"
 
 namespace rumple::fuzz {
@@ -125,32 +126,23 @@ void restore_cloth(World& world, Bytes& bytes) {
     const auto model = world.cloths.pick(bytes);
     rumple_base_cloth_kept kept{};
     if (CALL(rumple_base_cloth_state_get_kept, from.handle, &kept) != RUMPLE_OK) return;
-    std::vector<float> offset(kept.offset, kept.offset + 3 * kept.offset_count),
-        velocity(kept.velocity, kept.velocity + 3 * kept.velocity_count),
-        position(kept.position, kept.position + 3 * kept.position_count),
-        length(kept.length, kept.length + kept.length_count);
-    std::vector<std::int32_t> contact(kept.contact_hint, kept.contact_hint + kept.contact_hint_count),
-        body(kept.body_hint, kept.body_hint + kept.body_hint_count);
-    for (auto* array : {&offset, &velocity, &position, &length}) {
-        if (bytes.byte() % 8 == 7 && !array->empty())
-            (*array)[bytes.byte() % array->size()] = bytes.real(-2.0f, 2.0f);
-    }
-    for (auto* array : {&contact, &body}) {
-        if (bytes.byte() % 8 == 7 && !array->empty())
-            (*array)[bytes.byte() % array->size()] = bytes.whole(-3, 6000);
-    }
-    kept.offset = offset.data();
-    kept.velocity = velocity.data();
-    kept.position = position.data();
-    kept.length = length.data();
-    kept.contact_hint = contact.data();
-    kept.body_hint = body.data();
-    bytes.vary(kept.moved, kept.seconds, kept.fastest);
+    static_assert(sizeof kept == 29 * 8, "a new array? damage it as well");
+    Damage damage(bytes);
     kept.push = kept.velocity;  // as if that had acted
     kept.push_count = kept.velocity_count;
-    if (bytes.hostile()) kept.velocity_count = 0;
-    if (bytes.hostile()) kept.contact_hint_count = 0;
-    if (bytes.hostile()) kept.offset_count = 0;
+    damage(kept.offset, kept.offset_count, 3);
+    damage(kept.length, kept.length_count);
+    damage(kept.clearance, kept.clearance_count);
+    damage(kept.ahead_height, kept.ahead_height_count);
+    damage(kept.body_hint, kept.body_hint_count);
+    damage(kept.contact_hint, kept.contact_hint_count);
+    damage(kept.position, kept.position_count, 3);
+    damage(kept.velocity, kept.velocity_count, 3);
+    damage(kept.animated, kept.animated_count, 3);
+    damage(kept.animated_before, kept.animated_before_count, 3);
+    damage(kept.air, kept.air_count, 3);
+    damage(kept.push, kept.push_count, 3);
+    bytes.vary(kept.moved, kept.seconds, kept.fastest, kept.gravity, kept.wind);
     keep_state(world,
                MAKE(rumple_base_cloth_state, rumple_base_cloth_state_build, model.handle,
                     bytes.hostile() ? nullptr : &kept),

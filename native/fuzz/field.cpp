@@ -114,20 +114,12 @@ void restore(World& world, Bytes& bytes) {
     const auto model = world.fields.pick(bytes);
     rumple_wrinkle_field_state_view view{};
     if (CALL(rumple_wrinkle_field_state_get_view, from.handle, &view) != RUMPLE_OK) return;
-    std::vector<float> phase(view.phase, view.phase + view.phase_count),
-        direction(view.direction, view.direction + 2 * view.direction_count),
-        offset(view.solved_offset, view.solved_offset + view.solved_offset_count),
-        reference(view.reference.reference, view.reference.reference + 3 * view.reference.reference_count);
-    for (auto* array : {&phase, &direction, &offset, &reference}) {
-        if (bytes.byte() % 8 == 7 && !array->empty())
-            (*array)[bytes.byte() % array->size()] = bytes.real(-2.0f, 2.0f);
-    }
-    view.phase = phase.data();
-    view.direction = direction.data();
-    view.solved_offset = offset.data();
-    view.reference.reference = reference.data();
-    if (bytes.hostile()) view.solved_offset_count = 0;
-    if (bytes.hostile()) view.reference.labels_count = 0;
+    static_assert(sizeof view == 16 * 8, "a new array? damage it as well");
+    Damage damage(bytes);
+    damage(view.phase, view.phase_count);
+    damage(view.direction, view.direction_count, 2);
+    damage(view.solved_offset, view.solved_offset_count);
+    damage(view.reference);
     keep_state(world, MAKE(rumple_wrinkle_field_state, rumple_wrinkle_field_state_build, model.handle, &view),
                model.base, model.model);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Wrinkle Layers, and their transfer to a dense mesh.
+#include "damage.h"
 #include "world.h"
 
 namespace rumple::fuzz {
@@ -119,15 +120,14 @@ void restore(World& world, Bytes& bytes) {
     std::vector<rumple_wrinkle_mesh_state_view> layers(size_t(view.layer_count));
     for (std::int32_t k = 0; k < view.layer_count; ++k)
         CALL(rumple_wrinkle_layers_state_get_layer, from.handle, k, &layers[size_t(k)]);
-    std::vector<float> solved(view.solved, view.solved + 3 * view.solved_count);
-    if (bytes.byte() % 8 == 7 && !solved.empty())
-        solved[bytes.byte() % solved.size()] = bytes.real(-2.0f, 2.0f);
-    if (bytes.hostile() && !layers.empty()) layers.back().solved_length_count = 0;
+    Damage damage(bytes);
+    for (auto& layer : layers) damage(layer);
+    damage(view.solved, view.solved_count, 3);
     const size_t lost = bytes.hostile() ? 1 : 0;
     keep_state(
         world,
         MAKE(rumple_wrinkle_layers_state, rumple_wrinkle_layers_state_build, model.handle, layers.data(),
-             layers.size() - (layers.empty() ? 0 : lost), solved.data(), size_t(view.solved_count)),
+             layers.size() - (layers.empty() ? 0 : lost), view.solved, size_t(view.solved_count)),
         model.base, model.model);
 }
 

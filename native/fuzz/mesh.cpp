@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The Wrinkle Mesh.
+#include "damage.h"
 #include "world.h"
 
 namespace rumple::fuzz {
@@ -102,22 +103,8 @@ void restore(World& world, Bytes& bytes) {
     const auto model = world.meshes.pick(bytes);
     rumple_wrinkle_mesh_state_view view{};
     if (CALL(rumple_wrinkle_mesh_state_get_view, from.handle, &view) != RUMPLE_OK) return;
-    std::vector<float> offset(view.offset, view.offset + 3 * view.offset_count),
-        length(view.solved_length, view.solved_length + view.solved_length_count),
-        reference(view.reference.reference, view.reference.reference + 3 * view.reference.reference_count),
-        past(view.reference.past_positions,
-             view.reference.past_positions + 3 * view.reference.past_positions_count);
-    for (auto* array : {&offset, &length, &reference, &past}) {
-        if (bytes.byte() % 8 == 7 && !array->empty())
-            (*array)[bytes.byte() % array->size()] = bytes.real(-2.0f, 2.0f);
-    }
-    view.offset = offset.data();
-    view.solved_length = length.data();
-    view.reference.reference = reference.data();
-    view.reference.past_positions = past.data();
-    if (bytes.hostile()) view.solved_length_count = 0;
-    if (bytes.hostile()) view.reference.past_times_count = 0;
-    if (bytes.hostile()) view.reference.time = double(bytes.real(-1.0f, 1.0f));
+    Damage damage(bytes);
+    damage(view);
     keep_state(world,
                MAKE(rumple_wrinkle_mesh_state, rumple_wrinkle_mesh_state_build, model.handle,
                     bytes.hostile() ? nullptr : &view),

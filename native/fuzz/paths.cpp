@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "damage.h"
 #include "world.h"
 
 namespace rumple::fuzz {
@@ -176,29 +177,17 @@ void restore(World& world, Bytes& bytes) {
     const auto model = world.paths.pick(bytes);
     rumple_wrinkle_paths_state_view view{};
     if (CALL(rumple_wrinkle_paths_state_get_view, from.handle, &view) != RUMPLE_OK) return;
-    std::vector<float> shapes(view.shapes, view.shapes + 3 * view.shapes_count),
-        compression(view.compression, view.compression + view.compression_count),
-        fade(view.path_fade, view.path_fade + view.path_fade_count),
-        at(view.point_at, view.point_at + 2 * view.point_at_count),
-        reference(view.reference.reference, view.reference.reference + 3 * view.reference.reference_count);
-    std::vector<std::int32_t> start(view.path_start, view.path_start + view.path_start_count),
-        places(view.point_triangle_edge, view.point_triangle_edge + 2 * view.point_triangle_edge_count);
-    for (auto* array : {&shapes, &compression, &fade, &at, &reference}) {
-        if (bytes.byte() % 8 == 7 && !array->empty())
-            (*array)[bytes.byte() % array->size()] = bytes.real(-2.0f, 2.0f);
-    }
-    for (auto* array : {&start, &places}) {
-        if (bytes.byte() % 8 == 7 && !array->empty())
-            (*array)[bytes.byte() % array->size()] = bytes.whole(-1, 20);
-    }
-    view.shapes = shapes.data();
-    view.compression = compression.data();
-    view.path_fade = fade.data();
-    view.point_at = at.data();
-    view.reference.reference = reference.data();
-    view.path_start = start.data();
-    view.point_triangle_edge = places.data();
-    if (bytes.hostile()) view.compression_count = 0;
+    static_assert(sizeof view == 27 * 8, "a new array? damage it as well");
+    Damage damage(bytes);
+    damage(view.reference);
+    damage(view.shapes, view.shapes_count, 3);
+    damage(view.compression, view.compression_count);
+    damage(view.width, view.width_count);
+    damage(view.path_id, view.path_id_count);
+    damage(view.path_fade, view.path_fade_count);
+    damage(view.path_start, view.path_start_count);
+    damage(view.point_triangle_edge, view.point_triangle_edge_count, 2);
+    damage(view.point_at, view.point_at_count, 2);
     if (bytes.hostile()) view.next_id = bytes.whole(0, 3);
     keep_state(world, MAKE(rumple_wrinkle_paths_state, rumple_wrinkle_paths_state_build, model.handle, &view),
                model.base, model.model, false);

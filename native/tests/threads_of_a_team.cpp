@@ -149,6 +149,23 @@ TEST(Threads, OfASolveLeaveWhatIsSmallToOne) {
     EXPECT_EQ(SolveTeam::for_items(1'000'000, 1), nullptr);
 }
 
+// What a member throws, as where there is no memory, ended the process: nobody catches it in its thread.
+TEST(Threads, OfASolveThrowInTheOneThatAsked) {
+    for (const int threads : {1, 4}) {
+        const SolveTeam team(threads, 1000, 1);
+        std::atomic<int> visits = 0;
+        const auto work = [&](size_t i) {
+            ++visits;
+            if (i % 100 == 99) throw std::bad_alloc();
+        };
+        EXPECT_THROW(for_each_index(1000, 1, work), std::bad_alloc) << threads;
+        EXPECT_GE(visits, 100);
+        visits = 0;
+        for_each_index(1000, 1, [&](size_t) { ++visits; });
+        EXPECT_EQ(visits, 1000) << "the team works on";
+    }
+}
+
 TEST(Threads, DoBothInParallel) {
     std::atomic<int> others = 0;
     std::thread::id first, second;

@@ -127,9 +127,9 @@ TEST(WrinklePathsInput, LabelsPaintAndTimesAreChecked) {
     expect_refused([&] { call({std::vector<float>(5, 1.0f)}); }, {"paint.mask", "expected 9 ", "got 5"});
     std::vector<float> mask(9, 1.0f);
     mask[4] = 1.5f;
-    expect_refused([&] { call({mask}); }, {"paint.mask: vertex 4 is 1.5"});
+    expect_refused([&] { call({mask}); }, {"paint.mask: vertex 4: expected 0 to 1, got 1.5"});
     mask[4] = kNan;
-    expect_refused([&] { call({mask}); }, {"paint.mask: vertex 4 is "});
+    expect_refused([&] { call({mask}); }, {"paint.mask: vertex 4: expected 0 to 1, got "});
     Labels labels(7, kRest);
     input.labels = labels;
     expect_refused([&] { call({}); }, {"labels", "expected 8 ", "got 7"});

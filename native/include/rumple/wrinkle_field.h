@@ -101,7 +101,7 @@ RUMPLE_API rumple_status rumple_wrinkle_field_profile_build(int32_t kind, const 
 typedef struct rumple_wrinkle_field_painted {
     const float* mask;  // (n): factor on the amplitude, 0..1
     size_t mask_count;
-    const float* wavelength;  // (n): factor on W, > 0
+    const float* wavelength;  // (n), 0.001..1000: factor on W; or none
     size_t wavelength_count;
     const float* rest_wrinkle;  // (n, 3): p of section 7, along the compression, rest space, shorter than 1
     size_t rest_wrinkle_count;
@@ -164,8 +164,8 @@ typedef struct rumple_waves rumple_waves;
 RUMPLE_API void rumple_waves_free(rumple_waves* waves);
 
 // One frame: sections 4.2 and 5.2. paint: or NULL. before: of the frame before, or NULL: the canonical start.
-// report: written, or NULL. waves: the field that was solved, for rumple_wrinkle_field_show(), to be freed;
-// or NULL. Deterministic on any number of threads. Cost: O(rounds x edges).
+// report: written, or NULL. waves: gets the field that was solved, for rumple_wrinkle_field_show(), to be
+// freed; it gets NULL where the field is not finite, as in a pose that has exploded; or NULL. Deterministic on any number of threads. Cost: O(rounds x edges).
 RUMPLE_API rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
                                                     const rumple_wrinkle_field_settings* settings,
                                                     const rumple_wrinkle_field_paint* paint,

@@ -32,12 +32,10 @@ void check_paint(const Model& model, const Paint& paint) {
     const auto fits = [&](const char* name, const std::vector<float>& values, double low) {
         if (values.empty()) return;
         expect_count(name, values.size(), vertices, "vertices");
-        for (size_t v = 0; v < vertices; ++v) {
-            expect_within(std::string(name) + ": vertex " + std::to_string(v), values[v], low, 1e3);
-        }
+        expect_each_within(name, values, low, kMostPainted, "vertex");
     };
     fits("mask", paint.mask, 0.0);
-    fits("wavelength", paint.wavelength, 1e-3);
+    fits("wavelength", paint.wavelength, kLeastPaintedWavelength);
     if (!paint.rest_wrinkle.empty()) check_rest_wrinkle(model, paint.rest_wrinkle);
     if (!paint.along.empty()) check_along(model.base, paint.along);
 }

@@ -67,10 +67,13 @@ struct Settings {
 // Throws InvalidInput naming the first setting out of its range, the range and the value. solve() calls it.
 void check(const Settings& settings);
 
+// Painted factors reach from 0, or this, to that.
+inline constexpr float kLeastPaintedWavelength = 1e-3f, kMostPainted = 1e3f;
+
 // Painted values per vertex of the base as the artist has it. Empty: nothing painted.
 struct Paint {
-    std::vector<float> mask;         // factor on the amplitude, 0..1
-    std::vector<float> wavelength;   // factor on W, > 0
+    std::vector<float> mask;         // factor on the amplitude
+    std::vector<float> wavelength;   // factor on W
     std::vector<Vec3> rest_wrinkle;  // p of section 7: along the compression, rest space, shorter than 1
     std::vector<Vec3>
         along{};  // where waves are to run, object space at rest, of length 0..1 (guided_strain.h)

@@ -18,11 +18,7 @@ void check(const Model& model, const Paint& paint) {
         if (values.empty()) return;
         expect_count(name, values.size(), size_t(model.base.display.vertex_count),
                      "values, one per vertex of the base, or none");
-        for (size_t v = 0; v < values.size(); ++v) {
-            if (values[v] >= low && values[v] <= 1.0f) continue;
-            throw InvalidInput(std::string(name) + ": vertex " + std::to_string(v) + " is " +
-                               std::to_string(values[v]) + ", expected " + short_text(low) + "..1");
-        }
+        expect_each_within(name, values, low, 1.0, "vertex");
     };
     fits("paint.mask", paint.mask, 0.0f);
     fits("paint.width", paint.width, kLeastWidth);

@@ -131,6 +131,7 @@ float strongest(const PathContext& context, const std::vector<PathPoint>& points
 void spawn(const PathContext& context, const Settings& settings, bool grown, State& state, SegmentMap& map,
            Report& report) {
     for (const Seed& seed : seeds(context, settings)) {
+        if (state.next_id >= kMostPathIds) return;
         const float width = settings.width * context.width(seed.triangle);
         const float spacing = settings.spacing * width;
         if (map.has_near(seed.triangle, position(context, seed.at), spacing)) continue;

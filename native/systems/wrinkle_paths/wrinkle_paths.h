@@ -134,6 +134,9 @@ State solve(const Model& model, const Settings& settings, const Paint& paint, co
 State solve(const Model& model, const Settings& settings, const Paint& paint, const Input& input,
             const State* state, Report& report);
 
+// A path is numbered below this; when the numbers have run out, no path is born any more.
+inline constexpr Index kMostPathIds = 1 << 30;
+
 // Throws InvalidInput where a state is not of the model, or holds what no solve leaves. solve() checks it,
 // too.
 void check(const Model& model, const State& state);

@@ -101,7 +101,7 @@ class WrinkleFieldPainted(Struct):
     __slots__ = ()
     mask: int | None  # (n): factor on the amplitude, 0..1
     mask_count: int
-    wavelength: int | None  # (n): factor on W, > 0
+    wavelength: int | None  # (n), 0.001..1000: factor on W; or none
     wavelength_count: int
     rest_wrinkle: int | None  # (n, 3): p of section 7, along the compression, rest space, shorter than 1
     rest_wrinkle_count: int
