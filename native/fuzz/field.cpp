@@ -2,6 +2,8 @@
 // The Wrinkle Field: frames, and the steps of a frame.
 #include "field.h"
 
+#include "damage.h"
+
 namespace rumple::fuzz {
 namespace {
 
