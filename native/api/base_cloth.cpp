@@ -144,7 +144,7 @@ std::vector<Vec3> kept_vectors_or_none(const float* data, size_t count, size_t e
 std::vector<float> kept_numbers(const float* data, size_t count, size_t expected, const char* name) {
     expect_rows(name, count, expected);
     std::vector<float> out = copied(values(data, count, name));
-    expect_numbers(name, out);
+    expect_finite<float>(name, out, "number");
     return out;
 }
 

@@ -36,8 +36,9 @@ std::vector<Floats> floats_in(const base_cloth::Result& of) {
             floats_of(s.offset),          floats_of(s.length),
             floats_of(s.clearance),       floats_of(s.ahead_height),
             floats_of(s.motion.position), floats_of(s.motion.velocity),
-            floats_of(s.motion.animated), floats_of(s.motion.air),
-            floats_of(s.motion.push),     Floats(&s.moved, 1)};
+            floats_of(s.motion.animated), floats_of(s.motion.animated_before),
+            floats_of(s.motion.air),      floats_of(s.motion.push),
+            Floats(&s.moved, 1)};
 }
 
 std::vector<Floats> floats_in(const wrinkle_mesh::State& of) {

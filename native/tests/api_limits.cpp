@@ -93,6 +93,9 @@ TEST(ApiLimits, KeptClothIsReadAsAWhole) {
     std::vector<float> offset(cloth.good.offset, cloth.good.offset + 12);
     offset[5] = kNone;
     cloth.refuses("offset: vertex 1 is not finite", [&](auto& kept) { kept.offset = offset.data(); });
+    std::vector<float> clearance(4, std::numeric_limits<float>::infinity());  // found by the fuzzer
+    cloth.refuses("clearance: number 0 is not finite",
+                  [&](auto& kept) { kept.clearance = clearance.data(); });
     cloth.refuses("moved: expected 0 to", [](auto& kept) { kept.moved = kNone; });
     cloth.refuses("fastest: expected 0 to", [](auto& kept) { kept.fastest = -1.0f; });
     cloth.refuses("wind: expected", [](auto& kept) { kept.wind[1] = 1e30f; });
