@@ -253,7 +253,7 @@ rumple_status rumple_base_cloth_paint_build(const rumple_base_cloth* model,
         const rumple_base_cloth_painted& from = given(painted, "painted");
         base_cloth::Paint made;
         made.follow = api::painted(from.follow, from.follow_count, base, "follow");
-        made.room = api::painted(from.room, from.room_count, base, "room");
+        made.room = api::painted(from.room, from.room_count, base, "room", 0.0, base_cloth::kMostRoomFactor);
         return new rumple_base_cloth_paint{model->model, std::move(made)};
     });
 }

@@ -13,6 +13,7 @@ from . import transforms
 from .body import Body, same_triangles
 from .cloth_settings import ClothSettings
 from .fabrics import GRAVITY
+from .hangs_free import FREE, room_factor
 from .surroundings import Surroundings
 
 AIR = 1.2  # kg/m^3
@@ -83,7 +84,7 @@ class BaseCloth:
         self._collider: tuple[np.ndarray, Any] | None = None
         self._paint: Any = None
         self._painted: dict[str, np.ndarray] | None = None
-        self._up = ""
+        self._paint_settings = "", 0.0, 0.0
 
     def solve(self, positions: np.ndarray, settings: ClothSettings, paint: dict[str, np.ndarray],
               world_from_object: np.ndarray | None, body: Body | None, before: ClothFrame | None,
@@ -93,8 +94,8 @@ class BaseCloth:
         are read where it swings. Raises ValueError."""
         world_from_object = _invertible(world_from_object)
         object_from_world = transforms.inverse(world_from_object)
-        if paint is not self._painted or settings.up != self._up:
-            self._take_paint(paint, settings.up)
+        if paint is not self._painted or (settings.up, settings.room, settings.free_room) != self._paint_settings:
+            self._take_paint(paint, settings)
         options = self._native_settings(settings, world_from_object)
         frame = (self._paint, positions, self.collider(body), body.positions if body is not None else None,
                  before.state if before is not None else None)
@@ -122,10 +123,14 @@ class BaseCloth:
         """Object units: what is deeper inside a body is hidden there on purpose."""
         return self._settings_to_scale().depth
 
-    def _take_paint(self, paint: dict[str, np.ndarray], up: str) -> None:
+    def _take_paint(self, paint: dict[str, np.ndarray], settings: ClothSettings) -> None:
         values = {name: paint[name] for name in ("follow", "room") if name in paint}
-        values = values if "follow" in values else {**values, "follow": self._suggest(up)}
-        self._paint, self._painted, self._up = kernels.BaseClothPaint(self.model, values), paint, up
+        values = values if "follow" in values else {**values, "follow": self._suggest(settings.up)}
+        if FREE in paint:
+            factor = room_factor(paint[FREE], settings)
+            values["room"] = values["room"] * factor if "room" in values else factor
+        self._paint, self._painted = kernels.BaseClothPaint(self.model, values), paint
+        self._paint_settings = settings.up, settings.room, settings.free_room
 
     def _swing(self, settings: ClothSettings, object_from_world: np.ndarray, now: SwingInput,
                surroundings: Surroundings, before: SwingInput | None) -> Any:

@@ -25,7 +25,7 @@ _PLACES = {
     "gpu-preview": "*.gpu_preview",
     "swing": "*.mass *.swing_damping *.substeps *.locomotion *.drag",
     "pinned-to-the-animation": "*.up",
-    "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.slide_room *.bending_length mesh.layers "
+    "cloth": "*.base_cloth *.drape *.slack *.gravity *.room *.slide_room *.free_room *.bending_length mesh.layers "
              "mesh.folds mesh.detail",
     "body": "*.thickness *.friction object.body object.body_collection",
     "guides": "guide.* ops.object.rumple_guide_add ops.object.rumple_guide_remove",

@@ -15,10 +15,11 @@ from .cloth import BaseCloth, ClothFrame
 from .cloth_settings import ClothSettings
 from .digests import digest_of
 from .drape import Drape
+from .hangs_free import FREE
 from .keep_smooth import SMOOTH, share_of_folds
 from .surroundings import Surroundings
 
-PAINTED = ("follow", "room", SMOOTH)  # what is painted for the base cloth itself
+PAINTED = ("follow", "room", FREE, SMOOTH)  # what is painted for the base cloth itself
 LEAST_UNDER = 0.02  # of the vertices that have the body under them: with less something is wrong
 
 

@@ -20,6 +20,7 @@ from .flared import is_flared
 from .fold_guides import ALONG
 from .frame_input import FrameInput
 from .frame_result import FrameResult
+from .hangs_free import FREE, with_wide_folds
 from .layers import layer_settings, layer_words, native_settings
 from .on_cloth import OnCloth
 from .paint_maps import WIDTH, fold_width
@@ -84,7 +85,8 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
 
 COARSE_EDGE = 0.03  # metres, of a garment that an adult wears: its widest folds are five of them
 DENSE = 2.0 / 3.0  # of that: a base with shorter edges is solved on a coarse mesh in its place
-SKIRT_LENGTHS = dict(wavelength=0.14, room=0.25)  # metres: what hangs free has few wide folds, and room for them
+# Metres: what hangs free has few wide folds, and room for them.
+SKIRT_LENGTHS = dict(wavelength=0.14, room=ClothSettings.free_room)
 CLOTH_WAVELENGTH = 0.04  # metres: the finest folds of a cotton garment that an adult wears
 LEAST_OPENINGS = 2  # of a garment: a head has one
 
@@ -103,7 +105,7 @@ def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndar
     scale = size_factor(base.diagonal(), unit_scale)
     # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
     lengths = dict(wavelength=CLOTH_WAVELENGTH, room=ClothSettings.room, slide_room=ClothSettings.slide_room,
-                   thickness=ClothSettings.thickness)
+                   free_room=ClothSettings.free_room, thickness=ClothSettings.thickness)
     if is_flared(base, world_from_object):
         lengths |= SKIRT_LENGTHS
     return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
@@ -302,6 +304,7 @@ class WrinkleMesh(Wrinkles):
 
     def _take_paint(self, paint: dict[str, np.ndarray]) -> Any:
         words = layer_words(self.layer_count, self.finer_layers) if self.layer_count else []
+        paint = with_wide_folds(paint, self._cloth_paint.get(FREE))
         factors = {name: values for name, values in paint.items()
                    if name in ("radius", "prestretch", "bending", "inside", ALONG, *words)}
         for number in range(self.layer_count - self.finer_layers, self.layer_count):

@@ -89,15 +89,15 @@ typedef struct rumple_base_cloth_swing {
 } rumple_base_cloth_swing;
 RUMPLE_API rumple_base_cloth_swing rumple_base_cloth_swing_default(void);
 
-// Painted factors of the base's vertices, 0..1; each (n), or none.
+// Painted factors of the base's vertices; each (n), or none.
 typedef struct rumple_base_cloth_painted {
-    const float* follow;  // 1: pinned to the animation; none: 0 everywhere
+    const float* follow;  // 0..1; 1: pinned to the animation; none: 0 everywhere
     size_t follow_count;
-    const float* room;  // on `room` and `slide_room`; none: 1 everywhere
+    const float* room;  // 0..1000: on `room`, and, at most 1, on `slide_room`; none: 1 everywhere
     size_t room_count;
 } rumple_base_cloth_painted;
 typedef struct rumple_base_cloth_paint rumple_base_cloth_paint;
-// Refused: a factor with neither n values nor none, or with one that is outside of 0..1. Cost: O(n).
+// Refused: a factor with neither n values nor none, or with one outside of its range. Cost: O(n).
 RUMPLE_API rumple_status rumple_base_cloth_paint_build(const rumple_base_cloth* model,
                                                        const rumple_base_cloth_painted* painted,
                                                        rumple_base_cloth_paint** paint);

@@ -47,10 +47,13 @@ struct Settings {
 // Throws InvalidInput naming the first setting out of its range.
 void check(const Settings& settings);
 
-// Painted factors per display vertex of the base, each 0..1. Empty: follow is 0, room is 1 everywhere.
+// Cloth that hangs free has so many times the room of what lies on a body.
+inline constexpr float kMostRoomFactor = 1e3f;
+
+// Painted factors per display vertex of the base. Empty: follow is 0, room is 1 everywhere.
 struct Paint {
-    std::vector<float> follow;  // 1: pinned to the animation
-    std::vector<float> room;    // room and slide_room x value
+    std::vector<float> follow;  // 0..1; 1: pinned to the animation
+    std::vector<float> room;    // 0..kMostRoomFactor, on room; on slide_room at most 1
 };
 
 // Built once at rest, then immutable.

@@ -50,7 +50,8 @@ void place_room(const Model& model, const Settings& settings, const Paint& paint
                 std::span<const BodyContact> under, std::span<const Vec3> smooth, Pose& pose) {
     std::vector<float> covering = model.cover_room;
     if (bodies) {
-        const float unheld = std::max(settings.room, settings.slide_room);
+        const float most = std::ranges::max(paint.room.empty() ? std::vector{1.0f} : paint.room),
+                    unheld = std::max(settings.room * std::max(most, 1.0f), settings.slide_room);
         const std::vector<float> over = room_over_bodies(model.surface, model.hems, *bodies, under, smooth,
                                                          pose.normal, settings.clearance.reach, unheld);
         for (size_t v = 0; v < covering.size(); ++v) covering[v] = std::min(covering[v], over[v]);
@@ -58,7 +59,7 @@ void place_room(const Model& model, const Settings& settings, const Paint& paint
     for (size_t v = 0; v < covering.size(); ++v) {
         const float factor = painted(paint.room, model.surface.representative[v], 1.0f);
         const float room = std::min(settings.room * factor, covering[v]),
-                    slide = std::min(settings.slide_room * factor, covering[v]);
+                    slide = std::min(settings.slide_room * std::min(factor, 1.0f), covering[v]);
         pose.room.push_back(room);
         // A loose vertex has no surface to slide along; what has no room at all stays.
         const bool slides = room > 0.0f && slide > room && pose.normal[v] != Vec3(0.0f);

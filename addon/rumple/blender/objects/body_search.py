@@ -56,11 +56,11 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
         return WornOver(None, [], False)
     candidates = [other for other in scene.objects if other != obj and rigs & _armatures(other)
                   and bodies.can_be_body(other)]
-    trees = {other: _tree(other) for other in candidates
+    trees = {other: tree_of(other) for other in candidates
              if len(other.data.polygons) and np.isfinite(_rest(other)).all()}
     cloth = functools.cache(_cloth)
     shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}
-    own = functools.cache(lambda: _tree(obj))
+    own = functools.cache(lambda: tree_of(obj))
     back = functools.cache(lambda other: _share_over(cloth(other), own()))  # how much of another one lies over it
     if not any(_is_within(obj, other) for other, share in shares.items() if share > LEAST_SHARE) and any(
             _is_within(other, obj) and back(other) > LEAST_SHARE for other in shares):
@@ -103,23 +103,29 @@ def _cloth(obj: bpy.types.Object) -> _Cloth:
     rest, vertices = _rest(obj), incoming_mesh.of(obj).vertices
     finite = np.flatnonzero(np.isfinite(rest).all(axis=1))
     chosen = finite[np.linspace(0, len(finite) - 1, min(SAMPLES, len(finite))).astype(int)].tolist()
-    turn = obj.matrix_world.to_3x3().inverted_safe().transposed() * (-1.0 if _is_inside_out(obj) else 1.0)
+    turn = obj.matrix_world.to_3x3().inverted_safe().transposed() * side_of(obj)
     reach = NEAR * Vector(np.ptp(rest[finite], axis=0)).length if chosen else 0.0
     return _Cloth([Vector(rest[i]) for i in chosen], [turn @ vertices[i].normal for i in chosen], reach)
 
 
-def _is_inside_out(obj: bpy.types.Object) -> bool:
-    """Whether most of the faces are turned where the mesh is healed."""
+def side_of(obj: bpy.types.Object) -> float:
+    """1, or -1 where most of the faces are turned when the mesh is healed: its normals point inwards."""
     base = mesh_reader.base_mesh(obj, "REST_POSE", "")
     turned = base.healed(weld=True).origin
-    return turned is not None and 2 * len(turned.elements[TURNED]) > len(base.polygon_start) - 1
+    return -1.0 if turned is not None and 2 * len(turned.elements[TURNED]) > len(base.polygon_start) - 1 else 1.0
 
 
-def _tree(obj: bpy.types.Object) -> BVHTree:
-    mesh, rest = incoming_mesh.of(obj), _rest(obj)
+def tree_of(obj: bpy.types.Object) -> BVHTree:
+    """The surface of an object at rest, world space, turned outwards; of the triangles of triangles_of()."""
+    rest = _rest(obj)
+    return BVHTree.FromPolygons(rest.tolist(), facing_outwards(rest, triangles_of(obj)).tolist())
+
+
+def triangles_of(obj: bpy.types.Object) -> np.ndarray:
+    """(t, 3) vertices of an object's incoming mesh."""
+    mesh = incoming_mesh.of(obj)
     mesh.calc_loop_triangles()
-    triangles = compat.indices(mesh.loop_triangles, "vertices", 3).reshape(-1, 3)
-    return BVHTree.FromPolygons(rest.tolist(), facing_outwards(rest, triangles).tolist())
+    return compat.indices(mesh.loop_triangles, "vertices", 3).reshape(-1, 3)
 
 
 def _share_over(cloth: _Cloth, tree: BVHTree) -> float:

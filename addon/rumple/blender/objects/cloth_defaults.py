@@ -50,7 +50,8 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
     if method == "MESH":
         return values
     of_folds = wrinkle_paths.cloth_defaults(base, metres) if method == "PATHS" else wrinkle_field.CLOTH_DEFAULTS
-    return {name: values[name] for name in ("base_cloth", "up", "room", "slide_room", "thickness")} | of_folds
+    of_cloth = ("base_cloth", "up", "room", "slide_room", "free_room", "thickness")
+    return {name: values[name] for name in of_cloth} | of_folds
 
 
 def is_cloth(obj: bpy.types.Object) -> bool:

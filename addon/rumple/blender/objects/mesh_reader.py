@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core import engine, transforms
 from ...core.fold_guides import DIRECTION, GUIDES, KIND
+from ...core.hangs_free import FREE
 from ...core.keep_smooth import SMOOTH
 from ...core.on_cloth import PAINTED
 from ...core.paint_maps import WIDTH, narrowest_of
@@ -30,6 +31,7 @@ MESH_GROUPS: dict[str, str] = {
     "detail": "Rumple Detail",
     "follow": "Rumple Follow",
     "room": "Rumple Room",
+    FREE: "Rumple Hangs Free",
     SMOOTH: "Rumple Keep Smooth",
     RIGID: "Rumple Rigid",
     WIDTH: "Rumple Wavelength",

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core import paint_maps
 from ...core.engine import UserError
+from ...core.hangs_free import FREE
 from ...core.keep_smooth import SMOOTH
 from ...core.paint_maps import WIDTH
 from ...core.painted_rigid import RIGID
@@ -18,15 +19,15 @@ from .. import compat, scheduler
 from . import cloth_defaults, mesh_reader, properties, runtimes, units
 
 # In the order in which they are listed.
-KEYS = ("drape", "folds", "detail", "mask", WIDTH, "radius", "prestretch", "bending", "inside", "room", "follow",
-        SMOOTH, RIGID)
-_LABELS = {"follow": "Pinned", SMOOTH: "Keep Smooth", RIGID: "Rigid"}
+KEYS = ("drape", "folds", "detail", "mask", WIDTH, "radius", "prestretch", "bending", "inside", "room", FREE,
+        "follow", SMOOTH, RIGID)
+_LABELS = {FREE: "Hangs Free", "follow": "Pinned", SMOOTH: "Keep Smooth", RIGID: "Rigid"}
 _FIELDS = {WIDTH: "wavelength_scale"}  # of the settings, where its name is another
 LABELS: dict[str, str] = {
     key: _LABELS.get(key) or next(f.metadata["name"] for system in (MeshSettings, FieldSettings) for f in fields(system)
                                   if f.name == _FIELDS.get(key, key)) for key in KEYS}
 # Of a vertex that the map does not change.
-REST = {key: 0.0 if key in ("follow", SMOOTH, RIGID) else 1.0 for key in KEYS}
+REST = {key: 0.0 if key in (FREE, "follow", SMOOTH, RIGID) else 1.0 for key in KEYS}
 _READ_DELAY = 0.2  # seconds: a frame that is solved meanwhile reads them anyway
 _unread: set[str] = set()  # names of objects whose maps are to be read for the panel
 
@@ -64,7 +65,7 @@ def find(obj: bpy.types.Object, key: str, settings: Any = None) -> PaintedMap | 
 
 def _acts(key: str, settings: Any) -> bool:
     """Whether a map of that key would change anything."""
-    if key in ("room", "follow"):
+    if key in ("room", FREE, "follow"):
         return settings.base_cloth != "OFF"
     if key in ("drape", "folds", "detail"):
         return settings.layered

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ...core.hangs_free import FREE
 from ..objects import mesh_reader, properties
 from ..ui_base import Panel, draw_note, draw_setting, settings_column
 
@@ -29,6 +30,8 @@ class DATA_PT_rumple_cloth(Panel, bpy.types.Panel):
             draw_setting(column, settings, name)
         painted(column, obj, "room")
         draw_setting(column, settings, "slide_room")
+        draw_setting(column, settings, "free_room")
+        paint_only(column, obj, FREE, "Hangs Free")
         paint_only(column, obj, "follow", "Pinned to the animation")
         if mesh_reader.MESH_GROUPS["follow"] not in obj.vertex_groups:
             column.prop(settings, "up")

@@ -14,8 +14,8 @@ from .. import compat, scheduler, ui_base
 from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
-from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, incoming_mesh, mesh_reader, modifier,
-                       properties, runtimes, stack_notes, subdivision_behind, units, viewport_mesh)
+from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, free_parts, incoming_mesh, mesh_reader,
+                       modifier, properties, runtimes, stack_notes, subdivision_behind, units, viewport_mesh)
 from ..translation import said
 from . import fabrics, thumbnails
 
@@ -115,6 +115,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             cloth_defaults.apply(obj, context.scene, lengths)
         if cloth_defaults.is_cloth(obj):
             self._set_bodies(obj, worn_over)
+            free_parts.paint(obj, context.scene)
         self._adjust(context, obj)
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import bpy
 
+from ...core.hangs_free import FREE
 from ...core.keep_smooth import SMOOTH
 from ...core.painted_rigid import RIGID
 from ..objects.painted_maps import PaintedMap
 from ..translation import said
 
 TIPS = {
+    FREE: "Paint where the cloth hangs free of the body (1), and where it lies on it (0), in Weight Paint mode. Again: "
+          "leave the mode",
     SMOOTH: "Paint where no folds may be, from all of them (0) to none (1), in Weight Paint mode. Again: leave the "
             "mode",
     RIGID: "Paint what is not cloth, such as a badge or a belt, from cloth (0) to rigid (1), in Weight Paint mode. "
            "Again: leave the mode",
 }
 HOW = {
+    FREE: "Paint with weight 1 where the cloth hangs free of the body, with 0 where it lies on it",
     SMOOTH: "Paint with weight 1 where the cloth stays smooth, with 0 where it folds again",
     RIGID: "Paint with weight 1 what keeps its shape, with 0 what is cloth",
 }

@@ -95,9 +95,9 @@ class BaseClothPainted(Struct):
     """struct rumple_base_cloth_painted"""
 
     __slots__ = ()
-    follow: int | None  # 1: pinned to the animation; none: 0 everywhere
+    follow: int | None  # 0..1; 1: pinned to the animation; none: 0 everywhere
     follow_count: int
-    room: int | None  # on `room` and `slide_room`; none: 1 everywhere
+    room: int | None  # 0..1000: on `room`, and, at most 1, on `slide_room`; none: 1 everywhere
     room_count: int
     _fields_ = (("follow", c_void_p), ("follow_count", c_size_t), ("room", c_void_p), ("room_count", c_size_t),)
 

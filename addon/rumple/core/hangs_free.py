@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hangs Free: where cloth is away from the body it has more room and fewer narrow folds, as the skirt of a dress does.
+Never imports bpy."""
+from __future__ import annotations
+
+import numpy as np
+
+from .cloth_settings import ClothSettings
+from .paint_maps import smoothstep
+
+FREE = "free"  # the paint: 1 where cloth hangs free, 0 where it lies on the body
+NEAR, AWAY = 0.05, 0.13  # metres from the body, of a garment that an adult wears: there it lies on it; hangs free
+LEAST_FREE = 0.1  # share of the vertices: less is no part of a garment that hangs
+FOLDS_LEFT = {"folds": 0.5, "detail": 0.1}  # of these layers, where cloth hangs free: its folds are few and wide
+SPREADS = 8  # times that every vertex takes the mean with those beside it
+
+
+def share_of_distance(distance: np.ndarray, size: float) -> np.ndarray:
+    """(n,) metres to the body -> (n,) 0..1. size: size_factor() of the garment."""
+    return smoothstep((distance / size - NEAR) / (AWAY - NEAR))
+
+
+def spread(share: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """(n,) 0..1, or NaN where nothing is known -> (n,) float32, even along the mesh. edges: (m, 2). 0 where nothing is
+    known around."""
+    known = np.isfinite(share)
+    weight, value = known.astype(np.float64), np.where(known, share, 0.0).astype(np.float64)
+    for _ in range(SPREADS):
+        weight, value = (0.5 * mine + 0.5 * _mean_beside(mine, edges) for mine in (weight, value))
+    return np.where(weight > 0.0, value / np.maximum(weight, 1e-12), 0.0).astype(np.float32)
+
+
+def _mean_beside(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    first, second = edges.T
+    count = np.bincount(edges.ravel(), minlength=len(values))
+    total = np.bincount(first, values[second], len(values)) + np.bincount(second, values[first], len(values))
+    return np.where(count > 0, total / np.maximum(count, 1), values)
+
+
+def room_factor(free: np.ndarray, settings: ClothSettings) -> np.ndarray:
+    """(n,) float32: on Room, so that it becomes Free Room where cloth hangs free."""
+    widest = settings.free_room / settings.room if settings.room > 0.0 else 1.0
+    return (1.0 + np.clip(free, 0.0, 1.0) * (max(widest, 1.0) - 1.0)).astype(np.float32)
+
+
+def with_wide_folds(paint: dict[str, np.ndarray], free: np.ndarray | None) -> dict[str, np.ndarray]:
+    """Maps of the layers of a Wrinkle Mesh, with fewer narrow folds where cloth hangs free. free: (n,), or None."""
+    if free is None:
+        return paint
+    left = {name: (1.0 - (1.0 - share) * np.clip(free, 0.0, 1.0)).astype(np.float32)
+            for name, share in FOLDS_LEFT.items()}
+    return {**paint, **{name: paint[name] * share if name in paint else share for name, share in left.items()}}
