@@ -11,6 +11,7 @@ import numpy as np
 from rumple.blender import compat, scheduler
 from rumple.blender.nodes import field_profile, field_shader
 from rumple.blender.objects import changes, mesh_reader, modifier, runtimes
+from rumple.blender.ui import operators
 from rumple.core.wrinkle_field import PHASE, U_GRADIENT, VECTORS, WEIGHT
 from support import sleeve, wave_shader_cases
 from support.one_blender import long_one
@@ -246,6 +247,57 @@ class Materials(unittest.TestCase):
         field_shader.unshade(material)
         self.assertEqual(self.links(material), before)
         self.assertFalse(any(n.type == "GROUP" for n in material.node_tree.nodes))
+
+    def test_a_normal_map_of_a_texture_without_coordinates_makes_no_circle(self) -> None:
+        """One node gave the texture its coordinates and took the normal that is made of it: Blender 5.2 drew black."""
+        material = bpy.data.materials.new("Denim")
+        compat.use_nodes(material)
+        nodes, links = material.node_tree.nodes, material.node_tree.links
+        image, normal_map = nodes.new("ShaderNodeTexImage"), nodes.new("ShaderNodeNormalMap")
+        shader = next(n for n in nodes if n.type == "BSDF_PRINCIPLED")
+        links.new(image.outputs["Color"], normal_map.inputs["Color"])
+        links.new(normal_map.outputs["Normal"], shader.inputs["Normal"])
+        before = self.links(material)
+        obj = sleeve.skinned(sleeve.tube(), sleeve.arm())
+
+        def coordinates() -> bpy.types.Node:
+            return image.inputs["Vector"].links[0].from_node
+
+        for _ in range(2):
+            field_shader.shade(material, obj)
+            self.assertFalse(coordinates().inputs["Normal"].is_linked)
+            self.assertTrue(all(link.is_valid for link in links))
+            waves = shader.inputs["Normal"].links[0].from_node
+            self.assertEqual(waves.inputs["Normal"].links[0].from_node, normal_map)
+        links.new(waves.outputs["UV"], image.inputs["Vector"])  # as an older file has it
+        nodes.remove(next(n for n in nodes if n.type == "GROUP" and n != waves))
+        obj.data.materials.clear()
+        obj.data.materials.append(material)
+        self.assertTrue(field_shader.set_profile(material, obj))
+        self.assertNotEqual(coordinates(), waves)
+        field_shader.unshade(material)
+        self.assertEqual(self.links(material), before)
+
+    def test_a_shader_inside_of_a_node_group_is_said(self) -> None:
+        """The button said that the material shows the waves."""
+        obj = sleeve.scene(wrinkles=False)
+        material = bpy.data.materials.new("Grouped")
+        compat.use_nodes(material)
+        nodes = material.node_tree.nodes
+        nodes.remove(next(n for n in nodes if n.type == "BSDF_PRINCIPLED"))
+        nodes.new("ShaderNodeGroup").node_tree = bpy.data.node_groups.new("Inside", "ShaderNodeTree")
+        for slot in obj.material_slots:
+            slot.material = material
+        self.assertEqual(operators._unshaded(obj), [
+            "Sleeve: the material \"Grouped\" shows no waves, for its shader is inside of a node group: connect a shader "
+            "outside of it, or set Output to Geometry"])
+        plain = bpy.data.materials.new("Plain")
+        compat.use_nodes(plain)
+        obj.material_slots[0].material = plain
+        field_shader.shade_object(obj)
+        self.assertEqual(len(operators._unshaded(obj)), 1)
+        obj.material_slots[1].material = obj.material_slots[0].material
+        self.assertEqual(operators._unshaded(obj), [])
 
     def test_a_material_that_another_waving_object_shows_keeps_its_waves(self) -> None:
         obj = waving()

@@ -19,8 +19,8 @@ GROUP = mesh_reader.MESH_GROUPS[FREE]
 class HangsFree(unittest.TestCase):
     def setUp(self) -> None:
         self.obj = sleeve.scene(wrinkles=False)
-        for name in ("base_cloth", "layers"):  # the click says
-            self.obj.rumple.mesh.property_unset(name)
+        for settings in (self.obj.rumple.mesh, self.obj.rumple.field, self.obj.rumple.paths):  # the click says
+            settings.property_unset("base_cloth")
         sleeve.under(self.obj, "Human")
 
     def widen(self) -> np.ndarray:

@@ -14,7 +14,7 @@ import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
-from rumple.blender.objects import incoming_mesh, modifier, runtimes
+from rumple.blender.objects import incoming_mesh, modifier, runtimes, stack_notes
 from support import sleeve, small_renders
 from support.arriving import Arriving
 
@@ -123,6 +123,43 @@ class Stack(Arriving, unittest.TestCase):
         self.assertEqual(names.index("Wrinkle Mesh"), names.index("Simulation") + 1)
         self.assertTrue(incoming_mesh.is_own(obj))
         self.assertEqual(obj.rumple.message, "")
+
+    def test_a_multires_is_in_front_of_the_wrinkles(self) -> None:
+        """Blender from 4.3 on lets nothing be moved in front of it: the first click ended in a traceback and left half a
+        modifier."""
+        for method in ("MESH", "FIELD", "PATHS"):
+            with self.subTest(method):
+                obj = sleeve.scene(wrinkles=False)
+                obj.modifiers.new("Multires", "MULTIRES")
+                bpy.ops.object.multires_subdivide(modifier="Multires")
+                obj.rumple.mesh.density, obj.rumple.mesh.level = "LEVEL", 1
+                bpy.ops.object.rumple_add(method=method)
+                self.assertEqual([m.type for m in obj.modifiers], ["ARMATURE", "MULTIRES", "NODES"])
+                sleeve.at(8)
+                self.assertEqual(runtimes.message(obj), "")
+
+    def test_particles_are_in_front_of_the_wrinkles_or_it_is_said(self) -> None:
+        """They lay at the object's origin, two metres away."""
+        obj = sleeve.scene(wrinkles=False)
+        obj.modifiers.new("Hair", "PARTICLE_SYSTEM")
+        obj.rumple.mesh.density, obj.rumple.mesh.level = "LEVEL", 1
+        bpy.ops.object.rumple_add(method="MESH")
+        self.assertEqual([m.type for m in obj.modifiers], ["ARMATURE", "PARTICLE_SYSTEM", "NODES"])
+        self.assertEqual(stack_notes.of(obj), [])
+        obj.modifiers.new("Later", "PARTICLE_SYSTEM")
+        self.assertEqual(stack_notes.of(obj), [
+            "Sleeve: the particles of \"Later\" do not find their places on the fine mesh: move Wrinkle Mesh below it in "
+            "the stack"])
+
+    def test_what_is_parented_to_vertices_is_said(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        for name, kind in (("Badge", "OBJECT"), ("Button", "VERTEX")):
+            child = bpy.data.objects.new(name, None)
+            bpy.context.scene.collection.objects.link(child)
+            child.parent, child.parent_type = obj, kind
+        self.assertEqual(stack_notes.of_children(obj), [
+            "Sleeve: the object \"Button\" is parented to vertices of it, which are other ones now: give it a Copy Location "
+            "constraint with a vertex group in place of the parent"])
 
     def test_every_system(self) -> None:
         for method in ("MESH", "FIELD", "PATHS"):

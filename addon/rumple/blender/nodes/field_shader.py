@@ -193,15 +193,36 @@ def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
         target = shader.inputs["Normal"]
         given = target.links[0].from_socket if target.is_linked else None
         if given not in fields:
-            fields[given] = field = nodes.new("ShaderNodeGroup")
-            field.node_tree, field.name, field.label = ensure(obj), NAME, NAME
-            field.inputs["Parallax"].default_value = 1.0
-            field.location = (shader.location.x - 250.0, shader.location.y - 300.0)
+            fields[given] = field = _add_field(material, ensure(obj), (shader.location.x, shader.location.y - 300.0))
             if given is not None:
                 links.new(given, field.inputs["Normal"])
         links.new(fields[given].outputs["Normal"], target)
     for texture in textures if fields else ():
         links.new(next(iter(fields.values())).outputs["UV"], texture.inputs["Vector"])
+    _open_circles(material)
+
+
+def _add_field(material: bpy.types.Material, group: bpy.types.NodeTree, place: tuple[float, float]) -> bpy.types.Node:
+    """A node of our group, to the left of a place."""
+    field = material.node_tree.nodes.new("ShaderNodeGroup")
+    field.node_tree, field.name, field.label = group, NAME, NAME
+    field.inputs["Parallax"].default_value = 1.0
+    field.location = (place[0] - 250.0, place[1])
+    return field
+
+
+def _open_circles(material: bpy.types.Material) -> None:
+    """Textures get their coordinates from a node of our group that has no normal of other nodes: where a normal map is
+    made of such a texture, the links went in a circle, which Blender 5.2 draws black. Files have such circles, too."""
+    links, fields = material.node_tree.links, _our_nodes(material)
+    closed = [link for field in fields if field.inputs["Normal"].is_linked for link in field.outputs["UV"].links]
+    if not closed:
+        return
+    first = closed[0].from_node
+    plain = next((field for field in fields if not field.inputs["Normal"].is_linked), None) or _add_field(
+        material, first.node_tree, (first.location.x, first.location.y))
+    for target in [link.to_socket for link in closed]:
+        links.new(plain.outputs["UV"], target)
 
 
 def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
@@ -219,6 +240,8 @@ def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
     for field in fields:
         if field.node_tree[PROFILE_KEY] != profile or field.node_tree[VERSION_KEY] != VERSION:
             field.node_tree = ensure(obj)
+    if fields:
+        _open_circles(material)
     return bool(fields)
 
 
@@ -251,13 +274,18 @@ def materials_of(obj: bpy.types.Object) -> list[bpy.types.Material]:
     return sorted((m for m in found if compat.is_editable(m)), key=lambda m: m.name_full)
 
 
+def shows_waves(material: bpy.types.Material) -> bool:
+    """Whether it has a node of ours: no shader outside of node groups, none."""
+    return bool(_our_nodes(material))
+
+
 def is_shaded(obj: bpy.types.Object) -> bool:
     """Whether a material of an object draws the waves."""
-    return any(_our_nodes(material) for material in materials_of(obj))
+    return any(map(shows_waves, materials_of(obj)))
 
 
-def shade_object(obj: bpy.types.Object) -> int:
-    """Let the materials of an object show its waves; one is made where it has none. The number of materials."""
+def shade_object(obj: bpy.types.Object) -> None:
+    """Let the materials of an object show its waves; one is made where it has none."""
     if not any(slot.material for slot in obj.material_slots):
         material = bpy.data.materials.new(obj.name)
         compat.use_nodes(material)
@@ -267,10 +295,8 @@ def shade_object(obj: bpy.types.Object) -> int:
             obj.data.materials.append(material)
     if obj.rumple.field.profile == "CURVE":
         field_profile.ensure(obj)
-    materials = materials_of(obj)
-    for material in materials:
+    for material in materials_of(obj):
         shade(material, obj)
-    return len(materials)
 
 
 def unshade_object(obj: bpy.types.Object, still_waving: list[bpy.types.Object]) -> None:

@@ -108,10 +108,12 @@ def depends_on_wrinkled(obj: bpy.types.Object) -> bpy.types.Object | None:
 
 def place_behind_deforming(obj: bpy.types.Object) -> int:
     """Index behind the last modifier that deforms or simulates: in front of Subdivision and Solidify, and of what
-    finishes a posed mesh behind these."""
+    finishes a posed mesh behind these. Behind Multires, which Blender from 4.3 on lets nothing be put in front of; and
+    behind particles on the coarse mesh, which would not find their roots on another one."""
     place, other_points = 0, False
     for index, modifier in enumerate(obj.modifiers):
-        if deforms(modifier) and not (place and other_points and _only_finishes(modifier)):
+        if (deforms(modifier) and not (place and other_points and _only_finishes(modifier))
+                or modifier.type == "MULTIRES" or modifier.type == "PARTICLE_SYSTEM" and not other_points):
             place, other_points = index + 1, False
         other_points = other_points or changes_topology(modifier)
     return place

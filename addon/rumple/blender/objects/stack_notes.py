@@ -17,8 +17,25 @@ def of(obj: bpy.types.Object) -> list[str]:
     nodes_mod = modifier.find(obj)
     if nodes_mod is None or modifier.is_baked(nodes_mod):
         return []
-    return (_order(obj, nodes_mod) + _armatures(obj) + _other_points_in_renders(obj, nodes_mod)
+    return (_order(obj, nodes_mod) + _particles(obj, nodes_mod) + _armatures(obj)
+            + _other_points_in_renders(obj, nodes_mod)
             + subdivision_behind.notes(obj, runtimes.of(obj).evaluator))
+
+
+def of_children(obj: bpy.types.Object) -> list[str]:
+    """What is parented to vertices goes to the object's origin: vertices of the fine mesh have no number of the coarse
+    one. Looks at all objects, so the first click alone says it."""
+    return [f"{obj.name}: the object \"{child.name}\" is parented to vertices of it, which are other ones now: give it a "
+            "Copy Location constraint with a vertex group in place of the parent"
+            for child in obj.children if child.parent_type in ("VERTEX", "VERTEX_3")][:1]
+
+
+def _particles(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
+    """Below the wrinkles they lie at the object's origin: faces of the fine mesh have no number of the coarse one."""
+    stack = list(obj.modifiers)
+    return [f"{obj.name}: the particles of \"{m.name}\" do not find their places on the fine mesh: move "
+            f"{nodes_mod.name} below it in the stack"
+            for m in stack[stack.index(nodes_mod) + 1:] if m.type == "PARTICLE_SYSTEM" and _is_on(m)][:1]
 
 
 def _armatures(obj: bpy.types.Object) -> list[str]:

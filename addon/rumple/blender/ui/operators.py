@@ -40,6 +40,13 @@ def _other_mesh(scene: bpy.types.Scene, name: str, obj: bpy.types.Object) -> bpy
     return found if found is not None and found != obj and bodies.can_be_body(found) else None
 
 
+def _unshaded(obj: bpy.types.Object) -> list[str]:
+    """The first material that was to draw the waves and cannot."""
+    return [f"{obj.name}: the material \"{material.name}\" shows no waves, for its shader is inside of a node group: "
+            "connect a shader outside of it, or set Output to Geometry"
+            for material in field_shader.materials_of(obj) if not field_shader.shows_waves(material)][:1]
+
+
 class OBJECT_OT_rumple_add(bpy.types.Operator):
     """Add wrinkles that form where the animated mesh is compressed"""
 
@@ -189,7 +196,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
                     about.body_collection.objects.link(garment)
 
     def _report(self, obj: bpy.types.Object, warnings: list[str]) -> None:
-        for note in warnings + stack_notes.of(obj):
+        for note in warnings + stack_notes.of(obj) + stack_notes.of_children(obj) + (
+                _unshaded(obj) if self.method == "FIELD" and self.shade else []):
             self.report({"WARNING"}, said(note))
         fine = runtimes.of(obj).evaluator
         origin = fine.base.origin
@@ -215,12 +223,16 @@ class OBJECT_OT_rumple_shade(_OnWaves, bpy.types.Operator):
     bl_label = "Add to Materials"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        count = field_shader.shade_object(context.object)
+        field_shader.shade_object(context.object)
+        materials = field_shader.materials_of(context.object)
         runtimes.of(context.object).stale = True  # a new slot is carried
         scheduler.sync_all()
-        if count == 0:
+        if not materials:
             self.report({"ERROR"}, said(f"{context.object.name}: its materials are linked from another file"))
             return {"CANCELLED"}
+        for note in _unshaded(context.object):
+            self.report({"WARNING"}, said(note))
+        count = sum(map(field_shader.shows_waves, materials))
         self.report({"INFO"}, said(f"{count} material(s) show the waves"))
         return {"FINISHED"}
 
