@@ -222,8 +222,9 @@ class FrameCache:
         return self._bytes
 
     def frames(self) -> list[tuple[float, bool]]:
-        """(frame, final) of every stored frame of this timeline, ascending."""
-        return [(frame, self._entries[frame].final) for frame in sorted(self._entries)]
+        """(frame, final) of every stored frame of this timeline, ascending. Panels ask while a render may store."""
+        entries = list(self._entries.items())
+        return [(frame, cached.final) for frame, cached in sorted(entries, key=lambda entry: entry[0])]
 
     def _evict(self, newest: float) -> None:
         """Never the whole frames around the newest, nor the one before: the next one goes on from one of these, or a
