@@ -19,13 +19,31 @@ from . import kept_lists, messages
 _SETTINGS = {"rumple": ("incoming", "captured", "profile_curve"), "rumple_maps": ("group",)}
 
 
-class _Named(NamedTuple):
-    """What one of our modifiers, and the settings of its object, named: session keys by input and setting."""
+class _Block(NamedTuple):
+    """A data-block as it was. In 3.4 its key is its address, which another one may have after the undo: a mesh of the
+    artist's, or that of another garment. Two data-blocks of one type do not have the same name."""
 
-    obj: int  # session key
+    key: int
+    kind: type[bpy.types.ID]
+    name: str
+
+    @classmethod
+    def of(cls, block: bpy.types.ID) -> "_Block":
+        return cls(compat.session_key(block), type(block), block.name_full)
+
+    def found(self, present: dict[int, bpy.types.ID]) -> bpy.types.ID | None:
+        """The same one, by session key, if it is there."""
+        block = present.get(self.key)
+        return block if isinstance(block, self.kind) and block.name_full == self.name else None
+
+
+class _Named(NamedTuple):
+    """What one of our modifiers, and the settings of its object, named, by input and setting."""
+
+    obj: _Block
     modifier: str
-    inputs: dict[str, int]
-    settings: dict[tuple[str, str], int]
+    inputs: dict[str, _Block]
+    settings: dict[tuple[str, str], _Block]
 
 
 _named: list[_Named] = []
@@ -36,10 +54,10 @@ def let_go() -> None:
     take_again()  # after one that was broken off
     for obj, nodes_mod, names in list(kept_lists.with_hidden()):
         with messages.console_errors(obj.name):
-            inputs = _keys({name: get_input(nodes_mod, name) for name in names})
-            settings = _keys({(group, name): getattr(getattr(obj, group), name)
-                              for group, names in _SETTINGS.items() for name in names if compat.is_editable(obj)})
-            _named.append(_Named(compat.session_key(obj), nodes_mod.name, inputs, settings))
+            inputs = _blocks({name: get_input(nodes_mod, name) for name in names})
+            settings = _blocks({(group, name): getattr(getattr(obj, group), name)
+                                for group, names in _SETTINGS.items() for name in names if compat.is_editable(obj)})
+            _named.append(_Named(_Block.of(obj), nodes_mod.name, inputs, settings))
             for group, name in settings:
                 setattr(getattr(obj, group), name, None)
             _set(nodes_mod, dict.fromkeys(inputs))
@@ -58,23 +76,17 @@ def take_again() -> None:
 
 
 def _give_back(named: _Named, present: dict[int, bpy.types.ID]) -> None:
-    obj = present.get(named.obj)
-    nodes_mod = obj.modifiers.get(named.modifier) if isinstance(obj, bpy.types.Object) else None
+    obj = named.obj.found(present)
+    nodes_mod = None if obj is None else obj.modifiers.get(named.modifier)
     if nodes_mod is None:
         return
     # An object that was read anew has some of it again, or it needs none of it.
     if all(getattr(getattr(obj, group), name) is None for group, name in named.settings):
-        for (group, name), key in named.settings.items():
-            wanted = bpy.types.Mesh if name in ("incoming", "captured") else bpy.types.NodeTree
-            if isinstance(present.get(key), wanted):
-                setattr(getattr(obj, group), name, present[key])
+        for (group, name), block in named.settings.items():
+            setattr(getattr(obj, group), name, block.found(present))
     if all(get_input(nodes_mod, name) is None for name in named.inputs):
-        _set(nodes_mod, {name: present[key] for name, key in named.inputs.items() if _is_hidden(present.get(key))})
-
-
-def _is_hidden(block: bpy.types.ID | None) -> bool:
-    """In 3.4 a key is an address, which something else may have by now."""
-    return isinstance(block, bpy.types.Object) and any(key.startswith("rumple_") for key in block.keys())
+        inputs = {name: block.found(present) for name, block in named.inputs.items()}
+        _set(nodes_mod, {name: block for name, block in inputs.items() if block is not None})
 
 
 def _set(nodes_mod: bpy.types.NodesModifier, values: dict[str, bpy.types.Object | None]) -> None:
@@ -86,7 +98,7 @@ def _set(nodes_mod: bpy.types.NodesModifier, values: dict[str, bpy.types.Object 
         nodes_mod.id_data.update_tag()
 
 
-def _keys(blocks: dict[Any, object]) -> dict[Any, int]:
-    """Of what undo may free or read anew."""
-    return {name: compat.session_key(block) for name, block in blocks.items()
+def _blocks(blocks: dict[Any, object]) -> dict[Any, _Block]:
+    """Those that undo may free or read anew."""
+    return {name: _Block.of(block) for name, block in blocks.items()
             if isinstance(block, bpy.types.ID) and compat.is_editable(block)}
