@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blend files that `attach` saved: each counts as the file that its clips were baked from. No bpy here.
 
-A note beside the clips has the digest of the saved file in its name and that of the former one as its text. Whoever else
-saves the file changes its bytes, so the note is of another file then.
+A note beside the clips has the digest of the saved file in its name and that of the former one as its text. Whoever
+else saves the file changes its bytes, so the note is of another file then.
 """
 from __future__ import annotations
 
