@@ -59,7 +59,7 @@ class Riders:
         self._anchors = np.concatenate(found)
         self._corners = shown.triangle_vertex[self._anchors]
         self._weights = corner_weights(shown)[self._anchors, :, None]
-        # Where the anchors are from the flat triangles of the coarse mesh: as far as that they are in every pose.
+        # How far the anchors are from the flat triangles of the coarse mesh, in the frames of these: so in every pose.
         frames, points = self._embedded(positions)
         self._from_base = rowwise(frames, shown.positions_rest[self._anchors] - points)
 
