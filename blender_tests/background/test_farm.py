@@ -114,8 +114,8 @@ class Bakes(Case):
 
 
 class Attached(Case):
-    """`attach` saves the file, so its bytes are others than those that the clips were baked from. They are told by their
-    digest: what was attached was of another file from then on, and was baked anew."""
+    """`attach` saves the file, so its bytes are others than those that the clips were baked from. They are told by
+    their digest: what was attached was of another file from then on, and was baked anew."""
 
     def test_a_file_that_was_attached_has_its_clips(self) -> None:
         self.run_command("bake")

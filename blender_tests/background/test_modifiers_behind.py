@@ -151,7 +151,7 @@ class Behind(unittest.TestCase):
 
 
 class SubdivisionOfTriangles(unittest.TestCase):
-    """Blender ended for want of memory: 0.1 MB for every triangle of the fine mesh."""
+    """Blender crashed for want of memory: 0.1 MB for every triangle of the fine mesh."""
 
     def setUp(self) -> None:
         self.obj = sleeve.scene()

@@ -41,7 +41,7 @@ class MadeBetweenSteps(unittest.TestCase):
         return bpy.data.objects["Sleeve"]
 
     def test_an_output_object(self) -> None:
-        """Blender ended."""
+        """Blender crashed."""
         nodes_mod = modifier.find(self.obj)
         former = modifier.output_object(nodes_mod)
         made = output_mesh.copy_for(self.obj, former)
@@ -83,7 +83,7 @@ class MadeBetweenSteps(unittest.TestCase):
                     getattr(node, "node_tree", None))], (obj.name, material.name))
 
     def test_the_group_of_a_field_with_another_profile(self) -> None:
-        """Blender ended: a new group took the place of the one that both steps have."""
+        """Blender crashed: a new group took the place of the one that both steps have."""
         if modifier.system(modifier.find(self.obj)).method != "FIELD":
             bpy.ops.object.rumple_remove()
             bpy.ops.object.rumple_add(method="FIELD")
@@ -100,8 +100,8 @@ class MadeBetweenSteps(unittest.TestCase):
 
 
 class AddressThatSomethingElseHas(unittest.TestCase):
-    """In 3.4 the key of a data-block is its address. Of meshes and node groups only the type was looked at: the artist's
-    own mesh at that address became the garment's incoming mesh."""
+    """In 3.4 the key of a data-block is its address. Of meshes and node groups only the type was looked at: the
+    artist's own mesh at that address became the garment's incoming mesh."""
 
     ADDRESS = 1
 
@@ -121,12 +121,12 @@ class AddressThatSomethingElseHas(unittest.TestCase):
             setattr(self.obj.rumple, setting, ours)
             for is_there in (True, False):
                 self.here = {ours}
-                undo_references.let_go()
+                undo_references.clear_references()
                 self.assertIsNone(getattr(self.obj.rumple, setting))
                 if not is_there:
                     blocks.remove(ours)
                     self.here = {blocks.new("Theirs", *more)}
-                undo_references.take_again()
+                undo_references.restore_references()
                 self.assertEqual(getattr(self.obj.rumple, setting), ours if is_there else None, setting)
             setattr(self.obj.rumple, setting, None)
 
@@ -135,19 +135,19 @@ class AddressThatSomethingElseHas(unittest.TestCase):
         nodes_mod = modifier.find(self.obj)
         ours = modifier.output_object(nodes_mod)
         self.here = {ours}
-        undo_references.let_go()
+        undo_references.clear_references()
         bpy.data.objects.remove(ours)
         theirs = bpy.data.objects.new("Theirs", bpy.data.meshes.new("Theirs"))
         theirs.rumple_maps.gain = 0.5
         self.here = {theirs}
-        undo_references.take_again()
+        undo_references.restore_references()
         self.assertIsNone(modifier.output_object(nodes_mod))
 
 
 class MapsBetweenSteps(unittest.TestCase):
 
     def test_skin_and_skeleton(self) -> None:
-        """Blender ended."""
+        """Blender crashed."""
         obj, rig = face.scene()
         face.two_poses(obj, rig)
         for step in range(4):
@@ -195,7 +195,7 @@ class LinkedGarment(unittest.TestCase):
         return sorted(obj.name for obj in bpy.data.objects if obj.library is None and obj.name.startswith("Sleeve."))
 
     def test_while_it_is_undone_it_names_nothing_local_and_afterwards_the_same(self) -> None:
-        """Blender 5.2 ended."""
+        """Blender 5.2 crashed."""
         named, before = [], self.hidden()
 
         def look(*_arguments: object) -> None:

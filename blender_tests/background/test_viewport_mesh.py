@@ -229,7 +229,7 @@ class TheMeshOfRenders(unittest.TestCase):
     def test_a_new_one_is_not_shown_before_it_is_known_who_minds(self) -> None:
         obj = scene()
         self.assertEqual(modifier.viewport_output(modifier.find(obj)).location.x, 0.0)
-        with mock.patch.object(viewport_mesh, "settle"):
+        with mock.patch.object(viewport_mesh, "show_in_viewports"):
             modifier.set_viewport_output(modifier.find(obj), None)
             with sleeve.context():
                 runtimes.of(obj).stale = True

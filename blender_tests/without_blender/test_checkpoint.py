@@ -171,6 +171,7 @@ class Checkpoints(unittest.TestCase):
                 if values.ndim and len(values):
                     with self.assertRaises(CannotGoOn, msg=f"{kind}: {name}"):
                         Checkpoint(0, {**checkpoint.arrays, name: np.ascontiguousarray(values[:-1])}).restored(fine)
+
     def test_where_cloth_swung_is_checked_as_well(self) -> None:
         """The library does not see these three arrays of a frame before. They were taken as they came, so the state was
         restored, and every later frame failed, or was not finite."""

@@ -57,7 +57,7 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
         return
     with scheduler.LOCK:
         for obj, nodes_mod in modifier.wrinkled_objects():
-            coarse_copy.settle(obj, nodes_mod)
+            coarse_copy.hand_on_if_needed(obj, nodes_mod)
         moving = [(obj, nodes_mod) for obj, nodes_mod in modifier.wrinkled_objects()
                   if _moved(obj, nodes_mod, scene) or (_needed is not None and not modifier.is_baked(nodes_mod))]
         if not moving or viewport_mesh.nodes_keep_meshes():

@@ -67,7 +67,7 @@ def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     runtime.groups = [group.name for group in obj.vertex_groups]
     with messages.build_errors(obj, runtime):
         changed = _prepare(obj, nodes_mod, runtime)
-        coarse_copy.settle(obj, nodes_mod)
+        coarse_copy.hand_on_if_needed(obj, nodes_mod)
         messages.set_build_error(runtime, runtime.bake_note)
         return changed
     return False
@@ -82,7 +82,7 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
         return False  # the clip counts on the output object as it is
     runtime.bake_note = ""
     if method == "FIELD":
-        _settle_profile(obj, runtime)
+        _update_profile(obj, runtime)
     changed = _take_incoming(obj, runtime)
     former = runtime.evaluator
     evaluator.ensure(obj, runtime)
@@ -133,7 +133,7 @@ def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:
             "there")
 
 
-def _settle_profile(obj: bpy.types.Object, runtime: Runtime) -> None:
+def _update_profile(obj: bpy.types.Object, runtime: Runtime) -> None:
     """The materials, and the fine mesh, have the profile that is set, or drawn."""
     if obj.rumple.field.profile == "CURVE":
         field_profile.ensure(obj)

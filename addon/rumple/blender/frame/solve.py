@@ -120,7 +120,7 @@ def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
             return False
         outputs_seen |= keys
         if scheduler.may_prepare_frame():
-            viewport_mesh.settle(nodes_mod, may_differ)
+            viewport_mesh.show_in_viewports(nodes_mod, may_differ)
         return _process(obj, nodes_mod, output_obj, runtime, scene, depsgraph)
     return False
 
@@ -307,9 +307,9 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
         lost = True
     shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
     if positions is not None or not shown:
-        coarse_copy.settle(obj, nodes_mod)
+        coarse_copy.hand_on_if_needed(obj, nodes_mod)
         return positions
-    if coarse_copy.settle(obj, nodes_mod):
+    if coarse_copy.hand_on_if_needed(obj, nodes_mod):
         return None  # the next evaluation hands them on
     if not lost:
         arriving = len(obj.evaluated_get(depsgraph).data.vertices)

@@ -21,7 +21,7 @@ BESIDE = 1.0  # y of the output object while the points are handed on too; wrink
 _KEEP_POINTS = modifier.NEUTRAL | {"EDGE_SPLIT", "MULTIRES", "SUBSURF", "TRIANGULATE"}
 
 
-def settle(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+def hand_on_if_needed(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Let the tree hand on the points where they are needed. True when that changed.
 
     It moves the hidden output object, which copies no mesh: allowed where first_pass.py moves it.

@@ -3,7 +3,7 @@
 
 Undo leaves a data-block as it is in memory where it is linked, or where both undo steps have the same of it. What was
 written into it since, outside of a step, stays as well: handlers and timers make output objects. Undo frees what no
-step has, and reads the rest anew, so such a data-block would name memory that was freed: Blender ended. So ours name
+step has, and reads the rest anew, so such a data-block would name memory that was freed: Blender crashed. So ours name
 nothing of that kind meanwhile.
 """
 from __future__ import annotations
@@ -49,9 +49,9 @@ class _Named(NamedTuple):
 _named: list[_Named] = []
 
 
-def let_go() -> None:
+def clear_references() -> None:
     """Before an undo or a redo. Cost: as a search for our modifiers; Blender evaluates their objects again."""
-    take_again()  # after one that was broken off
+    restore_references()  # after one that was broken off
     for obj, nodes_mod, names in list(kept_lists.with_hidden()):
         with messages.console_errors(obj.name):
             inputs = _blocks({name: get_input(nodes_mod, name) for name in names})
@@ -63,7 +63,7 @@ def let_go() -> None:
             _set(nodes_mod, dict.fromkeys(inputs))
 
 
-def take_again() -> None:
+def restore_references() -> None:
     """After it: where undo left an object as it was, as far as that is there. The rest is made anew."""
     named, _named[:] = list(_named), []
     if not named:
@@ -72,10 +72,10 @@ def take_again() -> None:
                for blocks in (bpy.data.objects, bpy.data.meshes, bpy.data.node_groups) for block in blocks}
     for each in named:
         with messages.console_errors("undo"):
-            _give_back(each, present)
+            _restore(each, present)
 
 
-def _give_back(named: _Named, present: dict[int, bpy.types.ID]) -> None:
+def _restore(named: _Named, present: dict[int, bpy.types.ID]) -> None:
     obj = named.obj.found(present)
     nodes_mod = None if obj is None else obj.modifiers.get(named.modifier)
     if nodes_mod is None:

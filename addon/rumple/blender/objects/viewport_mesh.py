@@ -71,7 +71,7 @@ def solved_for(nodes_mod: bpy.types.NodesModifier, fine: engine.Wrinkles) -> lis
     return [fine] if in_viewport is None else [fine, in_viewport]
 
 
-def settle(nodes_mod: bpy.types.NodesModifier, wanted: bool) -> None:
+def show_in_viewports(nodes_mod: bpy.types.NodesModifier, wanted: bool) -> None:
     """Let viewports show it, or not. Allowed where first_pass.py moves the output object."""
     mesh, place = modifier.viewport_output(nodes_mod), 0.0 if wanted else AWAY
     if mesh is not None and mesh.location.x != place:

@@ -55,7 +55,7 @@ class DATA_PT_rumple(bpy.types.Panel):
         if system.presets:
             thumbnails.draw(layout, obj, ICONS[system.method])
         _draw_first(settings_column(layout, obj), obj)
-        paint_panel.draw_in_hand(layout, obj)
+        paint_panel.draw_active_map(layout, obj)
         runtime = runtimes.known(obj)
         for note in runtime.notes if runtime is not None else ():
             if note.endswith(RAISE_MOST):
