@@ -12,6 +12,7 @@ import bpy
 from ...core.shown_mesh import ShownMesh, ViewportMesh
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
+from ..nodes.output_flags import Flag, set_flag
 from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, kept_lists, mesh_reader, messages, modifier,
                        output_mesh, runtimes, units, viewport_mesh)
 from ..objects.runtimes import Runtime
@@ -112,7 +113,7 @@ def _filled(output_obj: bpy.types.Object | None, fine: ShownMesh,
         output_obj = output_mesh.make(fine, inherited)
         output_obj[output_mesh.KEY] = True
         if isinstance(fine, ViewportMesh):
-            output_obj.location.x = viewport_mesh.AWAY  # until it is known that nothing minds it
+            set_flag(output_obj, Flag.RENDER_MESH, True)  # until it is known that nothing minds it
         return output_obj, True
     if not output_mesh.is_embedding_of(output_obj.data, fine):
         output_mesh.fill(output_obj, fine, inherited)

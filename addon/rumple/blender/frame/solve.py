@@ -13,6 +13,7 @@ import numpy as np
 
 from ...core import engine
 from .. import compat, scheduler
+from ..nodes.output_flags import Flag, set_flag
 from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
                        properties, runtimes, units, viewport_mesh, visibility, weight_paint, wind)
 from ..objects.runtimes import Inputs, Runtime
@@ -245,7 +246,7 @@ def show_fine_meshes() -> None:
                                 in_viewport=False)
                 assert isinstance(result, engine.FrameResult)
                 output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
-                modifier.move_hidden(output_obj, "x", 0.0)  # a bake under way puts it away again
+                set_flag(output_obj, Flag.COARSE_ONLY, False)  # a bake under way sets it again
                 if inputs.uses_proxy or inputs.shows_coarse:
                     output_mesh.write_proxy(output_obj.data, None)
             except Exception as error:  # the file is saved all the same
