@@ -85,7 +85,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-def _common() -> argparse.ArgumentParser:
+def _common() -> _Parser:
     """What all commands take."""
     common = _Parser(add_help=False)
     common.add_argument("file", type=Path, metavar="FILE.blend")
