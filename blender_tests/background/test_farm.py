@@ -10,9 +10,9 @@ import time
 from unittest import mock
 
 import bpy
-from rumple.blender.farm import bake, commands
+from rumple.blender.farm import bake, commands, source
 from rumple.blender.objects import modifier
-from rumple.core import clip_file, clip_folder
+from rumple.core import attached_files, clip_file, clip_folder
 from support import farm_scene, sleeve
 from support.farm_case import FRAMES, Case
 
@@ -111,6 +111,60 @@ class Bakes(Case):
         about = bpy.data.objects[farm_scene.INNER].rumple
         self.assertEqual((about.bake_start, about.bake_end, about.bake_folder), (1, FRAMES, ""))
         self.assertEqual(self.run_command("check"), 0)
+
+
+class Attached(Case):
+    """`attach` saves the file, so its bytes are others than those that the clips were baked from. They are told by
+    their digest: what was attached was of another file from then on, and was baked anew."""
+
+    def test_a_file_that_was_attached_has_its_clips(self) -> None:
+        self.run_command("bake")
+        before, unattached = self.clip_bytes(), self.blend.read_bytes()
+        for _ in range(2):
+            self.assertEqual(self.run_command("attach"), 0, self.err)
+            self.assertFalse(self.blend.read_bytes() == unattached)
+        self.assertEqual(self.run_command("bake", "--resume"), 0)
+        self.assertEqual(self.out.count("is whole already"), 3, self.out)
+        # What rests on another one finds its clip.
+        self.assertEqual(self.run_command("bake", "--object", farm_scene.OUTER), 0)
+        self.assertNotIn("of which there is no clip", self.out)
+        self.assertEqual(self.clip_bytes(), before)
+        # Where it lies does not count, as for any file.
+        copied = self.blend.read_bytes()
+        self.blend.unlink()
+        self.blend.write_bytes(copied)
+        self.assertEqual(self.data("bake", "--resume")["garments"][farm_scene.OUTER]["was_whole"], True)
+
+    def test_what_was_saved_since_is_another_file(self) -> None:
+        self.run_command("bake")
+        self.run_command("attach")
+        commands.open_file(self.blend, False)
+        bpy.data.objects["Arm"].location.x += 0.1
+        farm_scene.save(self.blend)
+        self.assertEqual(self.run_command("attach"), 1)
+        self.assertEqual(self.err.count("there is no whole clip"), 3)
+        garments = self.data("bake", "--resume")["garments"]
+        self.assertEqual([about["was_whole"] for about in garments.values()], [False] * 3)
+
+    def test_a_note_that_is_damaged_or_cannot_be_written_only_bakes_again(self) -> None:
+        self.run_command("bake")
+        with mock.patch.object(attached_files, "write_note", side_effect=OSError(28, "")):
+            self.assertEqual(self.run_command("attach"), 0)
+        self.assertIn("is full: make room", self.err)
+        self.assertEqual(self.run_command("bake"), 0)
+        self.assertEqual(self.run_command("attach"), 0)
+        (note,) = self.clips.glob(".attached-*")
+        good = note.read_text()
+        for text in ("", good[:-1], good + "0", "x" * len(good), "\u00e9"):
+            note.write_text(text, encoding="utf-8")
+            self.assertEqual(source.of_file(self.blend), source.content(self.blend), text)
+        note.write_text(good)
+        self.assertEqual(source.of_file(self.blend).hex(), good)
+        self.blend.unlink()
+        self.assertEqual(source.of_file(self.blend), b"none")
+
+    def clip_bytes(self) -> dict[str, str]:
+        return {name: digest for name, digest in self.read_all().items() if name.endswith(".pc2")}
 
 
 class Locked(Case):

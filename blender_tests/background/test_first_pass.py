@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat, handlers
 from rumple.blender.frame import first_pass, solve
+from rumple.blender.nodes.output_flags import Flag, change_flag, is_set
 from rumple.blender.objects import modifier, runtimes
 from rumple.core.engine import UserError
 from support import sleeve
@@ -35,8 +36,26 @@ def coarse_count(obj: bpy.types.Object) -> int:
     return len(obj.data.vertices)
 
 
-def place(obj: bpy.types.Object) -> float:
-    return modifier.output_object(modifier.find(obj)).location.x
+def is_coarse(obj: bpy.types.Object) -> bool:
+    return is_set(modifier.output_object(modifier.find(obj)), Flag.COARSE_ONLY)
+
+
+class Flags(unittest.TestCase):
+    def test_no_two_of_an_object_share_an_axis(self) -> None:
+        """They were four numbers in four files."""
+        self.assertEqual(len(Flag.__members__), len(set(Flag)))  # equal values are one member with two names
+        self.assertEqual({flag.axis for flag in Flag} - {0, 1, 2}, set())
+
+    def test_each_is_set_and_cleared_by_itself(self) -> None:
+        obj = bpy.data.objects.new("Flags", None)
+        for flag in Flag:
+            others = {other for other in Flag if other.axis != flag.axis}
+            self.assertTrue(change_flag(obj, flag, True))
+            self.assertFalse(change_flag(obj, flag, True))
+            self.assertTrue(is_set(obj, flag))
+            self.assertFalse(any(is_set(obj, other) for other in others))
+            self.assertTrue(change_flag(obj, flag, False))
+            self.assertFalse(is_set(obj, flag))
 
 
 class FirstPass(unittest.TestCase):
@@ -51,7 +70,7 @@ class FirstPass(unittest.TestCase):
         obj = sleeve.scene()
         self.assertEqual(self.played(obj), {coarse_count(obj)})
         self.assertGreater(len(sleeve.shown(obj)), coarse_count(obj))
-        self.assertEqual(place(obj), 0.0)
+        self.assertFalse(is_coarse(obj))
 
     def test_what_is_shown_is_what_two_fine_passes_showed(self) -> None:
         """Also where a modifier behind the wrinkles makes more points of the mesh."""
@@ -84,18 +103,18 @@ class FirstPass(unittest.TestCase):
         with mock.patch.object(solve, "_process", side_effect=UserError("on purpose")):
             sleeve.at(5)
         self.assertEqual(runtimes.message(obj), "on purpose")
-        self.assertEqual(place(obj), 0.0)
+        self.assertFalse(is_coarse(obj))
         self.assertGreater(len(sleeve.shown(obj)), coarse_count(obj))
 
     def test_it_is_shown_whole_again_when_the_handler_breaks(self) -> None:
         obj, scene = sleeve.scene(), bpy.context.scene
         sleeve.play(1, 4)
         first_pass.hand_on_coarse(scene)
-        self.assertEqual(place(obj), first_pass.AWAY)
+        self.assertTrue(is_coarse(obj))
         depsgraph = bpy.context.evaluated_depsgraph_get()
         with mock.patch.object(handlers, "_follow", side_effect=RuntimeError):
             handlers._on_frame(scene, depsgraph)
-        self.assertEqual(place(obj), 0.0)
+        self.assertFalse(is_coarse(obj))
 
     def test_modifiers_behind_that_keep_a_mesh_see_the_fine_one_only(self) -> None:
         obj = sleeve.scene()
@@ -124,7 +143,7 @@ class FirstPass(unittest.TestCase):
         sleeve.play(1, 4)
         other = bpy.data.scenes.new("Other")
         other.frame_set(4)
-        self.assertEqual(place(obj), 0.0)
+        self.assertFalse(is_coarse(obj))
         self.assertEqual(runtimes.of(obj).moved_in, compat.session_key(bpy.context.scene))
 
 

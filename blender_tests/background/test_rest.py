@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import bpy
 import numpy as np
@@ -12,6 +13,7 @@ from rumple.blender import scheduler
 from rumple.blender.bake import clip
 from rumple.blender.frame import clip_status
 from rumple.blender.objects import evaluator, modifier, properties, runtimes
+from rumple.blender.ui import paths_panel, rest_panel
 from support import sleeve
 
 METHODS = ("MESH", "FIELD")
@@ -31,6 +33,34 @@ def adapting(method: str, start: int = 1, **settings: object) -> bpy.types.Objec
         setattr(properties.group_of(obj), name, value)
     scheduler.sync_all()
     return obj
+
+
+class Panels(unittest.TestCase):
+
+    def drawn(self, panel: type) -> list[str]:
+        """The settings that a panel draws."""
+        layout = mock.Mock()
+        layout.column.return_value = layout
+        panel.draw(mock.Mock(layout=layout), bpy.context)
+        return [call.args[1] for call in layout.prop.call_args_list]
+
+    def test_both_draw_what_has_an_effect_and_nothing_else(self) -> None:
+        """Persistence drew all four, whatever was set."""
+        expected = {("REST", False): ["reference", "relaxation", "growth", "window"],
+                    ("FIRST_FRAME", False): ["reference", "relaxation", "window"],
+                    ("STATIC_REST", False): ["reference", "window"], ("REST", True): []}
+        for method, panel in (("MESH", rest_panel.DATA_PT_rumple_rest),
+                              ("PATHS", paths_panel.DATA_PT_rumple_persistence)):
+            obj = sleeve.scene(wrinkles=False)
+            bpy.ops.object.rumple_add(method=method)
+            settings = properties.group_of(obj)
+            if method == "MESH":
+                settings.rest_shape = "ADAPTIVE"
+            for (reference, stateless), names in expected.items():
+                if method == "PATHS" or reference != "STATIC_REST":
+                    settings.reference, settings.stateless = reference, stateless
+                    found = [name for name in self.drawn(panel) if name in expected["REST", False]]
+                    self.assertEqual(found, names, (method, reference, stateless))
 
 
 def folds(obj: bpy.types.Object) -> float:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import bpy
 import numpy as np
-from rumple.blender import scheduler
+from rumple.blender import compat, scheduler
 from rumple.blender.maps import modifier as maps_modifier, rebuild as maps_rebuild
 from rumple.blender.nodes import field_shader
-from rumple.blender.objects import modifier, output_mesh
+from rumple.blender.objects import modifier, output_mesh, undo_references
 from support import face, sleeve
 
 
@@ -40,7 +41,7 @@ class MadeBetweenSteps(unittest.TestCase):
         return bpy.data.objects["Sleeve"]
 
     def test_an_output_object(self) -> None:
-        """Blender ended."""
+        """Blender crashed."""
         nodes_mod = modifier.find(self.obj)
         former = modifier.output_object(nodes_mod)
         made = output_mesh.copy_for(self.obj, former)
@@ -82,7 +83,7 @@ class MadeBetweenSteps(unittest.TestCase):
                     getattr(node, "node_tree", None))], (obj.name, material.name))
 
     def test_the_group_of_a_field_with_another_profile(self) -> None:
-        """Blender ended: a new group took the place of the one that both steps have."""
+        """Blender crashed: a new group took the place of the one that both steps have."""
         if modifier.system(modifier.find(self.obj)).method != "FIELD":
             bpy.ops.object.rumple_remove()
             bpy.ops.object.rumple_add(method="FIELD")
@@ -98,10 +99,55 @@ class MadeBetweenSteps(unittest.TestCase):
         self.undo_twice()
 
 
+class AddressThatSomethingElseHas(unittest.TestCase):
+    """In 3.4 the key of a data-block is its address. Of meshes and node groups only the type was looked at: the
+    artist's own mesh at that address became the garment's incoming mesh."""
+
+    ADDRESS = 1
+
+    def setUp(self) -> None:
+        self.obj = sleeve.scene()
+        self.enterContext(mock.patch.object(compat, "session_key", self.key))
+        self.here: set[bpy.types.ID] = set()
+
+    def key(self, block: bpy.types.ID) -> int:
+        return self.ADDRESS if block in self.here else block.as_pointer()
+
+    def test_it_is_not_taken_for_ours(self) -> None:
+        meshes, groups = bpy.data.meshes, bpy.data.node_groups
+        for setting, blocks, more in (("incoming", meshes, ()), ("captured", meshes, ()),
+                                      ("profile_curve", groups, ("ShaderNodeTree",))):
+            ours = blocks.new("Ours", *more)
+            setattr(self.obj.rumple, setting, ours)
+            for is_there in (True, False):
+                self.here = {ours}
+                undo_references.clear_references()
+                self.assertIsNone(getattr(self.obj.rumple, setting))
+                if not is_there:
+                    blocks.remove(ours)
+                    self.here = {blocks.new("Theirs", *more)}
+                undo_references.restore_references()
+                self.assertEqual(getattr(self.obj.rumple, setting), ours if is_there else None, setting)
+            setattr(self.obj.rumple, setting, None)
+
+    def test_nor_an_object_that_has_settings_of_ours(self) -> None:
+        """The settings of any object are custom properties whose names begin as our marks do."""
+        nodes_mod = modifier.find(self.obj)
+        ours = modifier.output_object(nodes_mod)
+        self.here = {ours}
+        undo_references.clear_references()
+        bpy.data.objects.remove(ours)
+        theirs = bpy.data.objects.new("Theirs", bpy.data.meshes.new("Theirs"))
+        theirs.rumple_maps.gain = 0.5
+        self.here = {theirs}
+        undo_references.restore_references()
+        self.assertIsNone(modifier.output_object(nodes_mod))
+
+
 class MapsBetweenSteps(unittest.TestCase):
 
     def test_skin_and_skeleton(self) -> None:
-        """Blender ended."""
+        """Blender crashed."""
         obj, rig = face.scene()
         face.two_poses(obj, rig)
         for step in range(4):
@@ -149,7 +195,7 @@ class LinkedGarment(unittest.TestCase):
         return sorted(obj.name for obj in bpy.data.objects if obj.library is None and obj.name.startswith("Sleeve."))
 
     def test_while_it_is_undone_it_names_nothing_local_and_afterwards_the_same(self) -> None:
-        """Blender 5.2 ended."""
+        """Blender 5.2 crashed."""
         named, before = [], self.hidden()
 
         def look(*_arguments: object) -> None:

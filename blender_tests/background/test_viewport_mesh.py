@@ -14,6 +14,7 @@ from rumple.blender import compat, scheduler
 from rumple.blender.bake import clip
 from rumple.blender.frame import clip_status
 from rumple.blender.nodes import wrinkle_tree
+from rumple.blender.nodes.output_flags import Flag, is_set
 from rumple.blender.objects import modifier, output_mesh, runtimes, viewport_mesh
 from support import face, sleeve
 
@@ -228,13 +229,13 @@ class TheMeshOfRenders(unittest.TestCase):
 
     def test_a_new_one_is_not_shown_before_it_is_known_who_minds(self) -> None:
         obj = scene()
-        self.assertEqual(modifier.viewport_output(modifier.find(obj)).location.x, 0.0)
-        with mock.patch.object(viewport_mesh, "settle"):
+        self.assertFalse(is_set(modifier.viewport_output(modifier.find(obj)), Flag.RENDER_MESH))
+        with mock.patch.object(viewport_mesh, "show_in_viewports"):
             modifier.set_viewport_output(modifier.find(obj), None)
             with sleeve.context():
                 runtimes.of(obj).stale = True
                 scheduler.sync_all()
-            self.assertEqual(modifier.viewport_output(modifier.find(obj)).location.x, viewport_mesh.AWAY)
+            self.assertTrue(is_set(modifier.viewport_output(modifier.find(obj)), Flag.RENDER_MESH))
 
     def test_a_saved_file_has_its_last_frame_in_both(self) -> None:
         """Without the add-on renders show it, although no frame of the mesh of renders was ever asked for."""

@@ -22,10 +22,26 @@ PLATFORMS = ("linux-x64", "macos-arm64", "macos-x64", "windows-x64")
 
 
 def the_zip(pattern: str) -> Path:
-    found = sorted(path for path in DIST.glob("rumple-*.zip") if re.fullmatch(pattern, path.name))
+    found = [path for path in zips() if re.fullmatch(pattern, path.name)]
     if len(found) != 1:
         raise AssertionError(f"expected one zip {pattern} in {DIST} (scripts/package), found {found}")
     return found[0]
+
+
+def zips() -> list[Path]:
+    """All, in the order of their names. None is an error: nothing would be tested."""
+    found = sorted(DIST.glob("rumple-*.zip"))
+    if not found:
+        raise AssertionError(f"no zips in {DIST} (scripts/package)")
+    return found
+
+
+def of_platforms() -> list[Path]:
+    """Those of one platform each."""
+    found = [path for path in zips() if re.fullmatch(one_platform(f"({'|'.join(PLATFORMS)})"), path.name)]
+    if not found:
+        raise AssertionError(f"no zip of one platform in {DIST} (scripts/package)")
+    return found
 
 
 LEGACY, ALL = r"rumple-legacy-[\d.]+\.zip", r"rumple-[\d.]+\.zip"
@@ -86,9 +102,8 @@ class InstalledPackage(unittest.TestCase):
     def test_extensions_of_other_platforms_are_valid(self) -> None:
         if blender_version() < (4, 2):
             self.skipTest("extensions came with Blender 4.2")
-        for path in sorted(DIST.glob("rumple-*-*.zip")):
-            if "legacy" not in path.name:
-                self.blender("--command", "extension", "validate", str(path))
+        for path in of_platforms():
+            self.blender("--command", "extension", "validate", str(path))
 
     def test_legacy(self) -> None:
         self.blender("-b", "--python-exit-code", "1", "--python", str(HERE / "install_legacy.py"), "--",
@@ -114,7 +129,7 @@ class Zips(unittest.TestCase):
             self.assertEqual(folders, set(made))
 
     def test_every_library_has_its_digest(self) -> None:
-        for path in DIST.glob("rumple-*.zip"):
+        for path in zips():
             with zipfile.ZipFile(path) as archive:
                 libraries = [name for name in archive.namelist() if "lib/" in name and not name.endswith(".sha256")]
                 self.assertTrue(libraries)
@@ -159,7 +174,7 @@ class Zips(unittest.TestCase):
     def test_pictures_of_fabrics_and_three_examples_come_along(self) -> None:
         pictures = {path.name for path in (DIST.parent / "addon" / "rumple" / "thumbnails").iterdir()}
         self.assertGreater(len(pictures), 10)
-        for path in DIST.glob("rumple-*.zip"):
+        for path in zips():
             with zipfile.ZipFile(path) as archive:
                 names = archive.namelist()
             self.assertEqual({name.split("/")[-1] for name in names if "thumbnails/" in name}, pictures, path.name)
@@ -167,6 +182,5 @@ class Zips(unittest.TestCase):
                              {"Face.blend", "Shirt.blend", "Skirt.blend"}, path.name)
 
     def test_a_platform_has_at_most_eight_megabytes(self) -> None:
-        for path in DIST.glob("rumple-*-*.zip"):
-            if "legacy" not in path.name:
-                self.assertLess(path.stat().st_size, 8e6, path.name)
+        for path in of_platforms():
+            self.assertLess(path.stat().st_size, 8e6, path.name)

@@ -90,6 +90,17 @@ class Conventions(unittest.TestCase):
         for file in sources("native", "addon", "scripts", "blender_tests"):
             self.assertLessEqual(len(file.read_text().splitlines()), 400, str(file))
 
+    def test_functions_of_the_add_on_do_one_thing(self) -> None:
+        """As far as their lines say so: without head and docstring."""
+        found = 0
+        for file in sources("addon"):
+            for node in ast.walk(ast.parse(file.read_text())):
+                if isinstance(node, ast.FunctionDef):
+                    body = node.body[1:] if ast.get_docstring(node) and len(node.body) > 1 else node.body
+                    self.assertLessEqual(node.end_lineno - body[0].lineno + 1, 40, f"{file}: {node.name}")
+                    found += 1
+        self.assertGreater(found, 1000)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -9,7 +9,7 @@ from typing import Any, Iterator
 import numpy as np
 import rumple_native as native
 from rumple.core.engine import FrameResult, Wrinkles
-from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
+from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings, reference_settings
 from rumple.core.wrinkle_field import WrinkleField
 from rumple.core.wrinkle_mesh import WrinkleMesh
 from rumple.core.wrinkle_paths import WrinklePaths
@@ -50,6 +50,40 @@ class OnATube(unittest.TestCase):
         for system, settings in SYSTEMS:
             with self.subTest(system.__name__):
                 yield system, settings
+
+
+class Effects(OnATube):
+    """The panel of the Wrinkle Paths drew Relaxation, Growth and Time Window where they change nothing."""
+
+    OTHER = dict(relaxation=0.5, growth=1.3, window=0.0)
+
+    def pose(self, system: Any, frame: int) -> np.ndarray:
+        """Paths are squeezed and then turned slowly; the others stretched and then squeezed: there Growth counts."""
+        if system is not WrinklePaths:
+            return compressed(self.base.positions, 1.0 + 0.05 * min(frame - 1, 5) - 0.12 * max(frame - 6, 0))
+        turned = compressed(self.base.positions, 1.0 - 0.05 * min(frame - 1, 7))
+        turned[:, 0] += 0.03 * max(frame - 6, 0) * turned[:, 2]
+        return turned
+
+    def played(self, system: Any, settings: Any) -> np.ndarray:
+        fine, self.clip = system.build(self.base, settings), {frame: self.pose(system, frame) for frame in FRAMES}
+        return np.stack([self.solve(fine, frame, settings).positions for frame in FRAMES])
+
+    def test_panels_draw_what_has_an_effect(self) -> None:
+        seen = set()
+        for system, settings in self.each():
+            settings = replace(settings, **(dict(threshold=1.1) if system is WrinklePaths else {}))
+            for reference in ("REST", "FIRST_FRAME", *(("STATIC_REST",) if system is WrinklePaths else ())):
+                for stateless in (False, True):
+                    case = replace(settings, reference=reference, stateless=stateless)
+                    expected, drawn = self.played(system, case), reference_settings(case)
+                    for name, value in self.OTHER.items():
+                        same = np.array_equal(self.played(system, replace(case, **{name: value})), expected)
+                        self.assertTrue(same or name in drawn, (name, reference, stateless))
+                        seen |= set() if same else {(system, reference, name)}
+        # Cases where each can have one: among them the time window of paths that are measured against the rest shape.
+        self.assertEqual({name for _, reference, name in seen if reference == "REST"}, set(self.OTHER))
+        self.assertIn((WrinklePaths, "STATIC_REST", "window"), seen)
 
 
 class Adapting(OnATube):

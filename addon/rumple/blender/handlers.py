@@ -102,13 +102,13 @@ def _after_save(*_arguments: object) -> None:
 @_handler
 def _before_undo(*_arguments: object) -> None:
     kept_lists.forget_all()
-    undo_references.let_go()
+    undo_references.clear_references()
 
 
 @_handler
 def _on_undo(*_arguments: object) -> None:
     kept_lists.forget_all()
-    undo_references.take_again()
+    undo_references.restore_references()
     for table in _RUNTIMES:
         table.invalidate_all()
     scheduler.request()

@@ -76,6 +76,11 @@ def set_rendering(running: bool) -> None:
         request()
 
 
+def playing() -> bool:
+    """Whether a window plays the animation."""
+    return any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
+
+
 def in_main_thread() -> bool:
     """Jobs (F12, Alembic, Cycles' Bake) evaluate the file in threads of their own, and call the handlers there."""
     return threading.current_thread() is threading.main_thread()

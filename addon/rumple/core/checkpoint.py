@@ -122,15 +122,25 @@ def _state_of(evaluator: Wrinkles, arrays: Arrays) -> Any:
     return OnCloth(_cloth_of(evaluator, kept, arrays), own) if kept else own
 
 
+def _check(arrays: Arrays, expected: tuple[tuple[str, tuple[int, ...], type], ...]) -> None:
+    """Arrays that no function of the library checks. Raises CannotGoOn."""
+    for name, shape, dtype in expected:
+        if arrays[name].shape != shape or arrays[name].dtype != dtype:
+            raise CannotGoOn(f"{name}: expected an array {shape} of {np.dtype(dtype)}")
+        if not np.isfinite(arrays[name]).all():
+            raise CannotGoOn(f"{name}: expected finite numbers")
+
+
 def _cloth_of(evaluator: Wrinkles, kept: Arrays, arrays: Arrays) -> ClothFrame:
     stage, base = evaluator.base_cloth(), _below("base", arrays)
     swing, drape = _below("swing", arrays), _below("drape", arrays)
     count = evaluator.solved_surface.vertex_count
     hints = (count,) if base["body_hint"].size else (0,)
-    for name, shape, dtype in (("positions", (count, 3), np.float32), ("gap", (count,), np.float32),
-                               ("body_hint", hints, np.int32)):
-        if base[name].shape != shape or base[name].dtype != dtype:
-            raise CannotGoOn(f"{name}: expected an array {shape} of {np.dtype(dtype)}")
+    _check(base, (("positions", (count, 3), np.float32), ("gap", (count,), np.float32),
+                  ("body_hint", hints, np.int32)))
+    if swing:
+        _check(swing, (("seconds", (), np.float64), ("world_from_object", (3, 3), np.float64),
+                       ("location", (3,), np.float64)))
     return ClothFrame(
         **base, state=kernels.BaseClothState.of(stage.cloth.model, kept), report=None,
         swing_input=SwingInput(float(swing["seconds"]), swing["world_from_object"], swing["location"]) if swing

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-FORMAT = 4  # 3: in a file beside the clip, without checksums
+FORMAT = 4  # in the file of the clip, with checksums. 3 was in a file beside the clip, without them
 FORMAT_OF_SEAMS = 5  # it has seams: an older Rumple would play it from its first frame, and find other bits
 POSE_POINTS = 16  # coarse points kept for each sample, to notice that the animation changed
 POSE_TOLERANCE = 1e-3  # of the coarse mesh's extent: other Blenders and machines differ by far less

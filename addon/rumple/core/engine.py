@@ -233,14 +233,14 @@ class Wrinkles(SystemSteps):
     def _add_rigid_parts(self, result: FrameResult | PreviewFrame, animated: np.ndarray, over: np.ndarray,
                          mesh: ShownMesh) -> None:
         """over: what the wrinkles lie on. mesh: that is shown."""
-        riders = mesh.riders
-        if riders is None:
+        attached = mesh.attached_parts
+        if attached is None:
             return
         if isinstance(result, FrameResult):
-            riders.add_to(result, animated, len(mesh.corner_vertex), self.ATTRIBUTES)
+            attached.add_to(result, animated, len(mesh.corner_vertex), self.ATTRIBUTES)
         elif result.proxy_offset is not None:
-            inside = riders.parts.vertex < len(result.proxy_offset)  # not what healing has made
-            result.proxy_offset[riders.parts.vertex[inside]] = riders.displacements(animated, over)[inside]
+            inside = attached.parts.vertex < len(result.proxy_offset)  # not what healing has made
+            result.proxy_offset[attached.parts.vertex[inside]] = attached.displacements(animated, over)[inside]
 
     # --- what changes
     def _take_inputs(self, request: FrameRequest) -> bytes:

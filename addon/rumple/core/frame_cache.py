@@ -51,7 +51,7 @@ class CachedFrame:
         frame = cls(input_digest, settings_digest, final, before.nbytes, _before=before, _solve=solve, chain=chain)
         row = frame._row()
         if len(row) > MOST_WAITING or len(row) * frame.nbytes > MOST_WAITING_BYTES:
-            row[-1]._settle()
+            row[-1]._solve_now()
         return frame
 
     @property
@@ -60,7 +60,7 @@ class CachedFrame:
 
     @property
     def state(self) -> Any:
-        return self._settled()[0]
+        return self._state_and_report()[0]
 
     @state.setter
     def state(self, state: Any) -> None:
@@ -69,7 +69,7 @@ class CachedFrame:
 
     @property
     def report(self) -> Any:
-        return self._settled()[1]
+        return self._state_and_report()[1]
 
     def _row(self) -> list["CachedFrame"]:
         """This frame and those before it that wait, the first one last."""
@@ -80,12 +80,12 @@ class CachedFrame:
             frame = frame._before
         return row
 
-    def _settled(self) -> tuple[Any, Any]:
+    def _state_and_report(self) -> tuple[Any, Any]:
         for frame in reversed(self._row()):  # a loop: Python allows no thousand calls inside one another
-            frame._settle()
+            frame._solve_now()
         return self._solved
 
-    def _settle(self) -> None:
+    def _solve_now(self) -> None:
         """After the frame before it."""
         assert self._solve is not None and self._before is not None
         self._solved = self._solve(self._before._solved[0])
@@ -222,8 +222,9 @@ class FrameCache:
         return self._bytes
 
     def frames(self) -> list[tuple[float, bool]]:
-        """(frame, final) of every stored frame of this timeline, ascending."""
-        return [(frame, self._entries[frame].final) for frame in sorted(self._entries)]
+        """(frame, final) of every stored frame of this timeline, ascending. Panels ask while a render may store."""
+        entries = list(self._entries.items())
+        return [(frame, cached.final) for frame, cached in sorted(entries, key=lambda entry: entry[0])]
 
     def _evict(self, newest: float) -> None:
         """Never the whole frames around the newest, nor the one before: the next one goes on from one of these, or a

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .engine import Wrinkles
 
 SUFFIX = ".frame"
-FORMAT = 5  # 4: hems leave bodies bare
+FORMAT = 5  # raised where frames get other bits. Those of 4 have hems that leave bodies bare
 _HEAD = b"rumple frame\n"
 _DIGEST = 16  # bytes
 _MOST_REFUSED = 5  # renames, one after the other: a virus scanner has a new file open for a moment

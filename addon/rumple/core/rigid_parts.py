@@ -44,7 +44,7 @@ class RigidParts:
             [f"Parts that are skin and stay as they are animated: {skin}"] if skin else [])
 
 
-class Riders:
+class AttachedParts:
     """The rigid parts of one shown mesh, and what of the cloth around them each is fixed to: the shown vertices that
     are nearest to it at rest. Skin, and a part that is far from all cloth, stay where they are animated."""
 
@@ -59,11 +59,11 @@ class Riders:
         self._anchors = np.concatenate(found)
         self._corners = shown.triangle_vertex[self._anchors]
         self._weights = corner_weights(shown)[self._anchors, :, None]
-        # Where the anchors are from the flat triangles of the coarse mesh: as far as that they are in every pose.
+        # How far the anchors are from the flat triangles of the coarse mesh, in the frames of these: so in every pose.
         frames, points = self._embedded(positions)
         self._from_base = rowwise(frames, shown.positions_rest[self._anchors] - points)
 
-    def ride(self, animated: np.ndarray, cloth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def placed(self, animated: np.ndarray, cloth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Where the m vertices are, and that in the frames of their triangles of the animated mesh: (m, 3) each.
 
         animated: (n, 3) of the coarse mesh; cloth: (d, 3) of the shown one, both float32, object space. Each part is
@@ -86,7 +86,7 @@ class Riders:
     def add_to(self, result: FrameResult, animated: np.ndarray, corners: int,
                attributes: tuple[Attribute, ...]) -> None:
         """Append the parts to the picture of the cloth. corners: of the whole shown mesh."""
-        positions, local_offset = self.ride(animated, result.positions)
+        positions, local_offset = self.placed(animated, result.positions)
         rest = FrameResult.at_rest(positions, len(self.parts.corner_vertex), attributes).attributes
         result.positions = np.concatenate([result.positions, positions])
         result.local_offset = np.concatenate([result.local_offset, local_offset])

@@ -83,6 +83,16 @@ class AdaptiveRest:
         options.reference = self.reference if self.adapts else "STATIC_REST"
 
 
+def reference_settings(settings: Any) -> tuple[str, ...]:
+    """Those of what adapts that have an effect as they are set, in the order of panels. settings: of Wrinkle Paths, or
+    with an adaptive rest shape; the dataclass, or what Blender has of it."""
+    if settings.stateless:
+        return ()
+    relaxation = () if settings.reference == "STATIC_REST" else ("relaxation",)
+    growth = ("growth",) if settings.reference == "REST" else ()
+    return ("reference", *relaxation, *growth, "window")  # with the rest shape, folds still turn where cloth is moved
+
+
 LAYERS = (
     ("ONE", "One", "One fine mesh with folds of one size, as in the paper"),
     ("CLOTH", "Cloth", "Wide folds first, finer ones on them: Drape, Folds and Detail"),

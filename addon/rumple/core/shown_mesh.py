@@ -8,7 +8,7 @@ import numpy as np
 
 from .base_mesh import BaseMesh
 from .frame_result import Attribute
-from .rigid_parts import Riders
+from .rigid_parts import AttachedParts
 
 
 class ShownMesh:
@@ -24,17 +24,17 @@ class ShownMesh:
     ATTRIBUTES: tuple[Attribute, ...]  # what it carries for shaders and nodes
     _copied_in: tuple[Any, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = (None, [])  # a native mesh: see _copied()
 
-    _riders_of: tuple[Any, Riders | None] = (None, None)  # a native mesh: see riders
+    _attached_to: tuple[Any, AttachedParts | None] = (None, None)  # a native mesh: see attached_parts
 
     @property
-    def riders(self) -> Riders | None:
+    def attached_parts(self) -> AttachedParts | None:
         """The rigid parts; None where there are none."""
         if self.base.rigid is None:
             return None
-        if self._riders_of[0] is not self.shown:
-            self._riders_of = (self.shown, Riders(self.base.positions, self.base.diagonal(), self.base.rigid,
-                                                  self.shown))
-        return self._riders_of[1]
+        if self._attached_to[0] is not self.shown:
+            self._attached_to = (self.shown, AttachedParts(self.base.positions, self.base.diagonal(), self.base.rigid,
+                                                           self.shown))
+        return self._attached_to[1]
 
     @property
     def coarse_count(self) -> int:

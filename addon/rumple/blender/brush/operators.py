@@ -95,7 +95,7 @@ class _OnField:
         return not why
 
     @staticmethod
-    def settle() -> None:
+    def rebuild_what_is_due() -> None:
         """What is due to be rebuilt is rebuilt first: the brush wants the mesh of now."""
         if not scheduler.rendering():
             scheduler.sync_all()
@@ -149,7 +149,7 @@ class OBJECT_OT_rumple_brush_stroke(_OnField, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def _press(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        self.settle()
+        self.rebuild_what_is_due()
         self.stroke = Stroke(context.object, context.scene.rumple_brush, self.touch, context.region,
                              context.region_data, context.evaluated_depsgraph_get())
         return self._on(event, self.stroke.press)
@@ -191,7 +191,7 @@ class OBJECT_OT_rumple_scatter(_OnField, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.object
-        self.settle()
+        self.rebuild_what_is_due()
         try:
             brush_canvas.read(obj.data)
             metres = self.size * context.scene.unit_settings.scale_length

@@ -68,7 +68,7 @@ def _draw_guarded() -> None:
 
 def _draw(context: bpy.types.Context) -> None:
     obj, brush = context.object, context.scene.rumple_brush
-    if not (brush.show_overlay and context.space_data.overlay.show_overlays and is_in_hand(context)):
+    if not (brush.show_overlay and context.space_data.overlay.show_overlays and is_tool_active(context)):
         return
     depsgraph = context.view_layer.depsgraph
     if obj is None or obj.type != "MESH" or depsgraph is None or not obj.visible_get():
@@ -81,7 +81,7 @@ def _draw(context: bpy.types.Context) -> None:
     _draw_lines(_batches(canvas.easel, painted, brush.show_vectors), context)
 
 
-def is_in_hand(context: bpy.types.Context) -> bool:
+def is_tool_active(context: bpy.types.Context) -> bool:
     """Whether the brush is the tool of the workspace."""
     tool = context.workspace.tools.from_space_view3d_mode(context.mode, create=False)
     return tool is not None and tool.idname == _tool

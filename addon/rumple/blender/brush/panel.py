@@ -18,9 +18,9 @@ class DATA_PT_rumple_rest_wrinkles(Panel, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        in_hand = brush_overlay.is_in_hand(context)
-        layout.operator("object.rumple_brush", icon="BRUSH_DATA", depress=in_hand)
-        if in_hand:
+        is_active = brush_overlay.is_tool_active(context)
+        layout.operator("object.rumple_brush", icon="BRUSH_DATA", depress=is_active)
+        if is_active:
             brush_operators.draw_brush(layout.column(), context.scene.rumple_brush)
         row = layout.row(align=True)
         row.operator("object.rumple_scatter", text="Scatter", icon="FORCE_TURBULENCE")

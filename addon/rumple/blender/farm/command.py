@@ -70,7 +70,23 @@ def _piece(text: str) -> tuple[int, int]:
 def parser() -> argparse.ArgumentParser:
     top = _Parser(prog="rumple", description="Bakes wrinkles without a window. Exit codes: 0 done, 1 something failed, "
                   "2 wrong usage, 3 nothing to do, 4 --verify found a difference, 75 another worker has it, 143 ended.")
-    kinds = top.add_subparsers(dest="command", required=True, parser_class=_Parser)
+    kinds, common = top.add_subparsers(dest="command", required=True, parser_class=_Parser), [_common()]
+    _add_bake_arguments(kinds.add_parser("bake", parents=common, help="bake wrinkled objects into their clips"))
+    check = kinds.add_parser("check", parents=common, help="say what this worker lacks for a file")
+    check.add_argument("--to-bake", action="store_true", help="before a bake: clips that are stale or gone are notes")
+    kinds.add_parser("list", parents=common, help="what can be baked, in order, and what rests on what")
+    _add_publish_arguments(kinds.add_parser("publish", parents=common, help="write baked garments as USD"))
+    _add_vat_arguments(kinds.add_parser("vat", parents=common,
+                                        help="write baked garments as vertex animation textures"))
+    _add_poses_arguments(kinds.add_parser("poses", parents=common, help="solve one garment in many poses of its rig, "
+                                          "as arrays for machine learning; --out is their folder"))
+    attach = kinds.add_parser("attach", parents=common, help="save the file with its whole clips shown")
+    attach.add_argument("--save-as", type=Path, metavar="OTHER.blend", help="else in place")
+    return top
+
+
+def _common() -> _Parser:
+    """What all commands take."""
     common = _Parser(add_help=False)
     common.add_argument("file", type=Path, metavar="FILE.blend")
     common.add_argument("--object", action="append", default=[], metavar="NAME", help="this one; may be given again")
@@ -78,7 +94,10 @@ def parser() -> argparse.ArgumentParser:
     common.add_argument("--out", type=Path, metavar="DIR", help="folder of the clips, else that of each object")
     common.add_argument("--enable-autoexec", action="store_true", help="run Python drivers and scripts of the file")
     common.add_argument("--json", action="store_true", help="the result as one line")
-    one = kinds.add_parser("bake", parents=[common], help="bake wrinkled objects into their clips")
+    return common
+
+
+def _add_bake_arguments(one: argparse.ArgumentParser) -> None:
     one.add_argument("--resume", action="store_true",
                      help="skip clips that are whole, go on with bakes that were ended")
     one.add_argument("--verify", type=_whole, nargs="?", const=0, metavar="COUNT",
@@ -95,24 +114,26 @@ def parser() -> argparse.ArgumentParser:
                      help="of pieces: so many frames are solved in front of each")
     one.add_argument("--tolerance", type=float, metavar="METRES",
                      help="of pieces with a pre-roll: so far apart two may be in the frame that both have")
-    check = kinds.add_parser("check", parents=[common], help="say what this worker lacks for a file")
-    check.add_argument("--to-bake", action="store_true", help="before a bake: clips that are stale or gone are notes")
-    kinds.add_parser("list", parents=[common], help="what can be baked, in order, and what rests on what")
-    published = kinds.add_parser("publish", parents=[common], help="write baked garments as USD")
+
+
+def _add_publish_arguments(published: argparse.ArgumentParser) -> None:
     published.add_argument("--to", type=Path, metavar="DIR", help="folder of the files: else publish, beside the file")
     published.add_argument("--scheme", choices=("none", "catmullClark"), default="none",
                            help="how readers subdivide the mesh: none has normals")
     published.add_argument("--attributes", action="store_true", help="the wrinkles' attributes, too, as primvars")
     published.add_argument("--format", choices=("usd", "alembic"), default="usd",
                            help="alembic: by Blender's own exporter, where it has one")
-    textures = kinds.add_parser("vat", parents=[common], help="write baked garments as vertex animation textures")
+
+
+def _add_vat_arguments(textures: argparse.ArgumentParser) -> None:
     textures.add_argument("--to", type=Path, metavar="DIR", help="folder of the folders: else publish, beside the file")
     textures.add_argument("--image", choices=tuple(vat.KINDS), default="png",
                           help="png has 16 bits and says its error, exr has 32-bit floats")
     textures.add_argument("--in-place", action="store_true",
                           help="take the root motion out: it goes into the JSON, for the engine to move the mesh by")
-    drawn = kinds.add_parser("poses", parents=[common], help="solve one garment in many poses of its rig, as arrays "
-                             "for machine learning; --out is their folder")
+
+
+def _add_poses_arguments(drawn: argparse.ArgumentParser) -> None:
     drawn.add_argument("--count", type=_whole, required=True, metavar="N", help="poses")
     drawn.add_argument("--seed", type=int, default=0, metavar="S", help="another one draws other poses (0)")
     drawn.add_argument("--from-clip", action="store_true", help="poses of the clip, at times that are drawn; else "
@@ -122,9 +143,6 @@ def parser() -> argparse.ArgumentParser:
     drawn.add_argument("--resume", action="store_true", help="go on with a set, also beside other workers")
     drawn.add_argument("--verify", type=_whole, nargs="?", const=0, metavar="COUNT",
                        help="write nothing: solve so many poses again (all) and compare bits")
-    attach = kinds.add_parser("attach", parents=[common], help="save the file with its whole clips shown")
-    attach.add_argument("--save-as", type=Path, metavar="OTHER.blend", help="else in place")
-    return top
 
 
 # ---------------------------------------------------------------- running

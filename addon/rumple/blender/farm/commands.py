@@ -9,7 +9,7 @@ from typing import Any, Callable
 
 import bpy
 
-from ...core import pose_set
+from ...core import attached_files, pose_set
 from ...core.clip_folder import in_words, megabytes
 from ...core.clip_lock import Held
 from ...core.clip_manifest import ClipFault, Manifest
@@ -234,7 +234,8 @@ def attach_all(garments: list[bpy.types.Object], save_as: Path | None, restore: 
                complain: Say) -> Outcome:
     """Save the file with its whole clips shown; what has none stays as it is. restore: takes back what the command line
     has changed of the file."""
-    files = source.of_files()
+    files, counts_as = source.of_files(), source.of_file(Path(bpy.data.filepath))
+    folders: set[Path] = set()
     results: dict[str, dict[str, Any]] = {}
     for obj in garments:
         try:
@@ -249,11 +250,23 @@ def attach_all(garments: list[bpy.types.Object], save_as: Path | None, restore: 
         bake.show(obj, manifest)
         results[obj.name] = dict(code=DONE, clip=str(clip.new_clip_path(obj)))
         say(f"{obj.name}: shows {clip.new_clip_path(obj)}")
+        folders.add(clip.new_clip_path(obj).parent)
     restore()
     target = (save_as or Path(bpy.data.filepath)).absolute()
     try:  # Blender itself writes to a file beside it and renames that
         bpy.ops.wm.save_as_mainfile(filepath=str(target), copy=save_as is not None, check_existing=False)
     except RuntimeError as error:
         raise Refused(f"{target} cannot be saved: {str(error).strip()}", FAILED) from error
+    _note_attached(target, counts_as, sorted(folders), complain)
     codes = [result["code"] for result in results.values()]
     return Outcome(FAILED if FAILED in codes else DONE, dict(file=str(target), garments=results))
+
+
+def _note_attached(target: Path, counts_as: bytes, folders: list[Path], complain: Say) -> None:
+    """So that the clips are still those of the file, which has other bytes now."""
+    saved = source.content(target)
+    for folder in folders:
+        try:
+            attached_files.write_note(folder, saved, counts_as)
+        except OSError as error:
+            complain(f"bake --resume will take the clips for those of another file: {in_words(error, folder)}")

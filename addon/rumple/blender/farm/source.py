@@ -8,27 +8,41 @@ from typing import Iterator
 
 import bpy
 
-from ...core import clip_file
+from ...core import attached_files, clip_file
 from ...core.clip_manifest import ClipFault
 from ...native import kernels
 from ..frame import clip_status
-from ..objects import modifier
+from ..objects import clip_place, modifier
 from . import plan
+
+_UNREADABLE = b"none"
 
 
 def of_files() -> str:
     """Of the saved blend file and those linked from it by what they hold, of caches by size and time. Where they lie
     does not count, nor for their order: drives and slashes differ from system to system."""
-    libraries = sorted(_content(Path(bpy.path.abspath(library.filepath))) for library in bpy.data.libraries)
-    parts = [_content(Path(bpy.data.filepath)), *libraries, *sorted(map(_size_and_time, set(caches())))]
+    libraries = sorted(of_file(Path(bpy.path.abspath(library.filepath))) for library in bpy.data.libraries)
+    parts = [of_file(Path(bpy.data.filepath)), *libraries, *sorted(map(_size_and_time, set(caches())))]
     return hashlib.blake2b(b"".join(parts), digest_size=16).hexdigest()
+
+
+def of_file(file: Path) -> bytes:
+    """Of what it holds. What attach() saved, and nobody since, counts as what the clips were baked from."""
+    found = content(file)
+    return found if found == _UNREADABLE else attached_files.counts_as(clip_folders(), found)
+
+
+def clip_folders() -> list[Path]:
+    """Where the clips of the open file belong."""
+    places = (clip_place.of(obj) for obj, _ in modifier.wrinkled_objects())
+    return sorted({place.parent for place in places if place is not None})
 
 
 def _size_and_time(cache: Path) -> bytes:
     try:
         now = cache.stat()
     except OSError:
-        return b"none"
+        return _UNREADABLE
     return repr((cache.name, now.st_size, now.st_mtime_ns)).encode("utf-8", "surrogatepass")
 
 
@@ -67,12 +81,13 @@ def caches() -> Iterator[Path]:
                 yield Path(bpy.path.abspath(modifier_.filepath, library=obj.library))
 
 
-def _content(file: Path) -> bytes:
+def content(file: Path) -> bytes:
+    """Digest of its bytes; _UNREADABLE where it has none."""
     digest = hashlib.blake2b(digest_size=16)
     try:
         with open(file, "rb") as opened:
             while block := opened.read(1 << 20):
                 digest.update(block)
     except OSError:
-        return b"none"
+        return _UNREADABLE
     return digest.digest()

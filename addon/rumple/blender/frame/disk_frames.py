@@ -104,7 +104,7 @@ def _on_timer() -> float | None:
     left = _due - time.monotonic()
     if left > 0.0:
         return left
-    if scheduler.rendering() or bpy.app.is_job_running("RENDER") or _is_playing():
+    if scheduler.rendering() or bpy.app.is_job_running("RENDER") or scheduler.playing():
         return _IDLE
     more = False
     with messages.console_errors("stored frames"):
@@ -115,10 +115,6 @@ def _on_timer() -> float | None:
         finally:
             scheduler.LOCK.release()
     return _BETWEEN if more else None
-
-
-def _is_playing() -> bool:
-    return any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
 
 
 def stop() -> None:

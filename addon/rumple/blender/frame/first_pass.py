@@ -2,25 +2,24 @@
 """Blender evaluates a garment twice in a frame: before it is solved, and once more because the solve wrote it.
 
 Nobody sees the first result; the handler only reads the posed coarse mesh from it. So the first pass hands on the
-coarse mesh, which costs a tenth of the fine one. What tells the node tree is the place of the hidden output object,
-which counts for nothing else: moving it copies no mesh and looks like no edit.
+coarse mesh, which costs a tenth of the fine one. A flag tells the node tree
+(nodes/output_flags.py).
 
 While a clip is baked nobody sees the second result either: then the coarse mesh is handed on in both, what is solved
 is not written, and garments that the bake does not need are not solved (read_only()).
 
 Else only between frame_change_pre and frame_change_post. At all other times, in files, and for whatever evaluates
-without these handlers, the output object is in its place and the fine mesh is shown.
+without these handlers, the flag is not set and the fine mesh is shown.
 """
 from __future__ import annotations
 
 import bpy
 
 from .. import compat, scheduler
+from ..nodes.output_flags import Flag, change_flag, is_set, set_flag
 from ..objects import bodies, coarse_copy, modifier, runtimes, units, viewport_mesh
 
-AWAY = 1.0  # x of the output object while the coarse mesh is handed on; wrinkle_tree.py compares with a half
-
-_some_away = False
+_some_are_coarse = False
 _needed: frozenset[str] | None = None  # names of the garments that a bake reads; None: there is no bake
 
 
@@ -31,7 +30,7 @@ def read_only(obj: bpy.types.Object | None) -> None:
     if obj is None:
         for one, nodes_mod in modifier.wrinkled_objects():
             output = modifier.output_object(nodes_mod)
-            if output is not None and output.location.x == AWAY and modifier.move_hidden(output, "x", 0.0):
+            if output is not None and change_flag(output, Flag.COARSE_ONLY, False):
                 runtimes.of(one).invalidate_output()
 
 
@@ -43,7 +42,7 @@ def is_needed(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool
 def is_shown(nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether its second result is the fine mesh."""
     output = modifier.output_object(nodes_mod)
-    return _needed is None or output is None or output.location.x != AWAY
+    return _needed is None or output is None or not is_set(output, Flag.COARSE_ONLY)
 
 
 def hand_on_coarse(scene: bpy.types.Scene) -> None:
@@ -52,12 +51,12 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
 
     Cost: about a microsecond for each modifier of the file and each node of its geometry node groups.
     """
-    global _some_away
+    global _some_are_coarse
     if not scheduler.may_prepare_frame():
         return
     with scheduler.LOCK:
         for obj, nodes_mod in modifier.wrinkled_objects():
-            coarse_copy.settle(obj, nodes_mod)
+            coarse_copy.hand_on_if_needed(obj, nodes_mod)
         moving = [(obj, nodes_mod) for obj, nodes_mod in modifier.wrinkled_objects()
                   if _moved(obj, nodes_mod, scene) or (_needed is not None and not modifier.is_baked(nodes_mod))]
         if not moving or viewport_mesh.nodes_keep_meshes():
@@ -66,27 +65,27 @@ def hand_on_coarse(scene: bpy.types.Scene) -> None:
         for obj, nodes_mod in moving:
             output = modifier.output_object(nodes_mod)
             if output is not None and obj not in bound and viewport_mesh.keeps_nothing_behind(obj, nodes_mod):
-                _some_away |= modifier.move_hidden(output, "x", AWAY)
+                _some_are_coarse |= set_flag(output, Flag.COARSE_ONLY, True)
 
 
 def show_fine(scene: bpy.types.Scene) -> None:
     """After the first pass, whatever happened in it."""
-    global _some_away
+    global _some_are_coarse
     if _needed is not None:
         return
     if scheduler.rendering() and not bpy.app.background:
         return  # nothing was prepared, and the thread that renders may hold the lock
     with scheduler.LOCK:
-        away = False
+        left = False
         for obj, nodes_mod in modifier.wrinkled_objects():
             runtime, output = runtimes.known(obj), modifier.output_object(nodes_mod)
             if runtime is not None and runtime.written_at == (compat.session_key(scene), units.frame_of(scene)):
                 runtime.moved_in = compat.session_key(scene)
             elif runtime is not None and runtime.moved_in == compat.session_key(scene):
                 runtime.moved_in = 0
-            if _some_away and output is not None and output.location.x == AWAY:
-                away |= not modifier.move_hidden(output, "x", 0.0)
-        _some_away = away
+            if _some_are_coarse and output is not None and is_set(output, Flag.COARSE_ONLY):
+                left |= not set_flag(output, Flag.COARSE_ONLY, False)
+        _some_are_coarse = left
 
 
 def _moved(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, scene: bpy.types.Scene) -> bool:

@@ -12,6 +12,7 @@ import bpy
 from ...core.shown_mesh import ShownMesh, ViewportMesh
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
+from ..nodes.output_flags import Flag, set_flag
 from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, kept_lists, mesh_reader, messages, modifier,
                        output_mesh, runtimes, units, viewport_mesh)
 from ..objects.runtimes import Runtime
@@ -67,7 +68,7 @@ def prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     runtime.groups = [group.name for group in obj.vertex_groups]
     with messages.build_errors(obj, runtime):
         changed = _prepare(obj, nodes_mod, runtime)
-        coarse_copy.settle(obj, nodes_mod)
+        coarse_copy.hand_on_if_needed(obj, nodes_mod)
         messages.set_build_error(runtime, runtime.bake_note)
         return changed
     return False
@@ -82,7 +83,7 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
         return False  # the clip counts on the output object as it is
     runtime.bake_note = ""
     if method == "FIELD":
-        _settle_profile(obj, runtime)
+        _update_profile(obj, runtime)
     changed = _take_incoming(obj, runtime)
     former = runtime.evaluator
     evaluator.ensure(obj, runtime)
@@ -112,7 +113,7 @@ def _filled(output_obj: bpy.types.Object | None, fine: ShownMesh,
         output_obj = output_mesh.make(fine, inherited)
         output_obj[output_mesh.KEY] = True
         if isinstance(fine, ViewportMesh):
-            output_obj.location.x = viewport_mesh.AWAY  # until it is known that nothing minds it
+            set_flag(output_obj, Flag.RENDER_MESH, True)  # until it is known that nothing minds it
         return output_obj, True
     if not output_mesh.is_embedding_of(output_obj.data, fine):
         output_mesh.fill(output_obj, fine, inherited)
@@ -133,7 +134,7 @@ def _take_incoming(obj: bpy.types.Object, runtime: Runtime) -> str:
             "there")
 
 
-def _settle_profile(obj: bpy.types.Object, runtime: Runtime) -> None:
+def _update_profile(obj: bpy.types.Object, runtime: Runtime) -> None:
     """The materials, and the fine mesh, have the profile that is set, or drawn."""
     if obj.rumple.field.profile == "CURVE":
         field_profile.ensure(obj)

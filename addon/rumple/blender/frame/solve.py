@@ -13,6 +13,7 @@ import numpy as np
 
 from ...core import engine
 from .. import compat, scheduler
+from ..nodes.output_flags import Flag, set_flag
 from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier, output_mesh,
                        properties, runtimes, units, viewport_mesh, visibility, weight_paint, wind)
 from ..objects.runtimes import Inputs, Runtime
@@ -120,7 +121,7 @@ def _process_guarded(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, 
             return False
         outputs_seen |= keys
         if scheduler.may_prepare_frame():
-            viewport_mesh.settle(nodes_mod, may_differ)
+            viewport_mesh.show_in_viewports(nodes_mod, may_differ)
         return _process(obj, nodes_mod, output_obj, runtime, scene, depsgraph)
     return False
 
@@ -245,7 +246,7 @@ def show_fine_meshes() -> None:
                                 in_viewport=False)
                 assert isinstance(result, engine.FrameResult)
                 output_mesh.write_result(output_obj.data, result, runtime.evaluator.ATTRIBUTES)
-                modifier.move_hidden(output_obj, "x", 0.0)  # a bake under way puts it away again
+                set_flag(output_obj, Flag.COARSE_ONLY, False)  # a bake under way sets it again
                 if inputs.uses_proxy or inputs.shows_coarse:
                     output_mesh.write_proxy(output_obj.data, None)
             except Exception as error:  # the file is saved all the same
@@ -307,9 +308,9 @@ def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime
         lost = True
     shown = nodes_mod.show_render if depsgraph.mode == "RENDER" else nodes_mod.show_viewport
     if positions is not None or not shown:
-        coarse_copy.settle(obj, nodes_mod)
+        coarse_copy.hand_on_if_needed(obj, nodes_mod)
         return positions
-    if coarse_copy.settle(obj, nodes_mod):
+    if coarse_copy.hand_on_if_needed(obj, nodes_mod):
         return None  # the next evaluation hands them on
     if not lost:
         arriving = len(obj.evaluated_get(depsgraph).data.vertices)

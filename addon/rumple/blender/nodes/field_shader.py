@@ -228,8 +228,8 @@ def _open_circles(material: bpy.types.Material) -> None:
 def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
     """Give a material that shows waves the profile of an object. False where it shows none.
 
-    A group that only materials of this object show is changed in place. A new one in its place ended Blender: where two
-    undo steps have the same of a material, undo leaves it in memory as it is, and frees groups that no step has.
+    A group that only materials of this object show is changed in place. A new one in its place crashed Blender: where
+    two undo steps have the same of a material, undo leaves it in memory as it is, and frees groups that no step has.
     """
     fields = _our_nodes(material)
     profile = field_profile.key(obj)

@@ -40,6 +40,7 @@ from ...core.frame_result import Attribute
 from ...core.systems import SYSTEMS, System
 from .. import compat
 from .builder import GeometryNodes, empty_modifier_group
+from .output_flags import THRESHOLD, Flag
 
 VERSION = 8  # raise it when the nodes change: trees in older files are then rebuilt in place
 VERSION_KEY = "rumple_wrinkle_mesh_version"
@@ -102,6 +103,13 @@ class _Builder(GeometryNodes):
         super().__init__(group)
         self.attributes = attributes
 
+    def is_set(self, place: list[bpy.types.NodeSocket], flag: Flag) -> bpy.types.NodeSocket:
+        """place: of the output object that has the flag."""
+        return self.above(place[flag.axis], THRESHOLD)
+
+    def is_unset(self, place: list[bpy.types.NodeSocket], flag: Flag) -> bpy.types.NodeSocket:
+        return self.above(self.math("SUBTRACT", 1.0, place[flag.axis]), 1.0 - THRESHOLD)
+
     def embedded_position(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         return self.embedded([self.sample(geometry, self.named(name, "INT")) for name in CORNERS],
                              self.named(BARYCENTRIC, "FLOAT_VECTOR"), self.named(LOCAL_OFFSET, "FLOAT_VECTOR"))
@@ -135,12 +143,12 @@ class _Builder(GeometryNodes):
 
     def shown_here(self, fine: bpy.types.NodeSocket, baked: bpy.types.NodeSocket,
                    in_viewport: bpy.types.NodeOutputs) -> bpy.types.NodeSocket:
-        """The mesh of viewports where this is one, there is such a mesh, it is in its place and no clip is played."""
-        mesh, (away, _, _) = in_viewport["Geometry"], self.components(in_viewport["Location"])
+        """The mesh of viewports where this is one, there is such a mesh, its flag is not set and no clip is played."""
+        mesh, place = in_viewport["Geometry"], self.components(in_viewport["Location"])
         here = self.node("GeometryNodeIsViewport").outputs[0]
-        for wanted in (self.element_count(mesh, "POINT"), self.math("SUBTRACT", 1.0, away),
-                       self.math("SUBTRACT", 1.0, baked)):
-            here = self.both(here, self.above(wanted, 0.5))
+        for wanted in (self.above(self.element_count(mesh, "POINT"), 0.5), self.is_unset(place, Flag.RENDER_MESH),
+                       self.above(self.math("SUBTRACT", 1.0, baked), 0.5)):
+            here = self.both(here, wanted)
         return self.switch(here, fine, mesh)
 
     def proxy(self, geometry: bpy.types.NodeSocket, carried: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
@@ -176,9 +184,9 @@ class _Builder(GeometryNodes):
         carried = self.shown_here(output["Geometry"], inputs[BAKED], self.object_info(inputs[VIEWPORT_OUTPUT]))
         clip = self.mesh_of(inputs[CACHE])
         # A clip of another mesh (or none) is not shown: the mesh rides on the pose with its last offsets.
-        first_pass, beside, live_instead = self.components(output["Location"])
+        place = self.components(output["Location"])
         baked = self.both(inputs[BAKED], self.counts_match(clip, self.clip_points(carried)))
-        baked = self.both(baked, self.above(self.math("SUBTRACT", 1.0, live_instead), 0.5))
+        baked = self.both(baked, self.is_unset(place, Flag.LIVE_FOLDS))
         # Switches evaluate only the branch they take: a baked clip costs no embedding.
         live = self.switch(self.uses_proxy(carried), self.moved(carried, self.embedded_position(geometry)),
                            self.proxy(geometry, carried))
@@ -186,7 +194,7 @@ class _Builder(GeometryNodes):
         fine = self.store_base_position(geometry, fine)
         for name in OUTPUT_ONLY:
             fine = self.without(fine, name)
-        fine = self.switch(self.above(first_pass, 0.5), fine, self.coarse(geometry))
-        fine = self.switch(self.above(beside, 0.5), fine, self.coarse_beside(geometry, fine))
+        fine = self.switch(self.is_set(place, Flag.COARSE_ONLY), fine, self.coarse(geometry))
+        fine = self.switch(self.is_set(place, Flag.POINTS_BESIDE), fine, self.coarse_beside(geometry, fine))
         shown = self.switch(self.counts_match(geometry, inputs[COUNT]), geometry, fine)
         self.group.links.new(shown, self.node("NodeGroupOutput").inputs[0])

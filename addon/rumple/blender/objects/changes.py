@@ -44,7 +44,7 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
             runtime = runtimes.known(obj)
             if runtime is None:
                 continue
-            if not _is_playing():
+            if not scheduler.playing():
                 guide_curves.note_updates(obj, touched)
             own = obj.rumple.own_mesh
             edited = compat.session_key(obj.data) in touched
@@ -53,18 +53,14 @@ def note_updates(depsgraph: bpy.types.Depsgraph) -> None:
                 runtime.stale = True
                 runtime.paint = None
                 scheduler.request(scheduler.DELAY)  # of a stroke once, at its end: frames follow the brush
-            elif runtime.paint and compat.session_key(obj) in touched and not _is_playing():
+            elif runtime.paint and compat.session_key(obj) in touched and not scheduler.playing():
                 runtime.paint = None  # vertex_group.add() from scripts tags the object only, as animation does
 
 
 def _restacked(obj: bpy.types.Object, runtime: runtimes.Runtime, touched: set[int]) -> bool:
     """Whether modifiers in front that make the coarse mesh were changed."""
-    return (not incoming_mesh.is_own(obj) and compat.session_key(obj) in touched and not _is_playing()
+    return (not incoming_mesh.is_own(obj) and compat.session_key(obj) in touched and not scheduler.playing()
             and runtime.stack != incoming_mesh.stack_fingerprint(obj))
-
-
-def _is_playing() -> bool:
-    return any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
 
 
 _WATCHED = (bpy.types.Mesh, bpy.types.Object, bpy.types.Key, bpy.types.Curve)

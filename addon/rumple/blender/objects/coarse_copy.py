@@ -3,8 +3,8 @@
 
 The node tree stores them on the mesh that it shows, in the first points. A modifier behind may remove these (Mask,
 Decimate), merge them (Weld), or make another mesh altogether (Remesh). Then the tree also hands on an instance of the
-bare points: mesh modifiers leave instances alone, and no engine draws points without faces. The place of the output
-object tells the tree, as in frame/first_pass.py.
+bare points: mesh modifiers leave instances alone, and no engine draws points without faces. A flag tells the tree
+(nodes/output_flags.py).
 """
 from __future__ import annotations
 
@@ -13,22 +13,19 @@ import numpy as np
 
 from .. import compat
 from ..nodes import wrinkle_tree
+from ..nodes.output_flags import Flag, change_flag, is_set
 from . import mesh_reader, modifier
-
-BESIDE = 1.0  # y of the output object while the points are handed on too; wrinkle_tree.py compares with a half
 
 # Modifiers behind the wrinkles that leave the first points, and their order, as they are.
 _KEEP_POINTS = modifier.NEUTRAL | {"EDGE_SPLIT", "MULTIRES", "SUBSURF", "TRIANGULATE"}
 
 
-def settle(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
-    """Let the tree hand on the points where they are needed. True when that changed.
-
-    It moves the hidden output object, which copies no mesh: allowed where first_pass.py moves it.
-    """
+def hand_on_if_needed(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
+    """Let the tree hand on the points where they are needed. True when that changed. Allowed where first_pass.py sets
+    its flag."""
     output = modifier.output_object(nodes_mod)
-    wanted = BESIDE if any(m.type != "NODES" for m in removers(obj, nodes_mod)) else 0.0
-    return output is not None and output.location.y != wanted and modifier.move_hidden(output, "y", wanted)
+    wanted = any(m.type != "NODES" for m in removers(obj, nodes_mod))
+    return output is not None and change_flag(output, Flag.POINTS_BESIDE, wanted)
 
 
 def removers(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[bpy.types.Modifier]:
@@ -41,7 +38,7 @@ def removers(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[
 
 def _is_beside(nodes_mod: bpy.types.NodesModifier) -> bool:
     output = modifier.output_object(nodes_mod)
-    return output is not None and output.location.y == BESIDE
+    return output is not None and is_set(output, Flag.POINTS_BESIDE)
 
 
 def posed_positions(obj: bpy.types.Object, count: int, depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:

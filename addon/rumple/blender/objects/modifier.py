@@ -11,6 +11,7 @@ from ...core.systems import SYSTEMS, System
 from .. import compat
 from ..nodes import wrinkle_tree
 from ..nodes.modifier_inputs import get_input, set_input
+from ..nodes.output_flags import Flag, change_flag, is_set
 from .kept_lists import ModifiedObjects
 
 CACHE_NAME = "Rumple Bake"  # the MESH_CACHE modifier on the cache object of a baked clip
@@ -204,32 +205,16 @@ def is_baked(modifier: bpy.types.NodesModifier) -> bool:
     return bool(get_input(modifier, wrinkle_tree.BAKED))
 
 
-def move_hidden(output: bpy.types.Object, axis: str, value: float) -> bool:
-    """Tell the tree by the place of the output object: moving it copies no mesh. False where nobody may write: it is
-    linked, or the thread that ends a render job of a window sets the frame."""
-    if not compat.is_editable(output):
-        return False
-    try:
-        setattr(output.location, axis, value)
-    except AttributeError:
-        return False
-    return True
-
-
-# z of the output object while live folds are shown in place of a clip; wrinkle_tree.py compares with a half
-SHOWS_LIVE = 1.0
-
-
 def play_clip(modifier: bpy.types.NodesModifier, playing: bool) -> bool:
     """Show the clip of a baked object, or live folds in place of one that is damaged. True when that changed."""
-    output, wanted = output_object(modifier), 0.0 if playing else SHOWS_LIVE
-    return output is not None and output.location.z != wanted and move_hidden(output, "z", wanted)
+    output = output_object(modifier)
+    return output is not None and change_flag(output, Flag.LIVE_FOLDS, not playing)
 
 
 def plays_clip(modifier: bpy.types.NodesModifier) -> bool:
     """Whether it is baked and shows its clip."""
     output = output_object(modifier)
-    return is_baked(modifier) and (output is None or output.location.z != SHOWS_LIVE)
+    return is_baked(modifier) and (output is None or not is_set(output, Flag.LIVE_FOLDS))
 
 
 def bodies(modifier: bpy.types.NodesModifier) -> tuple[bpy.types.Object | None, bpy.types.Collection | None]:

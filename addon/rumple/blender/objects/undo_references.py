@@ -3,7 +3,7 @@
 
 Undo leaves a data-block as it is in memory where it is linked, or where both undo steps have the same of it. What was
 written into it since, outside of a step, stays as well: handlers and timers make output objects. Undo frees what no
-step has, and reads the rest anew, so such a data-block would name memory that was freed: Blender ended. So ours name
+step has, and reads the rest anew, so such a data-block would name memory that was freed: Blender crashed. So ours name
 nothing of that kind meanwhile.
 """
 from __future__ import annotations
@@ -19,33 +19,51 @@ from . import kept_lists, messages
 _SETTINGS = {"rumple": ("incoming", "captured", "profile_curve"), "rumple_maps": ("group",)}
 
 
-class _Named(NamedTuple):
-    """What one of our modifiers, and the settings of its object, named: session keys by input and setting."""
+class _Block(NamedTuple):
+    """A data-block as it was. In 3.4 its key is its address, which another one may have after the undo: a mesh of the
+    artist's, or that of another garment. Two data-blocks of one type do not have the same name."""
 
-    obj: int  # session key
+    key: int
+    kind: type[bpy.types.ID]
+    name: str
+
+    @classmethod
+    def of(cls, block: bpy.types.ID) -> "_Block":
+        return cls(compat.session_key(block), type(block), block.name_full)
+
+    def found(self, present: dict[int, bpy.types.ID]) -> bpy.types.ID | None:
+        """The same one, by session key, if it is there."""
+        block = present.get(self.key)
+        return block if isinstance(block, self.kind) and block.name_full == self.name else None
+
+
+class _Named(NamedTuple):
+    """What one of our modifiers, and the settings of its object, named, by input and setting."""
+
+    obj: _Block
     modifier: str
-    inputs: dict[str, int]
-    settings: dict[tuple[str, str], int]
+    inputs: dict[str, _Block]
+    settings: dict[tuple[str, str], _Block]
 
 
 _named: list[_Named] = []
 
 
-def let_go() -> None:
+def clear_references() -> None:
     """Before an undo or a redo. Cost: as a search for our modifiers; Blender evaluates their objects again."""
-    take_again()  # after one that was broken off
+    restore_references()  # after one that was broken off
     for obj, nodes_mod, names in list(kept_lists.with_hidden()):
         with messages.console_errors(obj.name):
-            inputs = _keys({name: get_input(nodes_mod, name) for name in names})
-            settings = _keys({(group, name): getattr(getattr(obj, group), name)
-                              for group, names in _SETTINGS.items() for name in names if compat.is_editable(obj)})
-            _named.append(_Named(compat.session_key(obj), nodes_mod.name, inputs, settings))
+            inputs = _blocks({name: get_input(nodes_mod, name) for name in names})
+            settings = _blocks({(group, name): getattr(getattr(obj, group), name)
+                                for group, names in _SETTINGS.items() for name in names if compat.is_editable(obj)})
+            _named.append(_Named(_Block.of(obj), nodes_mod.name, inputs, settings))
             for group, name in settings:
                 setattr(getattr(obj, group), name, None)
             _set(nodes_mod, dict.fromkeys(inputs))
 
 
-def take_again() -> None:
+def restore_references() -> None:
     """After it: where undo left an object as it was, as far as that is there. The rest is made anew."""
     named, _named[:] = list(_named), []
     if not named:
@@ -54,27 +72,21 @@ def take_again() -> None:
                for blocks in (bpy.data.objects, bpy.data.meshes, bpy.data.node_groups) for block in blocks}
     for each in named:
         with messages.console_errors("undo"):
-            _give_back(each, present)
+            _restore(each, present)
 
 
-def _give_back(named: _Named, present: dict[int, bpy.types.ID]) -> None:
-    obj = present.get(named.obj)
-    nodes_mod = obj.modifiers.get(named.modifier) if isinstance(obj, bpy.types.Object) else None
+def _restore(named: _Named, present: dict[int, bpy.types.ID]) -> None:
+    obj = named.obj.found(present)
+    nodes_mod = None if obj is None else obj.modifiers.get(named.modifier)
     if nodes_mod is None:
         return
     # An object that was read anew has some of it again, or it needs none of it.
     if all(getattr(getattr(obj, group), name) is None for group, name in named.settings):
-        for (group, name), key in named.settings.items():
-            wanted = bpy.types.Mesh if name in ("incoming", "captured") else bpy.types.NodeTree
-            if isinstance(present.get(key), wanted):
-                setattr(getattr(obj, group), name, present[key])
+        for (group, name), block in named.settings.items():
+            setattr(getattr(obj, group), name, block.found(present))
     if all(get_input(nodes_mod, name) is None for name in named.inputs):
-        _set(nodes_mod, {name: present[key] for name, key in named.inputs.items() if _is_hidden(present.get(key))})
-
-
-def _is_hidden(block: bpy.types.ID | None) -> bool:
-    """In 3.4 a key is an address, which something else may have by now."""
-    return isinstance(block, bpy.types.Object) and any(key.startswith("rumple_") for key in block.keys())
+        inputs = {name: block.found(present) for name, block in named.inputs.items()}
+        _set(nodes_mod, {name: block for name, block in inputs.items() if block is not None})
 
 
 def _set(nodes_mod: bpy.types.NodesModifier, values: dict[str, bpy.types.Object | None]) -> None:
@@ -86,7 +98,7 @@ def _set(nodes_mod: bpy.types.NodesModifier, values: dict[str, bpy.types.Object 
         nodes_mod.id_data.update_tag()
 
 
-def _keys(blocks: dict[Any, object]) -> dict[Any, int]:
-    """Of what undo may free or read anew."""
-    return {name: compat.session_key(block) for name, block in blocks.items()
+def _blocks(blocks: dict[Any, object]) -> dict[Any, _Block]:
+    """Those that undo may free or read anew."""
+    return {name: _Block.of(block) for name, block in blocks.items()
             if isinstance(block, bpy.types.ID) and compat.is_editable(block)}

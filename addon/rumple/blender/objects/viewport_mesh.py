@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The mesh that viewports show, subdivided fewer times than that of renders: as Subdivision has two levels.
 
-The same folds are solved for both. It is another hidden output object; its place tells the node tree whether viewports
-show it: they show the mesh of renders where a bake reads that, and where something counts on the points it saw.
+The same folds are solved for both. It is another hidden output object; a flag (nodes/output_flags.py) tells the node
+tree whether viewports show it: they show the mesh of renders where a bake reads that, and where something counts on the
+points it saw.
 """
 from __future__ import annotations
 
@@ -14,9 +15,8 @@ import bpy
 from ...core import engine
 from ...core.shown_mesh import ShownMesh
 from .. import compat
+from ..nodes.output_flags import Flag, change_flag, is_set
 from . import modifier
-
-AWAY = 1.0  # x of the hidden object while viewports show the mesh of renders; wrinkle_tree.py compares with a half
 
 # Modifiers behind the wrinkles that keep nothing of a mesh they saw: another number of points does not disturb them.
 _KEEP_NOTHING = frozenset((
@@ -71,17 +71,17 @@ def solved_for(nodes_mod: bpy.types.NodesModifier, fine: engine.Wrinkles) -> lis
     return [fine] if in_viewport is None else [fine, in_viewport]
 
 
-def settle(nodes_mod: bpy.types.NodesModifier, wanted: bool) -> None:
-    """Let viewports show it, or not. Allowed where first_pass.py moves the output object."""
-    mesh, place = modifier.viewport_output(nodes_mod), 0.0 if wanted else AWAY
-    if mesh is not None and mesh.location.x != place:
-        modifier.move_hidden(mesh, "x", place)
+def show_in_viewports(nodes_mod: bpy.types.NodesModifier, wanted: bool) -> None:
+    """Let viewports show it, or not. Allowed where first_pass.py sets its flag."""
+    mesh = modifier.viewport_output(nodes_mod)
+    if mesh is not None:
+        change_flag(mesh, Flag.RENDER_MESH, not wanted)
 
 
 def is_shown(nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether viewports show it."""
     mesh = modifier.viewport_output(nodes_mod)
-    return mesh is not None and mesh.location.x != AWAY and not modifier.is_baked(nodes_mod)
+    return mesh is not None and not is_set(mesh, Flag.RENDER_MESH) and not modifier.is_baked(nodes_mod)
 
 
 def keeps_nothing_behind(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:

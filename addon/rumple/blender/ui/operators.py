@@ -102,20 +102,42 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         obj = context.object
         why = ui_base.refusal(obj, wrinkled=False)
         if why:
-            self.report({"ERROR"}, said(why))
-            return {"CANCELLED"}
+            return self._refuse(why)
         if self.method == "MAPS":
-            try:
-                return bpy.ops.rumple.maps_add()
-            except RuntimeError as error:  # how bpy.ops hands on a refusal
-                self.report({"ERROR"}, said(f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}"))
-                return {"CANCELLED"}
+            return self._add_maps(obj)
         try:
             native.load()
         except native.NativeMissing as error:
-            self.report({"ERROR"}, said(str(error)))
-            return {"CANCELLED"}
+            return self._refuse(str(error))
         runtimes.forget(obj)
+        self._set_up(context, obj)
+        with scheduler.suspended():
+            nodes_mod = modifier.add(obj, self.method)
+        # Handlers write while the window draws: without the lock a render in the window may crash.
+        context.scene.render.use_lock_interface = True
+        if self.method == "FIELD":
+            self._show_waves(context, obj)
+        note = self._make(obj, nodes_mod)
+        bodies.connect_all()
+        if modifier.output_object(nodes_mod) is None:
+            why = runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"
+            _remove(obj)
+            return self._refuse(why)
+        self._report(obj, [note] if note else [])
+        return {"FINISHED"}
+
+    def _refuse(self, why: str) -> set[str]:
+        self.report({"ERROR"}, said(why))
+        return {"CANCELLED"}
+
+    def _add_maps(self, obj: bpy.types.Object) -> set[str]:
+        try:
+            return bpy.ops.rumple.maps_add()
+        except RuntimeError as error:  # how bpy.ops hands on a refusal
+            return self._refuse(f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}")
+
+    def _set_up(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        """All settings, and what it is worn over."""
         lengths = self._set_defaults(context, obj)
         worn_over = body_search.find(obj, context.scene)
         if not worn_over.is_body:
@@ -124,25 +146,19 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self._set_bodies(obj, worn_over)
             free_parts.paint(obj, context.scene)
         self._adjust(context, obj)
-        with scheduler.suspended():
-            nodes_mod = modifier.add(obj, self.method)
-        # Handlers write while the window draws: without the lock a render in the window may crash.
-        context.scene.render.use_lock_interface = True
-        if self.method == "FIELD" and self.shade:
+
+    def _show_waves(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        """Of a Wrinkle Field: in materials and viewports."""
+        if self.shade:
             field_shader.shade_object(obj)
-        if self.method == "FIELD" and context.space_data is not None and not obj.rumple.field.is_property_set(
-                "gpu_preview"):
+        if context.space_data is not None and not obj.rumple.field.is_property_set("gpu_preview"):
             obj.rumple.field.gpu_preview = True  # else nothing is seen of it in Solid viewports
-        switched_off = ""
-        if not self._is_made(obj, nodes_mod):
-            switched_off = subdivision_behind.try_lighter(obj, lambda: self._is_made(obj, nodes_mod))
-        bodies.connect_all()
-        if modifier.output_object(nodes_mod) is None:
-            self.report({"ERROR"}, said(runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"))
-            _remove(obj)
-            return {"CANCELLED"}
-        self._report(obj, [switched_off] if switched_off else [])
-        return {"FINISHED"}
+
+    def _make(self, obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> str:
+        """The fine mesh. Returns what had to be switched off for it, in a sentence, or nothing."""
+        if self._is_made(obj, nodes_mod):
+            return ""
+        return subdivision_behind.try_lighter(obj, lambda: self._is_made(obj, nodes_mod))
 
     @staticmethod
     def _is_made(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:

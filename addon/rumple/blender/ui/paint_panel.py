@@ -37,7 +37,7 @@ def _draw_map(column: bpy.types.UILayout, obj: bpy.types.Object, painted: painte
     label.label(text=painted.label)
     row = split.row(align=True)
     row.operator("object.rumple_paint", text="", icon="WPAINT_HLT" if painted.exists else "BRUSH_DATA",
-                 depress=is_in_hand(obj, painted)).group = painted.key
+                 depress=is_active_map(obj, painted)).group = painted.key
     row.operator("object.rumple_paint_from_border", text="", icon="MOD_EDGESPLIT").group = painted.key
     row.operator("object.rumple_paint_from_texture", text="", icon="TEXTURE").group = painted.key
     of_existing = row.row(align=True)
@@ -51,15 +51,15 @@ def _draw_map(column: bpy.types.UILayout, obj: bpy.types.Object, painted: painte
         row.label(text=said(words(numbers)), translate=False)
 
 
-def draw_in_hand(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+def draw_active_map(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     """While a map is painted: which weight does what."""
     for painted in painted_maps.of(obj) if obj.mode == "WEIGHT_PAINT" else ():
-        if is_in_hand(obj, painted):
+        if is_active_map(obj, painted):
             draw_note(layout, paint_words.how(painted), "BRUSH_DATA")
 
 
-def is_in_hand(obj: bpy.types.Object, painted: painted_maps.PaintedMap) -> bool:
-    """Whether it is painted now."""
+def is_active_map(obj: bpy.types.Object, painted: painted_maps.PaintedMap) -> bool:
+    """Whether it is the map that is painted now."""
     active = obj.vertex_groups.active
     return obj.mode == "WEIGHT_PAINT" and active is not None and active.name == painted.name
 

@@ -55,7 +55,7 @@ class DATA_PT_rumple(bpy.types.Panel):
         if system.presets:
             thumbnails.draw(layout, obj, ICONS[system.method])
         _draw_first(settings_column(layout, obj), obj)
-        paint_panel.draw_in_hand(layout, obj)
+        paint_panel.draw_active_map(layout, obj)
         runtime = runtimes.known(obj)
         for note in runtime.notes if runtime is not None else ():
             if note.endswith(RAISE_MOST):
@@ -254,10 +254,10 @@ def status_line(obj: bpy.types.Object) -> str:
     runtime = runtimes.known(obj)
     if modifier.plays_clip(modifier.find(obj)) or runtime is None or runtime.evaluator is None:
         return ""
-    fine = runtime.evaluator
-    in_viewport = runtime.inputs is not None and runtime.inputs.in_viewport and fine.in_viewport is not None
+    fine, inputs, result = runtime.evaluator, runtime.inputs, runtime.result  # once: a render may change them
+    in_viewport = inputs is not None and inputs.in_viewport and fine.in_viewport is not None
     count = fine.in_viewport.vertex_count if in_viewport else fine.vertex_count
-    took = 0.0 if runtime.result is None else sum(runtime.result.milliseconds.values())
+    took = 0.0 if result is None else sum(result.milliseconds.values())
     return f"{count:,} vertices, {took:.0f} ms"
 
 
@@ -268,11 +268,11 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
         return [("Baked: the clip is shown, nothing is solved", "CHECKMARK")]
     if runtime is None or runtime.evaluator is None:
         return [("Nothing solved yet", "INFO")]
-    fine, result, lines = runtime.evaluator, runtime.result, []
-    if runtime.inputs is not None and runtime.inputs.uses_proxy:
+    fine, inputs, result, lines = runtime.evaluator, runtime.inputs, runtime.result, []
+    if inputs is not None and inputs.uses_proxy:
         lines.append((f"Drawn on the graphics card; {fine.vertex_count} vertices in renders", "SHADING_SOLID"))
     else:
-        fewer = fine.in_viewport if runtime.inputs is not None and runtime.inputs.in_viewport else None
+        fewer = fine.in_viewport if inputs is not None and inputs.in_viewport else None
         lines.append((f"{fine.vertex_count:,} vertices are shown" if fewer is None else
                       f"{fewer.vertex_count:,} vertices are shown, {fine.vertex_count:,} in renders", "MESH_DATA"))
     if result is not None:
@@ -281,12 +281,12 @@ def status_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
             lines.append((f"Milliseconds: {times}" + (" (stored frame)" if result.replayed else ""), "TIME"))
         lines += [(line, "BLANK1") for line in fine.status(result)]
     notes = [*runtime.notes, clip_status.late_in_renders(obj), runtime.unplayed, preview.refusal(obj),
-             *_fields_not_felt(runtime)]
+             *_fields_not_felt(inputs)]
     return lines + [(note, "INFO") for note in notes if note]
 
 
-def _fields_not_felt(runtime: runtimes.Runtime) -> list[str]:
-    names = runtime.inputs.surroundings.not_felt if runtime.inputs is not None else ()
+def _fields_not_felt(inputs: runtimes.Inputs | None) -> list[str]:
+    names = inputs.surroundings.not_felt if inputs is not None else ()
     return [f"{name}: the cloth does not feel a force field of this type" for name in names]
 
 

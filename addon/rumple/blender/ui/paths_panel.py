@@ -7,6 +7,7 @@ import bpy
 from ..frame import path_curves
 from ..objects import modifier
 from ..ui_base import Panel, draw_setting, named_paint, property_column, settings_column
+from . import rest_panel
 
 
 def draw_size(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
@@ -40,10 +41,10 @@ class DATA_PT_rumple_persistence(Panel, bpy.types.Panel):
     method = "PATHS"
 
     def draw(self, context: bpy.types.Context) -> None:
-        column = settings_column(self.layout, context.object)
-        for name in ("reference", "relaxation", "growth", "window", "smoothing", "alignment", "reach", "growth_limit",
-                     "fade", "hem_rings", "stateless"):
-            column.prop(context.object.rumple.paths, name)
+        column, settings = settings_column(self.layout, context.object), context.object.rumple.paths
+        rest_panel.draw_reference(column, settings)
+        for name in ("smoothing", "alignment", "reach", "growth_limit", "fade", "hem_rings", "stateless"):
+            column.prop(settings, name)
 
 
 class DATA_PT_rumple_show_paths(Panel, bpy.types.Panel):

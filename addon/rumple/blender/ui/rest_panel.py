@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ...core.settings import reference_settings
 from ..objects import properties
 from ..ui_base import Panel, settings_column
 
@@ -27,15 +28,12 @@ class DATA_PT_rumple_rest(Panel, bpy.types.Panel):
             else:
                 column.prop_search(obj.rumple, "rest_key", keys, "key_blocks")
         elif settings.rest_shape == "ADAPTIVE":
-            _draw_adaptive(column, settings)
+            draw_reference(column, settings)
 
 
-def _draw_adaptive(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+def draw_reference(column: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    """What the rest shape that adapts is set by; Wrinkle Paths have it in another panel."""
     if settings.stateless:
         column.label(text="Independent Frames: the rest pose counts", icon="INFO")
-        return
-    column.prop(settings, "reference")
-    column.prop(settings, "relaxation")
-    if settings.reference == "REST":
-        column.prop(settings, "growth")
-    column.prop(settings, "window")
+    for name in reference_settings(settings):
+        column.prop(settings, name)

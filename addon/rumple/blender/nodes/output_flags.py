@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Yes or no, told to the node tree by the places of the hidden output objects.
+
+Where such an object is counts for nothing else, moving it copies no mesh, and it looks like no edit. A flag is one axis
+of one of the two objects. In files from before a flag was known its axis is 0: it is not set.
+"""
+from __future__ import annotations
+
+from enum import Enum
+
+import bpy
+
+from .. import compat
+
+_SET = 1.0
+THRESHOLD = 0.5  # above it a flag is set, here and in the tree
+
+
+class Flag(Enum):
+    """(which output object, axis of its place)."""
+
+    COARSE_ONLY = "OUTPUT", 0  # the first pass of a frame hands on the coarse mesh: frame/first_pass.py
+    POINTS_BESIDE = "OUTPUT", 1  # the posed coarse points are handed on as well: objects/coarse_copy.py
+    LIVE_FOLDS = "OUTPUT", 2  # in place of a clip that is damaged: objects/modifier.py
+    RENDER_MESH = "VIEWPORT_OUTPUT", 0  # viewports show the mesh of renders: objects/viewport_mesh.py
+
+    @property
+    def axis(self) -> int:
+        return self.value[1]
+
+
+def is_set(obj: bpy.types.Object, flag: Flag) -> bool:
+    """obj: the output object that has the flag."""
+    return obj.location[flag.axis] > THRESHOLD
+
+
+def set_flag(obj: bpy.types.Object, flag: Flag, value: bool) -> bool:
+    """False where nobody may write: it is linked, or the thread that ends a render job of a window sets the frame."""
+    if not compat.is_editable(obj):
+        return False
+    try:
+        obj.location[flag.axis] = _SET if value else 0.0
+    except AttributeError:
+        return False
+    return True
+
+
+def change_flag(obj: bpy.types.Object, flag: Flag, value: bool) -> bool:
+    """The same where it is another one now; a write costs an evaluation. Whether it was changed."""
+    return is_set(obj, flag) != value and set_flag(obj, flag, value)
