@@ -289,8 +289,8 @@ class Materials(unittest.TestCase):
         for slot in obj.material_slots:
             slot.material = material
         self.assertEqual(operators._unshaded(obj), [
-            "Sleeve: the material \"Grouped\" shows no waves, for its shader is inside of a node group: connect a shader "
-            "outside of it, or set Output to Geometry"])
+            "Sleeve: the material \"Grouped\" shows no waves, for its shader is inside of a node group: connect a "
+            "shader outside of it, or set Output to Geometry"])
         plain = bpy.data.materials.new("Plain")
         compat.use_nodes(plain)
         obj.material_slots[0].material = plain

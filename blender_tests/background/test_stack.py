@@ -125,8 +125,8 @@ class Stack(Arriving, unittest.TestCase):
         self.assertEqual(obj.rumple.message, "")
 
     def test_a_multires_is_in_front_of_the_wrinkles(self) -> None:
-        """Blender from 4.3 on lets nothing be moved in front of it: the first click ended in a traceback and left half a
-        modifier."""
+        """Blender from 4.3 on lets nothing be moved in front of it: the first click ended in a traceback and left half
+        a modifier."""
         for method in ("MESH", "FIELD", "PATHS"):
             with self.subTest(method):
                 obj = sleeve.scene(wrinkles=False)
@@ -148,8 +148,8 @@ class Stack(Arriving, unittest.TestCase):
         self.assertEqual(stack_notes.of(obj), [])
         obj.modifiers.new("Later", "PARTICLE_SYSTEM")
         self.assertEqual(stack_notes.of(obj), [
-            "Sleeve: the particles of \"Later\" do not find their places on the fine mesh: move Wrinkle Mesh below it in "
-            "the stack"])
+            "Sleeve: the particles of \"Later\" do not find their places on the fine mesh: move Wrinkle Mesh below it "
+            "in the stack"])
 
     def test_what_is_parented_to_vertices_is_said(self) -> None:
         obj = sleeve.scene(wrinkles=False)
@@ -158,8 +158,8 @@ class Stack(Arriving, unittest.TestCase):
             bpy.context.scene.collection.objects.link(child)
             child.parent, child.parent_type = obj, kind
         self.assertEqual(stack_notes.of_children(obj), [
-            "Sleeve: the object \"Button\" is parented to vertices of it, which are other ones now: give it a Copy Location "
-            "constraint with a vertex group in place of the parent"])
+            "Sleeve: the object \"Button\" is parented to vertices of it, which are other ones now: give it a Copy "
+            "Location constraint with a vertex group in place of the parent"])
 
     def test_every_system(self) -> None:
         for method in ("MESH", "FIELD", "PATHS"):

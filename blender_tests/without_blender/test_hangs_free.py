@@ -57,7 +57,8 @@ class Solved(unittest.TestCase):
     def dropped(self, paint: dict[str, np.ndarray], **settings: float) -> np.ndarray:
         """(n,) how far each vertex is from its animated place."""
         system = WrinkleMesh.build(self.base, MeshSettings(layers="CLOTH", wavelength=0.05))
-        chosen = MeshSettings(layers="CLOTH", wavelength=0.05, base_cloth="HANG", gravity=8.0, slide_room=0.0, **settings)
+        chosen = MeshSettings(layers="CLOTH", wavelength=0.05, base_cloth="HANG", gravity=8.0, slide_room=0.0,
+                              **settings)
         across = np.array(((1, 0, 0), (0, 0, -1), (0, 1, 0)), np.float32)  # its axis lies: the loose end falls
         for frame in range(1, 4):
             system.solve_frame(float(frame), self.base.positions, chosen, {"follow": self.follow, **paint}, start=1,

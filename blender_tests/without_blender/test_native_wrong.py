@@ -113,8 +113,9 @@ class Refused(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "^width: number 0: expected 0.1 to 1, got 0"):
             kernels.WrinklePathsPaint(kernels.build_wrinkle_paths(self.surface, level=1), {"width": zero})
         with self.assertRaisesRegex(ValueError, "^wavelength: number 0: expected 0.001 to 1000, got 0"):
-            kernels.estimate_waves_wrinkle_field(kernels.build_wrinkle_field(self.surface), kernels.WrinkleFieldSettings(),
-                                                 kernels.WrinkleFieldPaint({"wavelength": zero}), self.squeezed)
+            kernels.estimate_waves_wrinkle_field(
+                kernels.build_wrinkle_field(self.surface), kernels.WrinkleFieldSettings(),
+                kernels.WrinkleFieldPaint({"wavelength": zero}), self.squeezed)
 
     def test_layers_of_another_mesh_are_not_shown_on_the_dense_one(self) -> None:
         """Only the number of vertices was compared."""

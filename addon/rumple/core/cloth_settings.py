@@ -34,8 +34,8 @@ class ClothSettings:
     slide_room: float = setting(0.15, "Slide", "How far the cloth may slide along the body, where that is more than "
                                 "Room. More: it hangs lower, and goes where it is pulled", low=0.0, high=10.0,
                                 unit="LENGTH")
-    free_room: float = setting(0.25, "Free Room", "How far the cloth may leave its animated place where it hangs free of "
-                               "the body, as a skirt does: where Hangs Free is painted", low=0.0, high=10.0,
+    free_room: float = setting(0.25, "Free Room", "How far the cloth may leave its animated place where it hangs free "
+                               "of the body, as a skirt does: where Hangs Free is painted", low=0.0, high=10.0,
                                unit="LENGTH")
     friction: float = setting(0.3, "Friction", "How firmly the cloth stays in its place on the body where it is "
                               "pressed on. 0: it slides freely. Cotton on skin 0.3 to 0.6", low=0.0, high=10.0,

@@ -165,7 +165,8 @@ RUMPLE_API void rumple_waves_free(rumple_waves* waves);
 
 // One frame: sections 4.2 and 5.2. paint: or NULL. before: of the frame before, or NULL: the canonical start.
 // report: written, or NULL. waves: gets the field that was solved, for rumple_wrinkle_field_show(), to be
-// freed; it gets NULL where the field is not finite, as in a pose that has exploded; or NULL. Deterministic on any number of threads. Cost: O(rounds x edges).
+// freed; it gets NULL where the field is not finite, as in a pose that has exploded; or NULL. Deterministic
+// on any number of threads. Cost: O(rounds x edges).
 RUMPLE_API rumple_status rumple_wrinkle_field_solve(const rumple_wrinkle_field* model,
                                                     const rumple_wrinkle_field_settings* settings,
                                                     const rumple_wrinkle_field_paint* paint,

@@ -80,8 +80,8 @@ typedef struct rumple_wrinkle_mesh_settings {
     float slack;               // of layers: length over rest length at which the base pulls taut, > 0
     float taut_range;  // of layers: over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere
     float hang[3];     // of layers: object space, length 0..1: along it its own weight pulls the cloth taut
-    float bend_radius;  // of layers: object units, >= 0: no folds along lines that bend on less; 0: along any;
-                        // that of the first layer counts for all of them
+    float bend_radius;  // of layers, that of the first counts: object units, >= 0: no folds along lines that
+                        // bend on less; 0: along any
     float apart;        // of layers: share of the distance to its own cloth that a vertex may go, 0..0.5
     float slide;        // of layers: share of the heights of its triangles that it may go along them, 0..0.5
     float nudge;        // size of the random push of unbuckled vertices, in fine edges, >= 0

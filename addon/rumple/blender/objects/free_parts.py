@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which parts of a garment hang free of the body, for the first click: the skirt of a dress, a wide sleeve, a coat below
-the waist. They are painted, so that the artist sees and changes them."""
+"""Which parts of a garment hang free of the body, for the first click: the skirt of a dress, a wide sleeve, a coat
+below the waist. They are painted, so that the artist sees and changes them."""
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -38,9 +38,9 @@ class _Surface(NamedTuple):
 
 
 def paint(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
-    """Paint Hangs Free where the cloth of an object is away from all that it is worn over. What was painted stays; where
-    next to nothing hangs free, or everything has the room of it, nothing is painted. Cost: 10 ms per 1,000 vertices
-    and body; of most garments 10 ms."""
+    """Paint Hangs Free where the cloth of an object is away from all that it is worn over. What was painted stays;
+    where next to nothing hangs free, or everything has the room of it, nothing is painted. Cost: 10 ms per 1,000
+    vertices and body; of most garments 10 ms."""
     painted, settings = painted_maps.find(obj, hangs_free.FREE), properties.group_of(obj)
     if painted is None or painted.exists or settings.base_cloth == "OFF" or settings.room >= settings.free_room:
         return
@@ -58,11 +58,13 @@ def _free_share(obj: bpy.types.Object, over: list[bpy.types.Object], metre: floa
     rest = transforms.placed(np.array(obj.matrix_world, np.float32), mesh_reader.basis_positions(obj.data))
     if not np.isfinite(rest).all():
         return None
-    surfaces, normals = [_Surface.of(body) for body in over], _normals(obj)
-    size = size_factor(float(np.linalg.norm(np.ptp(rest, axis=0))), metre)
+    surfaces, turn = [_Surface.of(body) for body in over], obj.matrix_world.to_3x3().inverted_safe().transposed()
+    size = size_factor(Vector(np.ptp(rest, axis=0)).length, metre)
 
     def share(step: int, side: float) -> np.ndarray:
-        distance = _distances(rest[::step], side * normals[::step], surfaces, FARTHEST * size / metre)
+        places, vertices = [Vector(place) for place in rest[::step].tolist()], obj.data.vertices
+        normals = [side * (turn @ vertices[i].normal).normalized() for i in range(0, len(rest), step)]
+        distance = _distances(places, normals, surfaces, FARTHEST * size / metre)
         return hangs_free.share_of_distance(metre * distance, size)
 
     step = max(len(rest) // SAMPLES, 1)
@@ -72,19 +74,10 @@ def _free_share(obj: bpy.types.Object, over: list[bpy.types.Object], metre: floa
     return hangs_free.spread(share(1, body_search.side_of(obj)), compat.edge_vertices(obj.data))
 
 
-def _normals(obj: bpy.types.Object) -> np.ndarray:
-    """(n, 3) of the vertices, world space, unit or zero."""
-    flat = np.empty(len(obj.data.vertices) * 3, np.float32)
-    obj.data.vertices.foreach_get("normal", flat)
-    turn = np.array(obj.matrix_world.to_3x3().inverted_safe().transposed(), np.float32)
-    turned = transforms.turned(turn, flat.reshape(-1, 3))
-    return turned / np.maximum(np.linalg.norm(turned, axis=1), 1e-12)[:, None]
-
-
-def _distances(places: np.ndarray, normals: np.ndarray, over: list[_Surface], farthest: float) -> np.ndarray:
+def _distances(places: list[Vector], normals: list[Vector], over: list[_Surface], farthest: float) -> np.ndarray:
     """(n,) world units to the nearest surface below the cloth; NaN where none is within reach, or where it ends."""
     found = np.full(len(places), np.nan)
-    for number, (place, normal) in enumerate(zip(map(Vector, places.tolist()), map(Vector, normals.tolist()))):
+    for number, (place, normal) in enumerate(zip(places, normals)):
         near = farthest
         for surface in over:
             nearest, _, triangle, distance = surface.tree.find_nearest(place, near)

@@ -25,8 +25,8 @@ def of(obj: bpy.types.Object) -> list[str]:
 def of_children(obj: bpy.types.Object) -> list[str]:
     """What is parented to vertices goes to the object's origin: vertices of the fine mesh have no number of the coarse
     one. Looks at all objects, so the first click alone says it."""
-    return [f"{obj.name}: the object \"{child.name}\" is parented to vertices of it, which are other ones now: give it a "
-            "Copy Location constraint with a vertex group in place of the parent"
+    return [f"{obj.name}: the object \"{child.name}\" is parented to vertices of it, which are other ones now: give it "
+            "a Copy Location constraint with a vertex group in place of the parent"
             for child in obj.children if child.parent_type in ("VERTEX", "VERTEX_3")][:1]
 
 

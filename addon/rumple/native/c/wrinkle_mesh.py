@@ -72,8 +72,7 @@ class WrinkleMeshSettings(Struct):
     slack: float  # of layers: length over rest length at which the base pulls taut, > 0
     taut_range: float  # of layers: over which, below that, s goes from slack to prestretch, >= 0; 0: nowhere
     hang: Array  # of layers: object space, length 0..1: along it its own weight pulls the cloth taut
-    # of layers: object units, >= 0: no folds along lines that bend on less; 0: along any; that of the first layer
-    # counts for all of them
+    # of layers, that of the first counts: object units, >= 0: no folds along lines that bend on less; 0: along any
     bend_radius: float
     apart: float  # of layers: share of the distance to its own cloth that a vertex may go, 0..0.5
     slide: float  # of layers: share of the heights of its triangles that it may go along them, 0..0.5
