@@ -283,7 +283,7 @@ class Listed(unittest.TestCase):
         give(obj, uneven(obj), "Rumple Drape")
         self.assertEqual(self.keys(obj), ["drape", "radius", "prestretch", "bending", "smooth", "rigid"])
         obj.rumple.mesh.base_cloth, obj.rumple.mesh.layers = "HANG", "CLOTH"
-        self.assertEqual(self.keys(obj), ["drape", "folds", "detail", "radius", "prestretch", "bending", "room",
+        self.assertEqual(self.keys(obj), ["drape", "folds", "detail", "radius", "prestretch", "bending", "room", "free",
                                           "follow", "smooth", "rigid"])
         bpy.ops.object.rumple_remove()
         bpy.ops.object.rumple_add(method="FIELD")
