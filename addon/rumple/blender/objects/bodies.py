@@ -17,7 +17,7 @@ from ...core import engine, transforms
 from ...core.body import Body, digest_of_triangles, facing_outwards
 from .. import compat
 from ..nodes import path_curves_tree
-from . import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes, units
+from . import coarse_copy, incoming_mesh, made_collections, mesh_reader, modifier, runtimes, units
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
@@ -33,8 +33,14 @@ def of(obj: bpy.types.Object) -> list[bpy.types.Object]:
     body, collection = obj.rumple.body, obj.rumple.body_collection
     found = [body] if body is not None and can_be_body(body) else []
     if collection is not None:
-        found += [member for member in collection.all_objects if member != body and _is_surface(member)]
+        found += [member for member in collection.all_objects if member != body and _is_surface(member)
+                  and not _is_left_over(member, collection)]
     return found
+
+
+def _is_left_over(member: bpy.types.Object, collection: bpy.types.Collection) -> bool:
+    """Whether it was deleted, or joined to another object, and only a collection of Rumple's still has it."""
+    return compat.is_editable(member) and not _is_somewhere(member) and made_collections.is_ours(collection)
 
 
 def _is_surface(obj: bpy.types.Object) -> bool:
@@ -43,12 +49,13 @@ def _is_surface(obj: bpy.types.Object) -> bool:
 
 
 def _is_somewhere(obj: bpy.types.Object) -> bool:
-    """In some collection. What was deleted while a garment names it is in none, and neither are output objects."""
+    """In some collection, other than Rumple's. What was deleted while a garment names it is in none, and neither are
+    output objects."""
     key = compat.session_key(obj)
     last = bpy.data.collections.get(_found_in.get(key, ""))
     collections = (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections)
     for collection in collections if last is None else (last, *collections):
-        if collection.objects.get(obj.name) == obj:
+        if collection.objects.get(obj.name) == obj and not made_collections.is_ours(collection):
             _found_in[key] = collection.name
             return True
     return False
@@ -135,8 +142,16 @@ def connect_all() -> None:
         body = obj.rumple.body
         if body is not None and compat.is_editable(obj) and not _is_somewhere(body):
             obj.rumple.body = None  # else what was deleted stays in the file, for it has a user
+        _drop_left_overs(obj.rumple.body_collection)
         if not is_connected(obj, nodes_mod):
             modifier.set_bodies(nodes_mod, *_wanted(obj))
+
+
+def _drop_left_overs(collection: bpy.types.Collection | None) -> None:
+    if collection is None or not compat.is_editable(collection) or collection.override_library is not None:
+        return
+    for member in [member for member in collection.objects if _is_left_over(member, collection)]:
+        collection.objects.unlink(member)
 
 
 # ---------------------------------------------------------------- a frame
