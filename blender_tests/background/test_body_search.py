@@ -86,7 +86,7 @@ class FirstClick(unittest.TestCase):
 
     def test_a_body_that_was_deleted_under_its_clothes_is_found(self) -> None:
         body = self.deleted_under_the_garment()
-        one, other = ((body_search._cloth(a), body_search._tree(b)) for a, b in ((body, self.obj), (self.obj, body)))
+        one, other = ((body_search._cloth(a), body_search.tree_of(b)) for a, b in ((body, self.obj), (self.obj, body)))
         self.assertGreater(body_search._share_over(*one), body_search._share_over(*other))
         self.assertEqual(self.found(), "Human")
         self.assertNotEqual(self.obj.rumple.mesh.base_cloth, "OFF")
@@ -110,7 +110,7 @@ class FirstClick(unittest.TestCase):
         work.to_mesh(body.data)
         work.free()
         body.data.transform(Matrix.Translation((0.1 * sleeve.LENGTH, 0, 0)))
-        share = body_search._share_over(body_search._cloth(self.obj), body_search._tree(body))
+        share = body_search._share_over(body_search._cloth(self.obj), body_search.tree_of(body))
         self.assertTrue(0.05 < share < 0.15, share)
         self.assertEqual(self.found(), "Human")
 
