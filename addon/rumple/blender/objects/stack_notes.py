@@ -53,10 +53,23 @@ def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[st
 
 def _other_points_in_renders(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
     """The first modifier that does so: the fine mesh is made for what viewports have."""
-    return [f"{obj.name}: the modifier \"{m.name}\" above {nodes_mod.name} makes other vertices in renders than in "
-            "viewports, so renders have no wrinkles: set both alike"
-            for m in modifier.in_front(obj) if modifier.changes_topology(m) and (
-                m.show_viewport != m.show_render or _levels(m, "levels") != _levels(m, "render_levels"))][:1]
+    for m in modifier.in_front(obj):
+        if not modifier.changes_topology(m):
+            continue
+        if m.show_viewport != m.show_render or (_levels(m, "levels") != _levels(m, "render_levels")
+                                                and not _is_simplified(m)):
+            return [f"{obj.name}: the modifier \"{m.name}\" above {nodes_mod.name} makes other vertices in renders "
+                    "than in viewports, so renders have no wrinkles: set both alike"]
+        if _levels(m, "levels") != _levels(m, "render_levels"):
+            return [f"{obj.name}: Simplify (Render Properties) lets the modifier \"{m.name}\" above {nodes_mod.name} "
+                    "make other vertices in renders than in viewports, so renders have no wrinkles: set Max "
+                    "Subdivision of both alike, or switch Simplify off"]
+    return []
+
+
+def _is_simplified(m: bpy.types.Modifier) -> bool:
+    """Whether its levels are alike but for Simplify."""
+    return bpy.context.scene.render.use_simplify and getattr(m, "levels", 0) == getattr(m, "render_levels", 0)
 
 
 def _levels(m: bpy.types.Modifier, name: str) -> int:
