@@ -11,7 +11,7 @@ from ...core import clip_file
 from ...core.clip_manifest import ClipFault, Manifest
 from .. import compat
 from ..objects import (bodies, clip_place, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier,
-                       properties, runtimes, units)
+                       properties, runtimes, stack_notes, units)
 from ..objects.runtimes import Runtime
 from . import path_curves
 
@@ -237,6 +237,6 @@ def check_before_render() -> None:
         with messages.console_errors(obj.name):
             output_obj = modifier.output_object(nodes_mod)
             text = "" if output_obj is None else check(obj, output_obj) if modifier.is_baked(nodes_mod) else \
-                _not_made_yet(obj) or late_in_renders(obj)
+                _not_made_yet(obj) or late_in_renders(obj) or next(iter(stack_notes.skipped_frames(obj)), "")
             if text:
                 print(f"Rumple: before rendering: {text}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import bodies, mesh_reader, modifier, properties, runtimes, subdivision_behind
+from . import bodies, mesh_reader, modifier, properties, runtimes, subdivision_behind, units
 
 # What poses or simulates a garment: behind the wrinkles these do not see it. Smooth, Shrinkwrap and the like may well
 # stand there.
@@ -18,7 +18,17 @@ def of(obj: bpy.types.Object) -> list[str]:
     if nodes_mod is None or modifier.is_baked(nodes_mod):
         return []
     return (_order(obj, nodes_mod) + _armatures(obj) + _other_points_in_renders(obj, nodes_mod)
-            + subdivision_behind.notes(obj, runtimes.of(obj).evaluator))
+            + subdivision_behind.notes(obj, runtimes.of(obj).evaluator) + skipped_frames(obj))
+
+
+def skipped_frames(obj: bpy.types.Object) -> list[str]:
+    """An animation rendered with a Step: each of its frames is a jump. Of cloth that swings each frame says so."""
+    scene = units.scene_of(obj)
+    settings = properties.settings_of(obj, scene)
+    if scene.frame_step == 1 or settings.stateless or settings.swings:
+        return []
+    return [f"{obj.name}: Step of the scene is {scene.frame_step}, so a render solves each frame as after a jump: play "
+            "all frames first, set it to 1, or bake"]
 
 
 def _armatures(obj: bpy.types.Object) -> list[str]:
