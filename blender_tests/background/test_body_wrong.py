@@ -2,6 +2,8 @@
 """What is wrong with a body is said in a sentence that names the object, and the last picture stays."""
 from __future__ import annotations
 
+import contextlib
+import io
 import math
 from unittest import mock
 
@@ -12,6 +14,18 @@ from rumple.blender.nodes import wrinkle_tree
 from rumple.blender.objects import bodies, modifier, runtimes
 from support import sleeve
 from support.worn_sleeve import Worn, solved_body
+
+
+def instances() -> bpy.types.NodeTree:
+    """Nodes that leave an instance of what comes in, and no faces."""
+    tree = bpy.data.node_groups.new("Instances", "GeometryNodeTree")
+    for in_out in ("INPUT", "OUTPUT"):
+        compat.new_group_socket(tree, "Geometry", in_out, "NodeSocketGeometry")
+    first, middle, last = (tree.nodes.new(name) for name in ("NodeGroupInput", "GeometryNodeGeometryToInstance",
+                                                             "NodeGroupOutput"))
+    tree.links.new(first.outputs[0], middle.inputs[0])
+    tree.links.new(middle.outputs[0], last.inputs[0])
+    return tree
 
 
 class Wrong(Worn):
@@ -35,8 +49,46 @@ class Wrong(Worn):
     def test_no_faces(self) -> None:
         self.body.data.clear_geometry()
         self.obj.rumple.body = self.body
-        self.check_said(self.obj, "body Human has no faces")
+        self.check_left_out("Human")
         self.obj.rumple.body = None
+        self.check_right(self.obj)
+        self.assertEqual(runtimes.of(self.obj).left_out, "")
+
+    def check_left_out(self, name: str) -> None:
+        """All stood still for one of several bodies."""
+        for frame in (8, 9):
+            self.check_right(self.obj, frame)
+        self.assertRegex(runtimes.of(self.obj).left_out, f"^Sleeve: its body {name} has no faces and is left out")
+
+    def test_no_faces_among_others(self) -> None:
+        group = bpy.data.collections.new("All")
+        bpy.context.scene.collection.children.link(group)
+        group.objects.link(bpy.data.objects.new("Empty", bpy.data.meshes.new("Empty")))
+        group.objects.link(self.body)
+        self.obj.rumple.body_collection = group
+        self.check_left_out("Empty")
+        self.assertEqual(len(solved_body(self.obj).positions), len(self.body.data.vertices))
+
+    def test_nodes_make_instances_of_it(self) -> None:
+        self.body.modifiers.new("Instances", "NODES").node_group = instances()
+        self.obj.rumple.body = self.body
+        self.check_left_out("Human")
+        self.assertIsNone(solved_body(self.obj))
+        self.body.modifiers["Instances"].show_viewport = False
+        self.check_right(self.obj)
+        self.assertEqual(runtimes.of(self.obj).left_out, "")
+        self.assertIsNotNone(solved_body(self.obj))
+
+    def test_nodes_above_the_wrinkles_make_instances(self) -> None:
+        """It was told to add faces, and the console: "positions: expected 192 vertices, got 0"."""
+        made = self.obj.modifiers.new("Instances", "NODES")
+        made.node_group = instances()
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            compat.move_modifier(self.obj, len(self.obj.modifiers) - 1, 0)
+            self.check_said(self.obj, 'the modifier "Instances" above the wrinkles leaves no faces: add Realize Inst')
+        self.assertNotIn("expected", printed.getvalue())
+        self.obj.modifiers.remove(made)
         self.check_right(self.obj)
 
     def test_not_finite(self) -> None:

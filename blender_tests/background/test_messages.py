@@ -2,11 +2,14 @@
 """What was silent is said, and what is said names the object, the element and what to do, in an artist's words."""
 from __future__ import annotations
 
+import contextlib
+import io
 import unittest
 from typing import Callable
 
 import bpy
 from rumple.blender import compat, scheduler
+from rumple.blender.frame import clip_status
 from rumple.blender.objects import modifier, stack_notes
 from support import sleeve
 
@@ -26,6 +29,21 @@ class Stack(unittest.TestCase):
             "moves: move Wrinkle Mesh below it"])
         obj.modifiers["Armature"].show_viewport = obj.modifiers["Armature"].show_render = False
         self.assertIn("nothing above Wrinkle Mesh", stack_notes.of(obj)[0])
+
+    def test_a_step_that_skips_frames_is_said(self) -> None:
+        """Of cloth that hangs nothing was said: each rendered frame is solved as after a jump."""
+        obj, scene = sleeve.scene(), bpy.context.scene
+        obj.rumple.mesh.base_cloth = "HANG"
+        sleeve.at(2)
+        for step, notes in ((1, 0), (2, 1)):
+            scene.frame_step = step
+            self.assertEqual(len(stack_notes.of(obj)), notes)
+            printed = io.StringIO()
+            with contextlib.redirect_stdout(printed):
+                clip_status.check_before_render()
+            self.assertEqual(printed.getvalue().count("Sleeve: Step of the scene is 2"), notes)
+        obj.rumple.mesh.base_cloth = "SWING"  # its frames say so themselves
+        self.assertEqual(stack_notes.of(obj), [])
 
     def test_what_may_stand_behind_is_left_in_peace(self) -> None:
         obj = sleeve.scene()

@@ -112,7 +112,7 @@ class Stacks(unittest.TestCase):
         made.render_levels = 1
         self.assertEqual(stack_notes.of(self.obj), [])
         bpy.context.scene.render.use_simplify, bpy.context.scene.render.simplify_subdivision = True, 0
-        self.assertRegex("\n".join(stack_notes.of(self.obj)), "other vertices in renders")
+        self.assertRegex("\n".join(stack_notes.of(self.obj)), "^Sleeve: Simplify .*other vertices.*switch Sim")
         bpy.context.scene.render.use_simplify, made.show_render = False, False
         self.assertRegex("\n".join(stack_notes.of(self.obj)), "other vertices in renders")
 

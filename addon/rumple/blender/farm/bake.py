@@ -191,8 +191,7 @@ def whole_at(path: Path, obj: bpy.types.Object, digest: str, frames: tuple[int, 
                 return None
     except (ClipFault, OSError):
         return None
-    same = manifest.inputs == clip_status.inputs_fingerprint(obj, bpy.context.scene)
-    return manifest if same else None
+    return manifest if clip_status.is_baked_from(manifest.inputs, obj, bpy.context.scene) else None
 
 
 def show(obj: bpy.types.Object, manifest: Manifest) -> None:

@@ -9,8 +9,9 @@ import bpy
 
 from ...core import clip_file
 from ...core.clip_manifest import ClipFault, Manifest
-from ..objects import (bodies, clip_place, coarse_copy, evaluator, mesh_reader, messages, modifier, properties,
-                       runtimes, units)
+from .. import compat
+from ..objects import (bodies, clip_place, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier,
+                       properties, runtimes, stack_notes, units)
 from ..objects.runtimes import Runtime
 from . import path_curves
 
@@ -50,18 +51,45 @@ def is_simulated_in_front(obj: bpy.types.Object) -> bool:
 
 
 def inputs_fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """Hash of everything that makes a clip but the animation: meshes, settings, paint, names of bodies, first frame.
+    """Hash of everything that makes a clip but the animation: meshes, settings, paint, bodies; and its first frame.
     scene: that it is played in."""
+    return f"{_fingerprint(obj, scene, _content_of_bodies(obj), None)}@{units.first_frame(obj, scene)}"
+
+
+def is_baked_from(inputs: str, obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
+    """Whether a fingerprint of a clip is of what is there now. A clip that began earlier than it would now is right:
+    Start is moved to render a part again."""
+    fingerprint, _, begun = inputs.partition("@")
+    first = units.first_frame(obj, scene)
+    if not begun:  # of an older Rumple, with the names of the bodies
+        names = "".join(body.name_full for body in bodies.of(obj))
+        return fingerprint == _fingerprint(obj, scene, names.encode(), first)
+    return (begun.lstrip("-").isdecimal() and int(begun) <= first
+            and fingerprint == _fingerprint(obj, scene, _content_of_bodies(obj), None))
+
+
+def _fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: bytes, first: int | None) -> str:
     digest = hashlib.sha1(evaluator.sources(obj).shape.encode())
     settings = properties.settings_of(obj, units.scene_of(obj))
-    digest.update(repr((settings, units.first_frame(obj, scene))).encode())
+    digest.update(repr(settings if first is None else (settings, first)).encode())
     if sees_ahead(obj, scene):
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")
     for key, weights in sorted(mesh_reader.paint(obj, settings).items()):
         digest.update(key.encode() + weights.tobytes())
-    for body in bodies.of(obj):
-        digest.update(body.name_full.encode())
+    digest.update(worn_over)
     return digest.hexdigest()
+
+
+def _content_of_bodies(obj: bpy.types.Object) -> bytes:
+    """Of their meshes at rest. Names differ where a character is linked, overridden or duplicated."""
+    return b"".join(sorted(map(_content, bodies.of(obj))))
+
+
+def _content(body: bpy.types.Object) -> bytes:
+    mesh = incoming_mesh.of(body)
+    digest = hashlib.sha1(mesh_reader.basis_positions(mesh).tobytes())
+    digest.update(compat.corner_vertices(mesh).tobytes() + compat.indices(mesh.polygons, "loop_total").tobytes())
+    return digest.digest()
 
 
 # ---------------------------------------------------------------- the file
@@ -159,7 +187,7 @@ def check(obj: bpy.types.Object, output_object: bpy.types.Object) -> str:
                "baked from: bake again"
     if clip_place.is_temporary(clip) and bpy.data.filepath:
         return f"{obj.name}: the clip was baked before the file was saved, and goes when Blender quits: bake again"
-    if all(about.inputs != inputs_fingerprint(obj, scene) for scene in obj.users_scene or (units.scene_of(obj),)):
+    if not any(is_baked_from(about.inputs, obj, scene) for scene in obj.users_scene or (units.scene_of(obj),)):
         return f"{obj.name}: meshes, settings, paint or bodies changed since the bake: bake again to see it"
     return ""
 
@@ -209,6 +237,6 @@ def check_before_render() -> None:
         with messages.console_errors(obj.name):
             output_obj = modifier.output_object(nodes_mod)
             text = "" if output_obj is None else check(obj, output_obj) if modifier.is_baked(nodes_mod) else \
-                _not_made_yet(obj) or late_in_renders(obj)
+                _not_made_yet(obj) or late_in_renders(obj) or next(iter(stack_notes.skipped_frames(obj)), "")
             if text:
                 print(f"Rumple: before rendering: {text}")

@@ -13,8 +13,8 @@ from ...core.shown_mesh import ShownMesh, ViewportMesh
 from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
 from ..nodes.output_flags import Flag, set_flag
-from ..objects import (bodies, coarse_copy, evaluator, incoming_mesh, kept_lists, mesh_reader, messages, modifier,
-                       output_mesh, runtimes, units, viewport_mesh)
+from ..objects import (bodies, coarse_copy, duplicates, evaluator, incoming_mesh, kept_lists, mesh_reader, messages,
+                       modifier, output_mesh, runtimes, units, viewport_mesh)
 from ..objects.runtimes import Runtime
 from . import clip_status, path_curves
 
@@ -33,6 +33,7 @@ def sync_all() -> None:
         with messages.console_errors("hidden objects"):
             modifier.take_out_of_scenes((*modifier.outputs(nodes_mod), modifier.cache_object(nodes_mod)))
     with messages.console_errors("bodies"):
+        duplicates.split_worn_over([obj for obj, _ in objects])
         bodies.connect_all()
     for obj, nodes_mod in objects:
         if runtimes.of(obj).stale and not _is_awaited(obj, nodes_mod):

@@ -298,9 +298,11 @@ def _fits(nodes_mod: bpy.types.NodesModifier, runtime: Runtime) -> bool:
 def _incoming(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime: Runtime,
               depsgraph: bpy.types.Depsgraph) -> np.ndarray | None:
     """Coarse positions of this frame; None where the modifier is off or passed the coarse mesh through."""
-    if runtime.pose is not None:
-        return runtime.pose
     count = runtime.evaluator.coarse_count
+    if runtime.refusal and len(incoming_mesh.of(obj).vertices) != count:
+        return None  # what arrives now was refused: the last good picture stays
+    if runtime.pose is not None and len(runtime.pose) == count:
+        return runtime.pose
     positions, lost = None, False
     try:
         positions = coarse_copy.posed_positions(obj, count, depsgraph)

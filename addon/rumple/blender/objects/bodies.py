@@ -17,7 +17,7 @@ from ...core import engine, transforms
 from ...core.body import Body, digest_of_triangles, facing_outwards
 from .. import compat
 from ..nodes import path_curves_tree
-from . import coarse_copy, incoming_mesh, mesh_reader, modifier, runtimes, units
+from . import coarse_copy, incoming_mesh, made_collections, mesh_reader, messages, modifier, runtimes, units
 
 Wrinkled = tuple[bpy.types.Object, bpy.types.NodesModifier]
 
@@ -33,8 +33,14 @@ def of(obj: bpy.types.Object) -> list[bpy.types.Object]:
     body, collection = obj.rumple.body, obj.rumple.body_collection
     found = [body] if body is not None and can_be_body(body) else []
     if collection is not None:
-        found += [member for member in collection.all_objects if member != body and _is_surface(member)]
+        found += [member for member in collection.all_objects if member != body and _is_surface(member)
+                  and not _is_left_over(member, collection)]
     return found
+
+
+def _is_left_over(member: bpy.types.Object, collection: bpy.types.Collection) -> bool:
+    """Whether it was deleted, or joined to another object, and only a collection of Rumple's still has it."""
+    return compat.is_editable(member) and not _is_somewhere(member) and made_collections.is_ours(collection)
 
 
 def _is_surface(obj: bpy.types.Object) -> bool:
@@ -43,12 +49,13 @@ def _is_surface(obj: bpy.types.Object) -> bool:
 
 
 def _is_somewhere(obj: bpy.types.Object) -> bool:
-    """In some collection. What was deleted while a garment names it is in none, and neither are output objects."""
+    """In some collection, other than Rumple's. What was deleted while a garment names it is in none, and neither are
+    output objects."""
     key = compat.session_key(obj)
     last = bpy.data.collections.get(_found_in.get(key, ""))
     collections = (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections)
     for collection in collections if last is None else (last, *collections):
-        if collection.objects.get(obj.name) == obj:
+        if collection.objects.get(obj.name) == obj and not made_collections.is_ours(collection):
             _found_in[key] = collection.name
             return True
     return False
@@ -135,8 +142,16 @@ def connect_all() -> None:
         body = obj.rumple.body
         if body is not None and compat.is_editable(obj) and not _is_somewhere(body):
             obj.rumple.body = None  # else what was deleted stays in the file, for it has a user
+        _drop_left_overs(obj.rumple.body_collection)
         if not is_connected(obj, nodes_mod):
             modifier.set_bodies(nodes_mod, *_wanted(obj))
+
+
+def _drop_left_overs(collection: bpy.types.Collection | None) -> None:
+    if collection is None or not compat.is_editable(collection) or collection.override_library is not None:
+        return
+    for member in [member for member in collection.objects if _is_left_over(member, collection)]:
+        collection.objects.unlink(member)
 
 
 # ---------------------------------------------------------------- a frame
@@ -146,25 +161,36 @@ def are_busy(obj: bpy.types.Object) -> bool:
 
 
 def read(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
-    """The bodies of a garment as a depsgraph has them; None where it has none. Raises engine.UserError."""
+    """The bodies of a garment as a depsgraph has them; None where it has none. Those without faces are left out, and
+    the first of them is named. Raises engine.UserError."""
     found, refused = of(obj), refusal(obj)
     if refused:
         raise engine.UserError(refused)
     if not found:
+        messages.note_left_out(runtimes.of(obj), "")
         return None
     if not modifier.can_name_bodies(modifier.find(obj)):
         raise engine.UserError(f"{obj.name}: its node group is linked from a file of an older Rumple: open that file "
                                "and save it, or take the body away")
-    surfaces = [_surface(obj, evaluated, body, depsgraph) for body in found]
+    read_now = [(body, _surface(obj, evaluated, body, depsgraph)) for body in found]
+    surfaces = [surface for _, surface in read_now if surface is not None]
+    empty = next((body for body, surface in read_now if surface is None), None)
+    messages.note_left_out(runtimes.of(obj), "" if empty is None else (
+        f"{obj.name}: its body {empty.name} has no faces and is left out: choose another one, or add Realize Instances "
+        "to its nodes"))
+    if not surfaces:
+        return None
     joined = _joined_triangles((compat.session_key(obj), depsgraph.mode), surfaces)
     return Body(np.concatenate([surface.positions for surface in surfaces]), joined.triangles, joined.digest)
 
 
 def _surface(obj: bpy.types.Object, evaluated: bpy.types.Object, body: bpy.types.Object,
-             depsgraph: bpy.types.Depsgraph) -> Body:
-    """One body in the object space of the garment. Raises engine.UserError."""
+             depsgraph: bpy.types.Depsgraph) -> Body | None:
+    """One body in the object space of the garment; None where it has no faces. Raises engine.UserError."""
     worn = body.evaluated_get(depsgraph)
-    surface = _folded(body, units.frame_of(depsgraph.scene)) or _plain(obj, body, worn, depsgraph)
+    surface = _folded(body, units.frame_of(depsgraph.scene)) or _plain(body, worn, depsgraph)
+    if surface is None:
+        return None
     if not np.isfinite(surface.positions).all():
         first = int(np.isfinite(surface.positions).all(axis=1).argmin())
         raise engine.UserError(f"{obj.name}: vertex {first} of its body {body.name} has no valid position in this "
@@ -189,9 +215,9 @@ def _folded(body: bpy.types.Object, frame: float) -> Body | None:
     return runtime.evaluator.worn_surface(frame, runtime.inputs.positions)
 
 
-def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object,
-           depsgraph: bpy.types.Depsgraph) -> Body:
-    """A body as Blender shows it; a garment that is not baked without its folds. Raises engine.UserError."""
+def _plain(body: bpy.types.Object, worn: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Body | None:
+    """A body as Blender shows it; a garment that is not baked without its folds. None where it has no faces. Raises
+    engine.UserError."""
     mesh, positions, nodes_mod = worn.data, None, modifier.find(body)
     if nodes_mod is not None and not modifier.is_baked(nodes_mod):
         try:
@@ -200,7 +226,7 @@ def _plain(obj: bpy.types.Object, body: bpy.types.Object, worn: bpy.types.Object
             raise engine.UserError(f"{body.name}: {error}") from error
         mesh = incoming_mesh.of(body) if positions is not None else mesh
     if not len(mesh.polygons):
-        raise engine.UserError(f"{obj.name}: its body {body.name} has no faces: choose another one")
+        return None
     return Body(compat.positions(mesh) if positions is None else positions, _triangles(body, mesh, depsgraph.mode))
 
 

@@ -51,10 +51,10 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
 
     Cost: a tree of each candidate, about 2 ms per 1000 polygons.
     """
-    rigs = _armatures(obj)
+    rigs = armatures(obj)
     if not rigs or not np.isfinite(_rest(obj)).all():
         return WornOver(None, [], False)
-    candidates = [other for other in scene.objects if other != obj and rigs & _armatures(other)
+    candidates = [other for other in scene.objects if other != obj and rigs & armatures(other)
                   and bodies.can_be_body(other)]
     trees = {other: tree_of(other) for other in candidates
              if len(other.data.polygons) and np.isfinite(_rest(other)).all()}
@@ -81,7 +81,7 @@ def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:
     return bool((low >= own_low - spare).all() and (high <= own_high + spare).all())
 
 
-def _armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
+def armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
     """That an object follows, as parent or by a modifier."""
     if obj.type != "MESH":
         return set()

@@ -37,6 +37,7 @@ def sources(obj: bpy.types.Object) -> Sources:
     """Read them from the object as it is now. Raises engine.UserError."""
     scene = units.scene_of(obj)
     settings = properties.settings_of(obj, scene)
+    _refuse_without_faces(obj)
     base = mesh_reader.base_mesh(obj, settings.rest_shape, obj.rumple.rest_key)
     base.narrowest = mesh_reader.narrowest(obj, settings)
     if isinstance(settings, FieldSettings) and settings.output == "SHADING":
@@ -46,6 +47,17 @@ def sources(obj: bpy.types.Object) -> Sources:
     unit_scale = units.metres_per_unit(obj, scene)
     return Sources(base, own, attached, settings, unit_scale,
                    _shape_fingerprint(base, own, attached, settings, unit_scale))
+
+
+def _refuse_without_faces(obj: bpy.types.Object) -> None:
+    """The rest of what has none is refused by the library."""
+    if len(incoming_mesh.of(obj).polygons) or not len(obj.data.polygons):
+        return
+    front = [m for m in modifier.in_front(obj) if modifier.changes_topology(m)]
+    nodes = [m for m in front if m.type == "NODES"]
+    if nodes:
+        raise engine.UserError(f"{obj.name}: the modifier \"{nodes[-1].name}\" above the wrinkles leaves no faces: add "
+                               "Realize Instances at the end of its nodes")
 
 
 def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:

@@ -22,6 +22,7 @@ class Messages:
     refusal: str = ""  # what is wrong with the meshes and settings: stays until they change
     unplayed: str = ""  # that this frame was reached by a jump, where it shows
     unplayed_in_renders: str = ""  # the last of these that a render has said
+    left_out: str = ""  # which of its bodies does not count
     notes: list[str] = field(default_factory=list)
 
 
@@ -45,6 +46,12 @@ def note_unplayed(runtime: Messages, text: str, rendering: bool) -> None:
     if rendering:
         _print_new(text, runtime.unplayed_in_renders)
         runtime.unplayed_in_renders = text
+
+
+def note_left_out(runtime: Messages, text: str) -> None:
+    """Set what is said of a body that does not count; a new one goes to the console once."""
+    _tell(text, runtime.left_out)
+    runtime.left_out = text
 
 
 def _tell(text: str, former: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import bodies, mesh_reader, modifier, properties, runtimes, subdivision_behind
+from . import bodies, mesh_reader, modifier, properties, runtimes, subdivision_behind, units
 
 # What poses or simulates a garment: behind the wrinkles these do not see it. Smooth, Shrinkwrap and the like may well
 # stand there.
@@ -19,7 +19,17 @@ def of(obj: bpy.types.Object) -> list[str]:
         return []
     return (_order(obj, nodes_mod) + _particles(obj, nodes_mod) + _armatures(obj)
             + _other_points_in_renders(obj, nodes_mod)
-            + subdivision_behind.notes(obj, runtimes.of(obj).evaluator))
+            + subdivision_behind.notes(obj, runtimes.of(obj).evaluator) + skipped_frames(obj))
+
+
+def skipped_frames(obj: bpy.types.Object) -> list[str]:
+    """An animation rendered with a Step: each of its frames is a jump. Of cloth that swings each frame says so."""
+    scene = units.scene_of(obj)
+    settings = properties.settings_of(obj, scene)
+    if scene.frame_step == 1 or settings.stateless or settings.swings:
+        return []
+    return [f"{obj.name}: Step of the scene is {scene.frame_step}, so a render solves each frame as after a jump: play "
+            "all frames first, set it to 1, or bake"]
 
 
 def of_children(obj: bpy.types.Object) -> list[str]:
@@ -70,10 +80,23 @@ def _order(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[st
 
 def _other_points_in_renders(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> list[str]:
     """The first modifier that does so: the fine mesh is made for what viewports have."""
-    return [f"{obj.name}: the modifier \"{m.name}\" above {nodes_mod.name} makes other vertices in renders than in "
-            "viewports, so renders have no wrinkles: set both alike"
-            for m in modifier.in_front(obj) if modifier.changes_topology(m) and (
-                m.show_viewport != m.show_render or _levels(m, "levels") != _levels(m, "render_levels"))][:1]
+    for m in modifier.in_front(obj):
+        if not modifier.changes_topology(m):
+            continue
+        if m.show_viewport != m.show_render or (_levels(m, "levels") != _levels(m, "render_levels")
+                                                and not _is_simplified(m)):
+            return [f"{obj.name}: the modifier \"{m.name}\" above {nodes_mod.name} makes other vertices in renders "
+                    "than in viewports, so renders have no wrinkles: set both alike"]
+        if _levels(m, "levels") != _levels(m, "render_levels"):
+            return [f"{obj.name}: Simplify (Render Properties) lets the modifier \"{m.name}\" above {nodes_mod.name} "
+                    "make other vertices in renders than in viewports, so renders have no wrinkles: set Max "
+                    "Subdivision of both alike, or switch Simplify off"]
+    return []
+
+
+def _is_simplified(m: bpy.types.Modifier) -> bool:
+    """Whether its levels are alike but for Simplify."""
+    return bpy.context.scene.render.use_simplify and getattr(m, "levels", 0) == getattr(m, "render_levels", 0)
 
 
 def _levels(m: bpy.types.Modifier, name: str) -> int:

@@ -14,8 +14,9 @@ from .. import compat, scheduler, ui_base
 from ..frame import disk_frames, rebuild
 from ..maps import rebuild as maps_rebuild
 from ..nodes import field_shader, wrinkle_tree
-from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, free_parts, incoming_mesh, mesh_reader,
-                       modifier, properties, runtimes, stack_notes, subdivision_behind, units, viewport_mesh)
+from ..objects import (bodies, body_search, cloth_defaults, coarse_copy, free_parts, incoming_mesh, made_collections,
+                       mesh_reader, modifier, properties, runtimes, stack_notes, subdivision_behind, units,
+                       viewport_mesh)
 from ..translation import said
 from . import fabrics, thumbnails
 
@@ -207,9 +208,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             if found.body is not None:
                 about.body = found.body
             if found.garments:
-                about.body_collection = bpy.data.collections.new(f"{obj.name} Is Worn Over")
-                for garment in found.garments:
-                    about.body_collection.objects.link(garment)
+                about.body_collection = made_collections.make(obj, found.garments)
 
     def _report(self, obj: bpy.types.Object, warnings: list[str]) -> None:
         for note in warnings + stack_notes.of(obj) + stack_notes.of_children(obj) + (

@@ -51,6 +51,8 @@ class DATA_PT_rumple(bpy.types.Panel):
         draw_message(layout, runtimes.message(obj))
         for note in stack_notes.of(obj):
             draw_message(layout, note)
+        if runtimes.of(obj).left_out:
+            draw_message(layout, runtimes.of(obj).left_out)
         system = properties.system_of(obj)
         if system.presets:
             thumbnails.draw(layout, obj, ICONS[system.method])

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Duplicates of a character: Blender lets their pointers lead to one another, but not what a collection of Rumple's
+holds. So the copy of a shirt would be worn over the trousers of the first character."""
+from __future__ import annotations
+
+import bpy
+
+from .. import compat
+from . import body_search, made_collections, units
+
+
+def split_worn_over(garments: list[bpy.types.Object]) -> None:
+    """Each garment has a collection of its own, with what moves with it. Not in handlers."""
+    sharing: dict[int, list[bpy.types.Object]] = {}
+    for garment in garments:
+        collection = garment.rumple.body_collection
+        if collection is not None and compat.is_editable(garment) and made_collections.is_ours(collection):
+            sharing.setdefault(compat.session_key(collection), []).append(garment)
+    for several in sharing.values():
+        if len(several) > 1:
+            _split(several)
+
+
+def _split(garments: list[bpy.types.Object]) -> None:
+    """The one that it was made for keeps it."""
+    collection = garments[0].rumple.body_collection
+    members = list(collection.objects)
+    wanted = {garment: [_counterpart(member, garment) for member in members] for garment in garments}
+    keeper = next((garment for garment in garments if wanted[garment] == members), garments[0])
+    for garment in garments:
+        if garment != keeper:
+            garment.rumple.body_collection = made_collections.make(garment, dict.fromkeys(wanted[garment]))
+
+
+def _counterpart(member: bpy.types.Object, garment: bpy.types.Object) -> bpy.types.Object:
+    """What has the mesh of a member, or its name but for the number, and follows the armature of a garment. The member
+    itself where it does so, or nothing else."""
+    rigs = body_search.armatures(garment)
+    if not rigs or rigs & body_search.armatures(member):
+        return member
+    alike = [other for other in units.scene_of(garment).objects if other != garment
+             and (other.data == member.data or _stem(other) == _stem(member)) and rigs & body_search.armatures(other)]
+    return min(alike, key=lambda other: (_stem(other) != _stem(member), other.data != member.data), default=member)
+
+
+def _stem(obj: bpy.types.Object) -> str:
+    """Its name without the number that Blender adds to a duplicate's."""
+    name, _, number = obj.name.rpartition(".")
+    return name if name and len(number) >= 3 and number.isdigit() else obj.name
