@@ -66,7 +66,8 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
      r"|shape keys are absolute|cannot be set here: a driver", "reference-poses"),
     (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|no valid position|scale is zero|the fine mesh would have|of the own mesh|has no room for"
-     r"|rest wrinkle of|away from the origin", "the-mesh-and-its-modifiers"),
+     r"|rest wrinkle of|away from the origin|Step of the scene|other vertices in renders|leaves no faces"
+     r"|find their places|parented to vertices|shows no waves", "the-mesh-and-its-modifiers"),
     (r"raise Most Vertices|Esc stopped", "the-panel"),
     (r"was healed", "where-it-stands"),
 ))
