@@ -59,14 +59,15 @@ _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "path
 
 # What a message says -> the heading below which the guide says what to do.
 MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
-    (r"worn over|its body|of its bodies|was reached by a jump|linked from a file of an older Rumple", "body-and-cloth"),
+    (r"worn over|its body|of its bodies|was reached by a jump|Step of the scene|linked from a file of an older Rumple",
+     "body-and-cloth"),
     (r"outside the bake|[Bb]aked clip|of it is damaged|the disk of|nothing can be written|the folder .* is gone"
      r"|changed since the bake|is too long for Windows", "bakes"),
     (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
      r"|shape keys are absolute|cannot be set here: a driver", "reference-poses"),
     (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|no valid position|scale is zero|the fine mesh would have|of the own mesh|has no room for"
-     r"|rest wrinkle of|away from the origin|Step of the scene|other vertices in renders|leaves no faces"
+     r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces"
      r"|find their places|parented to vertices|shows no waves", "the-mesh-and-its-modifiers"),
     (r"raise Most Vertices|Esc stopped", "the-panel"),
     (r"was healed", "where-it-stands"),
