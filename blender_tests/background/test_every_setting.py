@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Iterator
 
 import bpy
-from rumple.blender.objects import modifier, properties
+from rumple.blender.objects import modifier, properties, runtimes
 from rumple.core.systems import SYSTEMS
 from support import sleeve
 
@@ -93,6 +93,23 @@ class EverySetting(unittest.TestCase):
         self.assertGreater(abs(sleeve.attribute(self.obj, "rumple_offset")).max(), 1e-5)
         sleeve.at(15)
         self.assertLess(abs(sleeve.attribute(self.obj, "rumple_offset")).max(), 1e-7)
+
+    def test_a_setting_that_a_script_changes_before_it_goes_on_is_no_key(self) -> None:
+        """The next frame went on from the one before, under the former setting, and was called final."""
+        for keyed in (False, True):
+            with self.subTest(keyed=keyed):
+                obj = sleeve.scene()
+                if keyed:
+                    obj.rumple.mesh.keyframe_insert("radius", frame=1)
+                    obj.rumple.mesh.radius = 0.4
+                    obj.rumple.mesh.keyframe_insert("radius", frame=20)
+                sleeve.play(1, 6)
+                if not keyed:
+                    obj.rumple.mesh.radius = 0.4
+                sleeve.at(7)
+                stored = runtimes.of(obj).evaluator.frame_cache.frames()
+                self.assertEqual(stored[-1], (7.0, keyed))
+                self.assertEqual(len(stored), 7 if keyed else 1)
 
     def test_library_overrides(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

@@ -59,6 +59,7 @@ class Wrinkles(SystemSteps):
         self._paint: Any = None
         self._by_hand = ByHand()
         self._stage: Stage | None = None
+        self.settings_are_keyed = True  # where not, other settings at another frame are a change as well
         self._cloth_paint: dict[str, np.ndarray] = {}
 
     # --- frames
@@ -267,13 +268,13 @@ class Wrinkles(SystemSteps):
 
     def _forget_changed(self, timeline: tuple[int, float], frame: float, settings_digest: bytes,
                         repainted: bool) -> None:
-        """Settings that differ at another frame are animated: then every frame has its own, and stays stored.
+        """Settings that are animated differ from frame to frame: each has its own, and stays stored.
 
         timeline: first frame and frame rate. Of another, frames are other ones: each scene has its own.
         """
         self.frame_cache.follow(timeline)
         last, at = self._last_settings.get(timeline, (settings_digest, frame))
-        if repainted or (settings_digest != last and frame == at):
+        if repainted or (settings_digest != last and (frame == at or not self.settings_are_keyed)):
             self.frame_cache.clear()
             self._last_settings.clear()
         self._last_settings[timeline] = settings_digest, frame

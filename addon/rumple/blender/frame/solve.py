@@ -204,6 +204,7 @@ def _solve_and_show(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, s
     """True when an output object was written: `shown`."""
     disk_frames.follow(obj, runtime)
     first = units.first_frame(obj, scene)
+    runtime.evaluator.settings_are_keyed = properties.are_keyed(obj)
     result = _solve(runtime, inputs, first, inputs.uses_proxy, inputs.in_viewport)
     runtime.inputs = inputs
     messages.set_frame_error(runtime, clip_fault)

@@ -10,6 +10,7 @@ import bpy
 
 from ...core import engine
 from ...core.systems import SYSTEMS, System
+from .. import compat
 from . import bodies, changes, runtimes, units
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
@@ -263,3 +264,13 @@ def unregister() -> None:
     del bpy.types.Object.rumple
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
+
+
+def are_keyed(obj: bpy.types.Object) -> bool:
+    """Whether settings of an object may differ from frame to frame: by keys, drivers or strips."""
+    about = obj.animation_data
+    if about is None:
+        return False
+    curves = compat.action_curves(about.action) if about.action is not None else ()
+    return (any(curve.data_path.startswith("rumple.") for curve in (*curves, *about.drivers))
+            or any(track.strips for track in about.nla_tracks))
