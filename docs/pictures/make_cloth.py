@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Garments that become cloth, on scenes of ../shared/data and on the demo: s1_cloth.jpg, s2_cloth.jpg,
-one_mesh.jpg, layers.jpg, fabrics.jpg, density.jpg and demo.jpg beside this file.
+one_mesh.jpg, layers.jpg, fabrics.jpg, density.jpg, demo.jpg and dress.jpg beside this file.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
-        --python docs/pictures/make_cloth.py [-- s1|s2|one_mesh|layers|fabrics|density|demo ...]
+        --python docs/pictures/make_cloth.py [-- s1|s2|one_mesh|layers|fabrics|density|demo|dress ...]
 """
 from __future__ import annotations
 
@@ -198,12 +198,25 @@ def demo(folder: Path) -> tuple[list[Tile], int]:
     """Shirt and trousers of scripts/demo, in its studio: an arm that rises, one that turns, a crouch."""
     import demo_scene
     demo_scene.build_demo_scene()
-    garments = demo_scene.add_wrinkles("MESH")
+    return before_and_after(demo_scene.add_wrinkles("MESH"), (18, 30, 48), folder)
+
+
+def dress(folder: Path) -> tuple[list[Tile], int]:
+    """The same figure in a dress."""
+    import dress_scene
+    garment = dress_scene.build_dress_scene()
+    assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}
+    return before_and_after([garment], (10, 30, 48), folder)
+
+
+def before_and_after(garments: list[bpy.types.Object], frames: tuple[int, ...], folder: Path
+                     ) -> tuple[list[Tile], int]:
+    """In the studio of the demo, played from the start."""
     studio(bpy.context.scene)
-    tiles = []
-    for frame in range(1, 49):
+    tiles: list[Tile] = []
+    for frame in range(1, frames[-1] + 1):
         bpy.context.scene.frame_set(frame)
-        for shown, label in ((False, "before"), (True, "after")) if frame in (18, 30, 48) else ():
+        for shown, label in ((False, "before"), (True, "after")) if frame in frames else ():
             for garment in garments:
                 modifier.find(garment).show_render = shown
             tiles.append((f"frame {frame}, {label}", folder / f"{len(tiles)}.png"))
@@ -221,6 +234,7 @@ PICTURES: dict[str, tuple[str, Callable[[Path], tuple[list[Tile], int]]]] = {
     "fabrics": ("fabrics.jpg", fabrics),
     "density": ("density.jpg", density),
     "demo": ("demo.jpg", demo),
+    "dress": ("dress.jpg", dress),
 }
 
 

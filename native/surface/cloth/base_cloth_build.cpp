@@ -181,8 +181,7 @@ void collect_triangles(Model& model) {
     model.triangle_of.assign(surface.welded.vertex_count, kNone);
     model.area.assign(surface.welded.vertex_count, 0.0f);
     for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
-        for (int k = 0; k < 3; ++k) {
-            const Index v = surface.welded.corner_vertex[surface.triangles[t].corner[k]];
+        for (const Index v : welded_vertices(surface, t)) {
             model.area[v] += triangle_area(surface, surface.triangles[t]) / 3.0f;
             if (model.triangle_of[v] == kNone) model.triangle_of[v] = t;
         }

@@ -14,11 +14,11 @@
 namespace rumple::base_cloth {
 namespace {
 
-constexpr float kBeyondLimit = 10.0f;  // stiffness beyond the strain limit
-constexpr float kWall = 15.0f;         // how much the pull back grows towards the edge of the room
-constexpr float kContact = 2e4f;       // stiffness of the inner surface, 1/s^2
-constexpr float kSlip = 1.0f / 6.0f;   // of the room: what has slid farther is held by the whole friction
-constexpr int kShortenings = 4;        // of a step that went too far
+constexpr float kBeyondLimit = 10.0f;     // stiffness beyond the strain limit
+constexpr float kRoomStiffening = 15.0f;  // of the pull back: by so much more at the edge of the room
+constexpr float kContact = 2e4f;          // stiffness of the inner surface, 1/s^2
+constexpr float kSlip = 1.0f / 6.0f;      // of the room: what has slid farther is held by the whole friction
+constexpr int kShortenings = 4;           // of a step that went too far
 
 using FourRows = std::array<Row, kLanes>;
 
@@ -169,7 +169,7 @@ RoomPull room_pull(const Vertices& cloth, const Vec3Lanes& displacement) {
     out.height = dot(cloth.normal, displacement);
     out.counted = s2 * displacement + (1.0f - s2) * out.height * cloth.normal;
     out.room_used = cloth.room > zero ? dot(out.counted, displacement) / (cloth.room * cloth.room) : zero;
-    const Lanes wall = kWall * out.room_used * out.room_used;
+    const Lanes wall = kRoomStiffening * out.room_used * out.room_used;
     out.follow_stiffness = cloth.area * cloth.follow * (1.0f + wall * s2);
     out.normal_stiffness = cloth.area * cloth.follow * wall * (1.0f - s2);
     return out;
@@ -203,7 +203,7 @@ FrictionPull friction_pull(const Vertices& cloth, const Vec3Lanes& displacement)
 // What these four add to the diagonal of the Hessian; gravity adds nothing.
 void store_blocks(const Vertices& cloth, const RoomPull& pull, const Contact& under, const Contact& ahead,
                   const Lanes& friction_stiffness, std::span<Matrix, kLanes> blocks) {
-    const Lanes growth = 4.0f * cloth.area * cloth.follow * kWall * pull.room_used;
+    const Lanes growth = 4.0f * cloth.area * cloth.follow * kRoomStiffening * pull.room_used;
     const Vec3Lanes wall =
         choose(pull.room_used > Lanes{}, square_root(growth) / cloth.room * pull.counted, {});
     FourRows normals, walls, under_normals, ahead_normals;

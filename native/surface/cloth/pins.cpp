@@ -19,8 +19,8 @@ constexpr float kWrist = 0.03f, kSleeve = 0.05f, kLoose = 0.09f;
 constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.01f;
 
 // What is at most this share of the diagonal above the lowest border is a hem or a leg: held as a sleeve is,
-// it could not ride up where a knee bends, and stood in folds above the foot. Free, a foot of a jump came
-// through while the springs were soft.
+// it could not ride up where a knee bends, and stood in folds above the foot. When it was not held at all, a
+// foot went through the cloth in a jump.
 constexpr float kLowest = 0.1f;
 
 // Over this share of the part's diagonal the hold of a border fades out.

@@ -8,9 +8,8 @@ namespace rumple {
 
 void vertex_normals(const Surface& surface, std::span<const Vec3> positions, std::span<Vec3> normals) {
     for (Vec3& n : normals) n = Vec3(0.0f);
-    for (const Triangle& triangle : surface.triangles) {
-        Index v[3];
-        for (int k = 0; k < 3; ++k) v[k] = surface.welded.corner_vertex[triangle.corner[k]];
+    for (Index t = 0; t < static_cast<Index>(surface.triangles.size()); ++t) {
+        const std::array<Index, 3> v = welded_vertices(surface, t);
         const Vec3 twice_area =
             glm::cross(positions[v[1]] - positions[v[0]], positions[v[2]] - positions[v[0]]);
         for (int k = 0; k < 3; ++k) normals[v[k]] += twice_area;

@@ -24,10 +24,10 @@ void attach(const Surface& surface, const Attachments& attachments, std::span<co
             out[i] = interpolate(surface, place, positions);
         } else if (attachments.kind == AttachmentKind::kPnTriangle) {
             Vec3 p[3], n[3];
+            const std::array<Index, 3> v = welded_vertices(surface, place.triangle);
             for (int k = 0; k < 3; ++k) {
-                const Index v = surface.welded.corner_vertex[surface.triangles[place.triangle].corner[k]];
-                p[k] = positions[v];
-                n[k] = normals[v];
+                p[k] = positions[v[k]];
+                n[k] = normals[v[k]];
             }
             out[i] = pn_triangle(p, n, place.b0, place.b1);
         } else {

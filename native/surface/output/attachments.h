@@ -30,9 +30,8 @@ void attach(const Surface& surface, const Attachments& attachments, std::span<co
 
 // Linear interpolation of vertex values at a place: equation (1).
 inline Vec3 interpolate(const Surface& surface, const SurfacePoint& place, std::span<const Vec3> values) {
-    const Triangle& triangle = surface.triangles[place.triangle];
-    const auto value = [&](int k) { return values[surface.welded.corner_vertex[triangle.corner[k]]]; };
-    return (1.0f - place.b0 - place.b1) * value(0) + place.b0 * value(1) + place.b1 * value(2);
+    const auto [a, b, c] = welded_vertices(surface, place.triangle);
+    return (1.0f - place.b0 - place.b1) * values[a] + place.b0 * values[b] + place.b1 * values[c];
 }
 
 // How far what is attached may go inwards, of how far the vertices of the base may: object units, per place,

@@ -92,7 +92,7 @@ StretchModel build_stretch(const Surface& surface) {
         area[t] = 0.5f * glm::determinant(edges);
         if (area[t] > 0.0f) model.inverse_rest[t] = glm::inverse(edges);
         for (Index k = 0; k < 3; ++k) {
-            const Index v = surface.welded.corner_vertex[surface.triangles[t].corner[k]];
+            const Index v = welded_vertices(surface, t)[k];
             normals[v] += area[t] * frames[t].normal;
             vertex_area[v] += area[t];
             incident[v].push_back(3 * t + k);
@@ -153,7 +153,7 @@ void measure_stretch(const Surface& surface, const StretchModel& model, std::spa
         const float weights[3] = {1.0f - place.b0 - place.b1, place.b0, place.b1};
         Tensor2 sum;
         for (int k = 0; k < 3; ++k) {
-            const Index v = surface.welded.corner_vertex[surface.triangles[place.triangle].corner[k]];
+            const Index v = welded_vertices(surface, place.triangle)[k];
             const Vec2 turn = model.triangle_transport[3 * place.triangle + k];
             add_scaled(sum, rotated(vertex_tensor[v], {turn.x, -turn.y}), weights[k]);
         }
