@@ -42,6 +42,7 @@ class WornOver:
     body: bpy.types.Object | None
     garments: list[bpy.types.Object]  # other clothes that it covers a part of
     is_body: bool  # clothes that are no larger lie over it, and it is not worn over anything that is no smaller
+    trees: dict[bpy.types.Object, BVHTree]  # of tree_of(), of what was looked at
 
 
 def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
@@ -52,26 +53,26 @@ def find(obj: bpy.types.Object, scene: bpy.types.Scene) -> WornOver:
     Cost: a tree of each candidate, about 2 ms per 1000 polygons.
     """
     rigs = armatures(obj)
-    if not rigs or not np.isfinite(_rest(obj)).all():
-        return WornOver(None, [], False)
+    if not rigs or not is_finite(obj):
+        return WornOver(None, [], False, {})
     candidates = [other for other in scene.objects if other != obj and rigs & armatures(other)
                   and bodies.can_be_body(other)]
     trees = {other: tree_of(other) for other in candidates
-             if len(other.data.polygons) and np.isfinite(_rest(other)).all()}
+             if len(other.data.polygons) and is_finite(other)}
     cloth = functools.cache(_cloth)
     shares = {other: _share_over(cloth(obj), tree) for other, tree in trees.items()}
     own = functools.cache(lambda: tree_of(obj))
     back = functools.cache(lambda other: _share_over(cloth(other), own()))  # how much of another one lies over it
     if not any(_is_within(obj, other) for other, share in shares.items() if share > LEAST_SHARE) and any(
             _is_within(other, obj) and back(other) > LEAST_SHARE for other in shares):
-        return WornOver(None, [], True)
+        return WornOver(None, [], True, trees)
     under = [other for other, share in shares.items() if share > LEAST_BODY]
     worn = {other for other in under if _is_worn(cloth(other), [trees[body] for body in under if body != other])}
     body = max((other for other in under if other not in worn and modifier.find(other) is None), key=shares.get,
                default=None)
     garments = [other for other, share in shares.items() if other != body and share > LEAST_OVERLAP
                 and share > MORE_OVER * back(other)]
-    return WornOver(body, garments, False)
+    return WornOver(body, garments, False, trees)
 
 
 def _is_within(garment: bpy.types.Object, obj: bpy.types.Object) -> bool:
@@ -97,6 +98,11 @@ def _rest(obj: bpy.types.Object) -> np.ndarray:
     """Vertices at rest in world space, (n, 3) float32."""
     rest = mesh_reader.rest_positions(obj, "REST_POSE", "")
     return transforms.placed(np.array(obj.matrix_world, np.float32), rest)
+
+
+def is_finite(obj: bpy.types.Object) -> bool:
+    """Whether all of it is somewhere at rest."""
+    return bool(np.isfinite(_rest(obj)).all())
 
 
 def _cloth(obj: bpy.types.Object) -> _Cloth:

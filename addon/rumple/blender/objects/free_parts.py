@@ -28,43 +28,46 @@ class _Surface(NamedTuple):
     ends: np.ndarray  # (t,) bool: the triangle is at a border; bodies are mostly deleted under clothes
 
     @classmethod
-    def of(cls, obj: bpy.types.Object) -> "_Surface":
-        triangles = body_search.triangles_of(obj)
+    def of(cls, obj: bpy.types.Object, tree: BVHTree | None) -> "_Surface":
+        """tree: of tree_of(), where there is one already."""
+        triangles = body_search.triangles_of(obj).astype(np.int64)
         sides = np.sort(np.concatenate([triangles[:, (k, (k + 1) % 3)] for k in range(3)]), axis=1)
-        edges, uses = np.unique(sides, axis=0, return_counts=True)
-        at_border = np.zeros(int(triangles.max()) + 1, bool)
-        at_border[edges[uses == 1]] = True
-        return cls(body_search.tree_of(obj), at_border[triangles].any(axis=1))
+        count = int(triangles.max()) + 1
+        edges, uses = np.unique(sides[:, 0] * count + sides[:, 1], return_counts=True)
+        at_border = np.zeros(count, bool)
+        at_border[edges[uses == 1] // count] = at_border[edges[uses == 1] % count] = True
+        return cls(tree or body_search.tree_of(obj), at_border[triangles].any(axis=1))
 
 
-def paint(obj: bpy.types.Object, scene: bpy.types.Scene) -> None:
+def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree]) -> None:
     """Paint Hangs Free where the cloth of an object is away from all that it is worn over. What was painted stays;
-    where next to nothing hangs free, or everything has the room of it, nothing is painted. Cost: 10 ms per 1,000
-    vertices and body; of most garments 10 ms."""
+    where next to nothing hangs free, or everything has the room of it, nothing is painted. trees: of tree_of(), of
+    what has one already. Cost: 10 ms per 1,000 vertices and body; of most garments 10 ms."""
     painted, settings = painted_maps.find(obj, hangs_free.FREE), properties.group_of(obj)
     if painted is None or painted.exists or settings.base_cloth == "OFF" or settings.room >= settings.free_room:
         return
     if not compat.is_editable(obj) or not compat.is_editable(obj.data):
         return
-    over = [body for body in bodies.of(obj) if body != obj and len(body.data.polygons)]
+    over = [_Surface.of(body, trees.get(body)) for body in bodies.of(obj)
+            if body != obj and len(body.data.polygons) and body_search.is_finite(body)]
     free = _free_share(obj, over, scene.unit_settings.scale_length) if over else None
     if free is not None and (free > 0.5).mean() >= hangs_free.LEAST_FREE:
         painted_maps.write(obj, painted, (np.round(free * STEPS) / STEPS).astype(np.float32))
 
 
-def _free_share(obj: bpy.types.Object, over: list[bpy.types.Object], metre: float) -> np.ndarray | None:
+def _free_share(obj: bpy.types.Object, over: list[_Surface], metre: float) -> np.ndarray | None:
     """(n,) float32 of the object's own vertices; None where a sample says that it lies on what it is worn over. metre:
     metres of a unit of the world."""
     rest = transforms.placed(np.array(obj.matrix_world, np.float32), mesh_reader.basis_positions(obj.data))
     if not np.isfinite(rest).all():
         return None
-    surfaces, turn = [_Surface.of(body) for body in over], obj.matrix_world.to_3x3().inverted_safe().transposed()
+    turn = obj.matrix_world.to_3x3().inverted_safe().transposed()
     size = size_factor(Vector(np.ptp(rest, axis=0)).length, metre)
 
     def share(step: int, side: float) -> np.ndarray:
         places, vertices = [Vector(place) for place in rest[::step].tolist()], obj.data.vertices
         normals = [side * (turn @ vertices[i].normal).normalized() for i in range(0, len(rest), step)]
-        distance = _distances(places, normals, surfaces, FARTHEST * size / metre)
+        distance = _distances(places, normals, over, FARTHEST * size / metre)
         return hangs_free.share_of_distance(metre * distance, size)
 
     step = max(len(rest) // SAMPLES, 1)

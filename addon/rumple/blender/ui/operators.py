@@ -145,7 +145,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             cloth_defaults.apply(obj, context.scene, lengths)
         if cloth_defaults.is_cloth(obj):
             self._set_bodies(obj, worn_over)
-            free_parts.paint(obj, context.scene)
+            free_parts.paint(obj, context.scene, worn_over.trees)
         self._adjust(context, obj)
 
     def _show_waves(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
