@@ -147,19 +147,6 @@ class FrameLaws(unittest.TestCase):
         for one, two in zip(again, [self.solve(f, fresh, other).positions for f in FRAMES]):
             np.testing.assert_array_equal(one, two)
 
-    def test_a_setting_that_changes_together_with_the_frame_starts_anew(self) -> None:
-        """The new frame went on from the one before under the former setting, and was called final."""
-        self.play()
-        other = replace(SETTINGS, radius=0.6)
-        self.mesh.settings_are_keyed = False
-        jumped = self.solve(5, settings=other)
-        self.assertEqual(self.mesh.frame_cache.frames(), [(5.0, False)])
-        fresh = WrinkleMesh.build(self.base, SETTINGS)
-        np.testing.assert_array_equal(jumped.positions, self.solve(5, fresh, other).positions)
-        self.mesh.settings_are_keyed = True
-        self.solve(6, settings=SETTINGS)
-        self.assertEqual([frame for frame, _ in self.mesh.frame_cache.frames()], [5.0, 6.0])
-
     def test_a_held_pose_stays_to_the_bit(self) -> None:
         self.play()
         self.clip.update({f: self.clip[5] for f in range(6, 12)})

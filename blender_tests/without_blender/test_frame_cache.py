@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The frame cache alone."""
+"""The frame cache alone, and what clears it."""
 from __future__ import annotations
 
 import unittest
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 from rumple.core.frame_cache import CachedFrame, FrameCache
+from rumple.core.wrinkle_mesh import WrinkleMesh
+from test_engine import FRAMES, SETTINGS, clip
+from support.meshes import tube
 
 
 class Removing(float):
@@ -30,6 +35,24 @@ class ReadMeanwhile(unittest.TestCase):
             cache.put(Removing(frame), CachedFrame.of(SimpleNamespace(nbytes=1), b"", b"", True, None))
         self.assertEqual(cache.frames(), [(1.0, True), (2.0, True), (3.0, True)])
         self.assertLess(len(cache.frames()), 3)  # so some were removed
+
+
+class Cleared(unittest.TestCase):
+
+    def test_a_setting_that_changes_together_with_the_frame_starts_anew(self) -> None:
+        """The new frame went on from the one before under the former setting, and was called final."""
+        base = tube(12, 12)
+        poses, other = clip(base), replace(SETTINGS, radius=0.6)
+        mesh, fresh = (WrinkleMesh.build(base, SETTINGS) for _ in range(2))
+        for frame in FRAMES:
+            mesh.solve_frame(float(frame), poses[frame], SETTINGS, {}, start=1)
+        mesh.settings_are_keyed = False
+        jumped, alone = (one.solve_frame(5.0, poses[5], other, {}, start=1) for one in (mesh, fresh))
+        self.assertEqual(mesh.frame_cache.frames(), [(5.0, False)])
+        np.testing.assert_array_equal(jumped.positions, alone.positions)
+        mesh.settings_are_keyed = True
+        mesh.solve_frame(6.0, poses[6], SETTINGS, {}, start=1)
+        self.assertEqual([frame for frame, _ in mesh.frame_cache.frames()], [5.0, 6.0])
 
 
 if __name__ == "__main__":
