@@ -6,12 +6,14 @@ import tempfile
 import unittest
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
 from rumple.blender.objects import mesh_reader, modifier, painted_maps, properties, runtimes, stack_notes
+from rumple.blender.ui import operators
 from rumple.core.hangs_free import FREE
 from support import face, sleeve
 
@@ -155,6 +157,25 @@ class Stacks(unittest.TestCase):
 
 if __name__ == "__main__":
     unittest.main()
+
+
+class Thick(unittest.TestCase):
+    """A garment whose thickness is modelled has no opening: it was no cloth, and nothing said so."""
+
+    def test_it_is_said(self) -> None:
+        obj = sleeve.scene(wrinkles=False)
+        sleeve.under(obj, "Human")
+        obj.rumple.mesh.property_unset("base_cloth")
+        obj.rumple.mesh.density, obj.rumple.mesh.level = "LEVEL", 1
+        solidify = obj.modifiers.new("Thickness", "SOLIDIFY")
+        solidify.thickness, solidify.offset = 0.004, 1.0
+        compat.move_modifier(obj, len(obj.modifiers) - 1, 0)
+        sleeve.make_active(obj)
+        bpy.ops.object.modifier_apply(modifier="Thickness")
+        with mock.patch.object(operators.OBJECT_OT_rumple_add, "_report") as report:
+            bpy.ops.object.rumple_add(method="MESH")
+        self.assertEqual(obj.rumple.mesh.base_cloth, "OFF")
+        self.assertRegex(report.call_args.args[1][0], "^Sleeve: it lies over Human but has fewer than two openings")
 
 
 class HangsFree(unittest.TestCase):

@@ -111,7 +111,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         except native.NativeMissing as error:
             return self._refuse(str(error))
         runtimes.forget(obj)
-        self._set_up(context, obj)
+        notes = self._set_up(context, obj)
         with scheduler.suspended():
             nodes_mod = modifier.add(obj, self.method)
         # Handlers write while the window draws: without the lock a render in the window may crash.
@@ -124,7 +124,7 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             why = runtimes.message(obj) or f"{obj.name}: nothing to wrinkle"
             _remove(obj)
             return self._refuse(why)
-        self._report(obj, [note] if note else [])
+        self._report(obj, notes, [note] if note else [])
         return {"FINISHED"}
 
     def _refuse(self, why: str) -> set[str]:
@@ -137,8 +137,8 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         except RuntimeError as error:  # how bpy.ops hands on a refusal
             return self._refuse(f"{obj.name}: {str(error).rsplit('poll() ', 1)[-1].strip()}")
 
-    def _set_up(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """All settings, and what it is worn over."""
+    def _set_up(self, context: bpy.types.Context, obj: bpy.types.Object) -> list[str]:
+        """All settings, and what it is worn over. Returns what to say of them."""
         lengths = self._set_defaults(context, obj)
         worn_over = body_search.find(obj, context.scene)
         if not worn_over.is_body:
@@ -147,6 +147,11 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             self._set_bodies(obj, worn_over)
             free_parts.paint(obj, context.scene, worn_over.trees)
         self._adjust(context, obj)
+        if cloth_defaults.is_cloth(obj) or worn_over.body is None or properties.group_of(obj).is_property_set(
+                "base_cloth"):
+            return []
+        return [f"{obj.name}: it lies over {worn_over.body.name} but has fewer than two openings, as clothes with a "
+                "thickness have, so it is not made cloth: if it is, set Base Cloth to Hang"]
 
     def _show_waves(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """Of a Wrinkle Field: in materials and viewports."""
@@ -210,13 +215,13 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             if found.garments:
                 about.body_collection = made_collections.make(obj, found.garments)
 
-    def _report(self, obj: bpy.types.Object, warnings: list[str]) -> None:
+    def _report(self, obj: bpy.types.Object, notes: list[str], warnings: list[str]) -> None:
         for note in warnings + stack_notes.of(obj) + stack_notes.of_children(obj) + (
                 _unshaded(obj) if self.method == "FIELD" and self.shade else []):
             self.report({"WARNING"}, said(note))
         fine = runtimes.of(obj).evaluator
         origin = fine.base.origin
-        for note in [] if origin is None else origin.notes(obj.name):
+        for note in notes + ([] if origin is None else origin.notes(obj.name)):
             self.report({"INFO"}, said(note))
         worn_over = ", ".join(body.name for body in bodies.of(obj))
         label = said(properties.system_of(obj).label)
