@@ -59,8 +59,8 @@ _GROUPS = {"mesh": "rumple_meshsettings", "field": "rumple_fieldsettings", "path
 
 # What a message says -> the heading below which the guide says what to do.
 MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
-    (r"worn over|its body|of its bodies|was reached by a jump|Step of the scene|linked from a file of an older Rumple",
-     "body-and-cloth"),
+    (r"worn over|its body|of its bodies|was reached by a jump|Step of the scene|linked from a file of an older Rumple"
+     r"|fewer than two openings", "body-and-cloth"),
     (r"outside the bake|[Bb]aked clip|of it is damaged|the disk of|nothing can be written|the folder .* is gone"
      r"|changed since the bake|is too long for Windows", "bakes"),
     (r"pose .* every bone|to be the root|do not sum to 1|has no bone|has no shape key|the same value in every pose"
