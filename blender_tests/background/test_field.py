@@ -248,7 +248,7 @@ class Materials(unittest.TestCase):
         self.assertEqual(self.links(material), before)
         self.assertFalse(any(n.type == "GROUP" for n in material.node_tree.nodes))
 
-    def test_a_normal_map_of_a_texture_without_coordinates_makes_no_circle(self) -> None:
+    def test_a_normal_map_of_a_texture_without_coordinates_makes_no_cycle(self) -> None:
         """One node gave the texture its coordinates and took the normal that is made of it: Blender 5.2 drew black."""
         material = bpy.data.materials.new("Denim")
         compat.use_nodes(material)

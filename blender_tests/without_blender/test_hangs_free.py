@@ -9,8 +9,9 @@ from rumple.core import hangs_free
 from rumple.core.cloth_settings import ClothSettings
 from rumple.core.hangs_free import FREE
 from rumple.core.settings import MeshSettings
+from rumple.core.triangles import at_border
 from rumple.core.wrinkle_mesh import WrinkleMesh
-from support.meshes import tube
+from support.meshes import compressed, tube
 
 CHAIN = np.stack([np.arange(9), np.arange(1, 10)], 1)  # edges
 
@@ -42,6 +43,16 @@ class Maps(unittest.TestCase):
         paint = hangs_free.with_wide_folds({"detail": detail}, free)
         np.testing.assert_allclose((paint["folds"], paint["detail"]), ((1.0, 0.5), (0.5, 0.05)), rtol=1e-5)
         self.assertEqual(set(hangs_free.with_wide_folds({}, None)), set())
+
+
+class Borders(unittest.TestCase):
+    def test_triangles_at_the_edge_of_a_hole_are_told(self) -> None:
+        corner = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]  # a fan: a corner of each is on its rim
+        np.testing.assert_array_equal(at_border(np.array(corner, np.int32)), True)
+        closed = np.array([(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)], np.int32)
+        np.testing.assert_array_equal(at_border(closed), False)
+        apart = np.concatenate([closed, np.array([(4, 5, 6)], np.int32)])
+        np.testing.assert_array_equal(at_border(apart), (False,) * 4 + (True,))
 
 
 class Solved(unittest.TestCase):
@@ -80,3 +91,17 @@ class Solved(unittest.TestCase):
     def test_another_free_room_is_another_frame(self) -> None:
         near, far = (self.dropped({FREE: self.free}, room=0.01, free_room=room) for room in (0.02, 0.08))
         self.assertGreater(np.median(far[self.lower]), 1.5 * np.median(near[self.lower]))
+
+    def test_a_layer_has_fewer_narrow_folds_there_and_all_of_them_elsewhere(self) -> None:
+        results, height = [], self.base.positions[:, 2]
+        for paint in ({}, {FREE: (height > 0.3).astype(np.float32)}):
+            chosen = MeshSettings(layers="CLOTH", wavelength=0.05, base_cloth="OFF", drape=0.0, folds=0.0)
+            system = WrinkleMesh.build(self.base, chosen)
+            for frame in range(1, 5):
+                shown = system.solve_frame(float(frame), compressed(self.base.positions, 1.02 - 0.04 * frame), chosen,
+                                           paint, start=1)
+            results.append((system.shown.positions_rest[:, 2], np.sqrt((shown.offset ** 2).sum(axis=1))))
+        (along, everywhere), (_, painted) = results
+        free, worn = (along > 0.4) & (along < 0.55), along < 0.2
+        self.assertLess(painted[free].mean(), 0.4 * everywhere[free].mean())
+        self.assertGreater(painted[worn].mean(), 0.9 * everywhere[worn].mean())

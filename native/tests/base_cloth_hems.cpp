@@ -166,5 +166,32 @@ TEST(BaseClothHems, ClothThatFallsKeepsTheEndOfABodyCovered) {
     }
 }
 
+// The farther it is from the end of a body, the more of its own room a hem has, and what hangs free has more:
+// with a limit of what is worn it would jump from there to where nothing holds it.
+TEST(BaseClothHems, WhatHangsFreeIsHeldLittleByLittleToo) {
+    const Body body = arm();
+    const Collider collider = body.collider();
+    const PosedCollider posed(collider, body.positions);
+    Settings settings = falling(0.0f);
+    settings.gravity = {400.0f, 0.0f, 0.0f};
+    settings.room = 0.03f;
+    float before = 0.0f;
+    for (const float away : {0.045f, 0.05f, 0.055f, 0.06f}) {
+        const Garment garment(sleeve(0.1f + away));
+        Paint paint;
+        paint.room.assign(garment.mesh.positions.size(), 10.0f);
+        Result result;
+        garment.settle(settings, garment.mesh.positions, result, paint, &posed);
+        float most = 0.0f;
+        for (size_t v = 0; v < result.positions.size(); ++v) {
+            if (garment.mesh.positions[v].x != kHem) continue;
+            most = std::max(most, glm::distance(result.positions[v], garment.mesh.positions[v]));
+        }
+        EXPECT_LT(most - before, 0.2f) << away;
+        before = most;
+    }
+    EXPECT_NEAR(before, 0.3f, 1e-3f);
+}
+
 }  // namespace
 }  // namespace rumple::tests

@@ -245,7 +245,9 @@ TEST(BaseClothLaws, NothingLeavesItsRoom) {
         settings.gravity *= 30.0f;
         settings.slide_room = 3.0f * settings.room;
         Paint paint;
-        for (size_t v = 0; v < mesh.positions.size(); ++v) paint.room.push_back(v % 3 ? 1.0f : 0.2f);
+        // Worn, held, free: what hangs free has no more room to slide.
+        constexpr std::array kFactors{1.0f, 0.2f, 5.0f};
+        for (size_t v = 0; v < mesh.positions.size(); ++v) paint.room.push_back(kFactors[v % 3]);
         Result result = garment.solve(settings, mesh.positions, nullptr, paint);
         float reached = 0.0f;
         for (const Points& pose : {mesh.positions, garment.crumpled(0.7f, 2.0f, 0.5f)}) {
@@ -255,13 +257,31 @@ TEST(BaseClothLaws, NothingLeavesItsRoom) {
             for (size_t v = 0; v < pose.size(); ++v) {
                 const Vec3 away = result.positions[v] - pose[v],
                            off = glm::dot(away, normals[v]) * normals[v];
-                const float used = glm::length(
-                    Vec2(glm::length(off) / settings.room, glm::length(away - off) / settings.slide_room));
-                ASSERT_LE(used, paint.room[v] + 1e-4f) << v;
-                reached = std::max(reached, used / paint.room[v]);
+                const float room = settings.room * paint.room[v],
+                            slide = std::max(room, settings.slide_room * std::min(paint.room[v], 1.0f));
+                const float used =
+                    glm::length(Vec2(glm::length(off) / room, glm::length(away - off) / slide));
+                ASSERT_LE(used, 1.0f + 1e-4f / std::min(paint.room[v], 1.0f)) << v;
+                reached = std::max(reached, used);
             }
         }
         EXPECT_GT(reached, 0.99f);
+    }
+}
+
+// Pulled along its surface, what hangs free goes as far as its room, and not to so many times its slide.
+TEST(BaseClothLaws, WhatHangsFreeSlidesWithinItsRoom) {
+    const Garment garment(grid(8, 8, 0.02f));
+    Settings settings = falling(0.0f);
+    settings.gravity = {400.0f, 0.0f, 0.0f};
+    settings.room = 0.01f;
+    settings.slide_room = 0.03f;
+    for (const auto& [factor, farthest_slide] : {std::pair(1.0f, 0.03f), {0.5f, 0.015f}, {5.0f, 0.05f}}) {
+        Paint paint;
+        paint.room.assign(garment.mesh.positions.size(), factor);
+        Result result;
+        garment.settle(settings, garment.mesh.positions, result, paint);
+        EXPECT_NEAR(farthest(result.positions, garment.mesh.positions), farthest_slide, 1e-3f) << factor;
     }
 }
 

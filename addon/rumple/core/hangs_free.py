@@ -12,7 +12,7 @@ FREE = "free"  # the paint: 1 where cloth hangs free, 0 where it lies on the bod
 NEAR, AWAY = 0.05, 0.13  # metres from the body, of a garment that an adult wears: there it lies on it; hangs free
 LEAST_FREE = 0.1  # share of the vertices: less is no part of a garment that hangs
 FOLDS_LEFT = {"folds": 0.5, "detail": 0.1}  # of these layers, where cloth hangs free: its folds are few and wide
-SPREADS = 8  # times that every vertex takes the mean with those beside it
+SPREADS = 8  # times that every vertex takes the mean of itself and of those beside it
 
 
 def share_of_distance(distance: np.ndarray, size: float) -> np.ndarray:
@@ -21,8 +21,8 @@ def share_of_distance(distance: np.ndarray, size: float) -> np.ndarray:
 
 
 def spread(share: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """(n,) 0..1, or NaN where nothing is known -> (n,) float32, even along the mesh. edges: (m, 2). 0 where nothing is
-    known around."""
+    """(n,) 0..1, or NaN where nothing is known -> (n,) float32, smoothed along the mesh. edges: (m, 2). 0 where
+    nothing is known around."""
     known = np.isfinite(share)
     weight, value = known.astype(np.float64), np.where(known, share, 0.0).astype(np.float64)
     for _ in range(SPREADS):

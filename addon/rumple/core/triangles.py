@@ -20,6 +20,17 @@ def unit(vectors: np.ndarray) -> np.ndarray:
     return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
 
 
+def at_border(triangles: np.ndarray) -> np.ndarray:
+    """(t,) bool of (t, 3) vertices: whether a corner of the triangle is on an edge that one triangle alone has."""
+    wide = triangles.astype(np.int64)
+    sides = np.sort(np.concatenate([wide[:, (k, (k + 1) % 3)] for k in range(3)]), axis=1)
+    count = int(wide.max(initial=0)) + 1
+    edges, uses = np.unique(sides[:, 0] * count + sides[:, 1], return_counts=True)
+    border = np.zeros(count, bool)
+    border[edges[uses == 1] // count] = border[edges[uses == 1] % count] = True
+    return border[triangles].any(axis=1)
+
+
 # ---------------------------------------------------------------- frames
 def frames_of(positions: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """(m, 3, 3) float32: rows t, b, n of triangles, as the node tree has them; zeros where a triangle collapsed.

@@ -199,7 +199,7 @@ def shade(material: bpy.types.Material, obj: bpy.types.Object) -> None:
         links.new(fields[given].outputs["Normal"], target)
     for texture in textures if fields else ():
         links.new(next(iter(fields.values())).outputs["UV"], texture.inputs["Vector"])
-    _open_circles(material)
+    _remove_cycles(material)
 
 
 def _add_field(material: bpy.types.Material, group: bpy.types.NodeTree, place: tuple[float, float]) -> bpy.types.Node:
@@ -211,17 +211,17 @@ def _add_field(material: bpy.types.Material, group: bpy.types.NodeTree, place: t
     return field
 
 
-def _open_circles(material: bpy.types.Material) -> None:
+def _remove_cycles(material: bpy.types.Material) -> None:
     """Textures get their coordinates from a node of our group that has no normal of other nodes: where a normal map is
-    made of such a texture, the links went in a circle, which Blender 5.2 draws black. Files have such circles, too."""
+    made of such a texture, the links would be a cycle, which Blender 5.2 draws black. Older files have such cycles."""
     links, fields = material.node_tree.links, _our_nodes(material)
-    closed = [link for field in fields if field.inputs["Normal"].is_linked for link in field.outputs["UV"].links]
-    if not closed:
+    in_cycle = [link for field in fields if field.inputs["Normal"].is_linked for link in field.outputs["UV"].links]
+    if not in_cycle:
         return
-    first = closed[0].from_node
+    first = in_cycle[0].from_node
     plain = next((field for field in fields if not field.inputs["Normal"].is_linked), None) or _add_field(
         material, first.node_tree, (first.location.x, first.location.y))
-    for target in [link.to_socket for link in closed]:
+    for target in [link.to_socket for link in in_cycle]:
         links.new(plain.outputs["UV"], target)
 
 
@@ -241,7 +241,7 @@ def set_profile(material: bpy.types.Material, obj: bpy.types.Object) -> bool:
         if field.node_tree[PROFILE_KEY] != profile or field.node_tree[VERSION_KEY] != VERSION:
             field.node_tree = ensure(obj)
     if fields:
-        _open_circles(material)
+        _remove_cycles(material)
     return bool(fields)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Yes or no, told to the node tree by the places of the hidden output objects.
+"""Flags that the handlers set and the node tree reads: coordinates of the hidden output objects.
 
-Where such an object is counts for nothing else, moving it copies no mesh, and it looks like no edit. A flag is one axis
-of one of the two objects. In files from before a flag was known its axis is 0: it is not set.
+The place of such an object means nothing else, moving it copies no mesh, and Blender does not take it for an edit. A
+flag is one axis of one of the two objects. In files that are older than a flag its axis is 0: it is not set.
 """
 from __future__ import annotations
 

@@ -101,7 +101,7 @@ def _rest(obj: bpy.types.Object) -> np.ndarray:
 
 
 def is_finite(obj: bpy.types.Object) -> bool:
-    """Whether all of it is somewhere at rest."""
+    """Whether all its positions at rest are finite."""
     return bool(np.isfinite(_rest(obj)).all())
 
 

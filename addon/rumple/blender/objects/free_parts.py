@@ -12,6 +12,7 @@ from mathutils.bvhtree import BVHTree
 
 from ...core import hangs_free, transforms
 from ...core.cloth import size_factor
+from ...core.triangles import at_border
 from .. import compat
 from . import bodies, body_search, mesh_reader, painted_maps, properties
 
@@ -30,13 +31,7 @@ class _Surface(NamedTuple):
     @classmethod
     def of(cls, obj: bpy.types.Object, tree: BVHTree | None) -> "_Surface":
         """tree: of tree_of(), where there is one already."""
-        triangles = body_search.triangles_of(obj).astype(np.int64)
-        sides = np.sort(np.concatenate([triangles[:, (k, (k + 1) % 3)] for k in range(3)]), axis=1)
-        count = int(triangles.max()) + 1
-        edges, uses = np.unique(sides[:, 0] * count + sides[:, 1], return_counts=True)
-        at_border = np.zeros(count, bool)
-        at_border[edges[uses == 1] // count] = at_border[edges[uses == 1] % count] = True
-        return cls(tree or body_search.tree_of(obj), at_border[triangles].any(axis=1))
+        return cls(tree or body_search.tree_of(obj), at_border(body_search.triangles_of(obj)))
 
 
 def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree]) -> None:
