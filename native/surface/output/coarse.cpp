@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <queue>
 #include <set>
 
 #include "base/expect.h"
@@ -26,8 +27,8 @@ constexpr int kCorrections = 6;
 
 // Sides of the triangles, and both diagonals of quads, so that distances do not depend on how one is cut.
 EdgeGraph build_graph(const Surface& surface) {
-    std::set<std::pair<Index, Index>> sides;
-    const auto add = [&](Index a, Index b) { sides.emplace(std::min(a, b), std::max(a, b)); };
+    std::vector<std::pair<Index, Index>> sides;
+    const auto add = [&](Index a, Index b) { sides.emplace_back(std::min(a, b), std::max(a, b)); };
     for (Index t = 0; t < Index(surface.triangles.size()); ++t) {
         const auto [a, b, c] = welded_vertices(surface, t);
         add(a, b), add(b, c), add(c, a);
@@ -38,6 +39,9 @@ EdgeGraph build_graph(const Surface& surface) {
         const Index* corner = &mesh.corner_vertex[mesh.polygon_start[p]];
         add(corner[0], corner[2]), add(corner[1], corner[3]);
     }
+    std::ranges::sort(sides);
+    const auto repeated = std::ranges::unique(sides);
+    sides.erase(repeated.begin(), repeated.end());
     EdgeGraph graph(mesh.vertex_count);
     for (const auto& [a, b] : sides) connect(surface, a, b, graph);
     return graph;
@@ -55,13 +59,23 @@ class Cells {
           distance_(graph_.size(), std::numeric_limits<float>::infinity()) {}
 
     // Samples among some vertices until none of them is farther than the radius from one: farthest first,
-    // the lowest number of equals.
+    // the lowest number of equals. A distance in the queue is of when it was put there: they only shrink.
     void sample(std::span<const Index> among, float radius) {
-        const auto nearer = [&](Index a, Index b) { return distance_[a] < distance_[b]; };
-        while (!among.empty()) {
-            const Index farthest = *std::ranges::max_element(among, nearer);
-            if (distance_[farthest] <= radius) return;
-            grow(farthest);
+        using Far = std::pair<float, Index>;
+        const auto after = [](const Far& x, const Far& y) {
+            return std::pair(x.first, -x.second) < std::pair(y.first, -y.second);
+        };
+        std::vector<Far> known;
+        for (const Index v : among) known.emplace_back(distance_[v], v);
+        std::priority_queue<Far, std::vector<Far>, decltype(after)> farthest(after, std::move(known));
+        while (!farthest.empty()) {
+            const auto [distance, v] = farthest.top();
+            farthest.pop();
+            if (distance_[v] <= radius) continue;
+            if (distance_[v] < distance)
+                farthest.emplace(distance_[v], v);
+            else
+                grow(v);
         }
     }
 
