@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from rumple.blender import compat
 from rumple.blender.frame import rebuild
-from rumple.blender.objects import mesh_reader, modifier, output_mesh, runtimes
+from rumple.blender.objects import evaluator, mesh_reader, modifier, output_mesh, runtimes
 from support import sleeve
 
 
@@ -118,6 +118,28 @@ class Carrying(unittest.TestCase):
         self.assertEqual(len(sleeve.shown(obj)), len(own.data.vertices))
         self.assertEqual([m.name for m in sleeve.output_object(obj).data.materials], ["OwnMaterial"])
         self.assertEqual(sleeve.names(sleeve.output_object(obj).vertex_groups), ["lower", "upper"])
+
+    def test_an_own_mesh_stays_as_it_is_where_one_parent_moves_both(self) -> None:
+        """Rounding made another mesh of every frame: what was stored and baked did not fit any more."""
+        obj, rig = sleeve.scene(wrinkles=False), bpy.data.objects["Arm"]
+        for frame, way in ((1, 0.0), (20, 1.3)):
+            rig.location, rig.rotation_euler = (way, 0.3 * way, 0.0), (0.0, 0.0, way)
+            rig.keyframe_insert("location", frame=frame)
+            rig.keyframe_insert("rotation_euler", frame=frame)
+        own = bpy.data.objects.new("Own", self.denser())
+        bpy.context.scene.collection.objects.link(own)
+        for parent in (rig, obj):
+            with self.subTest(parent.name):
+                obj.parent, own.parent = rig, parent
+                sleeve.make_active(obj)
+                obj.rumple.mesh.source, obj.rumple.own_mesh, obj.rumple.mesh.display_steps = "OBJECT", own, 0
+                if modifier.find(obj) is None:
+                    bpy.ops.object.rumple_add(method="MESH")
+                shapes = set()
+                for frame in (1, 2, 5, 13):
+                    sleeve.at(frame)
+                    shapes.add(evaluator.sources(obj).shape)
+                self.assertEqual((len(shapes), obj.rumple.message), (1, ""))
 
     def denser(self) -> bpy.types.Mesh:
         """The tube, subdivided twice by Blender."""

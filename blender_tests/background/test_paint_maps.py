@@ -31,6 +31,25 @@ def uneven(obj: bpy.types.Object) -> np.ndarray:
     return np.random.default_rng(3).random(len(obj.data.vertices)).astype(np.float32)
 
 
+class Attributes(unittest.TestCase):
+
+    def test_a_float_attribute_paints_as_a_vertex_group_does(self) -> None:
+        """Of the Wrinkle Mesh it made a finer mesh, and no narrower folds."""
+        shown = []
+        for as_group in (True, False):
+            obj = sleeve.scene(wrinkles=False)
+            painted = np.float32(0.4) + np.float32(0.6) * uneven(obj)
+            if as_group:
+                give(obj, painted, "Rumple Wavelength")
+                painted = weights(obj, "Rumple Wavelength")
+            else:
+                obj.data.attributes.new("Rumple Wavelength", "FLOAT", "POINT").data.foreach_set("value", painted)
+            bpy.ops.object.rumple_add(method="MESH")
+            sleeve.play()
+            shown.append(sleeve.shown(obj).copy())
+        np.testing.assert_array_equal(*shown)
+
+
 class Whole(unittest.TestCase):
     def test_inverted_twice_is_as_it_was(self) -> None:
         obj = sleeve.scene()

@@ -98,6 +98,20 @@ class Baked(Worn):
         self.obj.rumple.body = sleeve.under(self.obj, "Other", 0.5)
         self.assertIn(CHANGED, self.said(self.obj))
 
+    def test_a_setting_with_keys(self) -> None:
+        """A clip was of the frame that was looked at: in all others it was called wrong."""
+        settings = self.obj.rumple.mesh
+        for frame, value in ((1, 0.5), (10, 1.0)):
+            settings.detail = value
+            self.obj.keyframe_insert("rumple.mesh.detail", frame=frame)
+        sleeve.at(1)
+        self.bake()
+        for frame in (1, 3, 6):
+            sleeve.at(frame)
+            self.check_right(self.obj)
+        settings.folds = 0.5
+        self.assertIn(CHANGED, self.said(self.obj))
+
     def test_start_is_moved_into_a_clip(self) -> None:
         self.bake(4, 8)
         for start, is_right in ((6, True), (4, True), (12, True), (0, False)):

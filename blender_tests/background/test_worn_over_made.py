@@ -35,6 +35,26 @@ class Case(unittest.TestCase):
         return len(solved_body(self.obj).positions)
 
 
+class SameNames(unittest.TestCase):
+
+    def test_a_linked_body_beside_a_local_one_of_its_name(self) -> None:
+        """The first of a name was taken for both, and the body was dropped as one that was deleted."""
+        sleeve.under(sleeve.scene(wrinkles=False))
+        self.addCleanup(sleeve.empty_file)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "library.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            obj = sleeve.scene()
+            local = sleeve.under(obj)
+            with bpy.data.libraries.load(path, link=True) as (_, wanted):
+                wanted.objects = [local.name]
+            bpy.context.scene.collection.objects.link(wanted.objects[0])
+            for body in (wanted.objects[0], local):
+                obj.rumple.body = body
+                sleeve.at(2)
+                self.assertEqual(obj.rumple.body, body)
+
+
 class Gone(Case):
 
     def check_gone(self) -> None:

@@ -146,6 +146,11 @@ class Checkpoints(unittest.TestCase):
                 found = Checkpoint.read(path, "bake")
                 self.assertTrue(found is None or all(np.array_equal(found.arrays.get(name), values)
                                                      for name, values in checkpoint.arrays.items()), place)
+            encrypted = bytearray(data)
+            for header, flags in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+                encrypted[data.index(header) + flags] ^= 1
+            path.write_bytes(encrypted)
+            self.assertIsNone(Checkpoint.read(path, "bake"))
             for size in (0, 1, 100, len(data) // 2, len(data) - 1):
                 path.write_bytes(data[:size])
                 self.assertIsNone(Checkpoint.read(path, "bake"), size)

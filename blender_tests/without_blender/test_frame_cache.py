@@ -5,6 +5,7 @@ from __future__ import annotations
 import unittest
 from dataclasses import replace
 from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 from rumple.core.frame_cache import CachedFrame, FrameCache
@@ -35,6 +36,29 @@ class ReadMeanwhile(unittest.TestCase):
             cache.put(Removing(frame), CachedFrame.of(SimpleNamespace(nbytes=1), b"", b"", True, None))
         self.assertEqual(cache.frames(), [(1.0, True), (2.0, True), (3.0, True)])
         self.assertLess(len(cache.frames()), 3)  # so some were removed
+
+
+class Replaced(unittest.TestCase):
+
+    def played(self) -> FrameCache:
+        cache = FrameCache()
+        for frame in (1.0, 2.0, 2.5, 3.0, 4.0):
+            cache.put(frame, self.frame())
+        return cache
+
+    def frame(self) -> CachedFrame:
+        return CachedFrame.of(mock.Mock(nbytes=10), b"", b"", True, None)
+
+    def test_frames_behind_a_whole_one_go_on_from_it(self) -> None:
+        cache = self.played()
+        cache.put(2.0, self.frame())
+        self.assertEqual([final for _, final in cache.frames()], [True, True, False, False, False])
+
+    def test_none_goes_on_from_a_subframe(self) -> None:
+        """Motion blur replaces it: all that was played behind it was solved again."""
+        cache = self.played()
+        cache.put(2.5, self.frame())
+        self.assertTrue(all(final for _, final in cache.frames()))
 
 
 class Cleared(unittest.TestCase):

@@ -39,6 +39,11 @@ class OnATube(unittest.TestCase):
         state = fine.frame_cache.get(float(frame)).state
         return (state.arrays if isinstance(fine, WrinklePaths) else state.reference)["reference"]
 
+    def put(self, fine: Any, frame: float, state: Any) -> None:
+        """In place of a frame that was solved: a state as it is stored."""
+        solved = (self.stored(fine.model, state), None)
+        fine.frame_cache.put(frame, replace(fine.frame_cache.get(frame), final=True, _solved=solved))
+
     def stored(self, model: Any, state: Any) -> Any:
         if isinstance(state, native.WrinkleMeshState):
             return native.WrinkleMeshState(model, state.offset, state.solved_length, state.reference)
@@ -158,8 +163,7 @@ class Adapting(OnATube):
             expected = self.solve(fine, 7, settings).positions
             other = system.build(self.base, settings)
             self.solve(other, 6, settings)
-            other.frame_cache.get(6.0).state, other.frame_cache.get(6.0).final = self.stored(other.model,
-                                                                                             entry.state), True
+            self.put(other, 6.0, entry.state)
             np.testing.assert_array_equal(self.solve(other, 7, settings).positions, expected)
             self.assertGreater(entry.state.nbytes, self.clip[1].nbytes)
 
@@ -252,8 +256,7 @@ class SeeingAhead(OnATube):
             before = fine.frame_cache.get(4.0).state
             alone = system.build(self.base, settings)
             self.solve(alone, 4, settings)
-            alone.frame_cache.get(4.0).state = self.stored(alone.model, before)
-            alone.frame_cache.get(4.0).final = True
+            self.put(alone, 4.0, before)
             self.solve(alone, 5, settings)
             live = alone.frame_cache.get(5.0).state
             np.testing.assert_array_equal(found, (live.arrays if system is WrinklePaths else live.reference)["labels"])

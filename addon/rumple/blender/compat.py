@@ -117,15 +117,24 @@ def is_editable(data_block: bpy.types.ID) -> bool:
     return data_block.library is None
 
 
-def action_curves(action: bpy.types.Action) -> Iterator[bpy.types.FCurve]:
-    """All curves of an action; 5.0 moved them into layers, strips and channel bags."""
-    if hasattr(action, "fcurves"):
-        yield from action.fcurves
+def holds(items: bpy.types.bpy_prop_collection, data_block: bpy.types.ID) -> bool:
+    """Whether this data-block is among those of a collection. A local one and linked ones may have one name, and get()
+    finds the first."""
+    found = items.get(data_block.name)
+    return found == data_block or (found is not None and any(item == data_block for item in items))
+
+
+def keyed_curves(user: bpy.types.AnimData | bpy.types.NlaStrip) -> Iterator[bpy.types.FCurve]:
+    """What the action of an object, or of a strip, keys for it: from 4.4 on others may have curves in it, too."""
+    if user.action is None:
         return
-    for layer in action.layers:
-        for strip in layer.strips:
-            for bag in strip.channelbags:
-                yield from bag.fcurves
+    if not hasattr(user, "action_slot"):
+        yield from user.action.fcurves
+    elif user.action_slot is not None:
+        for layer in user.action.layers:
+            for strip in layer.strips:
+                bag = strip.channelbag(user.action_slot)
+                yield from bag.fcurves if bag is not None else ()
 
 
 def new_curves(data_block: bpy.types.ID, name: str) -> bpy.types.bpy_prop_collection:
@@ -141,14 +150,9 @@ def new_curves(data_block: bpy.types.ID, name: str) -> bpy.types.bpy_prop_collec
 
 
 def find_curve(about: bpy.types.AnimData, path: str, index: int = 0) -> bpy.types.FCurve | None:
-    """What an action keys for one of its users: from 4.4 on others may have curves in it, too."""
-    slot = getattr(about, "action_slot", None)
-    if about.action is None:
-        return None
-    if slot is None:
-        return about.action.fcurves.find(path, index=index) if hasattr(about.action, "fcurves") else None
-    bags = [strip.channelbag(slot) for layer in about.action.layers for strip in layer.strips]
-    return next((bag.fcurves.find(path, index=index) for bag in bags if bag is not None), None)
+    """The keys of one property."""
+    return next((curve for curve in keyed_curves(about)
+                 if curve.data_path == path and curve.array_index == index), None)
 
 
 # ---------------------------------------------------------------- words

@@ -6,7 +6,6 @@ The library checks a state as a whole when it is made of the arrays again; the a
 from __future__ import annotations
 
 import io
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -78,7 +77,7 @@ class Checkpoint:
             if arrays.pop("bake").tobytes() != identity.encode():
                 return None
             return cls(int(arrays.pop("sample")), arrays)
-        except (OSError, ValueError, KeyError, EOFError, TypeError, NotImplementedError, zipfile.BadZipFile):
+        except Exception:  # zipfile, zlib and NumPy have a dozen of their own for damaged files
             return None
 
 

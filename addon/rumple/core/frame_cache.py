@@ -62,11 +62,6 @@ class CachedFrame:
     def state(self) -> Any:
         return self._state_and_report()[0]
 
-    @state.setter
-    def state(self, state: Any) -> None:
-        self._solved = state, self.report
-        self.pictures = {}
-
     @property
     def report(self) -> Any:
         return self._state_and_report()[1]
@@ -183,14 +178,16 @@ class FrameCache:
         return [item for entries in list(self._timelines.values()) for item in list(entries.items())]
 
     def put(self, frame: float, cached: CachedFrame) -> None:
-        """Store a frame. When it replaces another solution, whole frames after it are final no more."""
+        """Store a frame. Where it replaces another solution, what goes on from it is final no more: nothing does from
+        a subframe."""
         self._refused.discard((self._timeline, frame))
         old = self._entries.get(frame)
         if old is not None:
             self._forget([old])
-            for later, other in self._entries.items():
-                if later > frame:
-                    other.final = False
+            if frame == math.floor(frame):
+                for later, other in self._entries.items():
+                    if later > frame:
+                        other.final = False
         before = self.before(frame)
         cached.run = 0 if before is None else before.run + 1
         self._entries[frame] = cached

@@ -117,7 +117,8 @@ def channel_of(pixels: np.ndarray, channel: str) -> np.ndarray:
     if channel == "ALPHA":
         values = pixels[:, :, 3] if count > 3 else np.ones(pixels.shape[:2], np.float32)
     elif channel == "LUMINANCE" and count >= 3:
-        values = pixels[:, :, :3] @ LUMINANCE
+        red, green, blue = (pixels[:, :, k] * LUMINANCE[k] for k in range(3))  # not @: see transforms
+        values = red + green + blue
     else:
         values = pixels[:, :, min(max(CHANNELS.index(channel) - 2, 0), count - 1)]
     return np.clip(np.nan_to_num(values, nan=0.0), 0.0, 1.0).astype(np.float32)

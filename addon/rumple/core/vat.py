@@ -18,7 +18,7 @@ import numpy as np
 
 from .clip_manifest import ClipFault
 
-SMALLEST, LARGEST = 64, 8192  # sides of a texture
+SMALLEST, LARGEST = 64, 8192  # texels: the least width, the greatest side
 STEPS = 65535  # of 16 bits
 TOO_FAR = 2e-4  # metres: errors above are said
 UV_MAP = "VAT_UV"

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <new>
 
 #include "base/elementary.h"
 
@@ -55,10 +56,15 @@ int capacity(double cost) {
 
 using Graph = maxflow::Graph<int, int, long long>;
 
+// maxflow ends the process once this returns.
+void no_memory(const char*) {
+    throw std::bad_alloc();
+}
+
 // Nodes 2 i and 2 i + 1 of triangle i lie on the source's side when its label is above compress, above rest.
 class LabelGraph {
   public:
-    explicit LabelGraph(size_t nodes) : graph_(int(2 * nodes), int(6 * nodes)) {
+    explicit LabelGraph(size_t nodes) : graph_(int(2 * nodes), int(6 * nodes), no_memory) {
         graph_.add_node(int(2 * nodes));
     }
 

@@ -36,7 +36,7 @@ Labels cut_labels(const TriangleNet& net, std::span<const LabelCosts> costs,
 
 // The labels of a clip of any length: in one cut up to kMostInCut triangles x frames, which take about 250
 // MB. A longer clip in pieces that go on from one another's labels; each sees kFramesAhead frames of the
-// next.
+// next, so it has twice as many at least: 30 KB a triangle. Throws std::bad_alloc.
 inline constexpr size_t kMostInCut = 500'000;
 inline constexpr size_t kFramesAhead = 30;
 Labels cut_clip(const TriangleNet& net, std::span<const LabelCosts> costs, size_t most_in_cut = kMostInCut);

@@ -17,7 +17,7 @@ _MANIFEST_BYTES = 600  # about, for a sample
 def garments(scene: bpy.types.Scene) -> list[bpy.types.Object]:
     """The wrinkled objects of a scene that can be written, each behind those that it rests on."""
     found = [obj for obj, _ in bodies.in_order(list(modifier.wrinkled_objects()))
-             if scene.objects.get(obj.name) == obj and compat.is_editable(obj)]
+             if compat.holds(scene.objects, obj) and compat.is_editable(obj)]
     graph = {obj.name: needs(obj) for obj in found}
     try:
         order = list(graphlib.TopologicalSorter(graph).static_order())

@@ -70,7 +70,7 @@ def is_baked_from(inputs: str, obj: bpy.types.Object, scene: bpy.types.Scene) ->
 
 def _fingerprint(obj: bpy.types.Object, scene: bpy.types.Scene, worn_over: bytes, first: int | None) -> str:
     digest = hashlib.sha1(evaluator.sources(obj).shape.encode())
-    settings = properties.settings_of(obj, units.scene_of(obj))
+    settings = properties.still_settings(obj, units.scene_of(obj))
     digest.update(repr(settings if first is None else (settings, first)).encode())
     if sees_ahead(obj, scene):
         digest.update(b"whole" if obj.rumple.bake_whole_clip else b"live")

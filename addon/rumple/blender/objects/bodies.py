@@ -55,7 +55,7 @@ def _is_somewhere(obj: bpy.types.Object) -> bool:
     last = bpy.data.collections.get(_found_in.get(key, ""))
     collections = (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections)
     for collection in collections if last is None else (last, *collections):
-        if collection.objects.get(obj.name) == obj and not made_collections.is_ours(collection):
+        if compat.holds(collection.objects, obj) and not made_collections.is_ours(collection):
             _found_in[key] = collection.name
             return True
     return False

@@ -192,5 +192,4 @@ def _animated_paths(obj: bpy.types.Object) -> set[str]:
     about = obj.animation_data
     if about is None:
         return set()
-    curves = [*about.drivers, *(compat.action_curves(about.action) if about.action is not None else ())]
-    return {curve.data_path for curve in curves}
+    return {curve.data_path for curve in (*about.drivers, *compat.keyed_curves(about))}

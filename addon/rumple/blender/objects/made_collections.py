@@ -7,6 +7,8 @@ from typing import Iterable
 
 import bpy
 
+from .. import compat
+
 KEY = "rumple_worn_over"
 _ENDING = " Is Worn Over"  # older files have no key
 
@@ -25,5 +27,5 @@ def is_ours(collection: bpy.types.Collection) -> bool:
     name, dot, number = collection.name.rpartition(".")
     ends_so = collection.name.endswith(_ENDING) or bool(dot) and number.isdigit() and name.endswith(_ENDING)
     return (KEY in collection or ends_so) and not any(
-        parent.children.get(collection.name) == collection
+        compat.holds(parent.children, collection)
         for parent in (*(scene.collection for scene in bpy.data.scenes), *bpy.data.collections))

@@ -7,6 +7,7 @@ from typing import Union
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...core import engine, transforms
 from ...core.fold_guides import DIRECTION, GUIDES, KIND
@@ -93,8 +94,24 @@ def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
     """An artist's fine mesh in the object space of obj, as its undeformed mesh stands."""
     mesh = own.data
     mesh.calc_loop_triangles()
-    into = np.array(obj.matrix_world.inverted_safe() @ own.matrix_world, np.float32)
+    into = np.array(_placed_in(obj, own), np.float32)
     return _flat_mesh(own.name, mesh, transforms.placed(into, basis_positions(mesh)))
+
+
+def _placed_in(obj: bpy.types.Object, own: bpy.types.Object) -> Matrix:
+    """own in the object space of obj. What moves both by one parent is left out: its rounding would make another mesh
+    of every frame."""
+    def in_parent(one: bpy.types.Object) -> Matrix:
+        return one.matrix_parent_inverse @ one.matrix_basis
+
+    if obj.constraints or own.constraints:
+        return obj.matrix_world.inverted_safe() @ own.matrix_world
+    if own.parent == obj and own.parent_type == "OBJECT":
+        return in_parent(own)
+    parents = [(one.parent, one.parent_type, one.parent_bone) for one in (obj, own)]
+    if parents[0] == parents[1] and obj.parent_type in ("OBJECT", "ARMATURE", "BONE"):
+        return in_parent(obj).inverted_safe() @ in_parent(own)
+    return obj.matrix_world.inverted_safe() @ own.matrix_world
 
 
 def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine.BaseMesh:
@@ -169,7 +186,7 @@ Settings = Union[MeshSettings, FieldSettings, PathsSettings]
 
 
 def paint_groups(settings: Settings) -> dict[str, str]:
-    """Key of the engine -> vertex group (or, but for the Wrinkle Mesh, float attribute) that paints it."""
+    """Key of the engine -> vertex group, or float attribute, that paints it."""
     cloth = {key: MESH_GROUPS[key] for key in (*PAINTED, RIGID)}
     if isinstance(settings, FieldSettings):
         return {"mask": settings.mask, WIDTH: settings.wavelength_scale, **cloth}
@@ -190,9 +207,7 @@ def paint(obj: bpy.types.Object, settings: Settings) -> dict[str, np.ndarray]:
         guides = guides[guides[:, KIND] == DIRECTION]  # the triangles can show no fold of another shape
     if guides is not None and len(guides):
         painted[GUIDES] = guides
-    if isinstance(settings, MeshSettings):
-        return painted
-    if WIDTH in painted:
+    if WIDTH in painted and not isinstance(settings, MeshSettings):
         painted[WIDTH] = np.maximum(painted[WIDTH], np.float32(LEAST_WAVELENGTH))
     for key in names.keys() - painted.keys():
         values = _point_attribute(mesh, names[key], "FLOAT")

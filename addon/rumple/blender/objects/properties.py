@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import Field, fields
-from typing import Any, Callable, Iterable
+from dataclasses import Field, fields, replace
+from typing import Any, Callable, Iterable, Iterator
 
 import bpy
 
@@ -268,9 +268,27 @@ def unregister() -> None:
 
 def are_keyed(obj: bpy.types.Object) -> bool:
     """Whether settings of an object may differ from frame to frame: by keys, drivers or strips."""
+    return any(path.startswith("rumple.") for path in _animated_paths(obj))
+
+
+def still_settings(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
+    """settings_of(), with the defaults of those that are animated: the same at every frame."""
+    animated, group = _animated_paths(obj), system_of(obj).group
+    still = {name: f.default for name, f in fields_of(obj).items() if f"rumple.{group}.{name}" in animated}
+    return replace(settings_of(obj, scene), **still)
+
+
+def _animated_paths(obj: bpy.types.Object) -> set[str]:
     about = obj.animation_data
     if about is None:
-        return False
-    curves = compat.action_curves(about.action) if about.action is not None else ()
-    return (any(curve.data_path.startswith("rumple.") for curve in (*curves, *about.drivers))
-            or any(track.strips for track in about.nla_tracks))
+        return set()
+    strips = [strip for track in about.nla_tracks for strip in _with_those_inside(track.strips)]
+    curves = [*about.drivers, *(curve for user in (about, *strips) for curve in compat.keyed_curves(user))]
+    return {curve.data_path for curve in curves}
+
+
+def _with_those_inside(strips: Iterable[bpy.types.NlaStrip]) -> Iterator[bpy.types.NlaStrip]:
+    """A strip may be made of others."""
+    for strip in strips:
+        yield strip
+        yield from _with_those_inside(strip.strips)
