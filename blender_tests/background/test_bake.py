@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 from rumple.blender import handlers, scheduler
 from rumple.blender.bake import clip, operators, playback
-from rumple.blender.frame import clip_status
+from rumple.blender.frame import clip_status, first_pass
 from rumple.blender.objects import modifier, runtimes
 from rumple.core import clip_folder, clip_lock
 from rumple.core.frame_result import COMMON_ATTRIBUTES
@@ -131,6 +131,17 @@ class Baked(unittest.TestCase):
         self.assertEqual([file.name for file in self.clip().parent.iterdir()], [self.clip().name])
         sleeve.at(5)
         self.assertEqual(self.obj.rumple.message, "")
+
+    def test_two_windows_do_not_bake_at_once(self) -> None:
+        """Each would have the other's garments stand still."""
+        running = clip.ClipBake(bpy.context, self.obj)
+        window = mock.Mock(spec=operators.OBJECT_OT_rumple_bake, every=False, report=mock.Mock())
+        with mock.patch.object(operators, "bpy", mock.Mock(app=mock.Mock(background=False))):
+            found = operators.OBJECT_OT_rumple_bake.invoke(window, bpy.context, None)
+        self.assertEqual(found, {"CANCELLED"})
+        self.assertRegex(window.report.mock_calls[0].args[1], "Another bake is under way")
+        running.cancel()
+        self.assertFalse(first_pass.is_read())
 
     def test_is_the_played_through_clip_and_needs_no_handlers(self) -> None:
         sleeve.play()

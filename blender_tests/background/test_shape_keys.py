@@ -94,7 +94,7 @@ class Keys(Baked):
         copy = self.baked()
         animation = copy.data.shape_keys.animation_data
         self.assertEqual(animation.action.name, copy.name)
-        curves = list(compat.action_curves(animation.action))
+        curves = list(compat.keyed_curves(animation))
         self.assertEqual(len(curves), LAST - FIRST + 1)
         for curve in curves:
             for point in curve.keyframe_points:

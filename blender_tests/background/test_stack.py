@@ -319,7 +319,7 @@ class Stack(Arriving, unittest.TestCase):
             for frame, level in zip((1, 3, 5), levels or (1, 2, 1)):
                 made.render_levels = level
                 made.keyframe_insert("render_levels", frame=frame)
-            for key in next(compat.action_curves(obj.animation_data.action)).keyframe_points:
+            for key in next(compat.keyed_curves(obj.animation_data)).keyframe_points:
                 key.interpolation = "CONSTANT"
             with contextlib.redirect_stdout(io.StringIO()) as said:
                 pictures[levels] = small_renders.clip(1, 6)

@@ -108,7 +108,7 @@ def animate(rig: bpy.types.Object) -> None:
     for frame, height in ((1, 0.0), (11, 0.01)):
         pose(rig, brow_L=height)
         rig.pose.bones["brow.L"].keyframe_insert("location", frame=frame)
-    for curve in compat.action_curves(rig.animation_data.action):
+    for curve in compat.keyed_curves(rig.animation_data):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 

@@ -57,7 +57,7 @@ def animated_face() -> bpy.types.Object:
         face.pose(rig, brow_L=0.9 * FAR * share, brow_R=-0.6 * FAR * share)
         for name in face.BROWS:
             rig.pose.bones[name].keyframe_insert("location", frame=frame)
-    for curve in face.compat.action_curves(rig.animation_data.action):
+    for curve in face.compat.keyed_curves(rig.animation_data):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
     scene = bpy.context.scene

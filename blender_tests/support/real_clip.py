@@ -102,8 +102,9 @@ class Clip:
 
     def hold_from(self, frame: int) -> None:
         """Every animation curve keeps its value from this frame on."""
-        for action in bpy.data.actions:
-            for curve in compat.action_curves(action):
+        users = (block.animation_data for block in (*bpy.data.objects, *bpy.data.shape_keys))
+        for user in filter(None, users):
+            for curve in compat.keyed_curves(user):
                 flat = np.empty(2 * len(curve.keyframe_points), np.float32)
                 curve.keyframe_points.foreach_get("co", flat)
                 flat[1::2][flat[::2] > frame] = curve.evaluate(frame)

@@ -55,7 +55,7 @@ def arm() -> bpy.types.Object:
 
 def bend_until(last: int) -> None:
     """The arm bends faster: until this frame."""
-    for curve in compat.action_curves(bpy.data.objects["Arm"].animation_data.action):
+    for curve in compat.keyed_curves(bpy.data.objects["Arm"].animation_data):
         curve.keyframe_points[-1].co.x = last
         curve.update()
 

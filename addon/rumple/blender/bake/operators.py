@@ -7,6 +7,7 @@ import time
 import bpy
 
 from .. import compat, ui_base
+from ..frame import first_pass
 from ..objects import bodies, clip_place, modifier
 from ..translation import said
 from . import clip, shape_keys
@@ -86,6 +87,9 @@ class OBJECT_OT_rumple_bake(ui_base.OnWrinkled, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         if bpy.app.background:
             return self.execute(context)
+        if first_pass.is_read():  # in another window: each would have the other's garments stand still
+            self.report({"WARNING"}, said("Another bake is under way: wait for it, or press Esc in its window"))
+            return {"CANCELLED"}
         self._line_up(context)
         self._next(context)
         if self._running is None:

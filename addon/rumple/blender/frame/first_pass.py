@@ -34,6 +34,11 @@ def read_only(obj: bpy.types.Object | None) -> None:
                 runtimes.of(one).invalidate_output()
 
 
+def is_read() -> bool:
+    """Whether a bake is under way."""
+    return _needed is not None
+
+
 def is_needed(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier) -> bool:
     """Whether anybody looks at the wrinkles of an object, or reads them."""
     return _needed is None or obj.name_full in _needed or is_shown(nodes_mod)
