@@ -287,7 +287,8 @@ class Wrinkles(SystemSteps):
         clip: (n, 3) float32 positions by whole frame, ascending. A frame that is solved with other positions is solved
         as live, and noted in `pose_mismatches`; a subframe has the labels of the whole frame that it leads to. Over a
         base cloth or a body no clip is labelled: what it will be is not known. Raises UserError. Cost: per frame and
-        1,000 triangles about 1 ms; half a megabyte while it is cut, for at most 500 frames of those, or 60 of any mesh; a kilobyte afterwards.
+        1,000 triangles about 1 ms; half a megabyte while it is cut, for at most 500 frames of those, or 60 of any mesh;
+        a kilobyte afterwards.
         """
         self.frame_cache.clear()
         self._clip_labels = ClipLabels()
