@@ -2,6 +2,8 @@
 """What the fine mesh inherits from the coarse one."""
 from __future__ import annotations
 
+import os
+import tempfile
 import unittest
 
 import bpy
@@ -140,6 +142,35 @@ class Carrying(unittest.TestCase):
                     sleeve.at(frame)
                     shapes.add(evaluator.sources(obj).shape)
                 self.assertEqual((len(shapes), obj.rumple.message), (1, ""))
+
+    def test_an_own_mesh_is_bound_where_it_was_chosen(self) -> None:
+        """It was bound by where a moving garment was when the file was opened."""
+        obj, rig = sleeve.scene(wrinkles=False), bpy.data.objects["Arm"]
+        for frame, way in ((1, 0.0), (20, 0.05)):
+            rig.location.x = way
+            rig.keyframe_insert("location", frame=frame)
+        obj.parent = rig
+        own = bpy.data.objects.new("Own", self.denser())
+        bpy.context.scene.collection.objects.link(own)
+        sleeve.at(1)
+        sleeve.make_active(obj)
+        obj.rumple.mesh.source, obj.rumple.own_mesh, obj.rumple.mesh.display_steps = "OBJECT", own, 0
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.play()
+        shown, shape = sleeve.shown(obj).copy(), evaluator.sources(obj).shape
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "scene.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+            bpy.ops.wm.open_mainfile(filepath=path)
+        self.addCleanup(sleeve.empty_file)
+        obj = bpy.data.objects["Sleeve"]
+        sleeve.play()
+        np.testing.assert_array_equal(sleeve.shown(obj), shown)
+        bpy.data.objects["Own"].location.x += 0.001
+        sleeve.at(20)
+        rebuild.prepare(obj, modifier.find(obj))
+        self.assertNotEqual(evaluator.sources(obj).shape, shape)
+        self.assertEqual(obj.rumple.message, "")
 
     def denser(self) -> bpy.types.Mesh:
         """The tube, subdivided twice by Blender."""

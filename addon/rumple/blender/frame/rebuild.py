@@ -14,7 +14,7 @@ from .. import compat, scheduler
 from ..nodes import field_profile, field_shader, wrinkle_tree
 from ..nodes.output_flags import Flag, set_flag
 from ..objects import (bodies, coarse_copy, duplicates, evaluator, incoming_mesh, kept_lists, mesh_reader, messages,
-                       modifier, output_mesh, runtimes, units, viewport_mesh)
+                       modifier, output_mesh, own_mesh_place, runtimes, units, viewport_mesh)
 from ..objects.runtimes import Runtime
 from . import clip_status, path_curves
 
@@ -79,6 +79,7 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
     method = modifier.system(nodes_mod).method
     if compat.is_editable(obj) and obj.rumple.method != method:
         obj.rumple.method = method  # the modifier came by Copy Modifiers or an older file
+    own_mesh_place.keep(obj)
     if modifier.is_baked(nodes_mod) and modifier.output_object(nodes_mod) is not None:
         runtime.bake_note = clip_status.check(obj, modifier.output_object(nodes_mod))
         return False  # the clip counts on the output object as it is

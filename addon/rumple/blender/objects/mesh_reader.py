@@ -7,7 +7,6 @@ from typing import Union
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 from ...core import engine, transforms
 from ...core.fold_guides import DIRECTION, GUIDES, KIND
@@ -19,7 +18,7 @@ from ...core.painted_rigid import RIGID, wholly_painted
 from ...core.settings import FieldSettings, MeshSettings, PathsSettings
 from .. import compat
 from ..nodes import field_profile, wrinkle_tree
-from . import guide_curves, incoming_mesh
+from . import guide_curves, incoming_mesh, own_mesh_place
 
 # Paint of the Wrinkle Mesh: key of the engine -> vertex group on the coarse mesh.
 MESH_GROUPS: dict[str, str] = {
@@ -94,24 +93,8 @@ def own_mesh(obj: bpy.types.Object, own: bpy.types.Object) -> engine.BaseMesh:
     """An artist's fine mesh in the object space of obj, as its undeformed mesh stands."""
     mesh = own.data
     mesh.calc_loop_triangles()
-    into = np.array(_placed_in(obj, own), np.float32)
+    into = np.array(own_mesh_place.of(obj, own), np.float32)
     return _flat_mesh(own.name, mesh, transforms.placed(into, basis_positions(mesh)))
-
-
-def _placed_in(obj: bpy.types.Object, own: bpy.types.Object) -> Matrix:
-    """own in the object space of obj. What moves both by one parent is left out: its rounding would make another mesh
-    of every frame."""
-    def in_parent(one: bpy.types.Object) -> Matrix:
-        return one.matrix_parent_inverse @ one.matrix_basis
-
-    if obj.constraints or own.constraints:
-        return obj.matrix_world.inverted_safe() @ own.matrix_world
-    if own.parent == obj and own.parent_type == "OBJECT":
-        return in_parent(own)
-    parents = [(one.parent, one.parent_type, one.parent_bone) for one in (obj, own)]
-    if parents[0] == parents[1] and obj.parent_type in ("OBJECT", "ARMATURE", "BONE"):
-        return in_parent(obj).inverted_safe() @ in_parent(own)
-    return obj.matrix_world.inverted_safe() @ own.matrix_world
 
 
 def _flat_mesh(name: str, mesh: bpy.types.Mesh, positions: np.ndarray) -> engine.BaseMesh:
