@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sine, exponential and the like, the same bits on every system. Those of <cmath> differ from system to
 // system in their last bit; what is computed here takes nothing but + - * / and square roots, which IEEE 754
-// fixes. Of <cmath> only what is exact everywhere is used in results: floor, ceil, round, lround, fmod, ldexp,
-// frexp, nextafter, copysign, abs and sqrt.
+// fixes. Of <cmath> only what is exact everywhere is used in results: floor, ceil, round, lround, fmod,
+// ldexp, frexp, nextafter, copysign, abs and sqrt.
 //
 // Errors, in units of the last place: sin, cos, exp, log 2, atan2 5, pow 3 (1 + |y log x|). The float
 // functions round the double result: hardly ever is it not the float nearest to the true value.

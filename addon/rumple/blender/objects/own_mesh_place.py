@@ -16,7 +16,7 @@ DIGITS = 6
 
 
 def keep(obj: bpy.types.Object) -> None:
-    """Keep the place as it is in this frame, where none is kept that holds. Writes: never while a frame is evaluated."""
+    """Keep the place as it is in this frame, where none is kept that holds. Writes: not in a handler."""
     own = obj.rumple.own_mesh
     if own is not None and compat.is_editable(obj) and _kept(obj, own) is None:
         rows = [list(row) for row in _now(obj, own)]
