@@ -171,6 +171,13 @@ class Carrying(unittest.TestCase):
         rebuild.prepare(obj, modifier.find(obj))
         self.assertNotEqual(evaluator.sources(obj).shape, shape)
         self.assertEqual(obj.rumple.message, "")
+        sleeve.at(10)
+        for is_chosen_again in (False, True):
+            before = evaluator.sources(obj).shape
+            if is_chosen_again:
+                obj.rumple.own_mesh = obj.rumple.own_mesh
+            rebuild.prepare(obj, modifier.find(obj))
+            self.assertEqual(evaluator.sources(obj).shape != before, is_chosen_again)
 
     def denser(self) -> bpy.types.Mesh:
         """The tube, subdivided twice by Blender."""

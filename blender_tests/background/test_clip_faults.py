@@ -21,7 +21,7 @@ from rumple.blender import handlers, scheduler
 from rumple.blender.bake import clip as clip_bake
 from rumple.blender.bake.playback import BakeError
 from rumple.blender.frame import clip_status
-from rumple.blender.objects import modifier, runtimes
+from rumple.blender.objects import clip_place, modifier, runtimes
 from rumple.core import clip_file, clip_folder
 from support import sleeve
 
@@ -300,6 +300,19 @@ class Disturbed(Case):
                 self.obj.rumple.bake_folder = folder
                 self.refused("choose another folder")
                 self.whole(before)
+
+    def test_a_folder_is_beside_the_file_unless_it_is_absolute(self) -> None:
+        """It was made where Blender was started from, and a folder of Windows was not found again."""
+        for typed, expected in (("clips", "clips"), ("a/clips/", "a/clips"), ("//clips", "clips"),
+                                ("C:\\clips\\", "C:/clips"), (str(self.folder / "whole"), "whole")):
+            with self.subTest(typed):
+                self.obj.rumple.bake_folder = typed
+                self.bake()
+                self.assertEqual(self.clip().parent, self.folder / expected)
+                sleeve.at(5)
+                self.assertEqual(self.obj.rumple.message, "")
+        self.obj.rumple.bake_folder = "~/clips"
+        self.assertEqual(clip_place.of(self.obj).parent, Path.home() / "clips")
 
     def test_what_changes_the_object_meanwhile_ends_the_bake_with_a_sentence(self) -> None:
         # ValueError, ReferenceError and AttributeError escaped; the .part and, in a window, the timer stayed.

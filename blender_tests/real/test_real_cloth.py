@@ -219,6 +219,27 @@ class Trousers(Worn, unittest.TestCase):
     file, name, frames = "S2_squat_trousers", "trousers", range(30, 64)
 
 
+class NothingIsAnimated(unittest.TestCase):
+    """Between friction and contacts the base cloth slipped to and fro for ever, and folds over it popped."""
+
+    def test_it_comes_to_rest(self) -> None:
+        for file, name, pose in (("S1_walk_shirt", "shirt", 1), ("S2_squat_trousers", "sweater", 20)):
+            with self.subTest(name):
+                bpy.ops.wm.open_mainfile(filepath=str(DATA / f"{file}.blend"))
+                scene, garment = bpy.context.scene, bpy.data.objects[name]
+                scene.frame_set(pose)
+                for rig in (other for other in scene.objects if other.type == "ARMATURE"):
+                    rig.animation_data_clear()
+                scene.frame_set(scene.frame_start)
+                bpy.context.view_layer.objects.active = garment
+                self.assertEqual(bpy.ops.object.rumple_add(method="MESH"), {"FINISHED"}, garment.rumple.message)
+                held = []
+                for frame in range(scene.frame_start, scene.frame_start + REST + STILL + 1):
+                    scene.frame_set(frame)
+                    held.append(digest(runtimes.of(garment).result.positions))
+                self.assertEqual(held[REST:], held[REST:REST + 1] * (STILL + 1), f"it moved at {held}")
+
+
 class Simulated(unittest.TestCase):
     """A simulation is compressed by a percent everywhere: all of that showed as small random folds on those it had."""
 

@@ -110,6 +110,31 @@ TEST(BaseClothLaws, AHeldPoseComesToRestAndStaysToTheBit) {
     }
 }
 
+// Contacts and friction are those of the step before, so cloth may slip to and fro for ever: what moves
+// little, and not half as far as in the frame before, stays.
+TEST(BaseClothLaws, WhatComesNoNearerToRestStays) {
+    const Garment garment(grid(8, 8, 0.02f));
+    Settings settings;
+    Result rest;
+    ASSERT_GT(garment.settle(settings, garment.mesh.positions, rest), 0);
+    settings.steps = 1;
+    const float still = kStillCloth * settings.room;
+    for (const auto& [moved_before, stays] : {std::pair(1.1f * still, true), {1.0f, false}}) {
+        State state = rest.state;
+        state.moved = moved_before;
+        state.offset[27].x += 4.0f * still;
+        const Result slipped = garment.solve(settings, garment.mesh.positions, &state);
+        EXPECT_GT(slipped.report.moved, still);
+        EXPECT_EQ(slipped.state.moved, stays ? 0.0f : slipped.report.moved);
+        const Result next = garment.solve(settings, garment.mesh.positions, &slipped.state);
+        EXPECT_EQ(next.report.steps == 0, stays);
+    }
+    State state = rest.state;
+    state.moved = 1.1f * still;
+    state.offset[27].x += 100.0f * still;
+    EXPECT_GT(garment.solve(settings, garment.mesh.positions, &state).state.moved, still);  // this is no slip
+}
+
 TEST(BaseClothLaws, TheSameInputGivesTheSameBits) {
     const Garment garment(tube(16, 10, 0.1f, 0.5f)), twin(tube(16, 10, 0.1f, 0.5f));
     const Points pose = garment.crumpled(0.85f, 2.0f, 0.2f), next = garment.crumpled(0.8f, 2.2f, 0.2f);

@@ -5,7 +5,8 @@ Nothing outside this file asks for the version. Tried on 3.4.1, 4.3.2 and 5.2.2.
 """
 from __future__ import annotations
 
-from typing import Any, Iterator
+import os
+from typing import Any, Iterable, Iterator
 
 import bpy
 import numpy as np
@@ -137,6 +138,23 @@ def keyed_curves(user: bpy.types.AnimData | bpy.types.NlaStrip) -> Iterator[bpy.
                 yield from bag.fcurves if bag is not None else ()
 
 
+def animated_paths(obj: bpy.types.Object) -> set[str]:
+    """Data paths of what keys, drivers and strips change from frame to frame."""
+    about = obj.animation_data
+    if about is None:
+        return set()
+    strips = [strip for track in about.nla_tracks for strip in _with_those_inside(track.strips)]
+    curves = [*about.drivers, *(curve for user in (about, *strips) for curve in keyed_curves(user))]
+    return {curve.data_path for curve in curves}
+
+
+def _with_those_inside(strips: Iterable[bpy.types.NlaStrip]) -> Iterator[bpy.types.NlaStrip]:
+    """A strip may be made of others."""
+    for strip in strips:
+        yield strip
+        yield from _with_those_inside(strip.strips)
+
+
 def new_curves(data_block: bpy.types.ID, name: str) -> bpy.types.bpy_prop_collection:
     """Give a data-block an empty action of that name. Returns its curves, for new()."""
     action = bpy.data.actions.new(name)
@@ -153,6 +171,19 @@ def find_curve(about: bpy.types.AnimData, path: str, index: int = 0) -> bpy.type
     """The keys of one property."""
     return next((curve for curve in keyed_curves(about)
                  if curve.data_path == path and curve.array_index == index), None)
+
+
+# ---------------------------------------------------------------- folders
+# Of a property that is a folder: it may begin with //. Blender asks since 4.5.
+FOLDER_OPTIONS = ({"PATH_SUPPORTS_BLEND_RELATIVE"}
+                  if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties else set())
+
+
+def blend_path(folder: str) -> str:
+    """A folder as an artist types it: what is neither absolute nor begins with // is beside the blend file as well, and
+    ~ is the home folder."""
+    folder = os.path.expanduser(folder if os.name == "nt" else folder.replace("\\", "/"))
+    return folder if folder.startswith("//") or os.path.isabs(folder) else "//" + folder
 
 
 # ---------------------------------------------------------------- words

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/cloth/base_cloth.h"
 
+#include <limits>
 #include <utility>
 
 #include "base/expect.h"
@@ -27,15 +28,28 @@ struct Schedule {
     int most_steps = 0;     // of Newton's method
     int contact_every = 1;  // so many steps from one look for the nearest inner surface to the next
     float settled = 0.0f;   // a step that moves every vertex by less is the last one, object units
+    float no_nearer = std::numeric_limits<float>::infinity();  // of has_settled(), object units
 };
+
+// A step that moves every vertex by less solves a frame in which the pose changes.
+float solved_within(const Model& model) {
+    return kSettledCloth * static_cast<float>(mean_length(model));
+}
 
 Schedule schedule_of(const Model& model, const Settings& settings, const Pose& pose, const State* before) {
     if (!before) return {false, settings.start_steps, 1, 0.0f};
     if (!same_pose(model, pose, *before, kHeldStrain * settings.room))
-        return {false, settings.steps, kContactEvery, kSettledCloth * static_cast<float>(mean_length(model))};
+        return {false, settings.steps, kContactEvery, solved_within(model)};
     const float at_rest = kStillCloth * settings.room;
     const bool held = before->moved <= at_rest;
-    return {held, held ? 0 : settings.steps, kContactEvery, at_rest};
+    return {held, held ? 0 : settings.steps, kContactEvery, at_rest, 0.5f * before->moved};
+}
+
+// Whether cloth in a held pose stays from now on. Contacts and the limits of friction are those of the step
+// before, so between them it may slip to and fro for ever: small steps that are more than half as long as in
+// the frame before do not lead to rest.
+bool has_settled(const Model& model, const Schedule& schedule, float moved) {
+    return moved >= schedule.no_nearer && moved < solved_within(model);
 }
 
 }  // namespace
@@ -91,22 +105,22 @@ Result solve_pose(const Model& model, const Settings& settings, const Pose& pose
     for (size_t v = 0; before && v < vertices; ++v) x[v] += pose.frame[v].to_object(before->offset[v]);
     std::vector<Plane> planes(vertices);
     look_for_contacts(model, pose, x, out.state.contact_hint, planes);
-    const auto [held, most_steps, contact_every, settled] = schedule_of(model, settings, pose, before);
-    for (bool last = most_steps == 0; !last;) {
-        last = ++out.report.steps == most_steps;
+    const Schedule schedule = schedule_of(model, settings, pose, before);
+    for (bool last = schedule.most_steps == 0; !last;) {
+        last = ++out.report.steps == schedule.most_steps;
         Cloth cloth{model, settings, pose, planes};
         if (!last) cloth.overshoot = kOvershoot;
         out.report.moved = newton_step(cloth, x, out.report);
-        last = last || out.report.moved < settled;
-        if (last || out.report.steps % contact_every == 0)
+        last = last || out.report.moved < schedule.settled;
+        if (last || out.report.steps % schedule.contact_every == 0)
             look_for_contacts(model, pose, x, out.state.contact_hint, planes);
     }
     for (size_t v = 0; v < vertices; ++v) {
-        out.state.offset.push_back(held ? before->offset[v]
-                                        : pose.frame[v].to_local(x[v] - pose.animated[v]));
+        out.state.offset.push_back(schedule.held ? before->offset[v]
+                                                 : pose.frame[v].to_local(x[v] - pose.animated[v]));
     }
-    keep_pose(pose, held ? before : nullptr, out.state);
-    out.state.moved = out.report.moved;
+    keep_pose(pose, schedule.held ? before : nullptr, out.state);
+    out.state.moved = has_settled(model, schedule, out.report.moved) ? 0.0f : out.report.moved;
     // The state keeps the equilibrium: what went on from a projected one would leave its balance in every
     // frame.
     finish(model, settings, pose, planes, has_bodies, x, out);

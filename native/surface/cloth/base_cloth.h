@@ -132,7 +132,7 @@ struct State {
     std::vector<float> length;        // of every spring in the pose that was solved
     std::vector<float> clearance;     // likewise
     std::vector<float> ahead_height;  // likewise
-    float moved = 0.0f;               // as in the report, object units
+    float moved = 0.0f;               // as in the report; 0 where it came no nearer to rest; object units
     std::vector<Index> body_hint;     // speed only
     std::vector<Index> contact_hint;
     Motion motion;  // of Swing only

@@ -213,7 +213,8 @@ class MapBake:
             image.pack()
             return
         try:
-            maps_export.save_image(image, Path(bpy.path.abspath(settings.bake_folder)), settings.bake_deep)
+            folder = Path(bpy.path.abspath(compat.blend_path(settings.bake_folder)))
+            maps_export.save_image(image, folder, settings.bake_deep)
         except (OSError, RuntimeError) as error:
             image.pack()
             raise UserError(f"{self.obj.name}: the map {image.name} cannot be saved and is packed: {error}") from error

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...core.poses import GAINS, MOST_POSES
+from .. import compat
 from ..objects.properties import METHODS
 from . import changes as maps_changes, comparison, runtimes as maps_runtimes
 
@@ -169,8 +170,8 @@ class RUMPLE_Maps(bpy.types.PropertyGroup):
                                                    "from the height of the folds")
     bake_deep: bpy.props.BoolProperty(name="16 Bit", options=set(), override={"LIBRARY_OVERRIDABLE"},
                                       description="More than eight bits a channel: no steps in broad shallow wrinkles")
-    bake_folder: bpy.props.StringProperty(name="Folder", options=set(), override={"LIBRARY_OVERRIDABLE"},
-                                          subtype="DIR_PATH",
+    bake_folder: bpy.props.StringProperty(name="Folder", options=compat.FOLDER_OPTIONS,
+                                          override={"LIBRARY_OVERRIDABLE"}, subtype="DIR_PATH",
                                           description="Where maps are saved. Empty: packed into the blend file")
     message: bpy.props.StringProperty(name="Message", get=_message,
                                       description="What is wrong; empty when nothing is")

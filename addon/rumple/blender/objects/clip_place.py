@@ -8,6 +8,7 @@ from pathlib import Path
 import bpy
 
 from ...core import clip_folder
+from .. import compat
 
 FOLDER = "//rumple"
 
@@ -28,7 +29,7 @@ def _whole(path: str | Path) -> str:
 
 def of(obj: bpy.types.Object) -> Path | None:
     """Of the clip. None where it belongs beside the blend file, and that was never saved."""
-    folder = obj.rumple.bake_folder or FOLDER
+    folder = compat.blend_path(obj.rumple.bake_folder or FOLDER)
     beside = folder.startswith("//")
     if beside and not bpy.data.filepath:
         return None

@@ -162,7 +162,7 @@ def _rest_key(obj: bpy.types.Object) -> int:
 # ---------------------------------------------------------------- changes
 def stack_fingerprint(obj: bpy.types.Object) -> str:
     """Of the settings of the modifiers in front that count for it. Those that are animated do not."""
-    animated = _animated_paths(obj)
+    animated = compat.animated_paths(obj)
     rows = []
     for m in modifier.in_front(obj):
         if modifier.deforms(m):
@@ -186,10 +186,3 @@ def _plain(value: Any) -> str:
     if isinstance(value, bpy.types.bpy_prop_collection):
         return str(len(value))
     return repr(tuple(value) if hasattr(value, "__len__") and not isinstance(value, (str, set)) else value)
-
-
-def _animated_paths(obj: bpy.types.Object) -> set[str]:
-    about = obj.animation_data
-    if about is None:
-        return set()
-    return {curve.data_path for curve in (*about.drivers, *compat.keyed_curves(about))}

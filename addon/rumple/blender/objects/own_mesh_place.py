@@ -23,6 +23,11 @@ def keep(obj: bpy.types.Object) -> None:
         obj[KEY] = json.dumps(dict(moved_by_hand=_moved_by_hand(obj, own), rows=rows))
 
 
+def forget(obj: bpy.types.Object) -> None:
+    """It was chosen, perhaps again."""
+    obj.pop(KEY, None)
+
+
 def of(obj: bpy.types.Object, own: bpy.types.Object) -> Matrix:
     """own in the object space of obj: 4 x 4, as Blender has it."""
     kept = _kept(obj, own)

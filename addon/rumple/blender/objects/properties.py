@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import Field, fields, replace
-from typing import Any, Callable, Iterable, Iterator
+from typing import Any, Callable, Iterable
 
 import bpy
 
 from ...core import engine
 from ...core.systems import SYSTEMS, System
 from .. import compat
-from . import bodies, changes, runtimes, units
+from . import bodies, changes, own_mesh_place, runtimes, units
 
 METHODS = (("NONE", "None", "No wrinkles"), *((s.method, s.label, s.tip) for s in SYSTEMS.values()))
 MAPS = ("MAPS", "Wrinkle Maps", "Normal maps of reference poses, blended by the pose of the bones")
@@ -126,6 +126,11 @@ def _is_own_mesh(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) ->
     return candidate.type == "MESH" and candidate != group.id_data
 
 
+def _own_mesh_chosen(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    own_mesh_place.forget(group.id_data)
+    _changed("MESH")(group, context)
+
+
 def _is_body(group: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
     return candidate != group.id_data and bodies.can_be_body(candidate)
 
@@ -150,7 +155,7 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                         description="An incoming mesh that a rest shape was captured on, while the "
                                                     "modifiers that made it are off")
     own_mesh: bpy.props.PointerProperty(type=bpy.types.Object, name="Custom Mesh", override=_OVERRIDE,
-                                        poll=_is_own_mesh, update=_changed("MESH"),
+                                        poll=_is_own_mesh, update=_own_mesh_chosen,
                                         description="Your own fine mesh, in place over the undeformed coarse mesh")
     body: bpy.props.PointerProperty(type=bpy.types.Object, name="Body", override=_OVERRIDE, poll=_is_body,
                                     update=_changed("BODY"),
@@ -199,7 +204,8 @@ class RUMPLE_Object(bpy.types.PropertyGroup):
                                             description="Analyse the whole clip before it is solved: how the rest "
                                                         "shape changes is then chosen for all frames at once, not "
                                                         "frame by frame as in playback")
-    bake_folder: bpy.props.StringProperty(name="Folder", options=set(), override=_OVERRIDE, subtype="DIR_PATH",
+    bake_folder: bpy.props.StringProperty(name="Folder", options=compat.FOLDER_OPTIONS, override=_OVERRIDE,
+                                          subtype="DIR_PATH",
                                           description="Where baked clips go. Empty: the folder rumple beside the file")
     message: bpy.props.StringProperty(name="Message", get=_message,
                                       description="What is wrong; empty when nothing is")
@@ -268,27 +274,11 @@ def unregister() -> None:
 
 def are_keyed(obj: bpy.types.Object) -> bool:
     """Whether settings of an object may differ from frame to frame: by keys, drivers or strips."""
-    return any(path.startswith("rumple.") for path in _animated_paths(obj))
+    return any(path.startswith("rumple.") for path in compat.animated_paths(obj))
 
 
 def still_settings(obj: bpy.types.Object, scene: bpy.types.Scene) -> Any:
     """settings_of(), with the defaults of those that are animated: the same at every frame."""
-    animated, group = _animated_paths(obj), system_of(obj).group
+    animated, group = compat.animated_paths(obj), system_of(obj).group
     still = {name: f.default for name, f in fields_of(obj).items() if f"rumple.{group}.{name}" in animated}
     return replace(settings_of(obj, scene), **still)
-
-
-def _animated_paths(obj: bpy.types.Object) -> set[str]:
-    about = obj.animation_data
-    if about is None:
-        return set()
-    strips = [strip for track in about.nla_tracks for strip in _with_those_inside(track.strips)]
-    curves = [*about.drivers, *(curve for user in (about, *strips) for curve in compat.keyed_curves(user))]
-    return {curve.data_path for curve in curves}
-
-
-def _with_those_inside(strips: Iterable[bpy.types.NlaStrip]) -> Iterator[bpy.types.NlaStrip]:
-    """A strip may be made of others."""
-    for strip in strips:
-        yield strip
-        yield from _with_those_inside(strip.strips)
