@@ -40,8 +40,7 @@ EdgeGraph build_graph(const Surface& surface) {
         add(corner[0], corner[2]), add(corner[1], corner[3]);
     }
     std::ranges::sort(sides);
-    const auto repeated = std::ranges::unique(sides);
-    sides.erase(repeated.begin(), repeated.end());
+    sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
     EdgeGraph graph(mesh.vertex_count);
     for (const auto& [a, b] : sides) connect(surface, a, b, graph);
     return graph;
