@@ -14,6 +14,7 @@ import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
+from rumple.blender.frame import clip_status
 from rumple.blender.objects import incoming_mesh, modifier, runtimes, stack_notes
 from support import sleeve, small_renders
 from support.arriving import Arriving
@@ -150,6 +151,38 @@ class Stack(Arriving, unittest.TestCase):
         self.assertEqual(stack_notes.of(obj), [
             "Sleeve: the particles of \"Later\" do not find their places on the fine mesh: move Wrinkle Mesh below it "
             "in the stack"])
+
+    def test_what_loses_its_point_cache_is_said(self) -> None:
+        """Folds are an edit of the mesh that a Cloth collides with, and rendered it far from where it was played."""
+        obj = sleeve.scene(wrinkles=False)
+        obj.modifiers.new("Collision", "COLLISION")
+        obj.rumple.mesh.density, obj.rumple.mesh.level = "LEVEL", 1
+        bpy.ops.mesh.primitive_grid_add(size=0.5, location=(0, 0, 2))
+        sheet = bpy.context.object
+        sheet.name = "Sheet"
+        cloth = sheet.modifiers.new("Cloth", "CLOTH")
+        cloth.point_cache.frame_end = 4
+        sleeve.play(1, 4)
+        self.assertFalse(cloth.point_cache.is_outdated)
+        self.assertEqual(stack_notes.of(obj), [])
+        sleeve.make_active(obj)
+        bpy.ops.object.rumple_add(method="MESH")
+        sleeve.play(1, 4)
+        self.assertTrue(cloth.point_cache.is_outdated)
+        note = "Sleeve: \"Sheet\" collides with it, and loses its cache with every new fold: bake that cache before " \
+               "you render"
+        self.assertEqual(stack_notes.of(obj), [note])
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            clip_status.check_before_render()
+        self.assertIn(note, printed.getvalue())
+        with mock.patch.object(modifier, "is_baked", return_value=True):
+            self.assertEqual(stack_notes.of(obj), [note])
+        cloth.collision_settings.collection = bpy.data.collections.new("Others")
+        self.assertEqual(stack_notes.of(obj), [])
+        cloth.collision_settings.collection = None
+        bpy.ops.ptcache.bake_all(bake=True)
+        self.assertEqual(stack_notes.of(obj), [])
 
     def test_what_is_parented_to_vertices_is_said(self) -> None:
         obj = sleeve.scene(wrinkles=False)

@@ -68,7 +68,7 @@ MESSAGES = tuple((re.compile(pattern), anchor) for pattern, anchor in (
     (r"modifier \"|the other way, or inwards|more faces than two|lies on another face|uses a vertex twice"
      r"|deforms the mesh|no valid position|scale is zero|the fine mesh would have|of the own mesh|has no room for"
      r"|rest wrinkle of|away from the origin|other vertices in renders|leaves no faces"
-     r"|find their places|parented to vertices|shows no waves", "the-mesh-and-its-modifiers"),
+     r"|find their places|collides with it|parented to vertices|shows no waves", "the-mesh-and-its-modifiers"),
     (r"raise Most Vertices|Esc stopped", "the-panel"),
     (r"was healed", "where-it-stands"),
 ))

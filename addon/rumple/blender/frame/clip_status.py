@@ -11,7 +11,7 @@ from ...core import clip_file
 from ...core.clip_manifest import ClipFault, Manifest
 from .. import compat
 from ..objects import (bodies, clip_place, coarse_copy, evaluator, incoming_mesh, mesh_reader, messages, modifier,
-                       properties, runtimes, stack_notes, units)
+                       point_caches, properties, runtimes, stack_notes, units)
 from ..objects.runtimes import Runtime
 from . import path_curves
 
@@ -232,11 +232,13 @@ def _not_made_yet(obj: bpy.types.Object) -> str:
 
 
 def check_before_render() -> None:
-    """Say on the console what is missing, stale or late, before hours are spent on it."""
+    """Say on the console what is missing, stale, late or lost, before hours are spent on it."""
     for obj, nodes_mod in modifier.wrinkled_objects():
         with messages.console_errors(obj.name):
             output_obj = modifier.output_object(nodes_mod)
-            text = "" if output_obj is None else check(obj, output_obj) if modifier.is_baked(nodes_mod) else \
+            if output_obj is None:
+                continue
+            text = check(obj, output_obj) if modifier.is_baked(nodes_mod) else \
                 _not_made_yet(obj) or late_in_renders(obj) or next(iter(stack_notes.skipped_frames(obj)), "")
-            if text:
-                print(f"Rumple: before rendering: {text}")
+            for sentence in [text] * bool(text) + point_caches.notes(obj):
+                print(f"Rumple: before rendering: {sentence}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import bodies, mesh_reader, modifier, properties, runtimes, subdivision_behind, units
+from . import bodies, mesh_reader, modifier, point_caches, properties, runtimes, subdivision_behind, units
 
 # What poses or simulates a garment: behind the wrinkles these do not see it. Smooth, Shrinkwrap and the like may well
 # stand there.
@@ -15,11 +15,14 @@ _POSES = frozenset(("ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE
 def of(obj: bpy.types.Object) -> list[str]:
     """Sentences for the panel, drawn anew each time: nothing tells of a moved modifier. Only reads."""
     nodes_mod = modifier.find(obj)
-    if nodes_mod is None or modifier.is_baked(nodes_mod):
+    if nodes_mod is None:
         return []
+    if modifier.is_baked(nodes_mod):
+        return point_caches.notes(obj)
     return (_order(obj, nodes_mod) + _particles(obj, nodes_mod) + _armatures(obj)
             + _other_points_in_renders(obj, nodes_mod)
-            + subdivision_behind.notes(obj, runtimes.of(obj).evaluator) + skipped_frames(obj))
+            + subdivision_behind.notes(obj, runtimes.of(obj).evaluator) + skipped_frames(obj)
+            + point_caches.notes(obj))
 
 
 def skipped_frames(obj: bpy.types.Object) -> list[str]:
