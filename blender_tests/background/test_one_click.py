@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import threading
 import unittest
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from rumple.blender import compat, scheduler
 from rumple.blender.objects import mesh_reader, modifier, painted_maps, properties, runtimes, stack_notes
 from rumple.blender.ui import operators
 from rumple.core.hangs_free import FREE
+from rumple.native import kernels
 from support import face, sleeve
 
 WIDE = 0.16  # metres that the middle of the sleeve is wider
@@ -70,6 +72,16 @@ class Stacks(unittest.TestCase):
         """What is said of the stack then."""
         bpy.ops.object.rumple_add(method=method)
         return stack_notes.of(self.obj)
+
+    def test_a_garment_is_healed_once_and_where_no_thread_is_left_it_is_built_all_the_same(self) -> None:
+        with mock.patch.object(threading.Thread, "start", side_effect=RuntimeError("can't start new thread")), \
+                mock.patch.object(kernels, "heal_mesh", wraps=kernels.heal_mesh) as heal_mesh:
+            heal_mesh.__name__ = "heal_mesh"
+            self.click()
+        self.assertEqual(heal_mesh.call_count, 1)
+        sleeve.at(8)
+        self.assertTrue(sleeve.is_fine(self.obj))
+        self.assertEqual(self.obj.rumple.message, "")
 
     def test_what_only_smooths_behind_a_subdivision_stays_behind_the_wrinkles(self) -> None:
         """They went behind the Subdivision, and renders had no wrinkles."""

@@ -6,7 +6,7 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-from rumple.core.base_mesh import BaseMesh
+from rumple.core.base_mesh import BaseMesh, built_once
 from rumple.core.brush import Easel
 from rumple.core.engine import Wrinkles
 from rumple.core.settings import FieldSettings, MeshSettings, PathsSettings
@@ -198,3 +198,19 @@ class Healing(unittest.TestCase):
             base = quad_mesh("Chance", rng.random((9, 3)).astype(np.float32), quads)
             mesh = WrinkleMesh.build(base, replace(SETTINGS, level=1))
             self.assertEqual(sorted(set(mesh.polygon_parent)), list(range(count)))
+
+
+class BuiltOnce(unittest.TestCase):
+    """Of equal arrays, whoever holds them; and only within it."""
+
+    def test_equal_arrays_are_one_surface_and_others_are_not(self) -> None:
+        base = tube()
+        with built_once():
+            made = base.surface(True)
+            self.assertIs(replace(base, positions=base.positions.copy()).surface(True), made)
+            self.assertIsNot(replace(base, positions=base.positions + np.float32(1.0)).surface(True), made)
+            self.assertIsNot(base.surface(False), made)
+            creased = replace(base, crease_edge=quads_of(base)[:1, :2].copy(),
+                              crease_sharpness=np.ones(1, np.float32))
+            self.assertIsNot(creased.surface(True), made)
+        self.assertIsNot(base.surface(True), made)

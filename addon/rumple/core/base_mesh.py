@@ -2,20 +2,35 @@
 """A coarse mesh at rest, checked. Never imports bpy."""
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
 from dataclasses import dataclass
-from typing import Any, Callable
+from typing import Any, Callable, Iterator
 
 import numpy as np
 
 from ..native import kernels
+from .digests import digest_of
 from .healing import Origin, creases_of, origin_of, origin_of_itself
 from .rigid_parts import RigidParts
 from .wording import user_error
 
+_built: dict[bytes, Any] | None = None  # of built_once(): what the library made of which arrays
 MOST_LEVEL = 5  # subdivisions
 RAISE_MOST = "raise Most Vertices"  # how the limit on a fine mesh is lifted
+
+
+@contextlib.contextmanager
+def built_once() -> Iterator[None]:
+    """Within it equal arrays are healed once, and made a surface once. For the first click, which looks at a garment
+    several times before its wrinkles are built. Holds all of them until its end."""
+    global _built
+    _built = {}
+    try:
+        yield
+    finally:
+        _built = None
 
 
 @dataclass
@@ -70,11 +85,18 @@ class BaseMesh:
         """(n, ...) of the artist's vertices -> of this mesh's."""
         return values if self.origin is None else values[self.origin.vertex]
 
-    def _native(self, build: Callable[..., Any], weld: bool, *more: Any) -> Any:
+    def _native(self, build: Callable[..., Any], weld: bool, *more: np.ndarray | None) -> Any:
+        arrays, built = (self.positions, self.polygon_start, self.corner_vertex, self.triangle_corner), _built
+        key = b"" if built is None else digest_of(f"{build.__name__} {weld}".encode(), *arrays, *more)
+        if built is not None and key in built:
+            return built[key]
         try:
-            return build(self.positions, self.polygon_start, self.corner_vertex, self.triangle_corner, weld, *more)
+            made = build(*arrays, weld, *more)
         except ValueError as error:
             raise user_error(self.name, error) from error
+        if built is not None:
+            built[key] = made
+        return made
 
     def mean_edge(self) -> float:
         """Mean length of the polygons' sides, object units."""

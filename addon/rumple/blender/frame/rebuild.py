@@ -88,14 +88,14 @@ def _prepare(obj: bpy.types.Object, nodes_mod: bpy.types.NodesModifier, runtime:
         _update_profile(obj, runtime)
     changed = _take_incoming(obj, runtime)
     former = runtime.evaluator
-    evaluator.ensure(obj, runtime)
+    inherited = output_mesh.Inherited(obj, evaluator.source_of(obj))
+    evaluator.ensure(obj, runtime, meanwhile=inherited.read)
     if changed:
         runtime.notes.append(changed)
     if runtime.evaluator is not former:
         obj.update_tag()  # the output object may fit as it is, but nothing is solved by this one
     former_output, former_viewport = modifier.output_object(nodes_mod), modifier.viewport_output(nodes_mod)
     count = len(incoming_mesh.of(obj).vertices)
-    inherited = output_mesh.Inherited(obj, evaluator.source_of(obj))
     filled = [_filled(former, fine, inherited) for former, fine in zip(
         (former_output, former_viewport), viewport_mesh.solved_for(nodes_mod, runtime.evaluator))]
     viewport_output = filled[1][0] if len(filled) == 2 else None

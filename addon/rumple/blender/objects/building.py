@@ -13,7 +13,7 @@ PATIENCE = 0.2  # seconds: what takes no longer is waited for on the spot
 
 class Building:
     """What is under way for one object. wanted: what it is made of. Its thread ends by itself, dropped or not: Blender
-    waits for it when it quits."""
+    waits for it when it quits. Where no thread can be started it is built on the spot."""
 
     def __init__(self, name: str, wanted: Any, build: Callable[[], Wrinkles]) -> None:
         self.name, self.wanted = name, wanted
@@ -21,8 +21,12 @@ class Building:
         self._made: Wrinkles | None = None
         self._error: Exception | None = None
         self._began = time.monotonic()
-        self._thread = threading.Thread(target=self._run, name=f"Rumple builds {name}")
-        self._thread.start()
+        self._thread: threading.Thread | None = threading.Thread(target=self._run, name=f"Rumple builds {name}")
+        try:
+            self._thread.start()
+        except RuntimeError:  # the system has none left
+            self._thread = None
+            self._run()
 
     def _run(self) -> None:
         try:
@@ -37,12 +41,15 @@ class Building:
 
     def is_running(self, patience: float = 0.0) -> bool:
         """After so many seconds at most."""
+        if self._thread is None:
+            return False
         self._thread.join(patience)
         return self._thread.is_alive()
 
     def result(self) -> Wrinkles:
         """Waits for its end. Raises what the build raised."""
-        self._thread.join()
+        if self._thread is not None:
+            self._thread.join()
         if self._error is not None:
             raise self._error
         assert self._made is not None

@@ -60,8 +60,11 @@ def _refuse_without_faces(obj: bpy.types.Object) -> None:
                                "Realize Instances at the end of its nodes")
 
 
-def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
-    """Make entry.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.UserError."""
+def ensure(obj: bpy.types.Object, runtime: Runtime, meanwhile: Callable[[], object] | None = None) -> None:
+    """Make runtime.evaluator for the object as it is now. Reads only: allowed in any handler. Raises engine.UserError.
+
+    meanwhile: what else is to be read from Blender; done while a thread builds.
+    """
     now = sources(obj)
     runtime.scale = _rounded(now.unit_scale)
     wanted = _wanted(obj, now)
@@ -74,7 +77,7 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
         if begun is not None and begun.wanted == wanted:
             fine = begun.result()
         else:
-            fine = _builder(obj, now)()
+            fine = _built(obj, now, wanted, meanwhile)
         runtime.evaluator = _checked(obj, fine)
     except engine.UserError as error:
         runtime.refused = _refusable(obj, wanted)
@@ -87,6 +90,15 @@ def ensure(obj: bpy.types.Object, runtime: Runtime) -> None:
     if compat.has_custom_normals(incoming_mesh.of(obj)):
         runtime.notes.append(f"{obj.name}: custom normals are not carried to the fine mesh")
     runtime.evaluator.frame_cache.limit_bytes = obj.rumple.memory_limit << 20
+
+
+def _built(obj: bpy.types.Object, now: Sources, wanted: tuple[str, int, int],
+           meanwhile: Callable[[], object] | None) -> engine.Wrinkles:
+    if meanwhile is None:
+        return _builder(obj, now)()
+    building = Building(obj.name, wanted, _builder(obj, now))
+    meanwhile()
+    return building.result()
 
 
 def note_scale(obj: bpy.types.Object, runtime: Runtime) -> None:

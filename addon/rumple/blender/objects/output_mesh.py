@@ -39,6 +39,10 @@ class Inherited:
         self.mesh = incoming_mesh.of(obj) if source == obj else source.data  # of corners, faces and points
         self.group_names = [group.name for group in obj.vertex_groups]
 
+    def read(self) -> None:
+        """All of the slow parts, now."""
+        self.groups, self.surface
+
     @functools.cached_property
     def weights(self) -> np.ndarray:
         """(n, groups) float32 of the vertex groups."""
@@ -277,13 +281,14 @@ def write_steps(group: bpy.types.VertexGroup, steps: np.ndarray, had: np.ndarray
     Blender takes weights in no other way."""
     members = np.flatnonzero(np.ones(len(steps), bool) if had is None else steps != had)
     order = members[np.argsort(steps[members], kind="stable")]
-    cuts = np.flatnonzero(np.diff(steps[order])) + 1
-    for piece in np.split(order, cuts) if len(order) else ():
-        step = int(steps[piece[0]])
+    ordered, places = steps[order], order.tolist()
+    ends = [*(np.flatnonzero(np.diff(ordered)) + 1).tolist(), len(places)]
+    for begin, end in zip([0, *ends], ends if places else ()):
+        step = int(ordered[begin])
         if step:
-            group.add(piece.tolist(), step / WEIGHT_STEPS, "REPLACE")
+            group.add(places[begin:end], step / WEIGHT_STEPS, "REPLACE")
         else:
-            group.remove(piece.tolist())
+            group.remove(places[begin:end])
 
 
 # ---------------------------------------------------------------- what changed

@@ -9,6 +9,7 @@ from __future__ import annotations
 import bpy
 
 from ... import native
+from ...core.base_mesh import built_once
 from ...core.systems import SYSTEMS
 from .. import compat, scheduler, ui_base
 from ..frame import disk_frames, rebuild
@@ -110,6 +111,10 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
             native.load()
         except native.NativeMissing as error:
             return self._refuse(str(error))
+        with built_once():
+            return self._add_wrinkles(context, obj)
+
+    def _add_wrinkles(self, context: bpy.types.Context, obj: bpy.types.Object) -> set[str]:
         runtimes.forget(obj)
         notes = self._set_up(context, obj)
         with scheduler.suspended():
