@@ -200,8 +200,22 @@ def on_belt(size: tuple[float, float, float], degrees: float, across: float = 0.
 
 def build_cape() -> bpy.types.Object:
     """A runner in a cape that swings. The runner stays in place, and the air comes along."""
-    skeleton = dressed(scene_motions.run())
+    cape, rows = add_cape(dressed(scene_motions.run()))
     add_head_wind()
+    for name, weights in (("Rumple Follow", CAPE_PINNED), ("Rumple Keep Smooth", CAPE_SMOOTH)):
+        group = cape.vertex_groups.new(name=name)
+        for vertex, weight in enumerate(by_row(weights, rows).tolist()):
+            group.add([vertex], weight, "REPLACE")
+    worn_over(cape, "Mannequin", ("Shirt", "Trousers"))
+    settings = cape.rumple.mesh
+    settings.base_cloth, settings.layers, settings.wavelength, settings.hem_rings = "SWING", "CLOTH", 0.07, 0
+    settings.room, settings.locomotion, settings.swing_damping, settings.drag = 1.5, 1.0, 1.0, 1.0
+    settings.slack, settings.thickness, settings.mass = 1.05, 0.006, 0.15
+    return ready("Cape")
+
+
+def add_cape(skeleton: bpy.types.Object) -> tuple[bpy.types.Object, Array]:
+    """A cape over the shirt, with the row of each vertex (n,)."""
     points, quads = cape_mesh()
     band_points, band_quads = neckband(points[:CAPE_ACROSS])
     cape = demo_scene.mesh_object("Cape", np.vstack([points, band_points]),
@@ -213,16 +227,7 @@ def build_cape() -> bpy.types.Object:
     skin_as(cape, bpy.data.objects["Shirt"], by_row(CAPE_AS_SHIRT, rows))
     cape.modifiers.new("Armature", "ARMATURE").object = skeleton
     cape.parent = skeleton
-    for name, weights in (("Rumple Follow", CAPE_PINNED), ("Rumple Keep Smooth", CAPE_SMOOTH)):
-        group = cape.vertex_groups.new(name=name)
-        for vertex, weight in enumerate(by_row(weights, rows).tolist()):
-            group.add([vertex], weight, "REPLACE")
-    worn_over(cape, "Mannequin", ("Shirt", "Trousers"))
-    settings = cape.rumple.mesh
-    settings.base_cloth, settings.layers, settings.wavelength, settings.hem_rings = "SWING", "CLOTH", 0.07, 0
-    settings.room, settings.locomotion, settings.swing_damping, settings.drag = 1.5, 1.0, 1.0, 1.0
-    settings.slack, settings.thickness, settings.mass = 1.05, 0.006, 0.15
-    return ready("Cape")
+    return cape, rows
 
 
 def by_row(weights: Sequence[float], rows: Array) -> Array:

@@ -2,6 +2,7 @@
 """The first click on garments as they come: appended, overridden, with the stacks that artists leave."""
 from __future__ import annotations
 
+import math
 import tempfile
 import threading
 import unittest
@@ -13,7 +14,8 @@ import bmesh
 import bpy
 import numpy as np
 from rumple.blender import compat, scheduler
-from rumple.blender.objects import mesh_reader, modifier, painted_maps, properties, runtimes, stack_notes
+from rumple.blender.objects import (cloth_defaults, mesh_reader, modifier, painted_maps, properties, runtimes,
+                                    stack_notes)
 from rumple.blender.ui import operators
 from rumple.core.hangs_free import FREE
 from rumple.native import kernels
@@ -240,6 +242,26 @@ class HangsFree(unittest.TestCase):
         bpy.context.view_layer.update()
         weights = self.click()
         self.assertGreater(weights[middle].min(), 0.9)
+
+    def test_a_sheet_hangs_from_its_upper_end(self) -> None:
+        """A cape got no base cloth, for it has no opening, and stayed the stiff cone that it was animated as."""
+        half = bmesh.new()
+        half.from_mesh(self.obj.data)
+        bmesh.ops.delete(half, geom=[v for v in half.verts if v.co.y < -1e-4], context="VERTS")
+        half.to_mesh(self.obj.data)
+        for name in ("Sleeve", "Human", "Arm"):
+            if bpy.data.objects[name].parent is None:
+                bpy.data.objects[name].rotation_euler.y = math.pi / 2.0  # X points down
+        bpy.context.view_layer.update()
+        weights, along = self.click(), compat.positions(self.obj.data)[:, 0]
+        settings = self.obj.rumple.mesh
+        self.assertEqual(settings.base_cloth, "HANG")
+        self.assertEqual(settings.up, "-X")
+        self.assertEqual(weights[along == along.min()].max(), 0.0)
+        self.assertEqual(weights[along > 0.5 * along.max()].min(), 1.0)
+        pinned = cloth_defaults.follow_weights(self.obj)
+        self.assertEqual(pinned[along == along.min()].min(), 1.0)
+        self.assertEqual(pinned[along == along.max()].max(), 0.0)
 
     def test_a_plain_sleeve_has_no_map(self) -> None:
         self.assertEqual(len(self.click()), 0)

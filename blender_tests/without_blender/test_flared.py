@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which garments the first click takes for skirts."""
+"""Which garments the first click takes for skirts, and which for sheets."""
 from __future__ import annotations
 
 import unittest
@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 from rumple.core.base_mesh import BaseMesh
-from rumple.core.flared import is_flared
-from rumple.core.wrinkle_mesh import CLOTH_WAVELENGTH, SKIRT_LENGTHS, cloth_defaults
+from rumple.core.flared import is_flared, is_sheet
+from rumple.core.hangs_free import share_of_sheet
+from rumple.core.wrinkle_mesh import CLOTH_WAVELENGTH, SHEET_WAVELENGTH, SKIRT_WAVELENGTH, cloth_defaults
 from support.meshes import quad_mesh, tube
 
 UPRIGHT = np.eye(3)
@@ -54,11 +55,52 @@ class Flared(unittest.TestCase):
         self.assertFalse(is_flared(quad_mesh("Holed", skirt.positions, quads), UPRIGHT))
 
     def test_it_gets_few_wide_folds_and_what_else_cloth_gets(self) -> None:
-        skirt, sleeve = (cloth_defaults(base, 1.0, UPRIGHT) for base in (cone(0.13, 0.3), cone(0.13, 0.13)))
-        self.assertEqual({name: skirt[name] for name in SKIRT_LENGTHS}, SKIRT_LENGTHS)
-        self.assertEqual(sleeve["wavelength"], CLOTH_WAVELENGTH)
-        others = skirt.keys() - SKIRT_LENGTHS.keys()
-        self.assertEqual({name: skirt[name] for name in others}, {name: sleeve[name] for name in others})
+        found = [cloth_defaults(base, 1.0, UPRIGHT, sheet) for base, sheet in (
+            (cone(0.13, 0.3), False), (sheet_of(0.5, 0.8), True), (cone(0.13, 0.13), False))]
+        self.assertEqual([settings.pop("wavelength") for settings in found],
+                         [SKIRT_WAVELENGTH, SHEET_WAVELENGTH, CLOTH_WAVELENGTH])
+        self.assertEqual(found[0], found[2])
+        self.assertEqual(found[1], found[2])
+
+
+def sheet_of(wide: float, high: float, bulge: float = 0.0) -> BaseMesh:
+    """8 by 8 quads, upright in X and Z, metres, that stand out by so much in the middle."""
+    across, up = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 9))
+    out = bulge * np.sin(np.pi * across) * np.sin(np.pi * up)
+    points = np.stack([wide * across, out, high * up], -1).reshape(-1, 3).astype(np.float32)
+    first = (np.arange(8)[:, None] * 9 + np.arange(8)).reshape(-1, 1)
+    return quad_mesh("Sheet", points, first + np.array([0, 1, 10, 9]))
+
+
+def together(*bases: BaseMesh) -> BaseMesh:
+    """Beside one another, as parts of one mesh."""
+    first = np.cumsum([0, *(len(base.positions) for base in bases)])
+    return quad_mesh("Parts", np.concatenate([base.positions + (3.0 * k, 0.0, 0.0) for k, base in enumerate(bases)]),
+                     np.concatenate([base.corner_vertex.reshape(-1, 4) + start for base, start in zip(bases, first)]))
+
+
+class Sheets(unittest.TestCase):
+    PERSON = np.array([(0.0, 0.0, 0.0), (0.6, 0.3, 1.8)])  # metres: two corners of the box
+
+    def test_capes_and_scarves_are(self) -> None:
+        for cape in (sheet_of(1.0, 1.0), sheet_of(0.25, 1.4), sheet_of(1.0, 1.0, 0.3)):
+            self.assertTrue(is_sheet(cape, self.PERSON))
+        self.assertTrue(is_sheet(together(sheet_of(1.0, 1.0), sheet_of(0.1, 0.1)), self.PERSON))  # with a patch
+
+    def test_hats_masks_clothes_and_cards_of_hair_are_not(self) -> None:
+        deep = sheet_of(1.0, 1.0, 1.2)
+        self.assertFalse(is_sheet(deep, self.PERSON))
+        self.assertFalse(is_sheet(sheet_of(0.25, 0.3), self.PERSON))
+        self.assertFalse(is_sheet(cone(0.13, 0.3), self.PERSON))
+        self.assertFalse(is_sheet(together(*[sheet_of(0.03, 0.6)] * 3), self.PERSON))
+        self.assertFalse(is_sheet(replace(deep, positions=np.zeros_like(deep.positions)), self.PERSON))
+
+    def test_they_hang_free_below_their_upper_end(self) -> None:
+        cape = sheet_of(1.0, 1.0)
+        free = share_of_sheet(cape.positions)
+        self.assertEqual(free[-9:].max(), 0.0)
+        self.assertEqual(free[:45].min(), 1.0)
+        self.assertTrue((np.diff(free[::9]) <= 0.0).all())
 
 
 if __name__ == "__main__":

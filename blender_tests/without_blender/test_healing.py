@@ -204,7 +204,7 @@ class BuiltOnce(unittest.TestCase):
     """Of equal arrays, whoever holds them; and only within it."""
 
     def test_equal_arrays_are_one_surface_and_others_are_not(self) -> None:
-        base = tube()
+        base = tube(12, 8, 0.1, 0.5)
         with built_once():
             made = base.surface(True)
             self.assertIs(replace(base, positions=base.positions.copy()).surface(True), made)

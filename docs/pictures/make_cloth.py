@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Garments that become cloth, on scenes of ../shared/data and on the demo: s1_cloth.jpg, s2_cloth.jpg,
-one_mesh.jpg, layers.jpg, fabrics.jpg, density.jpg, demo.jpg and dress.jpg beside this file.
+one_mesh.jpg, layers.jpg, fabrics.jpg, density.jpg, demo.jpg, dress.jpg and cape.jpg beside this file.
 
     scripts/build
     RUMPLE_NATIVE=build/release/python blender -b --factory-startup --python-exit-code 1 \
-        --python docs/pictures/make_cloth.py [-- s1|s2|one_mesh|layers|fabrics|density|demo|dress ...]
+        --python docs/pictures/make_cloth.py [-- s1|s2|one_mesh|layers|fabrics|density|demo|dress|cape ...]
 """
 from __future__ import annotations
 
+import math
 import os
 import sys
 import tempfile
@@ -209,6 +210,21 @@ def dress(folder: Path) -> tuple[list[Tile], int]:
     return before_and_after([garment], (10, 30, 48), folder)
 
 
+def cape(folder: Path) -> tuple[list[Tile], int]:
+    """The same figure in shirt, trousers and a cape, from behind."""
+    import gallery_scenes
+    import scene_motions
+    skeleton = gallery_scenes.dressed(scene_motions.twist())
+    gallery_scenes.add_cape(skeleton)
+    gallery_scenes.ready("Cape")
+    skeleton.rotation_euler.z = math.radians(160.0)
+    garments = [bpy.data.objects[name] for name in ("Trousers", "Shirt", "Cape")]
+    for garment in garments:
+        bpy.context.view_layer.objects.active = garment
+        assert bpy.ops.object.rumple_add(method="MESH") == {"FINISHED"}
+    return before_and_after(garments, (1, 24), folder)
+
+
 def before_and_after(garments: list[bpy.types.Object], frames: tuple[int, ...], folder: Path
                      ) -> tuple[list[Tile], int]:
     """In the studio of the demo, played from the start."""
@@ -235,6 +251,7 @@ PICTURES: dict[str, tuple[str, Callable[[Path], tuple[list[Tile], int]]]] = {
     "density": ("density.jpg", density),
     "demo": ("demo.jpg", demo),
     "dress": ("dress.jpg", dress),
+    "cape": ("cape.jpg", cape),
 }
 
 

@@ -204,6 +204,25 @@ TEST(BaseClothExact, AFloatingSheetSinksByGravityOverFollow) {
         EXPECT_LT(glm::distance(result.positions[v], mesh.positions[v] - Vec3(0, 0, d)), 2e-5f);
 }
 
+// With four times the room: the pull back is a fourth, and nothing stands below it.
+TEST(BaseClothExact, WhatHangsFreeSinksFarther) {
+    const MeshData mesh = grid(5, 4, 0.05f);
+    const Garment garment(mesh);
+    Settings s;
+    s.start_steps = 60;
+    s.room = 0.1f;
+    s.follow = 120.0f;
+    Paint paint;
+    paint.room.assign(mesh.positions.size(), 4.0f);
+    const Result result = garment.solve(s, mesh.positions, nullptr, paint);
+    const double pull = 4.0 * 9.81 / s.follow;
+    double d = 0.0;
+    for (int i = 0; i < 400; ++i) d += 0.1 * (pull - d * (1.0 + 15.0 * std::pow(d / 0.4, 4.0)));
+    EXPECT_GT(d, 0.15);
+    for (size_t v = 0; v < mesh.positions.size(); ++v)
+        EXPECT_LT(glm::distance(result.positions[v], mesh.positions[v] - Vec3(0, 0, d)), 5e-5f);
+}
+
 // Along the surface, where a way counts by the share s = room over slide: d (1 + 15 s^2 (s d / R)^4) = g / F.
 TEST(BaseClothExact, ASheetSlidesFartherThanItsRoom) {
     const MeshData mesh = grid(5, 4, 0.05f);

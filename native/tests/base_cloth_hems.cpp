@@ -103,7 +103,8 @@ std::vector<float> room_over(const MeshData& mesh, const Body& body) {
     const Collider collider = body.collider();
     const PosedCollider posed(collider, body.positions);
     std::vector<Index> hints;
-    const Clearance found = clearance(build_clearance(surface), {}, mesh.positions, normals, &posed, hints);
+    const Clearance found =
+        clearance(build_clearance(surface), {}, mesh.positions, normals, {}, &posed, hints);
     return room_over_bodies(surface, find_hems(surface), posed, found.bodies, mesh.positions, normals,
                             ClearanceSettings{}.reach, kUnheld);
 }

@@ -57,6 +57,38 @@ Vec3 turned(const Vec3& p) {
            (1.0f - std::cos(angle)) * glm::dot(axis, p) * axis;
 }
 
+// A skirt that is animated as a cone: held at its waist, its hem goes inwards, and it is the same skirt
+// whatever pose it comes from. As firmly held as on a body it stays the cone.
+TEST(BaseClothLaws, WhatHangsFreeHangs) {
+    MeshData skirt = tube(24, 14, 1.0f, 0.5f);
+    for (Vec3& p : skirt.positions) p *= Vec3(1.0f, glm::mix(0.13f, 0.30f, 2.0f * p.x) * Vec2(1.0f));
+    const Garment garment(skirt);
+    Settings settings;
+    settings.follow = 150.0f;
+    settings.flat_share = 0.05f;
+    settings.gravity = settings.hang = {1.0f, 0.0f, 0.0f};
+    settings.gravity *= 9.81f;
+    Paint held;
+    for (const Vec3& p : skirt.positions) held.follow.push_back(p.x == 0.0f ? 1.0f : 0.0f);
+    Paint free = held;
+    for (const Vec3& p : skirt.positions)
+        free.room.push_back(1.0f + 7.0f * std::clamp((p.x - 0.05f) / 0.1f, 0.0f, 1.0f));
+    const auto hem = [&](const Paint& paint, const Points& from) {
+        Result result = garment.solve(settings, from, nullptr, paint);
+        EXPECT_GT(garment.settle(settings, skirt.positions, result, paint, nullptr, 60), 0);
+        float radius = 0.0f;
+        for (size_t v = 14 * 24; v < skirt.positions.size(); ++v)
+            radius += glm::length(Vec2(result.positions[v].y, result.positions[v].z)) / 24.0f;
+        return radius;
+    };
+    const float hanging = hem(free, skirt.positions);
+    EXPECT_GT(hem(held, skirt.positions), 0.28f);
+    EXPECT_LT(hanging, 0.25f);
+    EXPECT_NEAR(hem(free, garment.crumpled(0.9f, 0.5f, 0.1f)), hanging, 2e-3f);
+    settings.gravity = Vec3(0.0f);
+    EXPECT_NEAR(hem(free, skirt.positions), 0.30f, 1e-5f);
+}
+
 // Also in crumpled poses, also where the cloth hardly resists compression.
 TEST(BaseClothLaws, RigidMotionCarriesTheClothAlong) {
     const Vec3 shift(0.5f, -0.25f, 1.0f);

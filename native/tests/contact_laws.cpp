@@ -222,11 +222,12 @@ struct Sheet {
         normals.resize(surface.welded.vertex_count);
         vertex_normals(surface, surface.positions_rest, normals);
     }
-    std::vector<float> over(const Body& body, const ClearanceSettings& settings,
-                            std::vector<Index>& hints) const {
+    std::vector<float> over(const Body& body, const ClearanceSettings& settings, std::vector<Index>& hints,
+                            float free = 0.0f) const {
         const Collider collider = body.collider();
         const PosedCollider posed(collider, body.positions);
-        return clearance(model, settings, surface.positions_rest, normals, &posed, hints).inwards;
+        const std::vector<float> all(normals.size(), free);
+        return clearance(model, settings, surface.positions_rest, normals, all, &posed, hints).inwards;
     }
 };
 
@@ -258,12 +259,31 @@ TEST(Clearance, WithoutABodyIsUnknown) {
     std::vector<Index> hints{1, 2, 3};
     ClearanceSettings settings;
     for (const float value :
-         clearance(sheet.model, settings, sheet.surface.positions_rest, sheet.normals, nullptr, hints)
+         clearance(sheet.model, settings, sheet.surface.positions_rest, sheet.normals, {}, nullptr, hints)
              .inwards)
         EXPECT_EQ(value, settings.unknown);
     EXPECT_TRUE(hints.empty());
     for (const float value : sheet.over(body_of(plate(8, 0.05f, -0.07f)), settings, hints))
         EXPECT_NEAR(value, settings.unknown, 1e-7f);  // beyond the reach
+}
+
+// What hangs free looks for a body as far as it may go, and where there is none it may go so far. It stood a
+// centimetre off its animation at most, and a skirt stayed the cone that it was animated as.
+TEST(Clearance, WhatHangsFreeGoesAsFarAsItsRoomOrToTheBody) {
+    const Sheet sheet(plate(10, 0.02f, 0.0f));
+    const ClearanceSettings settings;
+    std::vector<Index> hints;
+    const auto over = [&](float distance) {
+        return sheet.over(body_of(plate(16, 0.05f, -distance)), settings, hints, 0.25f);
+    };
+    for (const float value : over(0.12f)) EXPECT_NEAR(value, 0.12f - settings.thickness, 1e-6f);
+    for (const float value : over(0.3f)) EXPECT_NEAR(value, 0.25f, 1e-6f);
+    hints.clear();
+    const std::vector<float> all(sheet.normals.size(), 0.25f);
+    for (const float value :
+         clearance(sheet.model, settings, sheet.surface.positions_rest, sheet.normals, all, nullptr, hints)
+             .inwards)
+        EXPECT_EQ(value, 0.25f);
 }
 
 // What is about to leave the reach fades: late, but without a jump. Ten times as fine steps are a tenth as

@@ -58,6 +58,28 @@ TEST(Openings, AnOutlineWithSmallHolesIsNotHeld) {
     EXPECT_EQ(follow[12 * 13 + 6], 0.0f);
 }
 
+std::vector<float> held(const MeshData& mesh) {
+    return suggest_follow(build(mesh, true), {0.0f, 1.0f, 0.0f});
+}
+
+// A cape, with a pocket on it; 9 x 9 vertices, 0.8 m wide and high.
+TEST(Openings, ASheetIsHeldByItsUpperEnd) {
+    MeshData pocket = grid(2, 2, 0.05f);
+    const MeshData cape = with_part(grid(8, 8, 0.1f), pocket, {0.3f, 0.4f, 0.01f});
+    const std::vector<float> follow = held(cape);
+    for (int v = 0; v < 81; ++v) EXPECT_EQ(follow[v], v < 72 ? 0.0f : 1.0f) << v;
+    for (size_t v = 81; v < follow.size(); ++v) EXPECT_EQ(follow[v], 0.0f) << v;
+}
+
+// A blanket has no upper end, and of many sheets (cards of hair) none is the garment.
+TEST(Openings, WhatLiesIsNotHeldNorOneOfManySheets) {
+    MeshData blanket = grid(8, 8, 0.1f);
+    for (Vec3& p : blanket.positions) p = {p.x, 0.1f * p.y, p.y};
+    MeshData cards = with_part(grid(2, 8, 0.1f), grid(2, 8, 0.1f), {1.0f, 0.0f, 0.0f});
+    for (const MeshData& mesh : {blanket, cards})
+        for (const float weight : held(mesh)) EXPECT_EQ(weight, 0.0f);
+}
+
 TEST(Openings, PartsAreLookedAtOneByOne) {
     const MeshData cape = grid(8, 8, 0.1f), sleeve = tube(16, 8, 0.05f, 0.5f);
     EXPECT_EQ(openings(with_part(cape, sleeve, {0.0f, 0.0f, 2.0f})), 2);

@@ -10,6 +10,7 @@ from .paint_maps import smoothstep
 
 FREE = "free"  # the paint: 1 where cloth hangs free, 0 where it lies on the body
 NEAR, AWAY = 0.05, 0.13  # metres from the body, of a garment that an adult wears: there it lies on it; hangs free
+SHEET_HELD, SHEET_FREE = 0.06, 0.25  # of a cape's diagonal, below its upper end: it is held there; hangs free
 LEAST_FREE = 0.1  # share of the vertices: less is no part of a garment that hangs
 FOLDS_LEFT = {"folds": 0.5, "detail": 0.1}  # of these layers, where cloth hangs free: its folds are few and wide
 SPREADS = 8  # times that every vertex takes the mean of itself and of those beside it
@@ -18,6 +19,14 @@ SPREADS = 8  # times that every vertex takes the mean of itself and of those bes
 def share_of_distance(distance: np.ndarray, size: float) -> np.ndarray:
     """(n,) metres to the body -> (n,) 0..1. size: size_factor() of the garment."""
     return smoothstep((distance / size - NEAR) / (AWAY - NEAR))
+
+
+def share_of_sheet(rest: np.ndarray) -> np.ndarray:
+    """(n,) 0..1 of a sheet (n, 3), Z up, by the height below its upper end. Its distance to the body does not tell:
+    beside an arm it would be held, and dented in the middle."""
+    below = rest[:, 2].max() - rest[:, 2]
+    diagonal = np.linalg.norm(np.ptp(rest, axis=0))
+    return smoothstep((below / diagonal - SHEET_HELD) / (SHEET_FREE - SHEET_HELD))
 
 
 def spread(share: np.ndarray, edges: np.ndarray) -> np.ndarray:

@@ -85,9 +85,8 @@ def suggested_wavelength(base: BaseMesh, unit_scale: float) -> float:
 
 COARSE_EDGE = 0.03  # metres, of a garment that an adult wears: its widest folds are five of them
 DENSE = 2.0 / 3.0  # of that: a base with shorter edges is solved on a coarse mesh in its place
-# Metres: what hangs free has few wide folds, and room for them.
-SKIRT_LENGTHS = dict(wavelength=0.14, room=ClothSettings.free_room)
-CLOTH_WAVELENGTH = 0.04  # metres: the finest folds of a cotton garment that an adult wears
+# Metres: the finest folds of a cotton garment that an adult wears. What hangs free has few wide ones.
+CLOTH_WAVELENGTH, SKIRT_WAVELENGTH, SHEET_WAVELENGTH = 0.04, 0.14, 0.07
 LEAST_OPENINGS = 2  # of a garment: a head has one
 
 
@@ -99,15 +98,15 @@ def suits_cloth(base: BaseMesh) -> bool:
         return False  # what is wrong with it is said where it is built
 
 
-def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndarray) -> dict[str, Any]:
+def cloth_defaults(base: BaseMesh, unit_scale: float, world_from_object: np.ndarray,
+                   sheet: bool = False) -> dict[str, Any]:
     """Settings of a garment that becomes cloth: folds as wide as the fabric and the wearer's size make them, lengths
-    in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest."""
+    in metres. Two significant digits. world_from_object: (3, 3), as it stands at rest. sheet: it is one, as a cape."""
     scale = size_factor(base.diagonal(), unit_scale)
     # The base cloth holds collars and cuffs; a hem without folds is a ring, with folds gathered above it.
-    lengths = dict(wavelength=CLOTH_WAVELENGTH, room=ClothSettings.room, slide_room=ClothSettings.slide_room,
+    finest = SHEET_WAVELENGTH if sheet else SKIRT_WAVELENGTH if is_flared(base, world_from_object) else CLOTH_WAVELENGTH
+    lengths = dict(wavelength=finest, room=ClothSettings.room, slide_room=ClothSettings.slide_room,
                    free_room=ClothSettings.free_room, thickness=ClothSettings.thickness)
-    if is_flared(base, world_from_object):
-        lengths |= SKIRT_LENGTHS
     return dict(base_cloth="HANG", layers="CLOTH", hem_rings=0, up=upward_axis(world_from_object),
                 **{name: float(f"{length * scale:.2g}") for name, length in lengths.items()})
 

@@ -48,10 +48,14 @@ ClearanceModel build_clearance(const Surface& surface) {
 
 Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settings,
                     std::span<const Vec3> surface_points, std::span<const Vec3> normals,
-                    const PosedCollider* bodies, std::vector<Index>& hints) {
+                    std::span<const float> free, const PosedCollider* bodies, std::vector<Index>& hints) {
     const size_t vertices = surface_points.size();
+    const auto at_least = [&](float length, size_t v) {
+        return free.empty() ? length : std::max(length, free[v]);
+    };
+    const auto unknown = [&](size_t v) { return at_least(settings.unknown, v); };
     Clearance clearance;
-    clearance.inwards.assign(vertices, settings.unknown);
+    for (size_t v = 0; v < vertices; ++v) clearance.inwards.push_back(unknown(v));
     if (!bodies) {
         hints.clear();
         return clearance;
@@ -63,13 +67,17 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
     for_each_index(vertices, kLeastSearches, [&](size_t v) {
         if (normals[v] == Vec3(0.0f)) return;  // loose: nothing faces as it does
         BodyContact& contact = clearance.bodies[v];
-        contact = bodies->closest(surface_points[v], normals[v], settings.reach, hints[v]);
+        const float reach = at_least(settings.reach, v);
+        contact = bodies->closest(surface_points[v], normals[v], reach, hints[v]);
         hints[v] = contact.triangle;
         if (contact.triangle == kNone) return;
         // What is about to leave the reach counts less and less.
-        contact.weight *= 1.0f - smooth_step(0.7f, 1.0f, std::abs(contact.distance) / settings.reach);
-        known[v] = {room_inwards(settings, contact.distance), contact.weight};
-        out[v] = glm::mix(settings.unknown, known[v].value, known[v].weight);
+        const auto fading = [&](float farthest) {
+            return contact.weight * (1.0f - smooth_step(0.7f, 1.0f, std::abs(contact.distance) / farthest));
+        };
+        known[v] = {room_inwards(settings, contact.distance), fading(reach)};
+        contact.weight = fading(settings.reach);
+        out[v] = glm::mix(unknown(v), known[v].value, known[v].weight);
     });
     const auto found = std::ranges::count_if(known, [](const Known& k) { return k.weight > 0.0f; });
     const auto loose = std::ranges::count(normals, Vec3(0.0f));
@@ -81,7 +89,7 @@ Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settin
         for (size_t step = 0; step < vertices; ++step) {
             const size_t v = sweep % 2 ? vertices - 1 - step : step;
             if (known[v].weight >= 1.0f) continue;
-            float sum = pull * settings.unknown, total = pull, sides = 0.0f;
+            float sum = pull * unknown(v), total = pull, sides = 0.0f;
             for (Index k = model.start[v]; k < model.start[v + 1]; ++k) {
                 sum += model.inverse_square[k] * out[model.neighbour[k]];
                 sides += model.inverse_square[k];

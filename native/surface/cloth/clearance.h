@@ -30,16 +30,18 @@ struct Clearance {
     // vertex normal, object units; negative where the bare garment is inside the body and has to come out.
     std::vector<float> inwards;
     float known = 0.0f;               // share of the vertices on faces that have a body under them
-    std::vector<BodyContact> bodies;  // per welded vertex: what is under it; weight 0 at the reach. Or none
+    std::vector<BodyContact> bodies;  // per welded vertex: what is under it; weight 0 at `reach`. Or none
 };
 
 // Where no body is found it is filled in from the vertices around, so that the inner surface has no seam.
 //   surface_points: of the vertices on the smooth bare garment; normals: unit. bodies: or none.
+//   free: empty, or how far inwards each vertex may go where it hangs free of the body, else 0, object units:
+//   it looks for a body so far, and may go so far where there is none.
 //   hints: the triangle found for every vertex in the frame before (empty: none); gets those of this frame.
 //   They make it faster and change nothing else.
 // Cost: about 0.5 us a vertex.
 Clearance clearance(const ClearanceModel& model, const ClearanceSettings& settings,
                     std::span<const Vec3> surface_points, std::span<const Vec3> normals,
-                    const PosedCollider* bodies, std::vector<Index>& hints);
+                    std::span<const float> free, const PosedCollider* bodies, std::vector<Index>& hints);
 
 }  // namespace rumple

@@ -23,6 +23,10 @@ constexpr float kSleeveHeld = 0.4f, kLegHeld = 0.01f;
 // foot went through the cloth in a jump.
 constexpr float kLowest = 0.1f;
 
+// Of a sheet that hangs, this share of its diagonal below the highest point of its outline. A sheet that lies
+// (a blanket), less than kHangs of the diagonal high, has no upper end.
+constexpr float kSheetHeld = 0.06f, kHangs = 0.25f;
+
 // Over this share of the part's diagonal the hold of a border fades out.
 constexpr float kFade = 0.07f;
 
@@ -33,14 +37,37 @@ float held_by_width(float fraction, bool lowest) {
     return sleeve * std::clamp((kLoose - fraction) / (kLoose - kSleeve), 0.0f, 1.0f);
 }
 
-// Raises `follow` around a border, by the distance along the edges.
-void hold(const Border& border, float firmly, float reach, const EdgeGraph& graph,
+// Raises `follow` around vertices, by the distance along the edges.
+void hold(std::span<const Index> vertices, float firmly, float reach, const EdgeGraph& graph,
           std::vector<float>& follow) {
     std::vector<float> distance(graph.size(), std::numeric_limits<float>::max());
-    shortest_paths(graph, border.vertices, reach, distance, [&](Index v) {
+    shortest_paths(graph, vertices, reach, distance, [&](Index v) {
         const float t = 1.0f - distance[v] / reach;
         follow[v] = std::max(follow[v], firmly * t * t * (3.0f - 2.0f * t));
     });
+}
+
+// The outline of a garment of which more than half is a sheet; else nothing. Its pockets are sheets as well.
+const Border* find_sheet(const Borders& borders) {
+    for (const Border& border : borders.all) {
+        const auto is_here = [&](const Border& other) { return other.part == border.part; };
+        if (!border.is_opening && std::ranges::count_if(borders.all, is_here) == 1 &&
+            2 * std::ranges::count(borders.part, border.part) > std::ssize(borders.part))
+            return &border;
+    }
+    return nullptr;
+}
+
+// What a sheet is held by; nothing of one that lies.
+std::vector<Index> find_upper_end(const Surface& surface, const Border& outline, float diagonal,
+                                  const Vec3& up) {
+    const auto height = [&](Index v) { return glm::dot(surface.positions_rest[v], up); };
+    const auto [lowest, highest] = std::ranges::minmax_element(outline.vertices, {}, height);
+    std::vector<Index> upper;
+    if (height(*highest) - height(*lowest) < kHangs * diagonal) return upper;
+    for (const Index v : outline.vertices)
+        if (height(v) >= height(*highest) - kSheetHeld * diagonal) upper.push_back(v);
+    return upper;
 }
 
 }  // namespace
@@ -61,7 +88,11 @@ std::vector<float> suggest_follow(const Surface& surface, const Vec3& up) {
         const bool top = border.height == highest[border.part] && border.is_opening;
         const bool low = border.height <= lowest[border.part] + kLowest * size;
         const float firmly = top ? 1.0f : held_by_width(border.radius / size, low);
-        if (size > 0.0f && firmly > 0.0f) hold(border, firmly, kFade * size, graph, follow);
+        if (size > 0.0f && firmly > 0.0f) hold(border.vertices, firmly, kFade * size, graph, follow);
+    }
+    if (const Border* sheet = find_sheet(borders)) {
+        const float size = borders.diagonal[sheet->part];
+        hold(find_upper_end(surface, *sheet, size, up), 1.0f, kFade * size, graph, follow);
     }
     std::vector<float> out;
     for (const Index welded : surface.welded_of) out.push_back(follow[welded]);

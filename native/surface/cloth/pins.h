@@ -10,8 +10,9 @@ namespace rumple {
 
 // How firmly every display vertex follows the animation, 0 (free) to 1 (pinned), from the open borders at
 // rest: the highest one is pinned (a collar, a waistband), narrow ones more or less (a cuff at the wrist
-// wholly, a short sleeve a little, a leg of trousers hardly), wide ones not at all (a hem, the outline of a
-// flag). It fades out over a part of the garment's size. Connected parts are looked at one by one.
+// wholly, a short sleeve a little, a leg of trousers hardly), wide ones not at all (a hem). Of a garment that
+// is a sheet (a cape, a scarf) the upper end of its outline is pinned. It fades out over a part of the
+// garment's size. Connected parts are looked at one by one.
 //   up: unit, object space at rest.
 // Cost: O(edges log edges).
 std::vector<float> suggest_follow(const Surface& surface, const Vec3& up);

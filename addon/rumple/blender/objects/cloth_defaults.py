@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from ...core import wrinkle_field, wrinkle_mesh, wrinkle_paths
+from ...core import flared, transforms, wrinkle_field, wrinkle_mesh, wrinkle_paths
 from .. import compat
 from . import incoming_mesh, mesh_reader, modifier, properties, runtimes, units
 
@@ -20,22 +20,22 @@ CHOICES = ("base_cloth", "layers", "hem_rings", "up", "buckling_threshold", "thr
 STEPS = 20  # of the weights that a group starts from
 
 
-def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str]) -> None:
+def apply(obj: bpy.types.Object, scene: bpy.types.Scene, lengths: set[str], body: bpy.types.Object | None) -> None:
     """Make a skinned garment cloth, and give a simulated one layers, unless it was ever said what its wrinkles lie
     on. What else was set stays.
 
-    lengths: names of those that nobody has set.
+    lengths: names of those that nobody has set. body: that it is worn over.
     """
     settings = properties.group_of(obj)
     if any(name in properties.fields_of(obj) and settings.is_property_set(name) for name in ("base_cloth", "layers")):
         return
-    values = defaults(obj, scene)
+    values = defaults(obj, scene, body)
     free = lengths - ({"wavelength"} if getattr(settings, "density", "") == "LEVEL" else set())
     properties.apply_values(obj, scene, {name: value for name, value in values.items() if name in free or (
         name in CHOICES and not settings.is_property_set(name))})
 
 
-def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
+def defaults(obj: bpy.types.Object, scene: bpy.types.Scene, body: bpy.types.Object | None = None) -> dict[str, Any]:
     """Settings by what moves the object; none for what is neither skinned nor simulated."""
     method = obj.rumple.method
     if is_simulated(obj):
@@ -43,15 +43,36 @@ def defaults(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any]:
     if not is_skinned(obj):
         return {}
     base = mesh_reader.base_mesh(obj, "REST_POSE", "")
-    if not len(base.triangle_corner) or not wrinkle_mesh.suits_cloth(base):
+    if not len(base.triangle_corner):
+        return {}
+    sheet = is_sheet(obj, body)
+    if not sheet and not wrinkle_mesh.suits_cloth(base):
         return {}
     metres = units.metres_per_unit(obj, scene)
-    values = wrinkle_mesh.cloth_defaults(base, metres, np.array(obj.matrix_world.to_3x3(), np.float32))
+    values = wrinkle_mesh.cloth_defaults(base, metres, _turn(obj), sheet)
     if method == "MESH":
         return values
     of_folds = wrinkle_paths.cloth_defaults(base, metres) if method == "PATHS" else wrinkle_field.CLOTH_DEFAULTS
     of_cloth = ("base_cloth", "up", "room", "slide_room", "free_room", "thickness")
     return {name: values[name] for name in of_cloth} | of_folds
+
+
+def is_sheet(obj: bpy.types.Object, body: bpy.types.Object | None) -> bool:
+    """Whether a garment is one, as a cape. body: that it is worn over."""
+    if body is None or not len(body.data.vertices):
+        return False
+    into = np.array(obj.matrix_world.inverted_safe() @ body.matrix_world, np.float32)
+    wearer = transforms.placed(into, mesh_reader.basis_positions(body.data))
+    return flared.is_sheet(mesh_reader.base_mesh(obj, "REST_POSE", ""), wearer)
+
+
+def is_skirt(obj: bpy.types.Object) -> bool:
+    """Whether it has two openings, and the lower one is far wider."""
+    return flared.is_flared(mesh_reader.base_mesh(obj, "REST_POSE", ""), _turn(obj))
+
+
+def _turn(obj: bpy.types.Object) -> np.ndarray:
+    return np.array(obj.matrix_world.to_3x3(), np.float32)
 
 
 def is_cloth(obj: bpy.types.Object) -> bool:

@@ -34,28 +34,39 @@ class _Surface(NamedTuple):
         return cls(tree or body_search.tree_of(obj), at_border(body_search.triangles_of(obj)))
 
 
-def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree]) -> None:
-    """Paint Hangs Free where the cloth of an object is away from all that it is worn over. What was painted stays;
-    where next to nothing hangs free, or everything has the room of it, nothing is painted. trees: of tree_of(), of
-    what has one already. Cost: 10 ms per 1,000 vertices and body; of most garments 10 ms."""
+def paint(obj: bpy.types.Object, scene: bpy.types.Scene, trees: dict[bpy.types.Object, BVHTree],
+          sheet: bool) -> bool:
+    """Paint Hangs Free where the cloth of an object is away from all that it is worn over; on a sheet, as a cape is,
+    below its upper end. What was painted stays; where next to nothing hangs free, or everything has the room of it,
+    nothing is painted. True where the map is there then. trees: of tree_of(), of what has one already. Cost: 10 ms per
+    1,000 vertices and body; of most garments 10 ms."""
     painted, settings = painted_maps.find(obj, hangs_free.FREE), properties.group_of(obj)
-    if painted is None or painted.exists or settings.base_cloth == "OFF" or settings.room >= settings.free_room:
-        return
+    if painted is None or painted.exists:
+        return painted is not None
+    if settings.base_cloth == "OFF" or settings.room >= settings.free_room:
+        return False
     if not compat.is_editable(obj) or not compat.is_editable(obj.data):
-        return
-    over = [_Surface.of(body, trees.get(body)) for body in bodies.of(obj)
-            if body != obj and len(body.data.polygons) and body_search.is_finite(body)]
-    free = _free_share(obj, over, scene.unit_settings.scale_length) if over else None
-    if free is not None and (free > 0.5).mean() >= hangs_free.LEAST_FREE:
-        painted_maps.write(obj, painted, (np.round(free * STEPS) / STEPS).astype(np.float32))
-
-
-def _free_share(obj: bpy.types.Object, over: list[_Surface], metre: float) -> np.ndarray | None:
-    """(n,) float32 of the object's own vertices; None where a sample says that it lies on what it is worn over. metre:
-    metres of a unit of the world."""
+        return False
     rest = transforms.placed(np.array(obj.matrix_world, np.float32), mesh_reader.basis_positions(obj.data))
     if not np.isfinite(rest).all():
-        return None
+        return False
+    free = hangs_free.share_of_sheet(rest) if sheet else _free_of_bodies(obj, rest, scene, trees)
+    if free is None or (free > 0.5).mean() < hangs_free.LEAST_FREE:
+        return False
+    painted_maps.write(obj, painted, (np.round(free * STEPS) / STEPS).astype(np.float32))
+    return True
+
+
+def _free_of_bodies(obj: bpy.types.Object, rest: np.ndarray, scene: bpy.types.Scene,
+                    trees: dict[bpy.types.Object, BVHTree]) -> np.ndarray | None:
+    over = [_Surface.of(body, trees.get(body)) for body in bodies.of(obj)
+            if body != obj and len(body.data.polygons) and body_search.is_finite(body)]
+    return _free_share(obj, rest, over, scene.unit_settings.scale_length) if over else None
+
+
+def _free_share(obj: bpy.types.Object, rest: np.ndarray, over: list[_Surface], metre: float) -> np.ndarray | None:
+    """(n,) float32 of the object's own vertices; None where a sample says that it lies on what it is worn over. rest:
+    (n, 3) in the world. metre: metres of a unit of the world."""
     turn = obj.matrix_world.to_3x3().inverted_safe().transposed()
     size = size_factor(Vector(np.ptp(rest, axis=0)).length, metre)
 

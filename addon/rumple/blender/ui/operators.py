@@ -147,10 +147,14 @@ class OBJECT_OT_rumple_add(bpy.types.Operator):
         lengths = self._set_defaults(context, obj)
         worn_over = body_search.find(obj, context.scene)
         if not worn_over.is_body:
-            cloth_defaults.apply(obj, context.scene, lengths)
+            cloth_defaults.apply(obj, context.scene, lengths, worn_over.body)
         if cloth_defaults.is_cloth(obj):
             self._set_bodies(obj, worn_over)
-            free_parts.paint(obj, context.scene, worn_over.trees)
+            sheet = cloth_defaults.is_sheet(obj, worn_over.body)
+            if not free_parts.paint(obj, context.scene, worn_over.trees, sheet) and "room" in lengths and (
+                    sheet or cloth_defaults.is_skirt(obj)):
+                settings = properties.group_of(obj)
+                settings.room = settings.free_room  # what is below it is not known: all of it has room
         self._adjust(context, obj)
         if cloth_defaults.is_cloth(obj) or worn_over.body is None or properties.group_of(obj).is_property_set(
                 "base_cloth"):
